@@ -20,6 +20,7 @@ from signorini.cli.tables import print_results
 from signorini.model import Combination
 from signorini.output import results_json, write
 from signorini.results.quantities import LINEAR
+from signorini.results.warnings import model_warnings
 
 LEGS = [[1, 1], [3, 1], [3.1, 3.3], [1, 3]]
 
@@ -126,6 +127,9 @@ def test_wheels_stand_where_they_should_and_act_only_on_the_plate(patch):
     assert np.allclose(resultant(found, "truck@3"), expected, rtol=1e-9)
     # At the start the second axle is behind the line's beginning, on the plate's edge: half of each print acts.
     assert np.isclose(resultant(found, "truck@0")[0], 10 + (15 if patch else 30), rtol=1e-9)
+    said = [sentence for sentence in model_warnings(found) if "moving" in sentence]
+    assert len(said) == (patch is not None)
+    assert all("at truck@0, axle 2, 50 % of its force does not act" in sentence for sentence in said)
 
 
 @pytest.mark.parametrize(

@@ -657,13 +657,13 @@ def test_a_file_has_every_extreme_of_every_bearing_with_what_the_others_do() -> 
 def test_pictures_of_a_group_have_one_scale_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limits = dict[tuple[str, str], Any]()
 
-    def kept(plan: Any, pictures: Any, length: str) -> Iterator[bytes]:
+    def kept(plan: Any, pictures: Any, length: str, rows: int) -> Iterator[bytes]:
         for one in pictures:
-            first = one.panels()[0]
+            first = one.panels[0]
             limits[one.title, first.label.split()[0].rstrip(",")] = first.limits
             yield b"drawn"
 
-    monkeypatch.setattr("signorini.plot.drawn_as_png", kept)
+    monkeypatch.setattr("signorini.plot.pictures.drawn_as_png", kept)
     named = {"ULS 1": 1.35, "ULS 2": 1.5, "SLS": 1.0}
     combinations = [{"name": name, "group": name[:3], "factors": {"load": one}} for name, one in named.items()]
     plain = {"material": {"E": 30e9, "nu": 0.2}, "support": [{"edge": ["left", "right"], "fix": "simple"}]}
@@ -680,12 +680,12 @@ def test_an_envelope_has_pictures_of_its_largest_and_smallest_values_in_one_scal
 ) -> None:
     drawn = dict[tuple[str, str], Any]()
 
-    def kept(plan: Any, pictures: Any, length: str, rows: int = 1) -> Iterator[bytes]:
+    def kept(plan: Any, pictures: Any, length: str, rows: int) -> Iterator[bytes]:
         for one in pictures:
-            drawn.update({(one.title, panel.label): panel for panel in one.panels()} if rows == 2 else {})
+            drawn.update({(one.title, panel.label): panel for panel in one.panels} if rows == 2 else {})
             yield b"drawn"
 
-    monkeypatch.setattr("signorini.plot.drawn_as_png", kept)
+    monkeypatch.setattr("signorini.plot.pictures.drawn_as_png", kept)
     groups = ("ULS", "ULS", "SLS")
     wanted = [{"name": f"c{i}", "group": groups[i], "factors": {"G": 1, "W": 0.01 * i}} for i in range(3)]
     asked = {"combinations": "table", "fields": "none", "envelope": ["deflection", "mx", "qx", "qy"]}

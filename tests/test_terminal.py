@@ -76,7 +76,6 @@ def held(printed: object, found: object) -> None:
 @pytest.mark.parametrize("count", [1, 2, 8, 40])
 def test_no_number_is_broken_on_a_terminal_of_any_width(count: int) -> None:
     results = signorini.solve(model(count))
-    # With eight combinations on the summary leaves out columns that the tables of each combination have.
     held(print_results, results)
     held(print_check, check(results.discretisation.model))
 
@@ -102,13 +101,14 @@ def test_a_table_drops_spare_columns_and_then_turns() -> None:
         assert sum("-1234.5678" in line for line in each) in (1, 2)
 
 
-@pytest.mark.parametrize(("count", "first"), [(7, "solved by"), (8, "largest deflection [m]"), (13, "field")])
-def test_from_eight_combinations_on_a_summary_comes_first(count: int, first: str) -> None:
+@pytest.mark.parametrize(("count", "first"), [(2, "solved by"), (3, "largest deflection [m]"), (13, "field")])
+def test_from_three_combinations_on_a_summary_stands_for_them(count: int, first: str) -> None:
     lines = shown(print_results, signorini.solve(model(count)), 200).splitlines()
     assert any(first in line for line in lines[3:6])
-    assert (first in lines[3]) == (count <= 8)
+    assert (first in lines[3]) == (count <= 3)
+    assert any("solved by" in line for line in lines) == (count < 3)
     governing = [line for line in lines if line.startswith("largest pads[1]")]
-    assert len(governing) == (count >= 8)
+    assert len(governing) == (count >= 3)
     if governing:
         # The largest reaction comes with the largest Q; beside it those of the five others, each with its ± but zeros.
         assert f"ULS {count}: 1.35 G + {(count - 1) / 8} Q" in governing[0]
@@ -140,7 +140,7 @@ def test_extremes_of_many_combinations_are_shown_with_their_half_widths() -> Non
     assert "of the equations; of the mesh: ± by 256, 64 and 16 elements" in lines
 
 
-@pytest.mark.parametrize("count", [8, 13])
+@pytest.mark.parametrize("count", [3, 13])
 def test_of_many_bearings_it_is_said_where_the_governing_reactions_are(count: int) -> None:
     feet = {"name": "feet", "at": [[x, y] for x in range(4) for y in range(4)], "resists": "down"}
     results = signorini.solve(model(count, support=[feet], mesh={"divisions": [2, 2], "error": False}))
@@ -212,12 +212,12 @@ def test_what_is_nothing_is_shown_as_nothing() -> None:
 
 
 def test_warnings_are_printed_once_after_the_tables() -> None:
-    thick = signorini.solve(model(3, material={"E": 3e3, "nu": 0.2}))
+    thick = signorini.solve(model(2, material={"E": 3e3, "nu": 0.2}))
     lines = shown(print_results, thick, WIDE).splitlines()
     said = [line for line in lines if line.startswith("Warning")]
     assert len([line for line in said if "E = 3000 kN/m²" in line]) == 1
     assert lines.index(said[0]) > max(i for i, line in enumerate(lines) if line.startswith("certificate"))
-    assert any(re.match(r"Warning \(ULS 3: 1.35 G \+ 0.25 Q\): The deflection at ", line) for line in said)
+    assert any(re.match(r"Warning \(ULS 2: 1.35 G \+ 0.125 Q\): The deflection at ", line) for line in said)
     assert "Warning: E = 3000 kN/m²" in shown(print_check, check(thick.discretisation.model), WIDE)
 
 
@@ -246,8 +246,9 @@ def test_head_ends_a_run_quietly_with_its_code(tmp_path: Path, factor: int, code
 
 def test_places_without_a_limit_are_named_with_the_case_of_their_load() -> None:
     said = shown(print_results, signorini.solve(model(2)), WIDE)
-    assert 'Singular (case "Q"): Force at a point of load[2]: ' in said
-    assert "Singular: pads at a point: " in said
+    (line,) = [line for line in said.splitlines() if line.startswith("Singular")]
+    assert 'Force at a point of load[2] (case "Q") at [' in line and "pads at a point at [1, 1] and 3 more" in line
+    assert line.endswith("All in results.json.")
 
 
 def test_what_is_in_contact_is_told_of_how_much_and_the_largest_pressure_where() -> None:
@@ -260,9 +261,14 @@ def test_what_is_in_contact_is_told_of_how_much_and_the_largest_pressure_where()
     assert 0 < part < 1
     # The edge of contact is between the last closed point and the first open one, which are 0.5 m apart at most.
     assert part * 4 == pytest.approx(result.supports[0].weights[result.supports[0].closed].sum(), abs=0.5)
-    assert f"wall, in contact: {4 * part:.6g} of 4 m ({100 * part:.3g} %)" in said
+    assert f"wall: in contact on {100 * part:.3g} % of its length, {4 * part:.6g} of 4 m" in said
     area = result.supports[1]
-    assert f"of 16 m² ({100 * area.contact_area / 16:.3g} %), largest pressure" in said
+    assert f"soil: in contact on {100 * area.contact_area / 16:.3g} % of its area, " in said
+    assert " of 16 m²; largest pressure" in said
+    (lifted,) = [line for line in said.splitlines() if "has lifted" in line]
+    assert lifted.startswith("the plate has lifted at its corner [0, 4] by ") and lifted.endswith(" mm")
+    node = int(np.hypot(*(result.mesh.points - [0, 4]).T).argmin())
+    assert float(lifted.split()[-2]) == pytest.approx(-1e3 * result.deflection[node], rel=5e-3)
     x, y = area.max_pressure_at
     assert f" at {point((x, y), 4.0)}" in said.split("largest pressure")[1].splitlines()[0]
     assert result.pressure([[x, y]])[0] == pytest.approx(area.max_pressure, rel=1e-9)
@@ -280,7 +286,7 @@ def test_of_a_support_along_which_others_hold_the_plate_nothing_is_in_contact() 
     )
     shown = io.StringIO()
     print_results(Console(file=shown, width=WIDE), signorini.solve(held), None)
-    assert "ring, in contact: 0 of 0" in shown.getvalue()
+    assert "ring: others hold the plate all over it" in shown.getvalue()
 
 
 def test_a_single_bearing_has_no_others() -> None:
@@ -304,11 +310,11 @@ def test_where_half_widths_are_wide_it_is_said_once_what_helps(count: int) -> No
 
 def test_of_many_points_the_largest_and_those_that_are_open_are_shown() -> None:
     many = {"name": "feet", "at": [[x, y] for x in range(5) for y in range(5)], "resists": "down"}
-    results = signorini.solve(model(9, support=[many], mesh={"divisions": [4, 4], "error": False}))
-    result = results["ULS 9: 1.35 G + 1.0 Q"]
+    results = signorini.solve(model(2, support=[many], mesh={"divisions": [4, 4], "error": False}))
+    result = results["ULS 2: 1.35 G + 0.125 Q"]
     (support,) = result.supports
     lines = shown(print_results, results, WIDE).splitlines()
-    at = next(i for i, line in enumerate(lines) if line.startswith("ULS 9: 1.35 G + 1.0 Q: solved"))
+    at = next(i for i, line in enumerate(lines) if line.startswith("ULS 2: 1.35 G + 0.125 Q: solved"))
     rows = [line.split() for line in lines[at:] if line.startswith("feet[")]
     wanted = sorted(np.abs(support.reactions))[-20:]
     assert sorted(float(row[3]) for row in rows) == pytest.approx(wanted, rel=1e-5, abs=1e-9)

@@ -24,7 +24,9 @@ import mutations
 import typer.main
 
 import signorini
-import signorini.plot
+import signorini.plot.files
+import signorini.plot.load_path
+import signorini.plot.pictures
 from signorini.cli import app
 
 COMMANDS = typer.main.get_command(app)
@@ -32,7 +34,12 @@ NAME = "slab.toml"
 _SELDOM = 50
 """One input in so many draws its pictures; they take most of the time and do not depend on what was found."""
 
-_PICTURES = ("check_picture", "load_path_picture")
+_PICTURES = (
+    (signorini.plot.pictures, "check_picture"),
+    (signorini.plot.load_path, "load_path_picture"),
+    (signorini.plot.files, "save"),
+)
+_NO_PICTURES = {"solve": ("--pictures", "none")}
 _LEAVES = {"solve": ("slab-results", (0, 3)), "check": ("slab-check.png", (0, 3)), "path": ("slab-path", (0, 4))}
 """What each command may leave beside the input, with which exit codes."""
 _CASES = ["load", "G", "Q", "all", "C0"]
@@ -49,17 +56,17 @@ def ended(
     """Run a command on an input file: its exit code, standard error, and everything wrong with how it ended."""
     file, before = directory / NAME, {path.name for path in directory.iterdir()}
     file.write_bytes(content)
-    drawn = {name: getattr(signorini.plot, name) for name in (*_PICTURES, "save", "drawn_as_png")}
+    drawn = {(home, name): getattr(home, name) for home, name in _PICTURES}
     if not pictures:
-        for name in _PICTURES:
-            setattr(signorini.plot, name, lambda *given, **more: None)
-        signorini.plot.save = lambda figure, path: Path(path).write_bytes(b"")
-        signorini.plot.drawn_as_png = lambda plan, pictures, length, rows=1: [b""] * len(pictures)
+        more = (*more, *_NO_PICTURES.get(command, ()))
+        for home, name in _PICTURES:
+            setattr(home, name, lambda *given, **more: None)
+        signorini.plot.files.save = lambda figure, path: Path(path).write_bytes(b"")
     try:
         code, errors, exception = _run([command, str(file), *more])
     finally:
-        for name, function in drawn.items():
-            setattr(signorini.plot, name, function)
+        for (home, name), function in drawn.items():
+            setattr(home, name, function)
     wrong = list(_faults(code, errors, exception))
     left = {path.name for path in directory.iterdir()} - before - {NAME}
     leaves, codes = _LEAVES[command]

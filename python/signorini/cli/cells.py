@@ -11,17 +11,6 @@ UNKNOWN = "± ?"
 UNSETTLED = f"{UNKNOWN}: does not settle from mesh to mesh, near what is named below as singular or unresolved"
 
 
-def visible(text: object) -> str:
-    r"""Write what would command a terminal, such as an escape in the name of a file, so that it is read instead.
-
-    Examples
-    --------
-    >>> visible("slab\x1b[31m.toml: no such file.") == r"slab\x1b[31m.toml: no such file."
-    True
-    """
-    return "".join(sign if sign.isprintable() or sign == "\n" else repr(sign)[1:-1] for sign in str(text))
-
-
 def cell(
     value: float, widths: Mapping[str, Any] | None, path: Sequence[str | int], largest: float = 0.0, digits: int = 6
 ) -> str:
@@ -34,21 +23,22 @@ def cell(
     return estimated(value, found, largest, digits)
 
 
-def of_whole(part: str, value: float, whole: float, unit: str) -> str:
-    """Write a part of a length or area, beside it what it is of.
+def in_contact(name: str, part: str, value: float, whole: float, what: str, unit: str) -> str:
+    """Say on which part of its length or area a support holds.
 
     Examples
     --------
-    >>> of_whole("209.021 ± 0.026", 209.021, 216.0, " m²")
-    '209.021 ± 0.026 of 216 m² (96.8 %)'
+    >>> in_contact("soil", "209.021 ± 0.026", 209.021, 216.0, "area", " m²")
+    'soil: in contact on 96.8 % of its area, 209.021 ± 0.026 of 216 m²'
 
     Where others hold the plate all over a support, it has no points of its own:
 
-    >>> of_whole("0", 0.0, 0.0, " m²")
-    '0 of 0 m²'
+    >>> in_contact("ring", "0", 0.0, 0.0, "length", " m")
+    'ring: others hold the plate all over it'
     """
-    share = f" ({min(100.0, 100.0 * value / whole):.3g} %)" if whole else ""
-    return f"{part} of {whole:.6g}{unit}{share}"
+    if not whole:
+        return f"{name}: others hold the plate all over it"
+    return f"{name}: in contact on {min(100.0, 100.0 * value / whole):.3g} % of its {what}, {part} of {whole:.6g}{unit}"
 
 
 def in_unit(unit: str) -> str:

@@ -17,20 +17,16 @@ from typing import Annotated, Literal
 import typer
 
 import signorini
-from signorini.base.arguments import known
 from signorini.base.units import METRES
-from signorini.cli import interrupts, streams, tables
-from signorini.cli.cells import visible
+from signorini.cli import interrupts, streams
 from signorini.cli.grid import say
 from signorini.cli.progress import progress_line
+from signorini.cli.streams import visible
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
-from signorini.formats.inputfile import with_line
 
 _MOST_REASONS = 20
 _SHORT = 0.999
 """Part of the limit of equilibrium at which a path ends that stops short of it."""
-_OWN_PROCESS = "own process"
-"""Tells commands that this process is theirs alone, to be forked."""
 _OPTIONS = {
     "start": "--from",
     "add": "--add",
@@ -69,7 +65,7 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
-        app(obj=_OWN_PROCESS)
+        app()
     finally:
         streams.flush()
 
@@ -97,7 +93,6 @@ def _options(
     short_help="Solve every combination, write the results.", epilog="Example: signorini solve slab.toml -o results"
 )
 def solve(
-    context: typer.Context,
     file: InputFile,
     output: Annotated[
         Path | None,
@@ -106,37 +101,46 @@ def solve(
     threads: Annotated[
         int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one a core]")
     ] = None,
+    pictures: Annotated[
+        Literal["all", "governing", "none"] | None,
+        typer.Option(
+            help="Combinations that have pictures. [default: all of up to four, of more those that govern]",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
-    """Solve every combination; write results.json, reactions.csv, a .vtu file and a picture each; print a table.
+    """Solve every combination; write results.json, reactions.csv, .vtu files and pictures; print a table.
 
     Of many combinations write combinations.parquet, envelopes, and all of this for those that govern.
     """
-    with _messages(file):
+    from signorini.plot.artist import Artist, cores
+
+    alone = pictures == "none" or threads == 1 or cores() == 1
+    with _messages(file), nullcontext() if alone else Artist() as artist:
         from signorini.analysis.estimate import estimates_of
-        from signorini.output import write_results
+        from signorini.cli.tables import print_results
         from signorini.output.directory import former_results, room_for
         from signorini.output.names import TABLE
-        from signorini.output.pictures import artists
+        from signorini.output.writing import write_results
 
         if threads is not None:
             # Rust's threads start at their first use and read this then.
             os.environ["RAYON_NUM_THREADS"] = str(threads)
         model = signorini.load(file)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
-        others = artists() if context.obj is _OWN_PROCESS and threads != 1 else nullcontext(())
         try:
-            with others as drawing, room_for(directory, model) as room, progress_line() as show:
+            with room_for(directory, model) as room, progress_line() as show:
                 table = room / TABLE if model.tabulated else None
                 with interrupts.at_once(room):
                     results = signorini.solve(model, progress=show, table=table)
                     estimates = estimates_of(results, show, table) if model.estimated else None
                 show("writing the results")
-                write_results(results, directory, estimates, table, drawing)
+                write_results(results, directory, estimates, table, pictures, artist.drawn if artist else None)
         except SignoriniError:
             if former_results(directory):
                 streams.stderr().print(f"Nothing is written; {visible(directory)} holds the results of an earlier run.")
             raise
-        tables.print_results(streams.stdout(), results, estimates)
+        print_results(streams.stdout(), results, estimates)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
         _refuse(results.unbalanced, results.unbalanced_count)
 
@@ -159,6 +163,7 @@ def check(
     with _messages(file):
         from signorini.analysis.check import check as checked
         from signorini.analysis.check import require_free, require_picture
+        from signorini.cli.tables import print_check
 
         model = signorini.load(file)
         picture = output if output is not None else file.with_name(f"{file.stem}-check.png")
@@ -167,7 +172,7 @@ def check(
             require_free(picture)
         found = checked(model)
         found.save_picture(picture, nodes)
-        tables.print_check(streams.stdout(), found)
+        print_check(streams.stdout(), found)
         streams.stdout().print(f"Drawn in {visible(picture)}")
         unbalanced = {resultant.name: resultant.message for resultant in found.resultants if resultant.message}
         _refuse(unbalanced, len(unbalanced))
@@ -261,6 +266,8 @@ def _numbers(text: str) -> list[float]:
 
 def _which(events: str) -> Literal["named", "all"]:
     """What may stand for events."""
+    from signorini.base.arguments import known
+
     return "all" if known(events, ("named", "all"), "choice", "events", "It") == "all" else "named"
 
 
@@ -358,6 +365,8 @@ def _messages(file: Path | None = None) -> Iterator[None]:
     try:
         yield
     except InputError as error:
+        from signorini.formats.inputfile import with_line
+
         place = _OPTIONS.get(error.place)
         text = f"{place}: {error.message}" if place else error if file is None else with_line(error, file)
         _end(f"Error: {text}", error.exit_code)

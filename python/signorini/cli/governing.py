@@ -12,7 +12,7 @@ from rich.text import Text
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import compared, estimated, number, size_of
-from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, of_whole, unit_of
+from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_contact, in_unit, unit_of
 from signorini.cli.grid import Column, Grid, numbers, say
 from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES
@@ -173,9 +173,10 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
         if (area := layout.at_rest.get(index)) is not None:
             pressed, touching = whole[f"max_pressure:{support.name}"], whole[f"contact_area:{support.name}"]
             pressure = cell(pressed.max, widths, (*of_support, "max_pressure", "max"))
-            in_contact = cell(touching.min, widths, (*of_support, "contact_area", "min"))
+            touching_cell = cell(touching.min, widths, (*of_support, "contact_area", "min"))
             highest = f"{pressure} {units.force_by_length(-2)}".rstrip()
             where = point(area.pressure_places[whole.along[index].ends[0]].tolist(), results.discretisation.mesh.size)
-            least = of_whole(in_contact, touching.min, float(points.weights.sum()), unit_of(units.length, 2))
+            extent = float(points.weights.sum())
+            least = in_contact(support.name, touching_cell, touching.min, extent, "area", unit_of(units.length, 2))
             say(console, f"{support.name}: largest pressure {highest} at {where} in {results.key(pressed.max_by)}")
-            say(console, f"{support.name}: least in contact {least} in {results.key(touching.min_by)}")
+            say(console, f"{least}, the least, in {results.key(touching.min_by)}")

@@ -11,8 +11,7 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.base.progress import Progress
-from signorini.cli.cells import visible
-from signorini.cli.streams import stderr
+from signorini.cli.streams import stderr, visible
 
 _BESIDE = 4
 """Columns that the turning mark takes, and one to spare."""

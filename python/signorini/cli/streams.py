@@ -42,6 +42,17 @@ def discard(stream: IO[str]) -> None:
         os.close(nowhere)
 
 
+def visible(text: object) -> str:
+    r"""Write what would command a terminal, such as an escape in the name of a file, so that it is read instead.
+
+    Examples
+    --------
+    >>> visible("slab\x1b[31m.toml: no such file.") == r"slab\x1b[31m.toml: no such file."
+    True
+    """
+    return "".join(sign if sign.isprintable() or sign == "\n" else repr(sign)[1:-1] for sign in str(text))
+
+
 class _Shown:
     """A stream that takes everything, whoever reads it."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -15,16 +16,18 @@ from signorini.analysis.check import ASKED, Check
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import compared, number, size_of
-from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, of_whole, unit_of
+from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, unit_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import Column, Grid, numbers, say
+from signorini.cli.resting import lifted, resting
 from signorini.cli.through import print_through
 from signorini.cli.wide import too_wide
+from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
-from signorini.discretise.supports import can_let_go
 from signorini.errors import length, point
 from signorini.model import Model, Support
 from signorini.output.envelope_json import table_warnings
+from signorini.output.names import JSON
 from signorini.results.marks import case_totals
 from signorini.results.panels import quantity
 from signorini.results.quantities import AT_PROBES, FIELDS, LINEAR, RESULTANTS
@@ -37,13 +40,17 @@ from signorini.singularities.singularity import Singularity
 Widths = Mapping[str, Any] | None
 """Half-widths as in results.json; None where there are none."""
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
-_SEVERAL = 8
-"""Combinations from which on a summary comes first."""
+_SEVERAL = 3
+"""Combinations from which on a summary is shown in place of each one's tables."""
 _MOST_POINTS = 20
 """Points of supports whose reactions are listed; of more the largest."""
 _MOST_OPEN = 8
 """Open points named where not all points are listed; where more are open their number says enough."""
 _MOST_WARNINGS = 20
+_MOST_KINDS = 6
+"""Kinds of places without a limit that are named."""
+_PLACES = re.compile(r" at \[.*")
+"""The places in the words about a singularity."""
 
 
 def print_results(console: Console, results: Results, estimates: Estimates | None) -> None:
@@ -59,14 +66,14 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
         if len(results) >= _SEVERAL:
             console.print()
             _print_summary(console, results, estimates)
+            _print_largest(console, results, estimates)
             for group in (*results.model.effective_combinations.groups,) or ("",):
                 print_governing(console, results, estimates, group)
-    for result in results.full.values() if not results.model.tabulated else ():
+            say(console, f"{JSON} has everything of every combination.")
+    for result in results.full.values() if not results.model.tabulated and len(results) < _SEVERAL else ():
         console.print()
         if result.status == "solved":
-            _print_result(
-                console, result, None if estimates is None else estimates[result.name], results.limits[result.name]
-            )
+            _print_result(console, result, _of(estimates, result), results.limits[result.name])
         else:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
@@ -76,7 +83,7 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
     named = [one for result in results.full.values() for one in result.singular]
     if results.model.tabulated:
         named = [*singularities(found, results.model.effective_combinations.cases)]
-    _print_singular(console, named, results.model)
+    _print_singular(console, named, results.model, f" All in {JSON}.")
     _print_legend(console, found.model.support)
 
 
@@ -153,19 +160,26 @@ def _elements(found: Discretisation) -> str:
     return " and ".join(f"{many} elements {kind}" for kind, many in kinds.items() if many)
 
 
+def _of(estimates: Estimates | None, result: Result) -> Estimate | None:
+    return None if estimates is None else estimates[result.name]
+
+
+def _widths(estimates: Estimates | None, result: Result) -> Widths:
+    return None if estimates is None else estimates[result.name].plus_minus
+
+
 def _print_summary(console: Console, results: Results, estimates: Estimates | None) -> None:
     model = results.discretisation.model
     names = [f"{support.name}{in_unit(model.units.force)}" for support in model.support]
     unit = in_unit(model.units.length)
     columns = [*numbers(f"largest deflection{unit}", f"smallest{unit}", "open points")]
-    shown = Grid([Column("combination"), *columns, *(Column(name, number=True, spare=True) for name in names)])
+    shown = Grid([Column("combination"), *columns, *numbers(*names)])
     size = max((size_of(result.deflection) for result in results.full.values() if result.supports), default=0.0)
     for result in results.full.values():
         if result.status != "solved":
             shown.add(Text(result.name, style="bold red"), "", "", "", *[""] * len(names))
             continue
-        widths = None if estimates is None else estimates[result.name].plus_minus
-        load = largest_of(result)["reaction"]
+        widths, load = _widths(estimates, result), largest_of(result)["reaction"]
         ends = (
             cell(float(end), widths, ("deflection", name), size)
             for name, end in (("max", result.deflection.max()), ("min", result.deflection.min()))
@@ -178,6 +192,41 @@ def _print_summary(console: Console, results: Results, estimates: Estimates | No
     shown.show(console)
     if results.unbalanced:
         say(console, f"without equilibrium: {', '.join(results.unbalanced)}", style="bold red")
+    solved = [result for result in results.full.values() if result.status == "solved"]
+    for name, sentence in ((result.name, lifted(result)) for result in solved):
+        if sentence:
+            say(console, f"{name}: {sentence}")
+    console.print()
+
+
+def _print_largest(console: Console, results: Results, estimates: Estimates | None) -> None:
+    """Print the largest and smallest moments and shears of all combinations, the worst certificate and the meshes."""
+    solved = [result for result in results.full.values() if result.status == "solved"]
+    if not solved:
+        return
+    model, size = results.model, results.discretisation.mesh.size
+    where, unsettled = f"at{in_unit(model.units.length)}", False
+    columns = [*numbers("largest", where), Column("of"), *numbers("smallest", where), Column("of")]
+    shown = Grid([Column("moments and shears"), *columns])
+    for name in RESULTANTS:
+        scale, cells = max(largest_of(one)[FIELDS[name].kind] for one in solved), []
+        most = max(solved, key=lambda one: one.extremes[name].max)
+        least = min(solved, key=lambda one: one.extremes[name].min)
+        for side, one in (("max", most), ("min", least)):
+            value, at = getattr(one.extremes[name], side), getattr(one.extremes[name], f"{side}_at")
+            cells += [cell(value, _widths(estimates, one), ("fields", name, side), scale, 5)]
+            cells += [point(at, size), one.name]
+        shown.add(quantity(name, model.units), *cells)
+        unsettled |= any(UNKNOWN in one for one in cells)
+    shown.show(console)
+    if unsettled:
+        say(console, UNSETTLED)
+    console.print()
+    worst = ", ".join(f"{name} {max(getattr(one.certificate, name) for one in solved):.1e}" for name in FIGURES)
+    say(console, f"worst certificate passed: {worst}")
+    estimate = _of(estimates, solved[0])
+    of_mesh = compared(() if estimate is None else estimate.elements, model.estimated)
+    say(console, f"of the equations; of the mesh: {of_mesh}")
     console.print()
 
 
@@ -201,34 +250,16 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
         rows.add("", "all", "", number(total, load), str(closed), str(opened))
     rows.show(console)
     _print_points(console, result, widths, largest)
-    for index, found in enumerate(result.supports):
-        if found.contact_area is not None and found.max_pressure is not None:
-            within = cell(found.contact_area, widths, ("supports", index, "contact_area"), largest["area"])
-            whole = float(found.weights.sum())
-            area = of_whole(within, found.contact_area, whole, unit_of(units.length, 2))
-            pressed = cell(found.max_pressure, widths, ("supports", index, "max_pressure"), largest["pressure"])
-            pressure = f"{pressed} {units.force_by_length(-2)}".rstrip()
-            said = f"{found.name}, in contact: {area}, largest pressure {pressure}"
-            if found.max_pressure and found.max_pressure_at is not None:
-                said += f" at {point(found.max_pressure_at, result.mesh.size)}"
-            if found.max_tension:
-                pulled = cell(found.max_tension, widths, ("supports", index, "max_tension"), largest["pressure"])
-                said += f", largest tension {pulled} {units.force_by_length(-2)}".rstrip()
-            say(console, said)
-        elif found.place != "at" and can_let_go(result.model.support[index]):
-            whole = float(found.weights.sum())
-            touching = found.closed_part * whole
-            along = of_whole(f"{touching:.6g}", touching, whole, unit_of(units.length))
-            say(console, f"{found.name}, in contact: {along}")
+    for sentence in (*resting(result, widths, largest["pressure"]), lifted(result)):
+        if sentence:
+            say(console, sentence)
     _print_deflection(console, result, widths)
     _print_extremes(console, result, widths, largest)
     if limit is not None:
         say(console, f"equilibrium would end with {limit[0]} at {limit[1]:.4g} times its factor")
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
-    say(
-        console,
-        f"of the equations; of the mesh: {compared(estimate.elements if estimate else (), result.model.estimated)}",
-    )
+    of_mesh = compared(() if estimate is None else estimate.elements, result.model.estimated)
+    say(console, f"of the equations; of the mesh: {of_mesh}")
     if result.probes:
         console.print()
         _print_probes(console, result, widths, largest)
@@ -342,22 +373,34 @@ def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], of:
         console.print()
 
 
-def _print_singular(console: Console, named: Iterable[Singularity], model: Model) -> None:
-    """Say what has no limit as the mesh is refined, and what this one is too coarse for, each once.
+def _print_singular(console: Console, named: Iterable[Singularity], model: Model, rest: str = "") -> None:
+    """Say in a line what has no limit as the mesh is refined, and in one what this mesh is too coarse for.
 
-    Loads have no names: their cases are told.
+    Every kind with its first place, and how many there are; loads have no names: their cases are told. ``rest`` says
+    where all are.
     """
-    cases = {load.case for load in model.load}
-
-    def of(one: Singularity) -> str:
-        return f' (case "{one.source}")' if one.source in cases else ""
-
-    sentences = list(dict.fromkeys(f"{'Unresolved' if one.limited else 'Singular'}{of(one)}: {one}" for one in named))
-    for sentence in sentences[:_MOST_WARNINGS]:
-        say(console, sentence, style="yellow")
-    if (left := len(sentences) - _MOST_WARNINGS) > 0:
-        say(console, f"And {left} more of such places, all in results.json.", style="yellow")
-    if sentences:
+    cases, every = {load.case for load in model.load}, list(dict.fromkeys(named))
+    for word, limited in (("Singular", False), ("Unresolved", True)):
+        those = [one for one in every if one.limited == limited]
+        kinds: dict[str, list[Singularity]] = {}
+        for one in those:
+            of = f' (case "{one.source}")' if one.source in cases else ""
+            kinds.setdefault(_PLACES.sub("", one.what) + of, []).append(one)
+        if not kinds:
+            continue
+        found = []
+        for kind, alike in list(kinds.items())[:_MOST_KINDS]:
+            count = sum(1 if one.line else len(one.where) for one in alike)
+            where = f" at {point(alike[0].where[0])}" if alike[0].where else ""
+            found.append(f"{kind}{where}{f' and {count - 1} more' if count > 1 else ''}")
+        found += [f"{len(kinds) - _MOST_KINDS} more kinds"] * (len(kinds) > _MOST_KINDS)
+        *most, last = dict.fromkeys(number for one in those for number in one.numbers)
+        numbers_there = " and ".join(filter(None, (", ".join(most), last)))
+        means = "are too small on this mesh" if limited else "have no limit as the mesh is refined"
+        advice = " ".join(dict.fromkeys(one.advice for one in those))
+        said = f"{word}, {numbers_there} {means}: {'; '.join(found)}. {advice}{rest}"
+        say(console, said, style="yellow")
+    if every:
         console.print()
 
 

@@ -57,7 +57,7 @@ class Discretisation(Remade):
     contacts: ContactPoints
     repeated: Repeated
     sections: Sections
-    cases: Mapping[str, CaseLoad]
+    cases: Cases
     probes: Location
     probe_positions: Floats
     seconds: Mapping[str, float]

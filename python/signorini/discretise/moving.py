@@ -17,6 +17,8 @@ from signorini.model.moving import Wheel
 from signorini.shapes import Polygon
 
 _GAUSS = 3
+_NOTHING = 1e-9
+"""Part of a print that is rounding where it ends with the plate."""
 
 
 class Cases(Mapping[str, CaseLoad]):
@@ -55,6 +57,24 @@ class Cases(Mapping[str, CaseLoad]):
     def __len__(self) -> int:
         """Count the cases."""
         return len(self._still) + len(self._places)
+
+    def partly_off(self) -> Iterator[tuple[str, str, int, float]]:
+        """Where wheels' prints are partly off the plate: moving load, position, axle from 1, part of the force lost.
+
+        Wheels wholly off it have not arrived yet, or are gone.
+        """
+        for name, (load, travelled) in self._places.items():
+            if load.patch is None:
+                continue
+            wheels = load.wheels(travelled)
+            prints = np.array([_print(at, direction, load.patch) for at, direction, _ in wheels])
+            inside = self._mesh.locate(prints.reshape(-1, 2)).inside.reshape(-1, 4)
+            for wheel in np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1)).tolist():
+                shape = Polygon(tuple(map(tuple, prints[wheel].tolist())))
+                on = float(area_quadrature(self._mesh, shape, _GAUSS).weights.sum())
+                lost = 1.0 - on / (load.patch[0] * load.patch[1])
+                if lost > _NOTHING:
+                    yield load.case, name, wheel * len(load.axles) // len(wheels) + 1, lost
 
 
 def _position(onto: Onto, wheels: list[Wheel], patch: tuple[float, float] | None) -> CaseLoad:

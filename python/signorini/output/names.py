@@ -6,6 +6,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Literal
 
 from signorini.analysis.results import Results
 from signorini.model import Model
@@ -20,17 +21,19 @@ PRESSURE, MOMENTS, SHEARS = "-pressure", "-moments", "-shears"
 PICTURES = {"": ("deflection",), MOMENTS: ("mx", "my", "mxy"), SHEARS: ("qx", "qy"), PRESSURE: ("pressure",)}
 """Fields of a picture, by the ending of its name."""
 _KINDS = {"": "picture", MOMENTS: "moments", SHEARS: "shears", PRESSURE: "pressure"}
+Chosen = Literal["all", "governing", "none"]
+Pictures = Chosen | None
+"""Combinations that have pictures; None: all of a few, beyond that those that govern."""
+_FEW = 4
 _LONGEST_NAME = 80
 _MINUS = re.compile(r"(?<![a-z0-9_.)\]-])-(?!-)|(?<!-)-(?![a-z0-9_.(\[-])")
 """A dash that a name has as a sign; one between words or numbers is a hyphen, several are a rule."""
 _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 
-def files(results: Results) -> list[dict[str, str | None]]:
+def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | None]]:
     """Name every file of the results: the combination that it is of, None if of all, its kind and its name."""
-    endings = {"vtu": ".vtu"} | {kind: f"{ending}.png" for ending, kind in _KINDS.items()}
-    if not has_areas(results):
-        del endings["pressure"]
+    endings = {kind: f"{ending}.png" for ending, kind in _KINDS.items() if ending != PRESSURE or has_areas(results)}
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
     together |= {"table": TABLE} if results.model.tabulated else {}
@@ -38,8 +41,12 @@ def files(results: Results) -> list[dict[str, str | None]]:
     named: list[tuple[str | None, str, str]] = [(None, kind, name) for kind, name in together.items()]
     for name in envelope_files(results).values():
         named.append((None, "envelope", name))
-        named += [(None, _KINDS[ending], file) for ending, file in envelope_pictures(results, name).items()]
-    named += [(one.name, kind, slug + ending) for one, slug in slugs(results) for kind, ending in endings.items()]
+        shown = envelope_pictures(results, name) if pictures != "none" else {}
+        named += [(None, _KINDS[ending], file) for ending, file in shown.items()]
+    drawn = {one.name for one, _ in pictured(results, pictures)}
+    for one, slug in slugs(results):
+        named.append((one.name, "vtu", f"{slug}.vtu"))
+        named += [(one.name, kind, slug + ending) for kind, ending in endings.items() if one.name in drawn]
     return [{"combination": name, "kind": kind, "file": file} for name, kind, file in named]
 
 
@@ -111,6 +118,14 @@ def slugs(results: Results) -> Iterator[tuple[Result, str]]:
     taken = _taken(results.model)
     found = unique_slugs([*taken, *(result.name for result in solved)])
     return zip(solved, found[len(taken) :], strict=True)
+
+
+def pictured(results: Results, pictures: Pictures) -> Iterator[tuple[Result, str]]:
+    """Solved combinations that have pictures, with their file names."""
+    named = list(slugs(results))
+    govern = pictures == "governing" or (pictures is None and len(named) > _FEW)
+    wanted = set(results.governing) if govern else set(results) if pictures != "none" else set()
+    return ((one, slug) for one, slug in named if one.name in wanted)
 
 
 def unique_slugs(names: Iterable[str]) -> list[str]:

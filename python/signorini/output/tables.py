@@ -15,7 +15,7 @@ from signorini.analysis.results import Results
 from signorini.output.cells import name_cell
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
-from signorini.output.names import files
+from signorini.output.names import Pictures, files
 from signorini.results.figures import figures, point_figures, total
 from signorini.results.result import Result
 from signorini.singularities.singularity import Singularity
@@ -32,7 +32,7 @@ _MOST_PLACES = 20
 _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure")
 
 
-def results_json(results: Results, estimates: Estimates | None = None) -> dict[str, Any]:
+def results_json(results: Results, estimates: Estimates | None = None, pictures: Pictures = None) -> dict[str, Any]:
     """Give the results in the form of ``results.json``.
 
     Numbers of a combination without equilibrium are absent: its lists are empty, its tables None, and ``message``
@@ -82,7 +82,7 @@ def results_json(results: Results, estimates: Estimates | None = None) -> dict[s
         **of_table,
         **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
-        "files": files(results),
+        "files": files(results, pictures),
     }
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
+from typing import Literal, get_args
 
 from signorini.accuracy.estimate import PathEstimate
 from signorini.analysis.estimate import Estimates, estimates_of
@@ -15,15 +16,15 @@ from signorini.analysis.results import Results
 from signorini.base import arguments
 from signorini.base.arguments import watching
 from signorini.base.files import replacing_together
-from signorini.base.forked import Forked
 from signorini.errors import InputError
 from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
 from signorini.output.load_path import write_path
-from signorini.output.names import CSV, GOVERNING, JSON, TABLE, envelope_files, slugs
-from signorini.output.pictures import Drawing, envelope_sheets, sheets_of, write_refinement
+from signorini.output.names import CSV, GOVERNING, JSON, TABLE, Chosen, Pictures, envelope_files, slugs
+from signorini.output.pictures import job_of, write_refinement
 from signorini.output.tables import reactions_csv, results_json
+from signorini.plot.picture import Job
 from signorini.results.load_path import LoadPath
 
 _NOT_ITS = "it must be what signorini.estimate(found) returns."
@@ -33,6 +34,7 @@ def write(
     found: Results | LoadPath,
     directory: str | os.PathLike[str],
     estimate: Estimates | PathEstimate | None = None,
+    pictures: Literal["all", "governing", "none"] | None = None,
 ) -> list[Path]:
     """Write what the command writes into its directory: `signorini solve` of results, `signorini path` of a load path.
 
@@ -48,6 +50,8 @@ def write(
         Made if need be.
     estimate : Estimates or PathEstimate, optional
         Half-widths, as `signorini.estimate` gives them.
+    pictures : {"all", "governing", "none"}, optional
+        Of results, the combinations that have pictures: by default all of up to four, of more those that govern.
 
     Returns
     -------
@@ -77,6 +81,8 @@ def write(
     ['results.json', 'reactions.csv', 'path.json', 'path.csv']
     """
     arguments.path(directory, "a directory", "directory")
+    if pictures is not None:
+        arguments.known(pictures, get_args(Chosen), "choice", "pictures", "This function")
     if isinstance(found, LoadPath):
         of_path = estimate_asked(found) if estimate is None else estimate
         if not isinstance(of_path, PathEstimate | None):
@@ -89,7 +95,7 @@ def write(
         estimate = estimates_of(found, watching(None, ""))
     if not isinstance(estimate, Estimates | None):
         raise InputError(_NOT_ITS, place="estimate")
-    return write_results(found, directory, estimate)
+    return write_results(found, directory, estimate, pictures=pictures)
 
 
 def write_results(
@@ -97,7 +103,8 @@ def write_results(
     directory: str | os.PathLike[str],
     estimates: Estimates | None,
     table: str | os.PathLike[str] | None = None,
-    artists: Sequence[Forked] = (),
+    pictures: Pictures = None,
+    draw: Callable[[Job], Iterable[tuple[str, bytes]]] | None = None,
 ) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, of each solved combination, a ``.vtu`` and pictures.
 
@@ -118,8 +125,10 @@ def write_results(
     table : path-like, optional
         The table that `signorini.solve` has written, on the same file system; it is moved. Without it, where
         combinations are rows of a table, this is written here.
-    artists : sequence of Forked
-        Processes to draw the pictures (`signorini.output.pictures.artists`); without any, this one does.
+    pictures : {"all", "governing", "none"}, optional
+        As for `write`.
+    draw : callable, optional
+        Who draws (`signorini.plot.artist.Artist.drawn`); by default this process does.
 
     Returns
     -------
@@ -133,8 +142,9 @@ def write_results(
     """
     target = Path(directory)
     named = list(slugs(results))
-    drawing = Drawing([*sheets_of(results, named, estimates), *envelope_sheets(results, estimates)], artists)
-    found = results_json(results, estimates)
+    job = job_of(results, estimates, pictures)
+    drawn = (draw or _drawn)(job) if job.sheets else ()
+    found = results_json(results, estimates, pictures)
     names = [JSON, CSV]
     try:
         with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
@@ -151,12 +161,19 @@ def write_results(
             if len(results) > 1:
                 (beside / GOVERNING).write_text(governing_csv(results, estimates), encoding="utf-8")
             (beside / JSON).write_text(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
-            for name, content in drawing.pictures():
+            for name, content in drawn:
                 (beside / name).write_bytes(content)
             names = [entry["file"] for entry in found["files"]]
     except OSError as error:
         raise cannot_write(target, error) from None
     return [target / name for name in names]
+
+
+def _drawn(job: Job) -> Iterable[tuple[str, bytes]]:
+    # Only pictures need matplotlib.
+    from signorini.plot.pictures import drawn
+
+    return drawn(job)
 
 
 def _write_table(results: Results, estimates: Estimates | None, path: Path) -> None:

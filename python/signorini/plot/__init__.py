@@ -1,50 +1,27 @@
 """Pictures of a plate: contours, supports open or closed, loads, sections.
 
-Takes arrays and returns matplotlib axes or figures that no global state knows of, so it needs no display.
+Takes arrays and returns matplotlib axes or figures that no global state knows of, so it needs no display. matplotlib is
+read when a function that draws is first asked for.
 """
 
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from signorini.base.lazy import lazily
 
-from signorini.plot.balance import BalanceMark
-from signorini.plot.cuts import CutMark
-from signorini.plot.field import contour, line
-from signorini.plot.files import DRAWN_BY, save
-from signorini.plot.load_path import load_path_picture
-from signorini.plot.loads import LoadMark
-from signorini.plot.marks import SupportMark, ZoneMark, draw_legend, supports
-from signorini.plot.panel import Panel, draw_panel
-from signorini.plot.pictures import Picture, check_picture, drawn_as_png, field_picture
-from signorini.plot.places import EdgeMark, SingularMark
-from signorini.plot.plan import Plan
-from signorini.plot.pressure import PressureLayer, pressure
-from signorini.plot.refinement import refinement_picture
-
-__all__ = [
-    "DRAWN_BY",
-    "Axes",
-    "BalanceMark",
-    "CutMark",
-    "EdgeMark",
-    "Figure",
-    "LoadMark",
-    "Panel",
-    "Picture",
-    "Plan",
-    "PressureLayer",
-    "SingularMark",
-    "SupportMark",
-    "ZoneMark",
-    "check_picture",
-    "contour",
-    "draw_legend",
-    "draw_panel",
-    "drawn_as_png",
-    "field_picture",
-    "line",
-    "load_path_picture",
-    "pressure",
-    "refinement_picture",
-    "save",
-    "supports",
-]
+__getattr__ = lazily(
+    __name__,
+    {
+        "balance": ("BalanceMark",),
+        "cuts": ("CutMark",),
+        "field": ("contour", "line"),
+        "files": ("DRAWN_BY", "save"),
+        "load_path": ("load_path_picture",),
+        "loads": ("LoadMark",),
+        "marks": ("ZoneMark", "draw_legend", "supports"),
+        "panel": ("draw_panel",),
+        "picture": ("Job", "Panel", "Picture", "PressureLayer", "Sheet", "SupportMark"),
+        "pictures": ("check_picture", "drawn", "drawn_as_png", "field_picture"),
+        "places": ("EdgeMark", "SingularMark"),
+        "plan": ("Plan",),
+        "layers": ("pressure",),
+        "refinement": ("refinement_picture",),
+    },
+)

@@ -12,16 +12,12 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from signorini.errors import point
+from signorini.plot.labels import Labels
 from signorini.plot.marks import Entry
-from signorini.plot.plan import literal
 
 _GOOD, _BAD = "#1b6e53", "#b3261e"
-_FARTHEST = 1.0
-"""How far off the plate, in its sizes, a resultant is still drawn."""
-_FAR = "far off the plate"
-_MARGIN = 0.04
-"""Of the plate's size, that the axes leave around a resultant."""
-
+_ARROW = 22.0
+"""Points that the arrow to a resultant is long that is off the picture."""
 _MOST_NAMED = 8
 """Combinations that have names in the picture; of more these are some that cannot be balanced, if there are any."""
 
@@ -56,41 +52,31 @@ class BalanceMark:
     axis: tuple[Point, Point] | None = None
 
 
-def draw_balances(marks: Iterable[BalanceMark], axes: Axes) -> list[Entry]:
+def draw_balances(marks: Iterable[BalanceMark], axes: Axes, labels: Labels) -> list[Entry]:
     """Draw what becomes of every combination, of many only a few by name."""
     marks = list(marks)
     named = marks if len(marks) <= _MOST_NAMED else [mark for mark in marks if mark.unbalanced][:_MOST_NAMED]
-    plate = np.array([axes.get_xlim(), axes.get_ylim()]).T
-    entries = [entry for mark in _together(named, axes) for entry in _draw(mark, axes, plate)]
+    entries = [entry for mark in _together(named, axes) for entry in _draw(mark, axes, labels)]
     for colour, unbalanced in ((_GOOD, False), (_BAD, True)):
         others = [mark.at for mark in marks if mark.unbalanced == unbalanced and mark not in named and mark.at]
         if others:
             at = np.array(others)
-            shown = _shown(at, axes, plate)
+            away = _away(at, axes)
             look: dict[str, Any] = {"marker": "s", "linestyle": "none", "color": colour, "markersize": 3.0}
-            axes.plot(*at[shown].T, zorder=7.5, scalex=False, scaley=False, **look)
+            axes.plot(*at[away == 0.0].T, zorder=7.5, scalex=False, scaley=False, **look)
             more = " more" if named else ""
             ending = ", not balanced" if unbalanced else ""
             words = f"resultants of {len(others)}{more} combinations{ending}"
-            if not shown.all():
-                away = np.hypot(*(at - plate.mean(axis=0)).T)
-                words += f", {np.count_nonzero(~shown)} of them {_FAR}, as at {point(at[away.argmax()])}"
+            if away.any():
+                words += f", {np.count_nonzero(away)} of them off the picture, as at {point(at[away.argmax()])}"
             entries.append((words, (Line2D([], [], **look),)))
     return entries
 
 
-def _shown(at: NDArray[np.float64], axes: Axes, plate: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which resultants (k, 2) are not far off the plate, whose corners are (2, 2); widen the axes to these."""
-    low, high = plate
-    size = float((high - low).max())
-    shown = (np.abs(at - np.clip(at, low, high)) <= _FARTHEST * size).all(axis=1)
-    wide = np.array([axes.get_xlim(), axes.get_ylim()])
-    for place in at[shown]:
-        wide[:, 0] = np.minimum(wide[:, 0], place - _MARGIN * size)
-        wide[:, 1] = np.maximum(wide[:, 1], place + _MARGIN * size)
-    axes.set_xlim(*wide[0])
-    axes.set_ylim(*wide[1])
-    return np.asarray(shown)
+def _away(at: NDArray[np.float64], axes: Axes) -> NDArray[np.float64]:
+    """How far places (k, 2) are from the picture; 0 in it."""
+    low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
+    return np.asarray(np.hypot(*(at - np.clip(at, low, high)).T))
 
 
 def _together(marks: list[BalanceMark], axes: Axes) -> list[BalanceMark]:
@@ -112,34 +98,35 @@ def _together(marks: list[BalanceMark], axes: Axes) -> list[BalanceMark]:
     ]
 
 
-def _draw(mark: BalanceMark, axes: Axes, plate: NDArray[np.float64]) -> list[Entry]:
-    """Draw a resultant as a named cross in a square, a tipping axis dash-dotted; widen the axes to the cross."""
+def _draw(mark: BalanceMark, axes: Axes, labels: Labels) -> list[Entry]:
+    """Draw a resultant as a named cross in a square, off the picture as an arrow to it, a tipping axis dash-dotted."""
     entries: list[Entry] = []
     colour = _BAD if mark.unbalanced else _GOOD
-    low, high = plate
-    size = float((high - low).max())
+    low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
     if mark.at is not None:
         at = np.array(mark.at)
         way = "upward resultant" if mark.upward else "resultant"
         ending = ", not balanced" if mark.unbalanced else ""
+        place = ""
         look: dict[str, Any] = {"marker": "$\\boxtimes$", "linestyle": "none", "color": colour, "markersize": 10.0}
-        look["clip_on"] = False
-        words = f"{mark.name}: {way}{ending}"
-        if _shown(at[None], axes, plate).all():
+        if _away(at[None], axes)[0] == 0.0:
+            labels.keep_free(at, 10.0)
             axes.plot(*at, zorder=8, **look)
-            beside: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 8, "zorder": 8}
-            # On the right half its name stands left of it, as there the page may end.
-            to_the_left = at[0] > 0.5 * (low[0] + high[0])
-            beside |= {"ha": "right" if to_the_left else "left"}
-            axes.annotate(literal(mark.name), mark.at, (-7 if to_the_left else 7, 5), **beside)
+            labels.beside(mark.name, at, color=colour, zorder=8)
         else:
-            words += f", {_FAR}"
-        entries.append((words, (Line2D([], [], **look),)))
+            middle = 0.5 * (low + high)
+            border = middle + (at - middle) / np.max(np.abs(at - middle) / (0.5 * (high - low)))
+            start = border - _ARROW / labels.scale * (at - middle) / np.hypot(*(at - middle))
+            arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
+            axes.annotate("", border, start, arrowprops=arrow, zorder=8)
+            labels.keep_free([start, border], 8.0)
+            labels.beside(f"{mark.name}: at {point(mark.at)}", start, color=colour, zorder=8)
+            place = f" at {point(mark.at)}, off the picture"
+        entries.append((f"{mark.name}: {way}{place}{ending}", (Line2D([], [], **look),)))
     if mark.axis is not None:
         start, end = np.array(mark.axis)
-        reach = (end - start) / max(float(np.hypot(*(end - start))), 1e-300) * size
-        drawn = axes.plot(*np.array([start - reach, end + reach]).T, color=colour, linestyle="-.", zorder=7)
-        drawn[0].set_clip_on(True)
-        sample = Line2D([], [], color=colour, linestyle="-.")
-        entries.append((f"{mark.name}: tips about this line", (sample,)))
+        reach = (end - start) / max(float(np.hypot(*(end - start))), 1e-300) * float((high - low).max())
+        dashed: dict[str, Any] = {"color": colour, "linestyle": "-."}
+        axes.plot(*np.array([start - reach, end + reach]).T, zorder=7, scalex=False, scaley=False, **dashed)
+        entries.append((f"{mark.name}: tips about this line", (Line2D([], [], **dashed),)))
     return entries

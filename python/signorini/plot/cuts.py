@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from signorini.plot.labels import Labels
 from signorini.plot.marks import Entry
-from signorini.plot.plan import literal
 
 _HEAD = 0.01
 """Of the last piece of a line, what is under its arrow."""
@@ -39,7 +39,7 @@ class CutMark:
     borders: NDArray[np.float64] | None = None
 
 
-def draw_cuts(marks: Iterable[CutMark], axes: Axes) -> list[Entry]:
+def draw_cuts(marks: Iterable[CutMark], axes: Axes, labels: Labels) -> list[Entry]:
     """Draw sections as lines with an arrow at their end, strips as bands, each with its name at its beginning."""
     entries: dict[str, Entry] = {}
     for mark in marks:
@@ -50,8 +50,7 @@ def draw_cuts(marks: Iterable[CutMark], axes: Axes) -> list[Entry]:
         arrow = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0}
         last = mark.line[-1] - _HEAD * (mark.line[-1] - mark.line[-2])
         axes.annotate("", mark.line[-1], last, arrowprops=arrow, zorder=6.5)
-        beside: dict[str, Any] = {"textcoords": "offset points", "color": colour, "fontsize": 8, "zorder": 8}
-        axes.annotate(literal(mark.name), mark.line[0], (4, 4), **beside)
+        labels.beside(mark.name, [mark.line[0], mark.line[-1]], color=colour, zorder=8)
         if mark.borders is None:
             entries["section"] = "section, its left and right as the arrow points", (Line2D([], [], **look),)
             continue

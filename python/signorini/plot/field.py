@@ -18,16 +18,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from signorini.base.plain import POWERS, plain
 from signorini.errors import InputError
-from signorini.plot.plan import INK, Plan, draw_outlines, inches_per_unit, literal, plan_axes, put_label, set_window
+from signorini.plot.labels import Labels
+from signorini.plot.plan import INK, Plan, draw_outlines, literal, plan_axes, put_label, set_window
 
 _NOISE = 1e-9
 BANDS = 14
-PAPER = {"facecolor": "white", "alpha": 0.65, "linewidth": 0, "pad": 0.6}
-"""Behind what is written on colours."""
+_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 10)
+"""Of bands, in powers of ten: their limits have few digits."""
 _MOST_LABELS = 7
 """Contours, about, that have their value written on them."""
-_SHORTEST, _APART = 0.7, 0.45
-"""Inches: a contour that has its value, and two values from each other."""
+_SHORTEST = 50.0
+"""Points that a contour is long at least that has its value."""
+_PARTS = np.array([0.5, 0.3, 0.7, 0.15, 0.85])
+"""Of a contour, where its value may stand."""
 
 
 def contour(
@@ -90,7 +93,7 @@ def contour(
     field = checked_field(plan, values)
     scale = Scale.of(*(limits or (float(field.min()), float(field.max()))), cmap, levels)
     set_window(axes, plan)
-    draw_field(axes, plan, field, scale)
+    draw_field(axes, plan, field, scale, Labels(axes))
     add_colour_bar(axes, scale, label)
     return axes
 
@@ -114,14 +117,21 @@ class Scale:
     @classmethod
     def of(cls, low: float, high: float, cmap: str | Colormap, levels: int | Sequence[float] = BANDS) -> Self:
         """Choose bands, and colours: zero in the middle where both signs occur, else half of them, pale near zero."""
-        low, high = _settled(low, high)
-        bounds = np.asarray(MaxNLocator(levels).tick_values(low, high) if isinstance(levels, int) else levels, float)
-        colours = colormaps[cmap] if isinstance(cmap, str) else cmap
+        bounds = np.asarray(levels, float)
+        if isinstance(levels, int):
+            bounds = np.asarray(MaxNLocator(levels, steps=_STEPS).tick_values(*_settled(low, high)))
+        colours, (low, high) = colormaps[cmap] if isinstance(cmap, str) else cmap, bounds[[0, -1]].tolist()
         if low < 0 < high:
             largest = max(-low, high)
             return cls(bounds, colours, Normalize(-largest, largest))
         norm = Normalize(2 * low - high, high) if high > 0 else Normalize(low, 2 * high - low)
         return cls(bounds, colours, norm)
+
+    def clipped(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Give what lies beyond the scale its last colour."""
+        low, high = self.bounds[[0, -1]]
+        # The upper end itself is in no band.
+        return np.clip(values, low, high - _NOISE * (high - low))
 
     @property
     def bar(self) -> ScalarMappable:
@@ -140,24 +150,13 @@ def checked_field(plan: Plan, values: ArrayLike) -> NDArray[np.float64]:
     return field
 
 
-def draw_field(axes: Axes, plan: Plan, field: NDArray[np.float64], scale: Scale) -> None:
+def draw_field(axes: Axes, plan: Plan, field: NDArray[np.float64], scale: Scale, labels: Labels) -> None:
     """Draw filled contours, some of them with their values, and the plate's outline."""
-    fine, (low, high) = plan.cut.interpolate(field), scale.bounds[[0, -1]]
-    # Shape functions go a little beyond the nodes' values, and so beyond the scale, whose end is in no band; peaks go
-    # farther.
-    little = 0.5 * (high - low) / (len(scale.bounds) - 1)
-    below, above = fine < low - little, fine > high + little
-    fine = np.where(below | above, fine, np.clip(fine, low, high - _NOISE * (high - low)))
-    if not np.any(scale.bounds == 0):
-        # Rounding on the other side of zero is no other sign.
-        fine[np.abs(fine) < _NOISE * np.abs(fine).max(initial=0.0)] = 0.0
-    draw_outlines(axes, plan, inner=0.16)
-    ends = (bool(below.any()), bool(above.any()))
-    extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get(ends, "neither")
-    colours = scale.colours.with_extremes(under=scale.colours(0.0), over=scale.colours(1.0))
-    bands = axes.tricontourf(plan.triangles, fine, levels=scale.bounds, cmap=colours, norm=scale.norm, extend=extend)
+    fine = scale.clipped(plan.cut.interpolate(field))
+    draw_outlines(axes, plan)
+    bands = axes.tricontourf(plan.triangles, fine, levels=scale.bounds, cmap=scale.colours, norm=scale.norm)
     bands.set(edgecolor=to_rgba(INK, 0.3), linewidth=0.3)
-    label_contours(axes, plan.triangles, fine, scale.bounds)
+    label_contours(axes, plan.triangles, fine, scale.bounds, labels)
 
 
 def label_contours(
@@ -165,6 +164,7 @@ def label_contours(
     triangles: Triangulation,
     values: NDArray[np.float64],
     bounds: NDArray[np.float64],
+    labels: Labels,
     within: Callable[[NDArray[np.float64]], NDArray[np.bool_]] | None = None,
 ) -> None:
     """Draw some of the contours stronger, each with its value at a place that is within; zero strongest."""
@@ -177,27 +177,21 @@ def label_contours(
     nothing = 1e-12 * float(np.abs(bounds).max())
     widths = [0.9 if abs(level) <= nothing else 0.6 for level in chosen]
     lines = axes.tricontour(triangles, values, levels=chosen, colors=INK, linewidths=widths, linestyles="solid")
-    step, taken = float(np.diff(bounds).min()), np.zeros((0, 2))
-    per_unit = inches_per_unit(axes)
+    step = float(np.diff(bounds).min())
     for level, path in zip(chosen, lines.get_paths(), strict=True):
         pieces = [piece for piece in map(np.asarray, path.to_polygons(closed_only=False)) if len(piece) > 1]
         longest = max(pieces, key=lambda piece: float(np.hypot(*np.diff(piece, axis=0).T).sum()), default=None)
         if longest is None:
             continue
-        along = np.append(0.0, np.hypot(*np.diff(longest, axis=0).T).cumsum()) * per_unit
-        parts = np.array([0.5, 0.25, 0.75])
-        places = np.column_stack([np.interp(parts * along[-1], along, side) for side in longest.T])
-        if within is not None:
-            parts, places = parts[within(places)], places[within(places)]
-        for part, at in zip(parts.tolist(), places, strict=True) if along[-1] > _SHORTEST else ():
-            if (np.hypot(*(taken - at).T) * per_unit > _APART).all():
-                reach = [np.clip(part * along[-1] + way, 0, along[-1]) for way in (-0.12, 0.12)]
-                dx, dy = (np.diff(np.interp(reach, along, side))[0] for side in longest.T)
-                turn = (np.degrees(np.arctan2(dy, dx)) + 90) % 180 - 90
-                taken = np.vstack([taken, at])
-                look: dict[str, Any] = {"ha": "center", "va": "center", "rotation": turn, "rotation_mode": "anchor"}
-                axes.text(at[0], at[1], in_words(level, step), fontsize=7, color=INK, zorder=3, bbox=PAPER, **look)
-                break
+        along = np.append(0.0, np.hypot(*np.diff(longest, axis=0).T).cumsum()) * labels.scale
+        before, places, after = (
+            np.column_stack([np.interp(_PARTS * along[-1] + way, along, side) for side in longest.T])
+            for way in (-9.0, 0.0, 9.0)
+        )
+        kept = np.ones(len(places), np.bool_) if within is None else within(places)
+        if along[-1] > _SHORTEST and kept.any():
+            turns = (np.degrees(np.arctan2(*(after - before)[kept].T[::-1])) + 90) % 180 - 90
+            labels.along(in_words(level, step), places[kept], turns.tolist(), 7, zorder=3)
 
 
 def in_words(level: float, step: float) -> str:
@@ -210,8 +204,8 @@ def in_words(level: float, step: float) -> str:
     """
     if abs(level) < 1e-9 * step:
         return "0"
-    # One digit more than the step's first: steps of 2.5 have two.
-    digits = max(0, int(np.floor(np.log10(abs(level) / step) + 1e-9))) + 2
+    # Steps of 2.5 have two digits, and five of them three.
+    digits = max(0, int(np.floor(np.log10(abs(level) / step) + 1e-9))) + 3
     return plain(level, digits)
 
 

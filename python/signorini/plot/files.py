@@ -16,7 +16,7 @@ DRAWN_BY = "signorini"
 """What the metadata of pictures name as the program that drew them."""
 _FAST = 1
 """zlib's level for .png files: a fifth larger than by default, in a fourth of the time."""
-DOTS = 160
+DOTS = 120
 """Dots per inch of .png files."""
 
 

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 

@@ -12,18 +12,22 @@ from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from signorini.plot.labels import Labels
 from signorini.plot.marks import Entry
-from signorini.plot.plan import enclosed, inches_per_unit, literal, pieces
+from signorini.plot.plan import enclosed, inches_per_unit, pieces
 
 _COLOURS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
 """Those of load cases, one after the other."""
 _MOST_VALUES = 12
 """Points of a load beside which its value stands; of more the legend has it."""
-_LONG, _HIGH = 40.0, 9.0
-"""Points that a value takes, about."""
+_MOST_PLACES = 5
+"""Places along a line at which its value may stand."""
+_WITHIN = np.array([[0.2, 0.8], [0.5, 0.5], [0.8, 0.2], [0.2, 0.2], [0.8, 0.8]])
+"""Places in an area, in parts of its size, at which its value may stand."""
+_SYMBOL = 11.0
+"""Points that the mark of a force is wide."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +106,9 @@ def draw_load(mark: LoadMark, axes: Axes, colour: str, plate: Path) -> Entry:
     return words, (Patch(**look),)
 
 
-def draw_loads(marks: Iterable[LoadMark], axes: Axes, totals: Mapping[str, str], plate: Path) -> list[Entry]:
+def draw_loads(
+    marks: Iterable[LoadMark], axes: Axes, totals: Mapping[str, str], plate: Path, labels: Labels
+) -> list[Entry]:
     """Draw loads, those of one case in one colour, and return their entries in the legend, sums of cases last.
 
     Loads of which the legend would say the same have one entry.
@@ -111,31 +117,29 @@ def draw_loads(marks: Iterable[LoadMark], axes: Axes, totals: Mapping[str, str],
     cases = list(dict.fromkeys(mark.case for mark in marks))
     colours = {case: _COLOURS[place % len(_COLOURS)] for place, case in enumerate(cases)}
     entries = list(dict(draw_load(mark, axes, colours[mark.case], plate) for mark in marks).items())
-    written = list[tuple[float, float]]()
     for mark in marks:
-        _write_value(mark, axes, colours[mark.case], written)
+        if mark.value:
+            _write_value(mark, colours[mark.case], labels)
     look: dict[str, Any] = {"marker": "s", "markersize": 4.0, "linestyle": "none"}
     sums = [(f"{case}: {totals[case]} in all", colours[case]) for case in cases if case in totals]
     return entries + [(words, (Line2D([], [], color=colour, **look),)) for words, colour in sums]
 
 
-def _write_value(mark: LoadMark, axes: Axes, colour: str, written: list[tuple[float, float]]) -> None:
-    """Write a load's value beside its points, on the middle of its line or in the upper left corner of its area.
-
-    Below those that are ``written`` there, given by where they begin in points.
-    """
+def _write_value(mark: LoadMark, colour: str, labels: Labels) -> None:
+    """Write a load's value beside its points, its line or in its area."""
     positions = np.asarray(mark.positions, dtype=float)
-    places = [np.array([piece[:, 0].min(), piece[:, 1].max()]) for piece in pieces(positions)[:1]]
-    if mark.style == "points":
-        places = list(positions) if len(positions) <= _MOST_VALUES else []
-    elif mark.style == "line":
-        places = [piece[len(piece) // 2] if len(piece) > 2 else piece.mean(axis=0) for piece in pieces(positions)[:1]]
-    halo, scale = [withStroke(linewidth=2.2, foreground="white")], 72.0 * inches_per_unit(axes)
-    for at in places if mark.value else ():
-        x, y = float(at[0]) * scale + 7.0, float(at[1]) * scale - 11.0
-        begin = y
-        while any(abs(x - left) < _LONG and abs(y - up) < _HIGH for left, up in written):
-            y -= _HIGH
-        written.append((x, y))
-        words = axes.annotate(literal(mark.value), (at[0], at[1]), (7, -11 + y - begin), textcoords="offset points")
-        words.set(fontsize=7.5, color=colour, path_effects=halo, zorder=6.4)
+    for piece in pieces(positions)[:1] if mark.style != "points" else ():
+        inside = piece
+        if mark.style == "area":
+            low, high = piece.min(axis=0), piece.max(axis=0)
+            inside = low + _WITHIN * (high - low)
+        labels.beside(mark.value, inside[_spread(len(inside))], 7.5, colour, zorder=6.4)
+    for at in positions if mark.style == "points" and len(positions) <= _MOST_VALUES else ():
+        labels.beside(mark.value, at, 7.5, colour, zorder=6.4)
+
+
+def _spread(count: int) -> NDArray[np.int64]:
+    """Some of so many places, the middle one first."""
+    if count <= _MOST_PLACES:
+        return np.roll(np.arange(count), -(count // 2))
+    return np.linspace(0, count - 1, _MOST_PLACES).astype(np.int64)[[2, 1, 3, 0, 4]]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -18,24 +18,20 @@ from matplotlib.patheffects import Normal, TickedStroke, withStroke
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
+from signorini.plot.labels import Labels
+from signorini.plot.picture import SupportMark
 from signorini.plot.plan import INK, enclosed, inches_per_unit, literal, pieces, runs
 
 _EDGE = "#d95f02"
 _ZONE = "#3f6f8f"
-_ACTIONS = {
-    "down": "pushes up only",
-    "up": "holds down only",
-    "both": "holds both ways",
-    "clamped": "clamped",
-    "hinged": "hinged",
-    "symmetry": "symmetry",
-}
-_LARGEST, _SMALLEST = 8.5, 3.2
+LARGEST, _SMALLEST = 8.5, 3.2
 """Points (1/72 inch) that a mark is wide."""
 _FITS = 0.8
 """Part of the distance to its neighbour that a mark may take."""
-_SPACED = 0.55
-"""Inches between the marks along a line."""
+_SPACED = {"line": 0.55, "area": 1.1}
+"""Inches between the marks along a line, and along the outline of an area."""
+_INSIDE = 0.35
+"""Part of a footprint that its mark may take: the rest shows what is beneath."""
 _WAVE, _SWING = 5.0, 1.7
 """Points of a spring's zigzag: half its length, and half its width."""
 _FLIPPED = np.array([1.0, -1.0])
@@ -55,63 +51,9 @@ _DETAILED = 5.0
 """Points from which on a mark is large enough for its spring and its bar."""
 _WAVY = Path(np.column_stack([np.linspace(-1, 1, 9), [0, 0.22, -0.22, 0.22, -0.22, 0.22, -0.22, 0.22, 0]]))
 _BOX = Path(np.array([[-1, -0.55], [1, -0.55], [1, 0.55], [-1, 0.55], [-1, -0.55]]))
-_WAVY_BOX = Path(np.asarray(_BOX.interpolated(4).vertices) * (1.0 + 0.14 * (-1.0) ** np.arange(17))[:, None])
 
 Entry = tuple[str, tuple[Artist, ...]]
 """A line of the legend: its words and its samples."""
-Kind = Literal["down", "up", "both", "clamped", "hinged", "symmetry"]
-
-
-@dataclass(frozen=True)
-class SupportMark:
-    """A support as it is drawn.
-
-    Attributes
-    ----------
-    name : str
-        Its name in the legend.
-    kind : {"down", "up", "both", "clamped", "hinged", "symmetry"}
-        Which way it resists: a triangle up pushes the plate up, a triangle down holds it down, a diamond does both.
-        Along a line ``clamped`` has a hatch, ``hinged`` circles, and ``symmetry`` is dash-dotted.
-    positions : ndarray, shape (k, 2)
-        Points, or the vertices of a line or outline; a row of NaN starts a new piece.
-    closed : ndarray of bool, shape (k,), or None
-        What is in contact (filled) and what is open (hollow). None: not known or always held.
-    style : {"points", "line", "area"}
-    boundary : sequence of ndarray, shape (k, 2)
-        The edge of contact of an area, as polylines.
-    elastic : bool
-        Drawn with a spring, or as a zigzag line.
-    gap : bool
-        Whether it has free travel: there is a bar before its mark.
-    words : str
-        What it is, in the legend; by default what the kind means.
-    counts : (int, int) or None
-        How many points are closed and open, in the legend; by default those of ``closed``.
-    footprints : ndarray, shape (k, 2)
-        Outlines of what the points' reactions are spread over; a row of NaN starts a new one.
-    """
-
-    name: str
-    kind: Kind
-    positions: NDArray[np.float64]
-    closed: NDArray[np.bool_] | None = None
-    style: Literal["points", "line", "area"] = "points"
-    boundary: Sequence[NDArray[np.float64]] = ()
-    elastic: bool = False
-    gap: bool = False
-    words: str = ""
-    counts: tuple[int, int] | None = None
-    footprints: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
-
-    @property
-    def label(self) -> str:
-        """What the legend says: the name, the kind, and how many points are closed and open."""
-        words = f"{self.name}: {self.words or _ACTIONS[self.kind]}"
-        counts = self.counts
-        if counts is None and self.closed is not None:
-            counts = int(self.closed.sum()), int((~self.closed).sum())
-        return words if counts is None else f"{words}, {counts[0]} closed, {counts[1]} open"
 
 
 def supports(marks: Iterable[SupportMark], ax: Axes) -> Axes:
@@ -130,6 +72,7 @@ def supports(marks: Iterable[SupportMark], ax: Axes) -> Axes:
     Examples
     --------
     >>> from matplotlib.figure import Figure
+    >>> from signorini.plot.picture import SupportMark
     >>> pads = SupportMark("pads", "down", np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([True, False]))
     >>> axes = supports([pads], Figure().add_subplot())
     >>> [entry.get_text() for entry in axes.get_legend().get_texts()]
@@ -162,14 +105,12 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
     closed = np.ones(len(positions), dtype=bool) if mark.closed is None else np.asarray(mark.closed, dtype=bool)
     samples: list[Artist] = []
     per_unit = inches_per_unit(axes)
-    size = _LARGEST
-    for piece in pieces(mark.footprints):
-        axes.fill(*piece.T, facecolor=to_rgba(INK, 0.10), edgecolor=INK, linewidth=0.8, zorder=3)
+    size = LARGEST
     if mark.style == "points":
-        size = _fitting(positions, per_unit)
+        size = min(_fitting(positions, per_unit), _draw_footprints(mark, closed, axes, per_unit))
     else:
         samples += _draw_line(mark, positions, closed, axes, per_unit)
-        positions, closed = _spaced(positions, closed, _SPACED / per_unit)
+        positions, closed = _spaced(positions, closed, _SPACED[mark.style] / per_unit)
         size *= 0.75
         if mark.kind in ("clamped", "symmetry"):
             return mark.label, tuple(samples)
@@ -177,8 +118,21 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
         if chosen.any():
             axes.plot(*positions[chosen].T, zorder=5, **_glyph(mark, size, hollow))
         if chosen.any() or (chosen is closed and not len(positions)):
-            samples.append(Line2D([], [], **_glyph(mark, max(size, 6.0), hollow)))
+            samples.append(Line2D([], [], **_glyph(mark, 5.0, hollow)))
     return mark.label, tuple(samples)
+
+
+def _draw_footprints(mark: SupportMark, closed: NDArray[np.bool_], axes: Axes, per_unit: float) -> float:
+    """Draw footprints to scale, shaded where closed and dashed where open; return how large marks within may be."""
+    prints = pieces(mark.footprints)
+    # Those of a model before it is solved, whose points come in another order, are all closed.
+    states = closed if len(closed) == len(prints) else np.ones(len(prints), np.bool_)
+    for chosen, shade, line in ((states, to_rgba(INK, 0.18), "solid"), (~states, "none", "dashed")):
+        if chosen.any():
+            path = Path.make_compound_path(*(Path(prints[i]) for i in np.flatnonzero(chosen)))
+            axes.add_patch(PathPatch(path, facecolor=shade, edgecolor=INK, linewidth=0.9, linestyle=line, zorder=3))
+    sides = [float(np.ptp(piece, axis=0).min()) for piece in prints]
+    return max(_SMALLEST, _INSIDE * min(sides) * per_unit * 72) if sides else LARGEST
 
 
 @dataclass(frozen=True)
@@ -196,16 +150,14 @@ class ZoneMark:
     outline: NDArray[np.float64]
 
 
-def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path) -> list[Entry]:
+def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path, labels: Labels) -> list[Entry]:
     """Draw zones on a plate, with their numbers from 1, and return their entries in the legend."""
     entries: list[Entry] = []
     look: dict[str, Any] = {"facecolor": to_rgba(_ZONE, 0.22), "edgecolor": _ZONE, "linewidth": 0.9}
     for number, mark in enumerate(marks, 1):
         axes.add_patch(PathPatch(enclosed(mark.outline), zorder=1.5, **look)).set_clip_path(plate, axes.transData)
-        # Its number is at the lower left: the values of loads are at the upper left.
-        x, y = mark.outline[np.lexsort((mark.outline[:, 0], mark.outline[:, 1]))[0]]
-        words = axes.annotate(str(number), (x, y), (3, 3), textcoords="offset points", va="bottom", fontsize=8)
-        words.set(color=_ZONE, zorder=6.4, path_effects=[withStroke(linewidth=2.2, foreground="white")])
+        low, high = np.nanmin(mark.outline, axis=0), np.nanmax(mark.outline, axis=0)
+        labels.beside(str(number), [low, 0.5 * (low + high), high], color=_ZONE, zorder=6.4)
         entries.append((f"zone {number}: {mark.words}", (Patch(**look),)))
     return entries
 
@@ -227,7 +179,6 @@ def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
         "markeredgewidth": edge,
         "linestyle": "none",
         "clip_on": False,
-        "path_effects": [withStroke(linewidth=edge + 1.2, foreground="white")],
     }
 
 
@@ -252,7 +203,7 @@ def _draw_line(
     core: dict[str, Any] = {"color": "white", "linewidth": 0.5 * width, "clip_on": False, "solid_capstyle": "butt"}
     opened = []
     for piece, shut in ((positions[rows], closed[rows]) for rows in runs(positions)):
-        if mark.elastic:
+        if mark.elastic and mark.style == "line":
             look["linewidth"], core["linewidth"] = 0.55 * width + 0.35, 0.3 * width + 0.2
             piece, shut = _zigzag(piece, shut, per_unit)
         axes.plot(*piece.T, zorder=4, **look)
@@ -261,7 +212,7 @@ def _draw_line(
         axes.plot(*piece.T, zorder=4.1, **core)
     if mark.style == "line" and not mark.elastic:
         return [Line2D([], [], **look)]
-    shape, size = (_WAVY, 20.0) if mark.style == "line" else (_WAVY_BOX if mark.elastic else _BOX, 12.0)
+    shape, size = (_WAVY, 20.0) if mark.style == "line" else (_BOX, 12.0)
     sample: dict[str, Any] = {"marker": shape, "markersize": size, "markeredgewidth": look["linewidth"]}
     return [Line2D([], [], linestyle="none", markeredgecolor=INK, markerfacecolor="none", **sample)]
 
@@ -269,7 +220,7 @@ def _draw_line(
 def _fitting(positions: NDArray[np.float64], per_unit: float) -> float:
     """Size of marks at points: as large as their distance allows, and never too small to read."""
     if len(positions) < 2:
-        return _LARGEST
+        return LARGEST
     spread = np.ptp(positions, axis=0) * per_unit * 72
     few = len(positions) <= _FEW
     if few:
@@ -277,7 +228,7 @@ def _fitting(positions: NDArray[np.float64], per_unit: float) -> float:
         nearest = float(np.median(np.where(apart > 0, apart, np.inf).min(axis=1)))
     else:
         nearest = float(np.sqrt((spread[0] + 1) * (spread[1] + 1) / len(positions)))
-    return float(np.clip(_FITS * nearest, _SMALLEST, _LARGEST))
+    return float(np.clip(_FITS * nearest, _SMALLEST, LARGEST))
 
 
 _FEW = 600

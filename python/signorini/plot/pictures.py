@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,12 +15,14 @@ from signorini.plot.balance import BalanceMark, draw_balances
 from signorini.plot.cuts import CutMark, draw_cuts
 from signorini.plot.field import Scale
 from signorini.plot.files import DOTS, as_png
+from signorini.plot.labels import Labels
 from signorini.plot.loads import LoadMark, draw_loads
-from signorini.plot.marks import Entry, SupportMark, ZoneMark, draw_supports, draw_zones, legend_words
+from signorini.plot.marks import LARGEST, Entry, ZoneMark, draw_supports, draw_zones, legend_words
 from signorini.plot.page import Page
-from signorini.plot.panel import Panel, draw_on, frame, jumps, scale_of
+from signorini.plot.panel import draw_on, frame, remarks, scale_of
+from signorini.plot.picture import Job, Panel, Picture, SupportMark
 from signorini.plot.places import EdgeMark, SingularMark, draw_edges, draw_singular
-from signorini.plot.plan import Plan, draw_outlines, draw_sheet, inches_per_unit
+from signorini.plot.plan import Plan, draw_mesh, draw_outlines, draw_sheet, inches_per_unit
 
 _SMALLEST_NUMBER = 2.5
 """Points that a node's number is high at least."""
@@ -53,6 +54,7 @@ def field_picture(
     Examples
     --------
     >>> nodes = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5]]
+    >>> from signorini.plot.picture import Panel
     >>> plan = Plan.of(nodes, [range(8)])
     >>> figure = field_picture(plan, [Panel(plan.nodes[:, 0], "mx [N]"), Panel(plan.nodes[:, 1], "my [N]")])
     >>> [axes.get_ylabel() for axes in figure.axes]
@@ -86,23 +88,6 @@ def _draw_fields(
     return entries
 
 
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """A picture of one result.
-
-    Attributes
-    ----------
-    panels : callable
-        Gives the fields, each with its limits, when they are needed.
-    marks : sequence of SupportMark
-    title : str
-    """
-
-    panels: Callable[[], Sequence[Panel]]
-    marks: Sequence[SupportMark]
-    title: str
-
-
 def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows: int = 1) -> Iterator[bytes]:
     """Draw pictures of one kind, of several results, as `field_picture` does, one after another.
 
@@ -116,10 +101,10 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
     """
     if not pictures:
         return
-    page = _page(plan, first := pictures[0].panels(), length, rows)
+    page = _page(plan, first := pictures[0].panels, length, rows)
     scales = _frame(page, plan, first)
     for picture in pictures:
-        page.make_room(picture.title, [*legend_words(picture.marks), *(words for words, _ in jumps(plan))])
+        page.make_room(picture.title, [*legend_words(picture.marks), *(words for words, _ in remarks(plan))])
     page.figure.set_dpi(DOTS)
     canvas: Any = page.canvas  # matplotlib leaves its methods without types
     canvas.draw()
@@ -127,7 +112,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
     before = set(map(id, page.artists()))
     for picture in pictures:
         canvas.restore_region(shared)
-        page.finish(picture.title, _draw_fields(page, plan, picture.panels(), scales, picture.marks))
+        page.finish(picture.title, _draw_fields(page, plan, picture.panels, scales, picture.marks))
         drawn = [artist for artist in page.artists() if id(artist) not in before]
         for artist in sorted(drawn, key=lambda artist: artist.get_zorder()):
             artist.draw(canvas.get_renderer())
@@ -135,6 +120,13 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
         yield as_png(np.asarray(canvas.buffer_rgba())[..., :3])
         for artist in drawn:
             artist.remove()
+
+
+def drawn(job: Job) -> Iterator[tuple[str, bytes]]:
+    """Draw pictures of one plate, one after another: name and content of a file."""
+    plan = Plan.of(job.points, job.elements, job.left_out)
+    for sheet in job.sheets:
+        yield from zip(sheet.files, drawn_as_png(plan, sheet.pictures, job.length, sheet.rows), strict=True)
 
 
 def check_picture(
@@ -192,14 +184,19 @@ def check_picture(
     page = Page(plan, 1, length, bars=False)
     (axes,) = page.plans
     sheet = draw_sheet(axes, plan)
-    draw_outlines(axes, plan, inner=0.3)
-    entries = draw_zones(zones, axes, sheet) + draw_supports(supports, axes)
-    entries += draw_loads(loads, axes, totals or {}, sheet) + draw_singular(singular, axes)
-    draw_edges(edges, axes)
+    draw_mesh(axes, plan)
+    draw_outlines(axes, plan)
+    labels, supports, loads = Labels(axes), list(supports), list(loads)
+    for style, places in [(mark.style, mark.positions) for mark in supports] + [(m.style, m.positions) for m in loads]:
+        if style == "points" and len(places):
+            labels.keep_free(places, LARGEST)
+    entries = draw_zones(zones, axes, sheet, labels) + draw_supports(supports, axes)
+    balances = draw_balances(balance, axes, labels)
+    entries += draw_loads(loads, axes, totals or {}, sheet, labels) + draw_singular(singular, axes)
     if numbers:
         _number_nodes(axes, plan)
-    entries += draw_cuts(cuts, axes)
-    entries += draw_balances(balance, axes)
+    entries += draw_cuts(cuts, axes, labels) + balances
+    draw_edges(edges, labels)
     if poorest is not None:
         at, words = poorest
         (ring,) = axes.plot(*at, "o", markerfacecolor="none", markeredgecolor="#7a4fb5", markersize=9, zorder=6)

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from signorini.plot.labels import Labels
 from signorini.plot.marks import Entry
-from signorini.plot.plan import literal
 
 _NAME, _SINGULAR = "#5d6b78", "#d6006c"
 _INWARD = 8.0
@@ -21,6 +20,8 @@ _INWARD = 8.0
 _FEW = 60
 """Places that are each drawn with a ring about them; of more there are dots."""
 _MOST_WORDS = 3
+_PLACES = np.array([0.0, 0.5, -0.5, 1.0, -1.0, 1.5, -1.5])
+"""Where the name of an edge may stand, from its middle, in fifths of its length."""
 
 
 @dataclass(frozen=True)
@@ -42,17 +43,14 @@ class SingularMark:
     limited: bool = False
 
 
-def draw_edges(marks: Iterable[EdgeMark], axes: Axes) -> None:
-    """Write the names of edges along them, on the plate."""
-    halo = [withStroke(linewidth=2.0, foreground="white")]
+def draw_edges(marks: Iterable[EdgeMark], labels: Labels) -> None:
+    """Write the names of edges along them, on the plate, where there is room."""
     for mark in marks:
-        x, y = np.array(mark.along) / max(float(np.hypot(*mark.along)), 1e-300)
-        turn = (np.degrees(np.arctan2(y, x)) + 90) % 180 - 90
-        look: dict[str, Any] = {"ha": "center", "va": "center", "rotation": turn, "rotation_mode": "anchor"}
-        name = axes.annotate(
-            literal(mark.name), mark.at, (-_INWARD * y, _INWARD * x), textcoords="offset points", **look
-        )
-        name.set(fontsize=7.5, color=_NAME, path_effects=halo, zorder=3.6)
+        along = np.array(mark.along)
+        x, y = along / max(float(np.hypot(*along)), 1e-300)
+        turn = float((np.degrees(np.arctan2(y, x)) + 90) % 180 - 90)
+        at = np.array(mark.at) + _INWARD / labels.scale * np.array([-y, x]) + _PLACES[:, None] * along
+        labels.along(mark.name, at, [turn] * len(at), 7.5, _NAME, zorder=3.6)
 
 
 def draw_singular(marks: Sequence[SingularMark], axes: Axes) -> list[Entry]:

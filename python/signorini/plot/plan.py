@@ -22,6 +22,8 @@ from signorini.shapes.tessellation import Tessellation, tessellate
 
 INK = "#1c2733"
 _SHEET = "#eef2f5"
+HATCHED: dict[str, Any] = {"facecolor": _SHEET, "edgecolor": "#aeb8c0", "hatch": "////", "linewidth": 0.0}
+"""What is left out."""
 _FINE = 4000
 """Elements from which on two flat triangles of each are as good as more: they are some dots wide."""
 _SAME = 1e-7
@@ -32,13 +34,22 @@ _MARGIN = 0.04
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A mesh and what all its pictures share: triangles, edges, outline."""
+    """A mesh and what all its pictures share: triangles, edges, outline.
+
+    Attributes
+    ----------
+    nodes : ndarray, shape (n, 2)
+    cells : ndarray of int, shape (e, 8)
+    left_out : ndarray of bool, shape (e,), or None
+        Elements that are hatched in place of a field, as their values are not to be compared with the others'.
+    """
 
     nodes: NDArray[np.float64]
     cells: NDArray[np.int64]
+    left_out: NDArray[np.bool_] | None = None
 
     @classmethod
-    def of(cls, points: ArrayLike, elements: ArrayLike) -> Self:
+    def of(cls, points: ArrayLike, elements: ArrayLike, left_out: NDArray[np.bool_] | None = None) -> Self:
         """Check the shapes of a mesh."""
         nodes, cells = np.asarray(points, dtype=float), np.asarray(elements, dtype=np.int64)
         if nodes.shape[1:] != (2,) or cells.shape[1:] != (8,) or not len(cells):
@@ -46,7 +57,7 @@ class Plan:
                 f"The nodes have the shape {nodes.shape} and the elements {cells.shape}; "
                 "they must be (n, 2) and (e, 8)."
             )
-        return cls(nodes, cells)
+        return cls(nodes, cells, left_out)
 
     @cached_property
     def cut(self) -> Tessellation:
@@ -108,14 +119,21 @@ def draw_sheet(axes: Axes, plan: Plan) -> Path:
     return drawn.get_paths()[0]
 
 
-def draw_outlines(axes: Axes, plan: Plan, inner: float) -> None:
-    """Draw the elements' edges, fainter the more there are, the plate's outline, and dashed the borders of zones."""
-    between, outline, borders = plan.edges
-    fade = inner * min(1.0, (900 / len(plan.cells)) ** 0.5)
+def draw_mesh(axes: Axes, plan: Plan) -> None:
+    """Draw the elements' edges, fainter the more there are."""
+    fade = 0.3 * min(1.0, (900 / len(plan.cells)) ** 0.5)
     if fade > _FAINTEST:
         look: dict[str, Any] = {"facecolors": "none", "edgecolors": INK, "linewidths": 0.5, "alpha": fade}
-        axes.add_collection(PathCollection([between], zorder=1.8, label="_elements", **look), autolim=False)
-    look = {"facecolors": "none", "edgecolors": INK, "linewidths": 1.2, "capstyle": "round"}
+        axes.add_collection(PathCollection(plan.edges[:1], zorder=1.8, label="_elements", **look), autolim=False)
+
+
+def draw_outlines(axes: Axes, plan: Plan) -> None:
+    """Draw the plate's outline, dashed the borders of zones, and hatch what is left out."""
+    _, outline, borders = plan.edges
+    if plan.left_out is not None and plan.left_out.any():
+        part = Triangulation(plan.triangles.x, plan.triangles.y, plan.cut.triangles[plan.left_out[plan.cut.parents]])
+        axes.tricontourf(part, np.zeros(len(part.x)), levels=[-1, 1]).set(zorder=1.7, **HATCHED)
+    look: dict[str, Any] = {"facecolors": "none", "edgecolors": INK, "linewidths": 1.2, "capstyle": "round"}
     axes.add_collection(PathCollection([outline], zorder=1.9, label="_outline", **look), autolim=False)
     if np.size(borders.vertices):
         look = {"facecolors": "none", "edgecolors": INK, "linewidths": 0.7, "linestyles": "dashed"}

@@ -32,7 +32,7 @@ from signorini.results.thresholds import Threshold
 from signorini.results.warnings import bending_thickness, model_warnings, too_far
 
 if TYPE_CHECKING:
-    from signorini.plot import Figure
+    from signorini.plot.load_path import Figure
 
 AT_LIMIT = 1e-6
 """Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
@@ -216,7 +216,7 @@ class LoadPath(States[float]):
         Figure
             Of matplotlib.
         """
-        from signorini.plot import load_path_picture
+        from signorini.plot.load_path import load_path_picture
 
         supports, units, stops = self.model.support, self.model.units, self.stops
         reactions = {one.name: [stop.reactions[i] for stop in stops] for i, one in enumerate(supports)}

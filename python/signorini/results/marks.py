@@ -17,6 +17,7 @@ from signorini.mesh.boxtree import BoxTree
 from signorini.model import Area, Circle, Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.model.whole import Units
+from signorini.plot.picture import PressureLayer, SupportMark
 from signorini.results.contact_field import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.support_words import describe
@@ -25,7 +26,10 @@ from signorini.shapes.tessellation import tessellate
 from signorini.singularities.singularity import Singularity
 
 if TYPE_CHECKING:
-    from signorini.plot import CutMark, EdgeMark, LoadMark, PressureLayer, SingularMark, SupportMark, ZoneMark
+    from signorini.plot.cuts import CutMark
+    from signorini.plot.loads import LoadMark
+    from signorini.plot.marks import ZoneMark
+    from signorini.plot.places import EdgeMark, SingularMark
 
 _AROUND = 180
 _MOST_EDGES = 40
@@ -45,8 +49,6 @@ def support_mark(
     boundary: Sequence[Floats] = (),
 ) -> SupportMark:
     """Draw a support that acts at positions (k, 2), of which some are closed; None: not known yet."""
-    from signorini.plot import SupportMark
-
     style: Literal["points", "line", "area"] = "points"
     if support.fix is not None:
         closed = None  # it never lets go
@@ -101,8 +103,6 @@ def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged"
 
 def pressure_layer(area: AreaContact) -> PressureLayer:
     """Draw the pressure of an area support."""
-    from signorini.plot import PressureLayer
-
     on = area.covered > 0
     cut = tessellate(area.mesh.elements[on])
     outline = _outline(area.support.area) if isinstance(area.support.area, Area) else None
@@ -125,7 +125,7 @@ def support_marks(found: Discretisation) -> list[SupportMark]:
 
 def zone_marks(found: Discretisation) -> list[ZoneMark]:
     """Draw the zones of a model, with what they change in the legend."""
-    from signorini.plot import ZoneMark
+    from signorini.plot.marks import ZoneMark
 
     marks = []
     for zone in found.model.zone:
@@ -145,7 +145,7 @@ def zone_marks(found: Discretisation) -> list[ZoneMark]:
 
 def cut_marks(model: Model) -> list[CutMark]:
     """Draw the sections and the strips of a model."""
-    from signorini.plot import CutMark
+    from signorini.plot.cuts import CutMark
 
     marks = [CutMark(section.name, np.array(section.line)) for section in model.section]
     for strip in model.strip:
@@ -157,7 +157,7 @@ def cut_marks(model: Model) -> list[CutMark]:
 
 def load_marks(found: Discretisation) -> list[LoadMark]:
     """Draw the loads of a model, the case's name and the kind in the legend."""
-    from signorini.plot import LoadMark
+    from signorini.plot.loads import LoadMark
 
     marks = []
     for load in found.model.load:
@@ -242,7 +242,7 @@ def case_totals(found: Discretisation) -> dict[str, str]:
 
 def edge_marks(mesh: Mesh) -> list[EdgeMark]:
     """Name edges left of or before the middle, where values of loads stand, of holes their sides, if not too many."""
-    from signorini.plot import EdgeMark
+    from signorini.plot.places import EdgeMark
 
     wholes = {name.rpartition(" edge ")[0] or name.rpartition(" ")[0] for name in mesh.edges} & set(mesh.edges)
     names = [name for name in mesh.edges if name not in wholes]
@@ -259,7 +259,7 @@ def edge_marks(mesh: Mesh) -> list[EdgeMark]:
 
 def singular_marks(named: Sequence[Singularity]) -> list[SingularMark]:
     """Mark the places of singularities."""
-    from signorini.plot import SingularMark
+    from signorini.plot.places import SingularMark
 
     return [SingularMark(one.what, np.array(one.where), one.line, one.limited) for one in named if one.where]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -14,12 +14,10 @@ from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
 from signorini.model.whole import Units
+from signorini.plot.picture import Panel, SupportMark
 from signorini.results.extremes import FieldExtremes
 from signorini.results.marks import pressure_layer, support_mark
 from signorini.results.support_result import SupportResult
-
-if TYPE_CHECKING:
-    from signorini.plot import Panel, SupportMark
 
 PRESSURE = "pressure"
 _WORDS = {
@@ -80,8 +78,6 @@ def panel(
     field: str, result: Shown, widths: Mapping[str, Any] | None = None, limits: tuple[float, float] | None = None
 ) -> Panel:
     """Draw a field, or the pressure, in the colours of its quantity, with its extremes and, if known, half-widths."""
-    from signorini.plot import Panel
-
     label, map_of = quantity(field, result.model.units), colours(field)
     limits = limits or field_range(field, result)
     if field == PRESSURE:
@@ -108,9 +104,9 @@ def extreme(name: str, value: float, told: bool, width: float | None) -> str:
     Examples
     --------
     >>> extreme("min", -21.3412, True, 0.25), extreme("max", 21.3412, False, None), extreme("max", 21.3412, True, None)
-    ('min −21.34 ± 0.25', 'max 21.34', 'max 21.3 ± ?')
+    ('min −21.34 ± 0.25', 'max 21.34', 'max 21.34 ± ?')
     """
-    shown = estimated(value, width, digits=4).replace("-", "−") if told else plain(value, 4)
+    shown = estimated(value, width).replace("-", "−") if told else plain(value, 4)
     return f"{name} {shown}"
 
 

@@ -42,7 +42,7 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
 if TYPE_CHECKING:
-    from signorini.plot import Axes
+    from signorini.plot.panel import Axes
 
 Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 Status = Literal["solved", "no_equilibrium"]
@@ -346,7 +346,10 @@ class Result(Remade):
         InputError
             If there is no field of that name, no area whose pressure could be drawn, or no interval in the limits.
         """
-        from signorini.plot import Plan, draw_legend, draw_panel, field_picture
+        from signorini.plot.marks import draw_legend
+        from signorini.plot.panel import draw_panel
+        from signorini.plot.pictures import field_picture
+        from signorini.plot.plan import Plan
 
         known(field, [*self.fields, "pressure"], "field", "field", "This result")
         if ax is not None and not hasattr(ax, "tricontourf"):

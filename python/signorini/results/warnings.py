@@ -73,6 +73,7 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
             *_never_act(found),
             *_beds_both_ways(found.model),
             *_couples(found),
+            *_wheels_off(found),
         )
         of_plate = *_one_element(found), *_unrefined(found), *_unfollowed(found), *_zones(found), *_left_out(found)
         _KNOWN[found] = (*unit_slips(found), *of_plate, *of_supports)
@@ -271,6 +272,20 @@ def _unfollowed(found: Discretisation) -> Iterator[str]:
                 f"The mesh does not follow the {what} of {name}: in the elements that it cuts, moments and shears are "
                 f"means of both sides{near}. {to_follow(model, where, size)}"
             )
+
+
+def _wheels_off(found: Discretisation) -> Iterator[str]:
+    """Name moving loads of which a wheel's print is partly off the plate, where it loses most of its force."""
+    off = list(found.cases.partly_off())
+    for case in dict.fromkeys(case for case, *_ in off):
+        those = [(lost, at, axle) for one, at, axle, lost in off if one == case]
+        lost, at, axle = max(those)
+        more = len({at for _, at, _ in those}) - 1
+        also = f"; so do wheels at {more} more position{'s' * (more > 1)}" if more else ""
+        yield (
+            f'A wheel of the moving load "{case}" is partly off the plate: at {at}, axle {axle}, {100 * lost:.2g} % of '
+            f"its force does not act{also}. Move the line inwards, or end it earlier."
+        )
 
 
 def _name(index: int, load: Load) -> str:

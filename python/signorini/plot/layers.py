@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,8 @@ from matplotlib.path import Path
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.plot.field import BANDS, Scale, add_colour_bar, label_contours
+from signorini.plot.labels import Labels
+from signorini.plot.picture import PressureLayer
 from signorini.plot.plan import (
     INK,
     Plan,
@@ -26,66 +27,38 @@ from signorini.plot.plan import (
     set_window,
     triangulation,
 )
-from signorini.shapes.tessellation import Tessellation
 
 _ON_OUTLINE = 1e-9
 """Part of the plate's size within which a point is on an area's outline."""
 
 
-@dataclass(frozen=True, eq=False)
-class PressureLayer:
-    """The pressure of one area.
+def _exerted(layer: PressureLayer, nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the values that an area exerts, NaN out of its outline."""
+    values = np.clip(layer.values, *layer.bounds)
+    if layer.an_element:
+        return values
+    return np.where(_within(layer, layer.cut.interpolate(nodes), float(np.ptp(nodes))), values, np.nan)
 
-    Attributes
-    ----------
-    cut : Tessellation
-        Of the elements that the area is on.
-    values : ndarray, shape (v,) or (e,)
-        Pressures at the vertices, beyond ``bounds`` where there is a gap; or one an element.
-    bounds : (float, float)
-        What the area can exert at least and at most. Nothing is drawn beyond.
-    outline : ndarray, shape (k, 2), or None
-        Of the area; None where the elements end with it.
-    largest : (float, (x, y)) or None
-        The largest pressure and its place, where they are known better than from the vertices.
-    """
 
-    cut: Tessellation
-    values: NDArray[np.float64]
-    bounds: tuple[float, float]
-    outline: NDArray[np.float64] | None = None
-    largest: tuple[float, Sequence[float]] | None = None
+def _within(layer: PressureLayer, places: NDArray[np.float64], size: float) -> NDArray[np.bool_]:
+    """Return which places are on an area, its outline included, of a plate of a size."""
+    if layer.outline is None:
+        return np.ones(len(places), np.bool_)
+    # Which sign of the radius takes in what is on the outline depends on the way that runs.
+    slack = _ON_OUTLINE * size
+    (around, *holes), ways = map(Path, pieces(layer.outline)), (slack, -slack)
+    within: NDArray[np.bool_] = np.any([around.contains_points(places, radius=way) for way in ways], axis=0)
+    for hole in holes:
+        within &= ~np.all([hole.contains_points(places, radius=way) for way in ways], axis=0)
+    return within
 
-    @property
-    def an_element(self) -> bool:
-        """Whether there is one value an element."""
-        return len(self.values) == len(self.cut.elements)
 
-    def exerted(self, nodes: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the values that the area exerts, NaN out of its outline."""
-        values = np.clip(self.values, *self.bounds)
-        if self.an_element:
-            return values
-        return np.where(self.within(self.cut.interpolate(nodes), float(np.ptp(nodes))), values, np.nan)
-
-    def within(self, places: NDArray[np.float64], size: float) -> NDArray[np.bool_]:
-        """Return which places are on the area, its outline included, of a plate of a size."""
-        if self.outline is None:
-            return np.ones(len(places), np.bool_)
-        # Which sign of the radius takes in what is on the outline depends on the way that runs.
-        slack = _ON_OUTLINE * size
-        (around, *holes), ways = map(Path, pieces(self.outline)), (slack, -slack)
-        within: NDArray[np.bool_] = np.any([around.contains_points(places, radius=way) for way in ways], axis=0)
-        for hole in holes:
-            within &= ~np.all([hole.contains_points(places, radius=way) for way in ways], axis=0)
-        return within
-
-    def range(self, nodes: NDArray[np.float64]) -> tuple[float, float]:
-        """Return the smallest and the largest value, or 0 beyond them."""
-        values = self.exerted(nodes)
-        if self.largest is not None:
-            values = np.append(values, self.largest[0])
-        return float(np.fmin.reduce(values, initial=0.0)), float(np.fmax.reduce(values, initial=0.0))
+def _range(layer: PressureLayer, nodes: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the smallest and the largest value of an area, or 0 beyond them."""
+    values = _exerted(layer, nodes)
+    if layer.largest is not None:
+        values = np.append(values, layer.largest[0])
+    return float(np.fmin.reduce(values, initial=0.0)), float(np.fmax.reduce(values, initial=0.0))
 
 
 def pressure(
@@ -115,12 +88,13 @@ def pressure(
     Examples
     --------
     >>> nodes = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5]]
+    >>> from signorini.plot.picture import PressureLayer
     >>> from signorini.shapes.tessellation import tessellate
     >>> cut = tessellate(np.arange(8)[None])
     >>> soil = PressureLayer(cut, cut.interpolate(np.array(nodes))[:, 0] - 1, bounds=(0, np.inf))
     >>> axes = pressure(nodes, [range(8)], [soil], label="pressure [kPa]")
     >>> [round(float(end), 12) for end in axes.figure.axes[1].get_ylim()], axes.figure.axes[1].get_ylabel()
-    ([0.0, 1.04], 'pressure [kPa]')
+    ([0.0, 1.0], 'pressure [kPa]')
     """
     plan = Plan.of(points, elements)
     axes = plan_axes(plan, title) if ax is None else ax
@@ -128,7 +102,7 @@ def pressure(
         axes.set_title(literal(title), wrap=True)
     scale = pressure_scale(plan, layers, cmap, limits, levels)
     set_window(axes, plan)
-    draw_pressure(axes, plan, layers, scale)
+    draw_pressure(axes, plan, layers, scale, Labels(axes))
     add_colour_bar(axes, scale, label)
     return axes
 
@@ -141,22 +115,21 @@ def pressure_scale(
     levels: int = BANDS,
 ) -> Scale:
     """Choose colours for pressures, from 0 on."""
-    ranges = [limits] if limits is not None else [layer.range(plan.nodes) for layer in layers]
+    ranges = [limits] if limits is not None else [_range(layer, plan.nodes) for layer in layers]
     low, high = min((a for a, _ in ranges), default=0.0), max((b for _, b in ranges), default=0.0)
     return Scale.of(low, high if high > low else 1.0, cmap, levels)
 
 
-def draw_pressure(axes: Axes, plan: Plan, layers: Sequence[PressureLayer], scale: Scale) -> None:
+def draw_pressure(axes: Axes, plan: Plan, layers: Sequence[PressureLayer], scale: Scale, labels: Labels) -> None:
     """Draw pressures on a pale plate, and the plate's outline."""
     draw_sheet(axes, plan)
-    draw_outlines(axes, plan, inner=0.16)
+    draw_outlines(axes, plan)
     for layer in layers:
-        _draw(axes, plan.nodes, layer, scale.bounds, {"cmap": scale.colours, "norm": scale.norm})
+        _draw(axes, plan.nodes, layer, scale, labels)
 
 
-def _draw(
-    axes: Axes, nodes: NDArray[np.float64], layer: PressureLayer, limits: NDArray[np.float64], look: dict[str, Any]
-) -> None:
+def _draw(axes: Axes, nodes: NDArray[np.float64], layer: PressureLayer, scale: Scale, labels: Labels) -> None:
+    look: dict[str, Any] = {"cmap": scale.colours, "norm": scale.norm}
     triangles = triangulation(layer.cut, nodes)
     drawn: list[Artist] = []
     if layer.an_element:
@@ -164,12 +137,16 @@ def _draw(
         triangles.set_mask(values == 0)
         drawn.append(axes.tripcolor(triangles, facecolors=values, **look))
     elif np.clip(layer.values, *layer.bounds).any():
-        levels = limits[(limits >= layer.bounds[0]) & (limits <= layer.bounds[1])]
-        drawn.append(axes.tricontourf(triangles, layer.values, levels=levels, **look))
+        levels = scale.bounds[(scale.bounds >= layer.bounds[0]) & (scale.bounds <= layer.bounds[1])]
+        # Beyond the scale is its last colour, beyond the layer's bounds nothing.
+        low, high = scale.clipped(np.array([-np.inf, np.inf]))
+        within = layer.bounds[0] >= scale.bounds[0], layer.bounds[1] <= scale.bounds[-1]
+        values = np.clip(layer.values, -np.inf if within[0] else low, np.inf if within[1] else high)
+        drawn.append(axes.tricontourf(triangles, values, levels=levels, **look))
         drawn[-1].set(edgecolor=to_rgba(INK, 0.3), linewidth=0.3)
         before = len(axes.collections), len(axes.texts)
         size, shown = float(np.ptp(nodes)), np.clip(layer.values, levels[0], levels[-1])
-        label_contours(axes, triangles, shown, levels, lambda places: layer.within(places, size))
+        label_contours(axes, triangles, shown, levels, labels, lambda places: _within(layer, places, size))
         drawn += axes.collections[before[0] :]
         drawn += axes.texts[before[1] :]
     if layer.outline is not None:
