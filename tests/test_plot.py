@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.patches import PathPatch
@@ -330,9 +331,9 @@ def test_colours_of_a_field_of_one_sign_are_of_that_sign_where_bands_begin_befor
 def test_elements_that_are_left_out_are_hatched_and_named_in_the_legend() -> None:
     plan = Plan.of(POINTS, ELEMENTS, np.array([True, False]))
     axes = field_picture(plan, [Panel(POINTS[:, 0])]).axes[0]
-    (hatched,) = [one for one in axes.collections if one.get_hatch()]
-    x = np.concatenate([path.vertices[:, 0] for path in hatched.get_paths()])
-    assert (x.min(), x.max()) == (0.0, 1.2)
+    (hatched,) = [one for one in axes.patches if one.get_hatch()]
+    x = hatched.get_path().vertices[:, 0]
+    assert (x.min(), x.max()) == (0.0, 1.2) and to_hex(hatched.get_facecolor()) == "#eef2f5"
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["left out of the extremes"]
 
 

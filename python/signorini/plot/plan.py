@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.transforms import ScaledTranslation
 from matplotlib.tri import Triangulation
@@ -132,7 +133,8 @@ def draw_outlines(axes: Axes, plan: Plan) -> None:
     _, outline, borders = plan.edges
     if plan.left_out is not None and plan.left_out.any():
         part = Triangulation(plan.triangles.x, plan.triangles.y, plan.cut.triangles[plan.left_out[plan.cut.parents]])
-        axes.tricontourf(part, np.zeros(len(part.x)), levels=[-1, 1]).set(zorder=1.7, **HATCHED)
+        (path,) = axes.tricontourf(part, np.zeros(len(part.x)), levels=[-1, 1], alpha=0.0).get_paths()
+        axes.add_patch(PathPatch(path, zorder=2.1, **HATCHED))
     look: dict[str, Any] = {"facecolors": "none", "edgecolors": INK, "linewidths": 1.2, "capstyle": "round"}
     axes.add_collection(PathCollection([outline], zorder=1.9, label="_outline", **look), autolim=False)
     if np.size(borders.vertices):
