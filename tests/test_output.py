@@ -25,6 +25,7 @@ from signorini.errors import InputError
 from signorini.output import path_csv, reactions_csv, results_json, unique_slugs, write, write_path
 from signorini.output.directory import room_for
 from signorini.output.governing import governing_csv
+from signorini.results.quantities import PEAKING
 
 
 def model(**changes: object) -> signorini.Model:
@@ -83,11 +84,12 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
     ends, beside = ["max", "max_at", "min", "min_at"], ["max_beside", "min_beside"]
     numbers = {
         "deflection": dict.fromkeys(ends),
-        "fields": {name: dict.fromkeys(ends + beside) for name in ("mx", "my", "mxy", "qx", "qy")},
+        "fields": {name: dict.fromkeys(ends + beside) for name in PEAKING},
         "supports": [support | {"points": [dict.fromkeys(["at", "reaction", "gap", "state"])]}],
         "probes": [
             dict.fromkeys(["at", "deflection", "rotation", "moment", "shear", "pressure", "principal_moment"])
             | {"design_moment": dict.fromkeys(["bottom", "top"])}
+            | {"stress": dict.fromkeys(["top", "bottom", "von_mises", "shear"])}
         ],
         "sections": None,
         "strips": None,
