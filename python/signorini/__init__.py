@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from signorini.results.exact_path import ExactPath
     from signorini.results.load_path import LoadPath
     from signorini.results.probe_result import ProbeResult
+    from signorini.results.profile_result import ProfileResult
     from signorini.results.result import Result
     from signorini.results.section_result import SectionResult, StationResult, StripResult
     from signorini.results.support_result import SupportResult
@@ -54,6 +55,7 @@ _HOME = {
     "results.exact_path": ("ExactPath",),
     "results.load_path": ("LoadPath",),
     "results.probe_result": ("ProbeResult",),
+    "results.profile_result": ("ProfileResult",),
     "results.result": ("Result",),
     "results.section_result": ("SectionResult", "StationResult", "StripResult"),
     "results.support_result": ("SupportResult",),
@@ -70,6 +72,7 @@ __all__ = [
     "NoEquilibriumError",
     "NotCertifiedError",
     "ProbeResult",
+    "ProfileResult",
     "Progress",
     "Result",
     "Results",

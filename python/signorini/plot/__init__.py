@@ -18,6 +18,7 @@ from signorini.plot.pictures import Picture, check_picture, drawn_as_png, field_
 from signorini.plot.places import EdgeMark, SingularMark
 from signorini.plot.plan import Plan
 from signorini.plot.pressure import PressureLayer, pressure
+from signorini.plot.profiles import profiles_picture
 from signorini.plot.refinement import refinement_picture
 
 __all__ = [
@@ -44,6 +45,7 @@ __all__ = [
     "line",
     "load_path_picture",
     "pressure",
+    "profiles_picture",
     "refinement_picture",
     "save",
     "supports",

@@ -41,10 +41,12 @@ class FieldExtremes:
         cls, values: Floats, nodes: StressNodes, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
     ) -> FieldExtremes:
         """Find the extremes of a field at nodes of the mesh (n,) that are ``away`` from singularities of its number."""
-        places, away = nodes.points[: len(values)], away[nodes.nodes[: len(values)]]
+        places, counting = nodes.points[: len(values)], nodes.counting(len(values))
+        away = away[nodes.nodes[: len(values)]] & counting
+        away = away if away.any() else counting
         ends: list[tuple[float, tuple[float, float], str]] = []
         for signed in (values, -values):
-            own, highest = np.where(away, signed, -np.inf), int(signed.argmax())
+            own, highest = np.where(away, signed, -np.inf), int(np.where(counting, signed, -np.inf).argmax())
             x, y = places[peak(own, places)].tolist()
             beside = "" if away[highest] else _nearest(places[highest], singular, number)
             ends.append((float(values[own.argmax()]), (x, y), beside))

@@ -22,6 +22,7 @@ def figures(result: Result) -> dict[str, Any]:
         "supports": [_support(support) for support in result.supports],
         "probes": [_probe(probe) for probe in result.probes],
         **through_json(result.sections, result.strips),
+        "profiles": [{"name": one.name, "stations": list(one.rows())} for one in result.profiles.values()],
     }
 
 

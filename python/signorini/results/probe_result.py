@@ -91,15 +91,20 @@ def probe_results(
     """Interpolate fields (s, 8), in the order of `ProbeResult`, to positions (q, 2), and ask for the pressure."""
     if not len(positions):
         return []
-    sides = nodes.sides(positions, where)
-    values = nodes.mesh.shape_functions(sides.where.elements, sides.where.xi)
-    at_points = sides.larger(np.einsum("qi,qif->qf", values, fields[nodes.elements[sides.where.elements]]))
+    at_points = fields_at(fields, nodes, where, positions)
     return [
         ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p)
         for (x, y), v, p in zip(
             positions.tolist(), at_points.tolist(), total_pressure(supports, where).tolist(), strict=True
         )
     ]
+
+
+def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Floats) -> Floats:
+    """Interpolate fields (s, f) to positions (q, 2): (q, f), of several sides the largest in size."""
+    sides = nodes.sides(positions, where)
+    values = nodes.mesh.shape_functions(sides.where.elements, sides.where.xi)
+    return sides.larger(np.einsum("qi,qif->qf", values, fields[nodes.elements[sides.where.elements]]))
 
 
 def total_pressure(supports: Sequence[SupportResult], where: Location) -> Floats:
