@@ -187,7 +187,7 @@ def test_parts_of_one_package_may_know_each_other(tmp_path: Path) -> None:
 
 # The same of the core's files, from the ground up; a file's arrows within a group are free, but never in a circle.
 CORE_LAYERS = (
-    ("dense", "double_double", "superposition", "vectorized"),
+    ("dense", "double_double", "bodies", "superposition", "vectorized"),
     ("lcp",),
     ("element",),
     ("plate",),

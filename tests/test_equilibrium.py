@@ -94,7 +94,7 @@ def test_check_looks_for_the_motion_once(monkeypatch):
 @pytest.mark.parametrize("footprints", [True, False])
 def test_the_limit_of_a_base_plate_is_the_same_on_any_mesh(divisions, footprints):
     tables = tomllib.loads((EXAMPLES / "base_plate.toml").read_text())
-    tables["mesh"] = {"divisions": divisions}
+    tables |= {"mesh": {"divisions": divisions}, "zone": []}
     if not footprints:
         for table in (*tables["support"], *tables["load"]):
             table.pop("patch", None)
@@ -109,7 +109,7 @@ def test_the_limit_of_a_base_plate_is_the_same_on_any_mesh(divisions, footprints
 @pytest.mark.parametrize("divisions", [[7, 5], [12, 8]])
 def test_the_path_of_a_base_plate_ends_at_the_same_wind_on_any_mesh(divisions):
     tables = tomllib.loads((EXAMPLES / "base_plate.toml").read_text())
-    tables["mesh"] = {"divisions": divisions}
+    tables |= {"mesh": {"divisions": divisions}, "zone": []}
     found = path(validate(tables), start="column", add="wind")
     assert found.ending == "no_equilibrium"
     assert found.limit == pytest.approx(0.75, rel=1e-9)

@@ -247,7 +247,7 @@ def test_overlaps_that_are_seldom_meant_are_told():
 @pytest.mark.parametrize(
     ("zone", "message"),
     [
-        ({"area": MIDDLE}, r"zone\[1\]: it changes nothing; give thickness, material, modifiers or stiffness"),
+        ({"area": MIDDLE}, r"zone\[1\]: it changes nothing; give thickness, material, modifiers, stiffness or rigid"),
         ({"area": MIDDLE, "stiffness": STIFF}, r"zone\[1\].thickness: 'thickness' is missing; it goes with stiffness"),
         ({"area": MIDDLE, "stiffness": STIFF, "thickness": "x"}, r"zone\[1\].thickness: found \"x\"; beside stiffness"),
         ({"area": MIDDLE, "stiffness": STIFF | {"D1": 8e6}}, r"stiffness.D1: found 8e\+06; its size must be less than"),

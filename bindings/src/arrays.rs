@@ -5,6 +5,7 @@ use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use signorini_core::dense;
 use signorini_core::element::DOFS;
+use signorini_core::plate::Plate;
 use signorini_core::rows::{Rows, Springs};
 use std::collections::BTreeMap;
 
@@ -75,15 +76,15 @@ pub fn rows(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
     matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
 }
 
-/// (elements (m + q,), rows (m + q, 24), further (q,)) as m rows over elements; the last q are what the rows `further`
-/// have in further elements.
+/// (elements (m + q,), rows (m + q, 24), further (q,)) as m rows over a plate's elements; the last q are what the rows
+/// `further` have in further elements.
 pub fn element_rows(
     elements: &PyReadonlyArray1<'_, i64>,
     rows: &PyReadonlyArray2<'_, f64>,
     further: &PyReadonlyArray1<'_, i64>,
-    element_count: usize,
+    plate: &Plate,
 ) -> PyResult<Rows> {
-    let mut element = indices("the element of a row", elements, element_count)?;
+    let mut element = indices("the element of a row", elements, plate.elements().len())?;
     let mut coefficient = rows_of::<DOFS, f64>("a row", rows)?;
     if element.len() != coefficient.len() {
         return Err(invalid(format!("{} elements for {} rows", element.len(), coefficient.len())));
@@ -97,7 +98,7 @@ pub fn element_rows(
     for ((owner, e), c) in owners.into_iter().zip(element.split_off(own)).zip(coefficient.split_off(own)) {
         further.entry(owner).or_default().push((e, c));
     }
-    Ok(Rows { element, coefficient, further })
+    Ok(Rows { element, coefficient, further }.onto_leaders(plate))
 }
 
 /// Which row each of the last of `pieces` goes on; in ascending order.
@@ -118,8 +119,8 @@ pub type SpringArrays<'py> = (
     PyReadonlyArray1<'py, f64>,
 );
 
-pub fn springs(arrays: &SpringArrays<'_>, element_count: usize) -> PyResult<Springs> {
-    let rows = element_rows(&arrays.0, &arrays.1, &arrays.2, element_count)?;
+pub fn springs(arrays: &SpringArrays<'_>, plate: &Plate) -> PyResult<Springs> {
+    let rows = element_rows(&arrays.0, &arrays.1, &arrays.2, plate)?;
     let stiffness = sized("the springs' stiffness", &arrays.3, rows.len())?;
     let base = sized("the springs' base", &arrays.4, rows.len())?;
     if stiffness.iter().any(|k| !(*k >= 0.0 && k.is_finite())) || base.iter().any(|b| !b.is_finite()) {

@@ -151,11 +151,10 @@ impl ContactProblem {
         room: Option<usize>,
     ) -> PyResult<Self> {
         let room = room.unwrap_or(usize::MAX);
-        let count = plate.inner.elements().len();
         let held = flags("held", &held, plate.inner.dof_count())?;
-        let springs = springs(&spring_arrays, count)?;
+        let springs = springs(&spring_arrays, &plate.inner)?;
         let (elements, coefficients, further, distance, compliance, two_sided, regularization) = &constraint_arrays;
-        let own = element_rows(elements, coefficients, further, count)?;
+        let own = element_rows(elements, coefficients, further, &plate.inner)?;
         let m = own.len();
         let distance = sized("distance", distance, m)?;
         let compliance = sized("compliance", compliance, m)?;

@@ -21,7 +21,8 @@ use std::sync::Arc;
 /// plate of thickness 1, and `young` the largest Young's modulus. `others`, if given, has further materials: which of
 /// them each element (e,) is of, from 1, or 0, their Young's moduli (m,) and rigidities (m, 9). `stress_elements` (e, 8), if given, are the elements by the nodes of moments and
 /// shears, several at a place where these jump. `frames` (n, 2), if given, holds
-/// cos and sin of every node's first rotation direction.
+/// cos and sin of every node's first rotation direction. `leaders` (n,), if given, are the nodes that nodes follow as rigid
+/// bodies, themselves where they are free.
 /// Displacements as the sum of two arrays of doubles.
 type HighAndLow<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
@@ -114,7 +115,7 @@ impl Plate {
     #[new]
     #[pyo3(signature = (
         points, elements, thickness, young, rigidities, kind, frames=None, layered=None, others=None,
-        stress_elements=None
+        stress_elements=None, leaders=None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -129,6 +130,7 @@ impl Plate {
         layered: Option<(PyReadonlyArray1<'_, i64>, PyReadonlyArray3<'_, f64>)>,
         others: Option<(PyReadonlyArray1<'_, i64>, PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>)>,
         stress_elements: Option<PyReadonlyArray2<'_, i64>>,
+        leaders: Option<PyReadonlyArray1<'_, i64>>,
     ) -> PyResult<Self> {
         let kind = kind_of(kind)?;
         let points = rows_of::<2, f64>("points", &points)?;
@@ -144,8 +146,12 @@ impl Plate {
             of = indices("the elements' materials", &number, all.len())?.into_iter().map(|i| i as u32).collect();
         }
         let stress_elements = stress_elements.map(|given| elements_of(&given)).transpose()?;
+        let leaders = leaders.map(|given| indices("leaders", &given, points.len())).transpose()?;
         let made = || {
-            let plate = plate::Plate::new(points, elements, thickness, Materials::several(all, of), kind, frames)?;
+            let mut plate = plate::Plate::new(points, elements, thickness, Materials::several(all, of), kind, frames)?;
+            if let Some(leaders) = leaders {
+                plate = plate.with_bodies(&leaders)?;
+            }
             match stress_elements {
                 Some(elements) => {
                     let count = elements.iter().flatten().max().map_or(0, |last| last + 1);
@@ -198,7 +204,7 @@ impl Plate {
         lo: PyReadonlyArray1<'_, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let dofs = self.inner.dof_count();
-        let springs = springs(&spring_arrays, self.inner.elements().len())?;
+        let springs = springs(&spring_arrays, &self.inner)?;
         let load = sized("the load", &load, dofs)?;
         let displacement = displacement(&hi, &lo, dofs)?;
         let out = released(py, || residual(&self.inner, &springs, &load, &displacement))?;
@@ -326,7 +332,7 @@ impl Plate {
 
     /// Lower triangle of K with springs, in the mesh's own order: column starts, rows, values.
     fn stiffness_matrix<'py>(&self, py: Python<'py>, spring_arrays: SpringArrays<'_>) -> PyResult<Compressed<'py>> {
-        let springs = springs(&spring_arrays, self.inner.elements().len())?;
+        let springs = springs(&spring_arrays, &self.inner)?;
         let numbering = Numbering::natural(&self.inner);
         let lower = released(py, || Assembly::new(&self.inner, &springs, &[], &numbering).lower_triangle())?;
         let signed = |v: Vec<usize>| v.into_iter().map(|i| i as i64).collect::<Vec<_>>();

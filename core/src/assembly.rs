@@ -116,7 +116,7 @@ pub struct LowerTriangle {
     pub value: Vec<f64>,
 }
 
-/// Where a node sits: (element, local node) pairs, compressed by node.
+/// Where a node, or one that follows it, sits: (element, local node) pairs, compressed by node.
 struct Incidence {
     start: Vec<usize>,
     at: Vec<(usize, usize)>,
@@ -125,8 +125,8 @@ struct Incidence {
 impl Incidence {
     fn new(plate: &Plate) -> Self {
         let mut start = vec![0; plate.node_count() + 1];
-        for nodes in plate.elements() {
-            for &node in nodes {
+        for e in 0..plate.elements().len() {
+            for &node in plate.leading(e) {
                 start[node + 1] += 1;
             }
         }
@@ -135,8 +135,8 @@ impl Incidence {
         }
         let mut next = start.clone();
         let mut at = vec![(0, 0); 8 * plate.elements().len()];
-        for (e, nodes) in plate.elements().iter().enumerate() {
-            for (i, &node) in nodes.iter().enumerate() {
+        for e in 0..plate.elements().len() {
+            for (i, &node) in plate.leading(e).iter().enumerate() {
                 at[next[node]] = (e, i);
                 next[node] += 1;
             }
@@ -233,7 +233,7 @@ impl<'a> Assembly<'a> {
 
     /// Neighbours of a node, itself among them, some of them more than once.
     fn around(&self, node: usize) -> impl Iterator<Item = usize> {
-        let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| self.plate.elements()[e]);
+        let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| *self.plate.leading(e));
         let of_links = self.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));
         of_elements.chain(of_links)
     }
@@ -369,27 +369,28 @@ impl<'a> NodeColumns<'a> {
         self.block.resize(self.neighbours.len(), [[0.0; 3]; 3]);
         for &(e, local) in incidence.of(node) {
             let lower = plate.element_stiffness(e);
-            for (i, &n) in plate.elements()[e].iter().enumerate() {
+            for (i, &n) in plate.leading(e).iter().enumerate() {
                 let Some(block) = self.block.get_mut(self.slot[n]) else { continue };
                 // In the packed triangle the entries of a row follow one another.
-                match i.cmp(&local) {
+                let mut own = match i.cmp(&local) {
                     Ordering::Greater => {
-                        for a in 0..3 {
-                            let row = &lower[packed(3 * i + a, 3 * local)..][..3];
-                            (0..3).for_each(|b| block[a][b] += row[b]);
-                        }
+                        std::array::from_fn(|a| *lower[packed(3 * i + a, 3 * local)..].first_chunk().expect("three"))
                     }
                     Ordering::Less => {
-                        for b in 0..3 {
-                            let row = &lower[packed(3 * local + b, 3 * i)..][..3];
-                            (0..3).for_each(|a| block[a][b] += row[a]);
-                        }
+                        let rows: [[f64; 3]; 3] = std::array::from_fn(|b| {
+                            *lower[packed(3 * local + b, 3 * i)..].first_chunk().expect("three")
+                        });
+                        std::array::from_fn(|a| rows.map(|row| row[a]))
                     }
                     Ordering::Equal => {
-                        for a in 0..3 {
-                            (0..3).for_each(|b| block[a][b] += lower[packed(3 * i + a, 3 * i + b)]);
-                        }
+                        std::array::from_fn(|a| std::array::from_fn(|b| lower[packed(3 * i + a, 3 * i + b)]))
                     }
+                };
+                if plate.has_followers(e) {
+                    onto_leaders(&mut own, plate.arm(e, i), plate.arm(e, local));
+                }
+                if !plate.is_rigid(e) {
+                    (0..9).for_each(|k| block[k / 3][k % 3] += own[k / 3][k % 3]);
                 }
                 if let Some(bed) = bedding.get(e) {
                     block[0][0] += bed[packed(i, local)];
@@ -418,7 +419,7 @@ impl<'a> NodeColumns<'a> {
         for &(e, local) in incidence.of(node) {
             for &spring in &attached[e] {
                 let (row, k) = (&springs.rows.coefficient[spring], springs.stiffness[spring]);
-                for (i, &n) in plate.elements()[e].iter().enumerate() {
+                for (i, &n) in plate.leading(e).iter().enumerate() {
                     let Some(block) = self.block.get_mut(self.slot[n]) else { continue };
                     for a in 0..3 {
                         for b in 0..3 {
@@ -428,6 +429,16 @@ impl<'a> NodeColumns<'a> {
                 }
             }
         }
+    }
+}
+
+/// B_rowᵀ · block · B_column, B the motion of a node by that of its leader, at arms from this.
+fn onto_leaders(block: &mut [[f64; 3]; 3], row: [f64; 2], column: [f64; 2]) {
+    for k in 0..2 {
+        (0..3).for_each(|b| block[1 + k][b] += row[k] * block[0][b]);
+    }
+    for values in block.iter_mut() {
+        (0..2).for_each(|k| values[1 + k] += column[k] * values[0]);
     }
 }
 

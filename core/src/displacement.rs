@@ -1,5 +1,6 @@
 //! Displacements carried as double-doubles, and what of them strains an element.
 
+use crate::bodies::{Bodies, Follower};
 use crate::double_double::DoubleDouble;
 use crate::element::DOFS;
 use crate::plate::Plate;
@@ -25,6 +26,17 @@ impl Displacement {
         let mut sum = self.at(i);
         sum += increment;
         (self.hi[i], self.lo[i]) = (sum.hi, sum.lo);
+    }
+
+    /// Lets nodes that follow others move as these do, to the last digit, so that nothing strains what is rigid.
+    pub fn follow(&mut self, bodies: &Bodies) {
+        for Follower { node, leader, arm } in bodies.followers() {
+            let [w, x, y] = std::array::from_fn(|k| self.at(3 * leader + k));
+            let moved = [w + x.times_sum(arm[0]) + y.times_sum(arm[1]), x, y];
+            for (k, value) in moved.into_iter().enumerate() {
+                (self.hi[3 * node + k], self.lo[3 * node + k]) = (value.hi, value.lo);
+            }
+        }
     }
 
     /// Adds the rigid motion w + sx (x − cx) + sy (y − cy), which strains nothing, not even by rounding.

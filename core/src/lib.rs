@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 pub mod assembly;
+pub mod bodies;
 pub mod cholesky;
 pub mod contact;
 pub mod dense;

@@ -8,7 +8,7 @@ use crate::plate::Plate;
 /// Elements in a part that is not split further.
 const LEAF: usize = 2;
 
-/// Nodes in elimination order; every node of the plate appears once.
+/// Nodes in elimination order: every node that has dofs of its own appears once.
 pub fn nested_dissection(plate: &Plate) -> Vec<usize> {
     let centroids: Vec<[f64; 2]> = (0..plate.elements().len()).map(|e| plate.centroid(e)).collect();
     let mut parts = Dissection {
@@ -21,9 +21,7 @@ pub fn nested_dissection(plate: &Plate) -> Vec<usize> {
     };
     let mut elements: Vec<usize> = (0..plate.elements().len()).collect();
     parts.split(&mut elements);
-    let Dissection { mut order, placed, .. } = parts;
-    order.extend((0..plate.node_count()).filter(|&n| !placed[n]));
-    order
+    parts.order
 }
 
 struct Dissection<'a> {
@@ -73,13 +71,13 @@ impl Dissection<'_> {
     fn shared(&mut self, left: &[usize], right: &[usize], along: usize) -> Vec<usize> {
         self.stamp += 1;
         for &e in left {
-            for &node in &self.plate.elements()[e] {
+            for &node in self.plate.leading(e) {
                 self.seen[node] = self.stamp;
             }
         }
         let mut nodes = Vec::new();
         for &e in right {
-            for &node in &self.plate.elements()[e] {
+            for &node in self.plate.leading(e) {
                 if self.seen[node] == self.stamp && !self.placed[node] {
                     self.placed[node] = true;
                     nodes.push(node);
@@ -95,7 +93,7 @@ impl Dissection<'_> {
 
     fn unplaced(&self, elements: &[usize]) -> Vec<usize> {
         let mut nodes: Vec<usize> =
-            elements.iter().flat_map(|&e| self.plate.elements()[e]).filter(|&n| !self.placed[n]).collect();
+            elements.iter().flat_map(|&e| *self.plate.leading(e)).filter(|&n| !self.placed[n]).collect();
         // Nodes of one element only go first: they fill nothing.
         nodes.sort_unstable();
         let count = |n: usize| nodes.iter().filter(|&&m| m == n).count();

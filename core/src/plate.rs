@@ -3,11 +3,13 @@
 //! Dofs are (w, θ1, θ2) node by node. θ1, θ2 are θx, θy, or, at a node with a frame (c, s), the slopes along
 //! (c, s) and (−s, c), so that one of them can be held alone.
 
+use crate::bodies::Bodies;
 use crate::double_double::DoubleDouble;
 use crate::element::thin::{self, Strains};
 use crate::element::{self, Centre, DOFS, Geometry, Kind, Material, Materials, PACKED, Sections, Thickness};
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// What is wrong with the arrays of a plate.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,6 +74,10 @@ pub struct Plate {
     centres: Vec<Centre>,
     thin: Vec<bool>,
     stress_nodes: Option<StressNodes>,
+    bodies: Arc<Bodies>,
+    /// With bodies, elements by the nodes that theirs follow, and which elements are within one.
+    leading: Vec<[usize; 8]>,
+    rigid: Vec<bool>,
 }
 
 /// Nodes of moments and shears where these jump: on a jump there is one for each of its sides.
@@ -137,6 +143,9 @@ impl Plate {
             centres: Vec::new(),
             thin: Vec::new(),
             stress_nodes: None,
+            bodies: Arc::default(),
+            leading: Vec::new(),
+            rigid: Vec::new(),
         };
         let first = plate.share_matrices();
         if let Some(&element) = first.par_iter().find_first(|&&e| plate.geometry(e).is_inverted()) {
@@ -181,6 +190,58 @@ impl Plate {
         }
         self.stress_nodes = Some(nodes);
         Ok(self)
+    }
+
+    /// Lets nodes follow others as rigid bodies, given the leader (n,) of each, its own where it is free. Elements within a
+    /// body are no part of K, and have no moments or shears.
+    pub fn with_bodies(mut self, leader: &[usize]) -> Result<Self, PlateError> {
+        check_length("leaders", leader.len(), self.node_count())?;
+        let plain = |node: usize| self.frame(node).is_none();
+        let leads = |node: usize, of: usize| of == node || (leader.get(of) == Some(&of) && plain(node) && plain(of));
+        if let Some(index) = (0..leader.len()).find(|&node| !leads(node, leader[node])) {
+            return Err(PlateError::Range { what: "leaders", index });
+        }
+        self.bodies = Arc::new(Bodies::new(&self.points, leader));
+        self.leading = self.elements.iter().map(|nodes| nodes.map(|node| leader[node])).collect();
+        self.rigid = self.leading.iter().map(|nodes| nodes.iter().all(|node| *node == nodes[0])).collect();
+        Ok(self)
+    }
+
+    pub fn bodies(&self) -> &Arc<Bodies> {
+        &self.bodies
+    }
+
+    /// The nodes whose dofs move an element's nodes: their own, or those that they follow.
+    pub fn leading(&self, e: usize) -> &[usize; 8] {
+        self.leading.get(e).unwrap_or(&self.elements[e])
+    }
+
+    /// Whether an element is within a rigid body.
+    pub fn is_rigid(&self, e: usize) -> bool {
+        self.rigid.get(e) == Some(&true)
+    }
+
+    /// Whether any node of an element follows another.
+    pub fn has_followers(&self, e: usize) -> bool {
+        self.leading(e) != &self.elements[e]
+    }
+
+    /// Where an element's node is, seen from the node that it follows.
+    pub fn arm(&self, e: usize, local: usize) -> [f64; 2] {
+        let [from, to] = [self.leading(e)[local], self.elements[e][local]].map(|node| self.points[node]);
+        [to[0] - from[0], to[1] - from[1]]
+    }
+
+    /// Takes a covector over an element's dofs to those of the nodes that lead; each of these stands in it once.
+    pub fn onto_leaders(&self, e: usize, covector: &mut [f64; DOFS]) {
+        let leading = self.leading(e);
+        for i in (0..8).filter(|_| self.has_followers(e)) {
+            let arm = self.arm(e, i);
+            let own: [f64; 3] = std::array::from_fn(|k| std::mem::take(&mut covector[3 * i + k]));
+            let at = 3 * leading.iter().position(|node| *node == leading[i]).expect("one of them");
+            covector[at] += own[0];
+            (0..2).for_each(|k| covector[at + 1 + k] += own[1 + k] + arm[k] * own[0]);
+        }
     }
 
     /// Elements by the nodes of moments and shears, and how many these are.
@@ -248,16 +309,19 @@ impl Plate {
         Strains::of(&self.geometry(e), self.materials.at(e), self.sections(e), self.centre(e), stripped)
     }
 
-    /// What an element's matrix lacks of its shear, if anything: springs with rows over its dofs, in the nodes' frames, and
-    /// compliances.
+    /// What an element's matrix lacks of its shear, if anything: springs with rows over the dofs of the nodes that lead its
+    /// own, in their frames, and compliances.
     pub fn shear_springs(&self, e: usize) -> Vec<([f64; DOFS], f64)> {
-        if !self.is_thin(e) {
+        if !self.is_thin(e) || self.is_rigid(e) {
             return Vec::new();
         }
         let thinnest = self.thickness.least_of(self.kind, e);
         let springs = thin::shear_springs(&self.geometry(e), self.materials.at(e), self.sections(e), thinnest);
         let mut springs = springs.unwrap_or_default();
-        springs.iter_mut().for_each(|(row, _)| self.into_frames(e, row));
+        springs.iter_mut().for_each(|(row, _)| {
+            self.into_frames(e, row);
+            self.onto_leaders(e, row);
+        });
         springs
     }
 
@@ -391,6 +455,9 @@ impl Plate {
 
     /// The same of one element.
     pub fn curvature_load_on(&self, e: usize, curvature: [f64; 3]) -> ([f64; DOFS], [f64; 2]) {
+        if self.is_rigid(e) {
+            return ([0.0; DOFS], [0.0; 2]);
+        }
         let (geometry, material) = (self.geometry(e), self.materials.at(e));
         let all = element::curvature_load(self.kind, &geometry, material, self.sections(e), curvature);
         let coupling = &self.centre(e).coupling;

@@ -13,7 +13,8 @@ use crate::superposition::sum_in_order;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// f − K u − Σ k r (r·u − base) at every dof, those held included (there it is minus the support's force).
+/// f − K u − Σ k r (r·u − base) at every dof, those held included (there it is minus the support's force); that of nodes
+/// that follow others at their leaders.
 pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &Displacement) -> Vec<f64> {
     let forces = each_moving_element(plate, displacement, |e| nodal_force(plate, e, displacement));
     let mut out = load.to_vec();
@@ -23,6 +24,7 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
     for (row, stretch) in stretches.into_iter().enumerate() {
         springs.rows.scatter(plate, row, -springs.stiffness[row] * stretch, &mut out);
     }
+    plate.bodies().gather(&mut out);
     out
 }
 
@@ -90,6 +92,7 @@ pub fn internal_magnitudes(plate: &Plate, displacement: &Displacement) -> Vec<f6
     });
     let mut sum = vec![0.0; plate.dof_count()];
     scatter(plate, &parts, 1.0, &mut sum);
+    plate.bodies().gather_magnitudes(&mut sum);
     sum
 }
 

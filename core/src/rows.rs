@@ -6,7 +6,8 @@ use crate::element::DOFS;
 use crate::plate::Plate;
 use std::collections::BTreeMap;
 
-/// Rows over single elements (elastic supports, contact points), in the nodes' frames.
+/// Rows over single elements (elastic supports, contact points), over the dofs of the nodes that lead theirs, in these
+/// nodes' frames.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
     pub element: Vec<usize>,
@@ -24,6 +25,32 @@ impl Rows {
         self.element.is_empty()
     }
 
+    /// Takes rows over the dofs of elements' own nodes to those of the nodes that lead them.
+    pub fn onto_leaders(mut self, plate: &Plate) -> Self {
+        if plate.bodies().is_empty() {
+            return self;
+        }
+        for (row, (&e, own)) in self.element.iter().zip(&mut self.coefficient).enumerate() {
+            plate.onto_leaders(e, own);
+            let Some(further) = self.further.get_mut(&row) else { continue };
+            further.iter_mut().for_each(|(e, own)| plate.onto_leaders(*e, own));
+            // What other elements have at a dof goes to the first of them.
+            let mut place: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
+            for piece in 0..=further.len() {
+                let nodes = plate.leading(if piece == 0 { e } else { further[piece - 1].0 });
+                for (local, &node) in nodes.iter().enumerate() {
+                    let first = *place.entry(node).or_insert((piece, local));
+                    for k in (0..3).filter(|_| first.0 != piece) {
+                        let part = std::mem::take(&mut further[piece - 1].1[3 * local + k]);
+                        let to = if first.0 == 0 { &mut *own } else { &mut further[first.0 - 1].1 };
+                        to[3 * first.1 + k] += part;
+                    }
+                }
+            }
+        }
+        self
+    }
+
     /// Puts a row of another table behind the others.
     pub fn push_from(&mut self, other: &Self, row: usize) {
         if let Some(further) = other.further.get(&row) {
@@ -36,7 +63,7 @@ impl Rows {
     /// The dof and coefficient pairs of one row, zeros left out.
     pub fn entries<'a>(&'a self, plate: &'a Plate, row: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
         let of_element = |element: usize, coefficient: &'a [f64; DOFS]| {
-            let nodes = &plate.elements()[element];
+            let nodes = plate.leading(element);
             let entry = move |(j, &c): (usize, &f64)| (3 * nodes[j / 3] + j % 3, c);
             coefficient.iter().enumerate().filter(|(_, c)| **c != 0.0).map(entry)
         };
@@ -79,31 +106,5 @@ impl Springs {
         self.rows.push_from(rows, row);
         self.stiffness.push(stiffness);
         self.base.push(base);
-    }
-
-    /// Puts a spring on a single dof behind the others.
-    pub fn push_at(&mut self, plate: &Plate, dof: usize, stiffness: f64) {
-        let place = |nodes: &[usize; 8]| nodes.iter().position(|&node| node == dof / 3);
-        let found = plate.elements().iter().enumerate().find_map(|(e, nodes)| Some((e, place(nodes)?)));
-        let (element, local) = found.expect("every node has an element");
-        let mut row = [0.0; DOFS];
-        row[3 * local + dof % 3] = 1.0;
-        self.rows.element.push(element);
-        self.rows.coefficient.push(row);
-        self.stiffness.push(stiffness);
-        self.base.push(0.0);
-    }
-
-    /// Those over single elements, and those over several that have a stiffness.
-    pub fn narrow_and_wide(&self) -> (Self, Self) {
-        let (mut narrow, mut wide) = (Self::default(), Self::default());
-        for (row, &stiffness) in self.stiffness.iter().enumerate() {
-            match self.rows.further.contains_key(&row) {
-                false => narrow.push(&self.rows, row, stiffness, self.base[row]),
-                true if stiffness > 0.0 => wide.push(&self.rows, row, stiffness, self.base[row]),
-                true => {}
-            }
-        }
-        (narrow, wide)
     }
 }

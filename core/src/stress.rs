@@ -14,7 +14,7 @@ use crate::plate::Plate;
 use crate::vectorized::vectorized;
 use rayon::prelude::*;
 
-/// [mx, my, mxy, qx, qy] at a point: moments sag positive, M = −D(κ − κ⁰), Q = S(∇w − θ).
+/// [mx, my, mxy, qx, qy] at a point: moments sag positive, M = −D(κ − κ⁰), Q = S(∇w − θ). Rigid bodies have none.
 pub type Stress = [f64; 5];
 
 /// Stress at the four samples of one element: Gauss points, ξ running fastest; of a triangle those near its corners and
@@ -69,6 +69,9 @@ impl<const N: usize> Samples<N> {
         curvature: [f64; 3],
         couples: [f64; 2],
     ) -> [Stress; N] {
+        if plate.is_rigid(e) {
+            return [[0.0; 5]; N];
+        }
         let strains = vectorized(
             #[inline(always)]
             || self.strains(plate, e, &displacement.stripped(plate, e), couples),

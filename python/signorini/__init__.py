@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from signorini.results.exact_path import ExactPath
     from signorini.results.load_path import LoadPath
     from signorini.results.probe_result import ProbeResult
+    from signorini.results.profile_result import ProfileResult
     from signorini.results.result import Result
     from signorini.results.section_result import SectionResult, StationResult, StripResult
     from signorini.results.support_result import SupportResult
@@ -60,6 +61,7 @@ _HOME = {
     "results.exact_path": ("ExactPath",),
     "results.load_path": ("LoadPath",),
     "results.probe_result": ("ProbeResult",),
+    "results.profile_result": ("ProfileResult",),
     "results.result": ("Result",),
     "results.section_result": ("SectionResult", "StationResult", "StripResult"),
     "results.support_result": ("SupportResult",),
@@ -79,6 +81,7 @@ __all__ = [
     "NotCertifiedError",
     "PathEstimate",
     "ProbeResult",
+    "ProfileResult",
     "Progress",
     "Result",
     "Results",

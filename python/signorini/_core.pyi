@@ -128,6 +128,7 @@ class Plate:
         layered: tuple[_Ints, _Floats] | None = None,
         others: tuple[_Ints, _Floats, _Floats] | None = None,
         stress_elements: _Ints | None = None,
+        leaders: _Ints | None = None,
     ) -> Plate: ...
     @property
     def dof_count(self) -> int: ...

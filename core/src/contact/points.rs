@@ -221,7 +221,7 @@ impl Points {
         let mut out = vec![[0.0; 36]; plate.elements().len()];
         for i in (0..self.len()).filter(|&i| self.is_bedding(i) && stiffness[i] != 0.0) {
             let element = self.element[i] as usize;
-            let nodes = &plate.elements()[element];
+            let nodes = plate.leading(element);
             let mut row = [0.0; 8];
             for (dof, coefficient) in self.row(i) {
                 row[nodes.iter().position(|&node| node == dof / 3).expect("a node of its element")] += coefficient;

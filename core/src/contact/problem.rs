@@ -172,6 +172,7 @@ impl ContactProblem {
         for dof in (0..self.held.len()).filter(|&dof| self.held[dof]) {
             (displacement.hi[dof], displacement.lo[dof]) = (held_value[dof], 0.0);
         }
+        displacement.follow(self.plate.bodies());
         let none = vec![0.0; self.points.len()];
         let piece = self.points.first_pieces();
         ContactSolution { displacement, reaction: none.clone(), gap: none, piece, ..ContactSolution::default() }
@@ -235,9 +236,9 @@ fn steepest(points: &Points, i: usize) -> Piece {
 /// The largest stiffness of an element against a deflection or slope of a row.
 fn shear_at(plate: &Plate, points: &Points) -> Vec<f64> {
     let mut largest = vec![0.0_f64; plate.dof_count()];
-    for (e, nodes) in plate.elements().iter().enumerate() {
+    for e in 0..plate.elements().len() {
         let lower = plate.element_stiffness(e);
-        for (local, node) in nodes.iter().enumerate() {
+        for (local, node) in plate.leading(e).iter().enumerate() {
             for k in 0..3 {
                 let at = packed(3 * local + k, 3 * local + k);
                 largest[3 * node + k] = largest[3 * node + k].max(lower[at]);

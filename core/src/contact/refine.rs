@@ -134,6 +134,7 @@ impl ContactSolution {
         for (dof, value) in direction.nodal.iter().enumerate() {
             self.displacement.add(dof, length * value);
         }
+        self.displacement.follow(problem.plate.bodies());
         for (total, increment) in self.reaction.iter_mut().zip(&direction.reaction) {
             *total += length * increment;
         }

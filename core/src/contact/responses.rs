@@ -66,6 +66,7 @@ impl ContactProblem {
     ) -> Result<Vec<Response>, FactorError> {
         let begin = |i: usize, draft: &mut Draft| {
             draft.force.clone_from(&loads[i]);
+            self.plate.bodies().gather(&mut draft.force);
             draft.acting = self.scale.largest(&loads[i]);
             draft.response.work = Work::of(&self.free_motions, &loads[i]);
         };
@@ -187,6 +188,7 @@ impl ContactProblem {
                     draft.response.displacement.add(dof, value);
                 }
             }
+            draft.response.displacement.follow(self.plate.bodies());
             draft.response.reaction.iter_mut().zip(increment).for_each(|(total, part)| *total += part);
             self.judge(draft);
             if round > 0 && !(draft.worst < worst) {

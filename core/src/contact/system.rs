@@ -3,6 +3,7 @@
 use super::points::Points;
 use super::tolerances;
 use crate::assembly::{Assembly, Border, HELD, Numbering};
+use crate::bodies::Bodies;
 use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::element::Kind;
 use crate::plate::Plate;
@@ -32,6 +33,7 @@ pub(super) struct Blueprint {
     absent: Vec<Border>,
     /// Springs over single elements.
     narrow: Springs,
+    bodies: Arc<Bodies>,
     analysis: OnceLock<Analysis>,
 }
 
@@ -68,7 +70,7 @@ impl Blueprint {
             absent.push(Border::new(points.row(i), f64::INFINITY));
         }
         for e in 0..plate.elements().len() {
-            let dofs = plate.elements()[e].iter().flat_map(|&node| 3 * node..3 * node + 3);
+            let dofs = plate.leading(e).iter().flat_map(|&node| 3 * node..3 * node + 3);
             for (row, compliance) in plate.shear_springs(e) {
                 owners.push(Owner::Shear(compliance));
                 absent.push(Border::new(dofs.clone().zip(row), f64::INFINITY));
@@ -76,7 +78,7 @@ impl Blueprint {
         }
         let numbering = Numbering::with_borders(plate, held, trailing, &absent);
         let is_border = (0..points.len()).map(bordered).collect();
-        Self { numbering, owners, is_border, absent, narrow, analysis: OnceLock::new() }
+        Self { numbering, owners, is_border, absent, narrow, bodies: plate.bodies().clone(), analysis: OnceLock::new() }
     }
 
     /// The factor with slopes of springs at the points, every dof stiffer by `firmer` of its own. One that takes more than
@@ -125,12 +127,13 @@ impl Blueprint {
         self.numbering.dof.iter().map(|&dof| load.get(dof).copied().unwrap_or(0.0)).collect()
     }
 
-    /// A vector in elimination order as a nodal one; dofs held are zero.
+    /// A motion in elimination order as a nodal one; dofs held are zero.
     pub(super) fn scatter(&self, ordered: &[f64], dofs: usize) -> Vec<f64> {
         let mut out = vec![0.0; dofs];
         for (&dof, &value) in self.numbering.dof.iter().zip(ordered).filter(|(dof, _)| **dof < dofs) {
             out[dof] = value;
         }
+        self.bodies.follow(&mut out);
         out
     }
 

@@ -62,7 +62,7 @@ _KNOWN: WeakKeyDictionary[Discretisation, Dependence] = WeakKeyDictionary()
 def _dependence(found: Discretisation) -> Dependence:
     points = found.points
     rigid = np.flatnonzero((points.compliance == 0) & ~points.slope)
-    whole = points.rows[rigid].matrix(found.mesh.elements, found.dof_count)
+    whole = found.over_dofs(points.rows[rigid])
     free = within(whole, ~found.held.dofs)
     length = lengths(free)
     group, scale = parallel(free, length)
@@ -122,7 +122,7 @@ def repeats_itself(found: Discretisation) -> bool:
     """Whether rows of rigid contact points depend on each other, so that their gaps cannot be chosen freely."""
     contacts = found.contacts
     rigid = np.flatnonzero((contacts.compliance == 0) & ~contacts.slope)
-    free = within(contacts.rows[rigid].matrix(found.mesh.elements, found.dof_count), ~found.held.dofs)
+    free = within(found.over_dofs(contacts.rows[rigid]), ~found.held.dofs)
     length = lengths(free)
     group, _ = parallel(free, length)
     return len(set(group.tolist())) < len(group) or bool(_ties(times(free, 1.0 / length)).shape[1])

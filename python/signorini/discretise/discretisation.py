@@ -17,6 +17,7 @@ from signorini.base.arguments import known, made_by
 from signorini.base.remade import Remade
 from signorini.discretise.agreement import require_agreement
 from signorini.discretise.averages import PlateStiffness
+from signorini.discretise.bodies import Bodies
 from signorini.discretise.domain import require_domain
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
@@ -43,7 +44,10 @@ __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "R
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Discretisation(Remade):
-    """A model as arrays. Dofs are (w, θ1, θ2) node by node; θ1, θ2 are θx, θy unless ``held.frames`` says otherwise."""
+    """A model as arrays. Dofs are (w, θ1, θ2) node by node; θ1, θ2 are θx, θy unless ``held.frames`` says otherwise.
+
+    Nodes of ``held.bodies`` follow others: displacements have their motion, rows and forces have nothing at them.
+    """
 
     model: Model
     mesh: Mesh
@@ -79,10 +83,14 @@ class Discretisation(Remade):
         """What of held nodes, springs and ``points`` is each support's."""
         return parts_of(len(self.model.support), self.held, self.springs, self.points)
 
+    def over_dofs(self, rows: Rows) -> csr_array:
+        """Rows as a sparse matrix (m, 3n), over the dofs of those nodes that lead others."""
+        return self.held.bodies.onto_leaders(rows.matrix(self.mesh.elements, self.dof_count))
+
     @cached_property
     def contact_rows(self) -> csr_array:
         """Contact points' rows (m, 3n)."""
-        return self.contacts.rows.matrix(self.mesh.elements, self.dof_count)
+        return self.over_dofs(self.contacts.rows)
 
     @cached_property
     def point_rows(self) -> csr_array:
@@ -92,7 +100,7 @@ class Discretisation(Remade):
         """
         if not len(self.repeated.points):
             return self.contact_rows
-        return self.points.rows.matrix(self.mesh.elements, self.dof_count)
+        return self.over_dofs(self.points.rows)
 
     @cached_property
     def off_areas(self) -> tuple[Bools, Bools]:
@@ -103,7 +111,7 @@ class Discretisation(Remade):
     @cached_property
     def spring_rows(self) -> csr_array:
         """Springs' rows (m, 3n)."""
-        return self.springs.rows.matrix(self.mesh.elements, self.dof_count)
+        return self.over_dofs(self.springs.rows)
 
     def spring_forces(self, hi: Floats, lo: Floats, base: Floats | None = None) -> Floats:
         """Upward forces (..., s) of springs at displacements (..., 3n), of the model's bases (s,) unless given.
@@ -220,18 +228,19 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     meshed = time.perf_counter()
     problems = Problems()
     supports = placed(model, mesh, problems)
-    held = hold(mesh, supports, problems)
     loaded = loaded_sides(model, mesh, problems)
     # A thickness that is wrong keeps no other problem from being found.
     thickness, zones = Thickness(*np.full((2, 1, 1), mesh.size)), Zones.of(model, mesh, problems)
+    bodies = Bodies.of(mesh, zones, problems)
+    held = hold(mesh, supports, bodies, problems)
     stress_nodes = StressNodes.of_mesh(mesh)
     with problems.collected():
         along = [sides_beside(mesh, one.support, one.sides) for one in supports]
         along += [sides_beside(mesh, model.load[index], sides) for index, sides in loaded.items()]
-        thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along)
+        thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along, bodies.rigid)
     plate = _plate(mesh, zones, thickness, stress_nodes, held)
     stiffness = PlateStiffness.of(mesh, zones, thickness.at_points)
-    springs, contacts = springs_and_contacts(model.plate, mesh, plate, held.dofs, stiffness, supports, problems)
+    springs, contacts = springs_and_contacts(model.plate, mesh, plate, held, stiffness, supports, problems)
     sections = Sections.of(model, mesh, plate, held, problems)
     still = case_loads(zones, mesh, plate, held, sections, loaded, problems)
     probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]
@@ -239,6 +248,10 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
         with problems.collected():
             at = located(mesh, probe.at, ("probe", index, "at"))
             probes.append(Location(at.elements, at.xi))
+    for index, profile in enumerate(model.profile):
+        if not mesh.locate(profile.places[1]).inside.any():
+            with problems.collected():
+                raise InputError("None of its stations is on the plate. Move it onto the plate.", ("profile", index))
     problems.tell()
     require_agreement(model, mesh, contacts)
     require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
@@ -298,6 +311,7 @@ def _plate(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressN
             thickness.layered,
             others,
             stress_nodes.elements if len(stress_nodes.further) else None,
+            held.bodies.leaders if held.bodies.inside.any() else None,
         )
     except ValueError as error:
         raise InputError(f"{error}. Change the mesh or the thickness.", place=("plate",)) from None

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from signorini.base.brief import Brief
+from signorini.discretise.bodies import Bodies
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, point
 
@@ -27,34 +28,41 @@ class _Slope:
 
 @dataclass(eq=False)
 class Holds:
-    """Collects what supports hold at nodes: deflections, and slopes along directions, at prescribed values."""
+    """Collects what supports hold at nodes: deflections, and slopes along directions, at prescribed values.
 
-    node_count: int
+    Nodes of rigid bodies have no dofs of their own to hold: there contact points that hold both ways do it.
+    """
+
+    bodies: Bodies
     value: dict[int, float] = field(default_factory=dict)
     by: dict[int, dict[int, int]] = field(default_factory=dict)
     slopes: dict[int, list[_Slope]] = field(default_factory=dict)
 
     def deflection(self, node: int, value: float, support: int, number: int) -> None:
         """Hold a node's deflection; supports that do so, which agree on its value, share its reaction."""
+        if self.bodies.inside[node]:
+            return
         self.value.setdefault(node, value)
         self.by.setdefault(node, {}).setdefault(support, number)
 
     def slope(self, node: int, direction: tuple[float, float], rotation: Floats, support: int) -> None:
         """Hold a node's slope along a unit direction at that of a rotation (2,)."""
-        self.slopes.setdefault(node, []).append(_Slope(np.array(direction), rotation, support))
+        if not self.bodies.inside[node]:
+            self.slopes.setdefault(node, []).append(_Slope(np.array(direction), rotation, support))
 
-    def settle(self, points: Floats) -> Held:
-        """Turn what was collected into dofs and frames, of nodes at points (n, 2).
+    def settle(self) -> Held:
+        """Turn what was collected into dofs and frames.
 
         Raises
         ------
         InputError
             If supports hold a node's slope at different values.
         """
-        held = np.zeros((self.node_count, 3), dtype=np.bool_)
-        value = np.zeros((self.node_count, 3))
-        support = np.full((self.node_count, 3), -1, dtype=np.int64)
-        frames = np.tile([1.0, 0.0], (self.node_count, 1))
+        points = self.bodies.points
+        held = np.zeros((len(points), 3), dtype=np.bool_)
+        value = np.zeros((len(points), 3))
+        support = np.full((len(points), 3), -1, dtype=np.int64)
+        frames = np.tile([1.0, 0.0], (len(points), 1))
         for node, deflection in self.value.items():
             held[node, 0], value[node, 0], support[node, 0] = True, deflection, next(iter(self.by[node]))
         for node, slopes in self.slopes.items():
@@ -78,7 +86,8 @@ class Holds:
         holders = [(node, *one) for node in sorted(self.by) for one in self.by[node].items()]
         *pairs, numbers = np.array(holders, np.int64).reshape(-1, 3).T
         by_node = np.column_stack(pairs)
-        return Held(held.ravel(), value.ravel(), support.ravel(), by_node, numbers, frames if framed else None)
+        framing = frames if framed else None
+        return Held(held.ravel(), value.ravel(), support.ravel(), by_node, numbers, framing, self.bodies)
 
 
 def _cross(a: Floats, b: Floats) -> float:
@@ -115,7 +124,7 @@ class Held(Brief):
 
     ``support`` (3n,) names of several the first, and −1 where there is none; ``holders`` (k, 2) are all pairs of a node
     and a support that holds its deflection, by node, and ``numbers`` (k,) which of the support's points that is, from
-    0; 0 along lines.
+    0; 0 along lines. Nodes of ``bodies`` are held by contact points.
     """
 
     dofs: Bools
@@ -124,6 +133,7 @@ class Held(Brief):
     holders: Ints
     numbers: Ints
     frames: Floats | None
+    bodies: Bodies
 
     def to_global(self, rotations: Floats) -> Floats:
         """Turn rotations (n, 2) from the frames to x and y."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from signorini.discretise.bodies import Bodies
 from signorini.discretise.frames import PARALLEL, Held, Holds
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
@@ -15,9 +16,9 @@ from signorini.mesh import Mesh
 from signorini.model import Support
 
 
-def hold(mesh: Mesh, supports: Sequence[Placed], problems: Problems) -> Held:
+def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Problems) -> Held:
     """Dofs that supports hold at nodes: bilateral, rigid, and where the mesh has nodes for them."""
-    holds = Holds(mesh.node_count)
+    holds = Holds(bodies)
     for placed in supports:
         with problems.collected():
             if placed.sides is not None:
@@ -25,8 +26,8 @@ def hold(mesh: Mesh, supports: Sequence[Placed], problems: Problems) -> Held:
             elif placed.points is not None:
                 _hold_points(mesh, holds, placed)
     with problems.collected():
-        return holds.settle(mesh.points)
-    return Holds(mesh.node_count).settle(mesh.points)
+        return holds.settle()
+    return Holds(bodies).settle()
 
 
 def holds_deflection(support: Support) -> bool:
@@ -50,7 +51,7 @@ def _hold_along(mesh: Mesh, holds: Holds, placed: Placed, sides: Ints) -> None:
         _hold_deflections(mesh, holds, placed, nodes, np.zeros_like(nodes))
     if not {"slope", "twist"} & set(support.fixed):
         return
-    tangents = _tangents(mesh, sides)
+    tangents = tangents_at_nodes(mesh, sides)
     rotations = prescribed_rotations(placed, mesh.points[list(tangents)])
     for (node, directions), rotation in zip(tangents.items(), rotations, strict=True):
         for tx, ty in directions:
@@ -78,7 +79,7 @@ def _hold_deflections(mesh: Mesh, holds: Holds, placed: Placed, nodes: Ints, num
         holds.deflection(node, value, placed.index, number)
 
 
-def _tangents(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:
+def tangents_at_nodes(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:
     """Tangents at every node of mesh edges: one where they run on smoothly, two where they turn a corner."""
     found: dict[int, list[tuple[float, float]]] = {}
     for nodes, units in zip(triples.tolist(), quadratic_tangents(mesh, triples).tolist(), strict=True):

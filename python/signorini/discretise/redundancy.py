@@ -106,7 +106,7 @@ def _held_from_both_sides(mesh: Mesh, contacts: ContactPoints, held: Held) -> tu
     if not one_way.any() or not ((free & ~one_way).any() or ((one_way & up).any() and (one_way & ~up).any())):
         return contacts, none
     mine = np.flatnonzero(free)
-    rows = contacts.rows[mine].matrix(mesh.elements, len(held.dofs))
+    rows = held.bodies.onto_leaders(contacts.rows[mine].matrix(mesh.elements, len(held.dofs)))
     group, scale = parallel(rows, lengths(rows))
     level, one_way = contacts.distance[mine] / scale, one_way[mine]
     count = int(group.max()) + 1
@@ -140,7 +140,7 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     """Leave out points whose every dof is held, unless they are compliant and pressed there."""
     if not held.dofs.any():
         return contacts
-    rows = contacts.rows.matrix(mesh.elements, len(held.dofs))
+    rows = held.bodies.onto_leaders(contacts.rows.matrix(mesh.elements, len(held.dofs)))
     fixed = ~((abs(rows) > SAME) @ ~held.dofs)
     moved = rows @ held.values
     beyond = moved - contacts.distance
@@ -181,7 +181,7 @@ def _independent(mesh: Mesh, held: Held, contacts: ContactPoints, repeated: Repe
             place=("support", int(contacts.support[equations[0]])),
         )
     points = contacts.pick(equations)
-    whole = points.rows.matrix(mesh.elements, len(held.dofs))
+    whole = held.bodies.onto_leaders(points.rows.matrix(mesh.elements, len(held.dofs)))
     free = within(whole, ~held.dofs)
     scale = lengths(free)
     found = followers(times(free, 1.0 / scale))

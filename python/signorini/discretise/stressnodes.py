@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
@@ -67,18 +67,28 @@ class StressNodes(Remade):
         Elements that have any of them.
     rows : (k, 8) int array
         The nodes of these elements.
+    left_out : (ne,) bool array
+        Elements whose values count in no extreme and no scale of colours: rigid ones, and of zones that say so.
     """
 
     mesh: Mesh
     further: Ints
     around: Ints
     rows: Ints
+    left_out: Bools
 
     @classmethod
     def of_mesh(cls, mesh: Mesh) -> Self:
         """The nodes of a mesh, where nothing jumps."""
         none = np.zeros(0, np.int64)
-        return cls(mesh, none, none, np.zeros((0, 8), np.int64))
+        return cls(mesh, none, none, np.zeros((0, 8), np.int64), np.zeros(len(mesh.elements), np.bool_))
+
+    def counting(self, count: int) -> Bools:
+        """Which of the mesh's nodes (n,), or of these nodes (s,), are of an element that is not left out; else all."""
+        elements = self.elements if count == self.count else self.mesh.elements
+        found = np.zeros(count, np.bool_)
+        found[elements[~self.left_out]] = True
+        return found if found.any() else ~found
 
     @cached_property
     def nodes(self) -> Ints:
@@ -115,11 +125,11 @@ class StressNodes(Remade):
         return Sides(*self.mesh.holding(positions))
 
 
-def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints] = ()) -> StressNodes:
+def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints] = (), rigid: Bools | None = None) -> StressNodes:
     """Part nodes on jumps: elements around a node that meet in sides without a jump have it in common.
 
-    Moments and shears jump where what the plate is made of does, shears along sides (k, 3) of supports and of loads,
-    moments where such a support holds a slope.
+    Moments and shears jump where what the plate is made of does, at rigid elements (ne,), shears along sides (k, 3) of
+    supports and of loads, moments where such a support holds a slope.
 
     Examples
     --------
@@ -137,7 +147,8 @@ def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints] = ()) -> Str
     >>> mesh.node_count, mesh.points[found.nodes[13:]].tolist()
     (13, [[2.0, 0.0], [2.0, 1.0], [2.0, 2.0]])
     """
-    own = StressNodes.of_mesh(mesh)
+    rigid = np.zeros(len(mesh.elements), np.bool_) if rigid is None else rigid
+    own = replace(StressNodes.of_mesh(mesh), left_out=rigid | zones.without_extremes)
     on_lines = np.concatenate([np.zeros(0, np.int64), *(sides[:, 1] for sides in along)])
     if not zones.model.zone and not any(level.jumps for level in zones.formulas[0].levels) and not len(on_lines):
         return own
@@ -147,9 +158,10 @@ def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints] = ()) -> Str
     second = np.flatnonzero(triples[order[1:], 1] == triples[order[:-1], 1])
     pairs = np.column_stack([order[second], order[second + 1]])
     jumps = _jumps(mesh, zones, pairs) | np.isin(triples[pairs[:, 0], 1], on_lines)
+    jumps |= rigid[pairs[:, 0] // 4] != rigid[pairs[:, 1] // 4]
     if not jumps.any():
         return own
-    return _parted(mesh, pairs[~jumps], np.unique(triples[pairs[jumps, 0]]))
+    return _parted(own, pairs[~jumps], np.unique(triples[pairs[jumps, 0]]))
 
 
 def solid_thickness(nodes: StressNodes, zones: Zones) -> Floats:
@@ -189,8 +201,9 @@ def _made(mesh: Mesh, zones: Zones, elements: Ints, xi: Floats) -> tuple[Floats,
     return zones.thickness(made, points), made.rigidity
 
 
-def _parted(mesh: Mesh, joined: Ints, nodes: Ints) -> StressNodes:
+def _parted(own: StressNodes, joined: Ints, nodes: Ints) -> StressNodes:
     """Part nodes (j,) between elements that no sides (k, 2) without a jump join there."""
+    mesh = own.mesh
     count = mesh.node_count
     on_jump = np.zeros(count, np.bool_)
     on_jump[nodes] = True
@@ -212,4 +225,4 @@ def _parted(mesh: Mesh, joined: Ints, nodes: Ints) -> StressNodes:
     around, row = np.unique(element, return_inverse=True)
     rows = mesh.elements[around]
     rows[row, local] = number[group[place]]
-    return StressNodes(mesh, node[first][by_node][further], around, rows)
+    return replace(own, further=node[first][by_node][further], around=around, rows=rows)

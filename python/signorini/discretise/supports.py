@@ -12,7 +12,8 @@ from signorini import _core
 from signorini.base.brief import Brief
 from signorini.discretise.averages import MOST, STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
 from signorini.discretise.footprints import mean_deflections
-from signorini.discretise.holds import holds_deflection, prescribed_rotations
+from signorini.discretise.frames import Held
+from signorini.discretise.holds import holds_deflection, prescribed_rotations, tangents_at_nodes
 from signorini.discretise.placed import SAME_PLACE, Placed
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area
 from signorini.discretise.quadrature.stepped import INSIDE
@@ -139,12 +140,12 @@ def springs_and_contacts(
     shape: Plate,
     mesh: Mesh,
     plate: _core.Plate,
-    held: Bools,
+    held: Held,
     of_elements: PlateStiffness,
     supports: Sequence[Placed],
     problems: Problems,
 ) -> tuple[Springs, ContactPoints]:
-    """What the supports do beyond the dofs (3n,) that they hold at nodes."""
+    """What the supports do beyond the dofs that they hold at nodes."""
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
     springs = [Springs(Rows.join([]), none, none, place, none, who, who)]
@@ -173,7 +174,7 @@ def _acting(
     mesh: Mesh,
     shape: Plate,
     plate: _core.Plate,
-    held: Bools,
+    held: Held,
     of_elements: PlateStiffness,
     placed: Placed,
 ) -> list[_Acting]:
@@ -181,11 +182,10 @@ def _acting(
     support, place, triples = placed.support, placed.place, placed.sides
     deflection = support.holds_w
     if support.area is not None:
-        return [_on_area(mesh, shape, plate, held, of_elements, support, place)]
+        return [_on_area(mesh, shape, plate, held.dofs, of_elements, support, place)]
     if placed.points is not None:
-        at_nodes = (
-            placed.nodes >= 0 if holds_deflection(support) or not deflection else np.zeros_like(placed.nodes, bool)
-        )
+        at_nodes = (placed.nodes >= 0) & ~held.bodies.inside[placed.nodes]
+        at_nodes &= holds_deflection(support) or not deflection
         (numbers,) = np.nonzero(~at_nodes)
         sampled = _pick(placed.points, numbers)
         rows = mean_deflections(mesh, placed.footprints) if placed.footprints else _rows(plate, sampled, 0)
@@ -196,7 +196,7 @@ def _acting(
                 _Acting.of(_rows(plate, sampled, part), sampled, rotation[:, part - 1], numbers) for part in (1, 2)
             ]
         return found
-    in_means = False
+    in_means, turned = False, None
     if support.stiffness is not None:
         at_ends = _GAUSS + 1 if can_let_go(support) else 0
         sampled = along_curve(mesh, shape, support, place, triples, _GAUSS, at_ends, _steps(support))
@@ -205,20 +205,28 @@ def _acting(
         sampled = along_curve(mesh, shape, support, place, None, _GAUSS_RIGID, at_ends)
         sampled = _once(mesh, sampled)
         in_means = not can_let_go(support) and len(np.unique(sampled.elements)) >= _ROW
-    elif support.fixed or holds_deflection(support):
-        return []
     else:
         on = edge_nodes(mesh, triples)
-        where = mesh.locate(mesh.points[on.nodes])
-        at = mesh.points[on.nodes]
-        sampled = Sampled(where.elements, where.xi, on.weights, at, np.zeros_like(at), at)
+        held_there = bool(support.fixed) or holds_deflection(support)
+        some = np.flatnonzero(held.bodies.inside[on.nodes] | (not held_there))
+        if not len(some):
+            return []
+        at = mesh.points[on.nodes[some]]
+        where = mesh.locate(at)
+        sampled = Sampled(where.elements, where.xi, on.weights[some], at, np.zeros_like(at), at)
+        if support.fixed:
+            tangents = tangents_at_nodes(mesh, triples)
+            each = [tangents[node] for node in on.nodes[some].tolist()]
+            number = np.repeat(np.arange(len(each)), [len(directions) for directions in each])
+            turned = replace(_pick(sampled, number), tangents=np.concatenate(each))
     found = [_Acting.of(_rows(plate, sampled, 0), sampled)] if deflection else []
-    tx, ty = sampled.tangents.T
+    turned = sampled if turned is None else turned
+    tx, ty = turned.tangents.T
     for component, directions in (("slope", (ty, -tx)), ("twist", (tx, ty))):
         if component in support.fixed:
-            rows = _along(plate, sampled, *directions)
-            rotation = prescribed_rotations(placed, sampled.positions)
-            found.append(_Acting.of(rows, sampled, (np.column_stack(directions) * rotation).sum(axis=1)))
+            rows = _along(plate, turned, *directions)
+            rotation = prescribed_rotations(placed, turned.positions)
+            found.append(_Acting.of(rows, turned, (np.column_stack(directions) * rotation).sum(axis=1)))
     return [replace(_means(acting), shared=None) for acting in found] if in_means else found
 
 

@@ -130,6 +130,11 @@ class Zones:
         return found[self.of_elements.section[elements]]
 
     @property
+    def without_extremes(self) -> Bools:
+        """Elements (ne,) of zones that are left out of extremes."""
+        return np.asarray(self.inside[[not zone.extremes for zone in self.model.zone]].any(axis=0))
+
+    @property
     def of_elements(self) -> Made:
         """What elements (ne,) are made of, those that a border parts by their middles."""
         return self._made(self.inside)

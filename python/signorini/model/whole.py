@@ -20,6 +20,7 @@ from signorini.model.moving import Moving
 from signorini.model.output import FEW, Output
 from signorini.model.plate import AnyPlate, MeshPlate
 from signorini.model.problems import TOP, tables_of
+from signorini.model.profile import Profile
 from signorini.model.section import Section, Strip
 from signorini.model.support import Support
 from signorini.model.zone import Zone
@@ -28,7 +29,7 @@ _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
 _MOST_POSITIONS = 2000
 
-_HasName = TypeVar("_HasName", Support, Combination, Section, Strip)
+_HasName = TypeVar("_HasName", Support, Combination, Section, Strip, Profile)
 
 
 class Units(Table):
@@ -102,6 +103,9 @@ class Model(Table):
     )
     strip: Annotated[tuple[Strip, ...], AfterValidator(_named)] = Field(
         default=(), description="Strips of which mean moments over their width are written out."
+    )
+    profile: Annotated[tuple[Profile, ...], AfterValidator(_named)] = Field(
+        default=(), description="Lines and circles along which fields and the pressure are written out."
     )
     output: Output = Field(default=Output(), description="What is written of each combination.")
     solver: Solver = Field(default=Solver(), description="How the contact problem is solved.")
@@ -177,6 +181,7 @@ class Model(Table):
         yield from _repeated("combination", [combination.name for combination in self.combination])
         yield from _repeated("section", [section.name for section in self.section])
         yield from _repeated("strip", [strip.name for strip in self.strip])
+        yield from _repeated("profile", [profile.name for profile in self.profile])
         yield from self._edge_complaints()
         yield from self._node_complaints()
         yield from self._section_complaints()

@@ -15,9 +15,14 @@ KEYS = ("thickness", "material", "modifiers", "stiffness")
 
 
 class Zone(Table):
-    """A part of the plate with a thickness, material or modifiers of its own; where zones overlap, later ones win."""
+    """A part of the plate with a thickness, material or modifiers of its own; where zones overlap, later ones win.
 
-    model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": [key]} for key in KEYS]})
+    A rigid one moves as one body, whatever other zones are there.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={"anyOf": [{"required": [key]} for key in (*KEYS, "rigid", "extremes")]}
+    )
 
     area: AnyArea = Field(description="A table with one of rectangle, circle, polygon.")
     thickness: PositiveScalar | None = Field(
@@ -30,6 +35,10 @@ class Zone(Table):
     stiffness: Stiffness | None = Field(
         default=None, description="Stiffness of the section there; beside it a thickness, for the weight."
     )
+    rigid: bool = Field(default=False, description="Whether it moves as one body, in place of a thickness.")
+    extremes: bool = Field(
+        default=True, description="Whether it counts in extremes of fields and colour scales; rigid ones never do."
+    )
 
     @property
     def region(self) -> Region:
@@ -40,8 +49,10 @@ class Zone(Table):
     def _complaints(self) -> Iterator[Complaint]:
         if self.area == "all":
             yield ("area",), 'found "all"; what the whole plate is made of stands in [plate] and [material].'
-        if not self.given(KEYS):
-            yield (), f"it changes nothing; give {', '.join(KEYS[:-1])} or {KEYS[-1]}."
+        if self.rigid and (given := self.given(KEYS)):
+            yield (given[0],), f"found {given[0]} beside rigid; a rigid zone has none. Leave one of them out."
+        if not self.given(KEYS) and not self.rigid and self.extremes:
+            yield (), f"it changes nothing; give {', '.join(KEYS)} or rigid."
         if self.stiffness is not None:
             if self.thickness is None:
                 yield ("thickness",), "'thickness' is missing; it goes with stiffness, for the weight."

@@ -16,7 +16,8 @@ JSON, CSV, TABLE = "results.json", "reactions.csv", "combinations.parquet"
 GOVERNING = "governing.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
-PRESSURE, MOMENTS, SHEARS = "-pressure", "-moments", "-shears"
+PROFILES_CSV = "profiles.csv"
+PRESSURE, MOMENTS, SHEARS, PROFILES = "-pressure", "-moments", "-shears", "-profiles"
 """End the names of pictures other than that of the deflection."""
 PICTURES = {"": ("deflection",), MOMENTS: ("mx", "my", "mxy"), SHEARS: ("qx", "qy"), PRESSURE: ("pressure",)}
 """Fields of a picture, by the ending of its name."""
@@ -36,6 +37,9 @@ def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | N
     endings = {kind: f"{ending}.png" for ending, kind in _KINDS.items() if ending != PRESSURE or has_areas(results)}
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
+    if results.model.profile:
+        endings["profiles"] = f"{PROFILES}.png"
+        together["profile table"] = PROFILES_CSV
     together |= {"table": TABLE} if results.model.tabulated else {}
     together |= {"refinement": REFINEMENT} if results.refinement else {}
     named: list[tuple[str | None, str, str]] = [(None, kind, name) for kind, name in together.items()]
@@ -55,6 +59,8 @@ def expected_names(model: Model) -> Iterator[str]:
     yield from (JSON, CSV)
     if len(model.effective_combinations) > 1:
         yield GOVERNING
+    if model.profile:
+        yield PROFILES_CSV
     taken = _taken(model)
     if model.mesh.accuracy is not None:
         yield REFINEMENT
@@ -63,8 +69,9 @@ def expected_names(model: Model) -> Iterator[str]:
         yield TABLE
         fields = model.output.fields
         names = names if fields == "all" else () if isinstance(fields, str) else fields
+    endings = [*PICTURES, *([PROFILES] if model.profile else [])]
     for slug in unique_slugs([*taken, *names]):
-        yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in PICTURES)))
+        yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in endings)))
 
 
 def envelope_files(results: Results) -> dict[str, str]:
@@ -151,9 +158,9 @@ def unique_slugs(names: Iterable[str]) -> list[str]:
         short = re.sub(r"-*\+-*", "+", re.sub(r"[^a-z0-9_.+]+", "-", signed))[:_LONGEST_NAME]
         base = short.strip("-.") or "combination"
         slug, count = base, 1
-        while {slug + ending for ending in PICTURES} & taken or _RESERVED.fullmatch(slug):
+        while {slug + ending for ending in (*PICTURES, PROFILES)} & taken or _RESERVED.fullmatch(slug):
             count += 1
             slug = f"{base}-{count}"
-        taken |= {slug + ending for ending in PICTURES}
+        taken |= {slug + ending for ending in (*PICTURES, PROFILES)}
         found.append(slug)
     return found

@@ -21,8 +21,9 @@ from signorini.output.directory import cannot_write, former_results
 from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
 from signorini.output.load_path import write_path
-from signorini.output.names import CSV, GOVERNING, JSON, TABLE, Chosen, Pictures, envelope_files, slugs
+from signorini.output.names import CSV, GOVERNING, JSON, PROFILES_CSV, TABLE, Chosen, Pictures, envelope_files, slugs
 from signorini.output.pictures import job_of, write_refinement
+from signorini.output.profiles import draw_profiles, profiles_csv
 from signorini.output.tables import reactions_csv, results_json
 from signorini.plot.picture import Job
 from signorini.results.load_path import LoadPath
@@ -151,6 +152,9 @@ def write_results(
             for result, slug in named:
                 result.to_vtk(beside / f"{slug}.vtu")
             write_refinement(results, beside)
+            if results.model.profile:
+                (beside / PROFILES_CSV).write_text(profiles_csv(results), encoding="utf-8")
+                draw_profiles(results, beside)
             for group, name in envelope_files(results).items():
                 write_envelope(results.discretisation.stress_nodes, results.combined.over(group), beside / name)
             if table is not None:

@@ -39,13 +39,15 @@ class FieldExtremes:
         cls, values: Floats, nodes: StressNodes, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
     ) -> FieldExtremes:
         """Find the extremes of a field at nodes of the mesh (n,) that are ``away`` from singularities of its number."""
-        places, away = nodes.points[: len(values)], away[nodes.nodes[: len(values)]] & ~np.isnan(values)
-        if not away.any():
+        places, counting = nodes.points[: len(values)], nodes.counting(len(values)) & ~np.isnan(values)
+        if not counting.any():
             nowhere = (math.nan, (math.nan, math.nan), "")
             return cls(*nowhere, *nowhere)
+        away = away[nodes.nodes[: len(values)]] & counting
+        away = away if away.any() else counting
         ends: list[tuple[float, tuple[float, float], str]] = []
         for signed in (values, -values):
-            own, highest = np.where(away, signed, -np.inf), int(np.nan_to_num(signed, nan=-np.inf).argmax())
+            own, highest = np.where(away, signed, -np.inf), int(np.where(counting, signed, -np.inf).argmax())
             x, y = places[peak(own, places)].tolist()
             beside = "" if away[highest] else _nearest(places[highest], singular, number)
             ends.append((float(values[own.argmax()]), (x, y), beside))

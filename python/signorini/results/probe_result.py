@@ -112,6 +112,13 @@ def probe_results(
     ]
 
 
+def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Floats) -> Floats:
+    """Interpolate fields (s, f) to positions (q, 2): (q, f), of several sides the largest in size."""
+    sides = nodes.sides(positions, where)
+    values = nodes.mesh.shape_functions(sides.where.elements, sides.where.xi)
+    return sides.larger(np.einsum("qi,qif->qf", values, fields[nodes.elements[sides.where.elements]]))
+
+
 def total_pressure(supports: Sequence[SupportResult], where: Location) -> Floats:
     """Sum (q,) of the pressures of area supports, where they only touch that of one; NaN where none is."""
     areas = [support.area for support in supports if support.area is not None]

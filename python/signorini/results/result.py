@@ -33,6 +33,7 @@ from signorini.results.extremes import FieldExtremes, extremes
 from signorini.results.notebook import supports_table
 from signorini.results.panels import panel, support_marks
 from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
+from signorini.results.profile_result import ProfileResult, profile_results
 from signorini.results.quantities import FIELDS, LINEAR, SIDES, TOLD, Catalogue, Home, derived
 from signorini.results.section_result import SectionResult, StationResult, StripResult, section_results
 from signorini.results.support_points import catalogue_of
@@ -220,6 +221,27 @@ class Result(Remade):
             field = derived([name], self.moment, self.shear, self.thickness)[:, 0]
         field.flags.writeable = False
         return field
+
+    @cached_property
+    def profiles(self) -> Mapping[str, ProfileResult]:
+        """Deflection, moments, shears and pressure along the model's profiles, by name.
+
+        Examples
+        --------
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        ...     support=[{"edge": ["left", "right"], "fix": "simple"}],
+        ...     load=[{"pressure": 5e3}],
+        ...     profile=[{"name": "middle", "line": [[0, 2], [4, 2]], "stations": 5}],
+        ... )
+        >>> solve(model)["all"].profiles["middle"].values["mx"].round().tolist()
+        [88.0, 7601.0, 10100.0, 7601.0, 88.0]
+        """
+        profiles = self.model.profile if self.status == "solved" else ()
+        found = profile_results(profiles, self.fields, self.stress_nodes, self.supports) if profiles else ()
+        return Named({one.name: one for one in found}, "profile", "This result")
 
     @cached_property
     def extremes(self) -> Mapping[str, FieldExtremes]:

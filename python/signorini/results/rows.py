@@ -45,7 +45,9 @@ class Bearing:
 
 @dataclass(frozen=True, eq=False)
 class Hidden:
-    """Nodes (n,) of a field at which it has no limit, by class: alike are those that the same load cases hide.
+    """Nodes (n,) of a field that count in no extreme, by class: alike are those that the same load cases hide.
+
+    A field has no limit there, or they are left out whatever acts.
 
     Parameters
     ----------
@@ -74,17 +76,19 @@ class Hidden:
             at = np.flatnonzero(at_peaks(found.mesh, singularities_of(found, case), number))
             places |= {case: at} if len(at) else {}
         of_mesh = found.stress_nodes.nodes if number else np.arange(found.mesh.node_count)
+        left_out = ~found.stress_nodes.counting(len(of_mesh))
         if not places:
-            return cls.nothing(len(of_mesh))
+            return cls(left_out.astype(np.int64), np.array([False, True]), {})
         nodes = np.unique(np.concatenate(list(places.values())))
         by = np.array([np.isin(nodes, at) for at in places.values()], np.bool_)
         alike, which = np.unique(by, axis=1, return_inverse=True)
         classes = np.zeros(found.mesh.node_count, np.int64)
         classes[nodes] = 1 + which.ravel()
-        hides = {case: np.append(False, row) for case, row in zip(places, alike, strict=True)}
-        always = hides.pop(None, np.zeros(1 + alike.shape[1], np.bool_))
+        hides = {case: np.concatenate([[False], row, [False]]) for case, row in zip(places, alike, strict=True)}
+        always = hides.pop(None, np.zeros(2 + alike.shape[1], np.bool_))
+        always[-1] = True
         by_case = {case: row for case, row in hides.items() if case is not None}
-        return cls(classes[of_mesh], always, by_case)
+        return cls(np.where(left_out, len(always) - 1, classes[of_mesh]), always, by_case)
 
     def under(self, acting: Bools, cases: Sequence[str]) -> Bools:
         """Which classes (k, c) are hidden where load cases act (k, a); where no node would be left, none."""

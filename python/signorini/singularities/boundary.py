@@ -33,7 +33,7 @@ their difference is at least: the first by its square, of curves, stays below th
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """The sides of elements along the boundary, the plate on their left.
+    """The sides of elements along the boundary, the plate on their left; rigid zones are no part of it, and clamp it.
 
     Parameters
     ----------
@@ -69,10 +69,11 @@ class Boundary:
     @classmethod
     def of(cls, found: Discretisation) -> Boundary:
         """The boundary with what the model's supports hold along it."""
-        mesh = found.mesh
-        sides = mesh.boundary
+        mesh, bodies = found.mesh, found.held.bodies
+        elastic = np.flatnonzero(~bodies.rigid)
+        sides = (mesh.part(elastic) if 0 < len(elastic) < len(bodies.rigid) else mesh).boundary
         tangents = quadratic_tangents(mesh, sides)
-        held, always, slope, twist = np.zeros((4, len(sides)), np.bool_)
+        held, always, slope, twist = np.tile(bodies.inside[sides[:, 1]], (4, 1))
         sheared = np.zeros((len(sides), 2), np.bool_)
         for support in found.model.support:
             on = np.isin(sides[:, 1], middles(mesh, support))

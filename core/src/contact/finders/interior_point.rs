@@ -96,6 +96,7 @@ fn interior_point(
     for (column, &dof) in numbering.dof.iter().enumerate() {
         solution.displacement.hi[dof] = program.displacement_unit[column] * end.x[column];
     }
+    solution.displacement.follow(plate.bodies());
     solution.reaction = program.row_of.iter().map(|&row| program.force_unit[row] * end.z[row]).collect();
     let travel = points.travel_from(&points.shift, &solution.displacement);
     solution.piece = program.pieces(points, &travel, &solution.reaction, &end.z);

@@ -27,7 +27,7 @@ from signorini.discretise.quadrature.rules import gauss
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.sections.ends import followed
-from signorini.errors import InputError
+from signorini.errors import InputError, point
 from signorini.mesh import Mesh
 from signorini.shapes.cuts import LEFT, RIGHT, CutLine, LeftOf, Near, Part
 from signorini.shapes.outlines import Point
@@ -129,7 +129,8 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
         c, s = np.moveaxis(held.frames[mesh.elements[elements]], -1, 0)[:, :, None]
         x, y = v[..., 1].copy(), v[..., 2].copy()
         v[..., 1], v[..., 2] = c * x + s * y, c * y - s * x
-    parts = _parts_of_forces(mesh, line.line, elements, divided, near.side.reshape(-1, 8)[some])
+    rigid = held.bodies.rigid[elements]
+    parts = _parts_of_forces(mesh, line.line, elements, divided, near.side.reshape(-1, 8)[some], rigid)
     of_forces = (v * parts[:, None, :, None]).reshape(-1, 3, 24)
     whole = v.reshape(-1, 3, 24)
     motion = np.where(divided[:, None, None], whole, 0.0)
@@ -212,18 +213,30 @@ class _Pieces(NamedTuple):
     end: Floats
 
 
-def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, side: Ints) -> Floats:
+def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, side: Ints, rigid: Bools) -> Floats:
     """What part of v nodal forces of the elements (k, 8) count with, at nodes on a side (k, 8) of the line.
 
     Of elements that it divides, -v at nodes on the left. Of others v at nodes on the line: half of it on its left, half
-    of -v on its right; along an edge of the plate, where elements are on one side alone, the whole.
+    of -v on its right; along an edge of the plate, where elements are on one side alone, the whole. So too along a
+    rigid body, whose nodes are in equilibrium all together, and not each: they count as on the body's side.
     """
     nodes = mesh.elements[elements]
     centres = mesh.map(elements, mesh.inward(elements, np.zeros((len(elements), 2)), 0.0))
     where = line.near(centres).side
     beside = [np.isin(nodes, nodes[divided | (where == way)]) for way in (LEFT, RIGHT)]
-    of_whole = -where[:, None] * np.where(beside[0] & beside[1], 0.5, 1.0) * (side == 0)
-    return np.asarray(np.where(divided[:, None], -0.5 * (side == 0) - (side == LEFT), of_whole))
+    of_bodies = [np.isin(nodes, nodes[rigid & (where == way)]) for way in (LEFT, RIGHT)]
+    alone = [np.isin(nodes, nodes[~rigid & (divided | (where == way))], invert=True) for way in (LEFT, RIGHT)]
+    within = (side == 0) & ((of_bodies[0] & alone[1]) | (of_bodies[1] & alone[0]))
+    if (crossed := (rigid & divided) | within.any(axis=1)).any():
+        at = point(centres[np.argmax(crossed)], mesh.size)
+        raise InputError(
+            f"The line crosses a rigid zone at {at}, where there are no moments and shears. Let it run along the "
+            "zone's outline or beside it, or end short of it."
+        )
+    part = np.select(of_bodies, [0.5 + 0.5 * where[:, None], 0.5 - 0.5 * where[:, None]], 0.5)
+    of_whole = -where[:, None] * np.where(beside[0] & beside[1], part, 1.0) * (side == 0)
+    of_divided = np.select(of_bodies, [1.0, 0.0], 0.5) * (side == 0) + (side == LEFT)
+    return np.asarray(np.where(divided[:, None], -of_divided, of_whole))
 
 
 def _on_left(part: Mesh, line: CutLine, divided: Bools, region: Part | None, order: int, levels: Levels) -> Quadrature:

@@ -60,6 +60,7 @@ impl Descent<'_> {
         for (dof, value) in direction.nodal.iter().enumerate() {
             self.solution.displacement.add(dof, length * value);
         }
+        self.solution.displacement.follow(self.problem.plate.bodies());
         let mut loss: Vec<f64> = direction.force.iter().map(|f| -length * f).collect();
         let carried = &self.kkt.system().carried;
         let missed = |(i, stretch): (usize, &mut f64)| {

@@ -1,0 +1,68 @@
+//! Nodes that move with others as one rigid body.
+//!
+//! A node that follows another has no dofs of its own: w_i = w + θ·(x_i − x), θ_i = θ, with those of its leader. Forces go
+//! the other way, with their couples. Displacements stand at all nodes, forces out of balance at leaders alone.
+
+use crate::double_double::DoubleDouble;
+
+/// Where one node is, seen from the node that it follows: differences of doubles, with all digits.
+#[derive(Clone, Copy)]
+pub struct Follower {
+    pub node: usize,
+    pub leader: usize,
+    pub arm: [DoubleDouble; 2],
+}
+
+#[derive(Clone, Default)]
+pub struct Bodies {
+    followers: Vec<Follower>,
+}
+
+impl Bodies {
+    /// Of the leader of every node; one that follows none is its own.
+    pub fn new(points: &[[f64; 2]], leader: &[usize]) -> Self {
+        let follower = |(node, &leader): (usize, &usize)| {
+            let arm = [0, 1].map(|k| DoubleDouble::from(points[node][k]) - DoubleDouble::from(points[leader][k]));
+            Follower { node, leader, arm }
+        };
+        let followers = leader.iter().enumerate().filter(|(node, leader)| node != *leader).map(follower).collect();
+        Self { followers }
+    }
+
+    pub fn followers(&self) -> &[Follower] {
+        &self.followers
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.followers.is_empty()
+    }
+
+    /// Moves forces to the leaders.
+    pub fn gather(&self, force: &mut [f64]) {
+        self.gathered(force, |arm| arm);
+    }
+
+    /// The same with magnitudes of forces.
+    pub fn gather_magnitudes(&self, force: &mut [f64]) {
+        self.gathered(force, f64::abs);
+    }
+
+    fn gathered(&self, force: &mut [f64], of_arm: impl Fn(f64) -> f64) {
+        for Follower { node, leader, arm } in &self.followers {
+            let own: [f64; 3] = std::array::from_fn(|k| std::mem::take(&mut force[3 * node + k]));
+            force[3 * leader] += own[0];
+            for k in 0..2 {
+                force[3 * leader + 1 + k] += own[1 + k] + of_arm(arm[k].value()) * own[0];
+            }
+        }
+    }
+
+    /// Lets followers move as their leaders do.
+    pub fn follow(&self, vector: &mut [f64]) {
+        for Follower { node, leader, arm } in &self.followers {
+            let [w, x, y] = std::array::from_fn(|k| vector[3 * leader + k]);
+            vector[3 * node] = w + x * arm[0].value() + y * arm[1].value();
+            (vector[3 * node + 1], vector[3 * node + 2]) = (x, y);
+        }
+    }
+}
