@@ -10,7 +10,7 @@ from models import rectangular
 
 from signorini import InputError, Model, solve
 from signorini.discretise import discretise
-from signorini.formats.vtk import write_vtu
+from signorini.formats.vtk import as_meshio, write_vtu
 from signorini.mesh import meshers
 
 RADIUS, MIDDLE = 5.0, (5.0, 4.0)
@@ -113,7 +113,7 @@ def test_chords_of_a_round_edge_are_on_it_on_meshes_in_rows(way, mesh) -> None:
 def test_chords_of_a_round_edge_of_a_mesh_from_a_file_are_on_it(tmp_path: Path, digits, way) -> None:
     mesh = meshers.disc(MIDDLE, RADIUS, (4, 24))
     points = np.array([[float(f"{x:.{digits}g}") for x in point] for point in mesh.points])
-    write_vtu(tmp_path / "disc.vtu", points, mesh.elements, {"w": np.zeros(len(points))})
+    write_vtu(tmp_path / "disc.vtu", as_meshio(points, mesh.elements, {}))
     plate = {"shape": "mesh", "file": str(tmp_path / "disc.vtu"), "thickness": 0.3}
     rim = RIM | {"edge": "boundary"}
     walls = [[], *([{"name": "wall", **one, **way}] for one in WALLS)]

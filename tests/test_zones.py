@@ -11,7 +11,7 @@ from pytest import approx
 from signorini import InputError, Model, estimate, path, solve
 from signorini.analysis.check import check
 from signorini.discretise import discretise
-from signorini.formats.vtk import write_vtu
+from signorini.formats.vtk import as_meshio, write_vtu
 from signorini.output import write
 from signorini.shapes import Polyline
 
@@ -386,7 +386,7 @@ def test_every_element_and_a_mesh_from_a_file_take_zones(tmp_path):
     assert solved(THICK, plate={"element": "q8r"}).deflection.max() == approx(reference, rel=5e-3)
     mesh = discretise(slab()).mesh
     file = tmp_path / "slab.vtu"
-    write_vtu(file, mesh.points, mesh.elements, {"w": np.zeros(mesh.node_count)})
+    write_vtu(file, as_meshio(mesh.points, mesh.elements, {}))
     free = Model(
         material=CONCRETE,
         plate={"shape": "mesh", "file": file, "thickness": 0.2},
