@@ -317,7 +317,7 @@ def test_an_interrupt_ends_with_130_and_leaves_nothing(slab: Path, monkeypatch: 
     def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("signorini.output.writing.vtk_fields", interrupt)
+    monkeypatch.setattr("signorini.output.writing.reactions_csv", interrupt)
     done = run("solve", slab)
     assert done.exit_code == 130
     assert done.stderr == "Interrupted; nothing is written.\n"

@@ -136,6 +136,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
                     ]
                 ),
                 **numbers,
+                "profiles": None,
             }
         ],
         "governing_reactions": [
@@ -483,15 +484,15 @@ def test_results_and_a_load_path_in_one_directory_leave_each_other_alone(
         write(named_path, tmp_path)
 
 
-@pytest.mark.parametrize("moment", ["vtk_fields", "rename"])
+@pytest.mark.parametrize("moment", ["csv", "rename"])
 def test_a_failure_on_the_way_leaves_everything_as_it_was(
     results: signorini.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
 ) -> None:
     write(results, tmp_path / "out")
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
 
-    if moment == "vtk_fields":
-        monkeypatch.setattr("signorini.output.writing.vtk_fields", _full_disk)
+    if moment == "csv":
+        monkeypatch.setattr("signorini.output.writing.reactions_csv", _full_disk)
     else:
         rename, count = Path.rename, iter(range(100))
         monkeypatch.setattr(Path, "rename", lambda path, to: _full_disk() if next(count) == 8 else rename(path, to))
@@ -538,7 +539,7 @@ def test_results_of_schema_1_are_replaced_too(results: signorini.Results, tmp_pa
 def test_a_failure_on_the_way_leaves_no_directory(
     results: signorini.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("signorini.output.writing.vtk_fields", _full_disk)
+    monkeypatch.setattr("signorini.output.writing.reactions_csv", _full_disk)
     with pytest.raises(InputError):
         write(results, tmp_path / "a" / "b" / "out")
     assert list(tmp_path.iterdir()) == []

@@ -36,7 +36,7 @@ def job_of(results: Results, estimates: Estimates | None, pictures: Pictures = N
     if pictures != "none":
         sheets = [*_sheets(results, estimates, list(pictured(results, pictures)))]
         sheets += _envelope_sheets(results, estimates)
-    return Job(nodes.points, nodes.elements, sheets, results.model.units.length)
+    return Job(nodes.points, nodes.elements, sheets, results.model.units.length, nodes.left_out)
 
 
 def write_refinement(results: Results, directory: Path) -> None:

@@ -126,6 +126,7 @@ def _combination(results: Results, result: Result, estimates: Estimates | None) 
         "singular": singular_json(result.singular),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         **figures(result),
+        "profiles": [{"name": one.name, "stations": list(one.rows())} for one in result.profiles.values()],
         "plus_minus": None if estimate is None else estimate.plus_minus,
     }
 

@@ -25,7 +25,6 @@ def figures(result: Result) -> dict[str, Any]:
         "supports": [_support(support) for support in result.supports],
         "probes": [{"at": list(probe.at), "pressure": None} for probe in result.probes],
         **line_places(result.sections, result.strips),
-        "profiles": [{"name": one.name, "stations": list(one.rows())} for one in result.profiles.values()],
     }
     return put(found, result.catalogue, result.numbers) if solved else found
 

@@ -380,7 +380,7 @@ class Result(Remade):
         if field == "pressure" and not any(support.area is not None for support in self.model.support):
             raise InputError('There is no "pressure": no support of this model is an area.', place="field")
         nodes, units = self.stress_nodes, self.model.units
-        plan = Plan.of(nodes.points, nodes.elements)
+        plan = Plan.of(nodes.points, nodes.elements, nodes.left_out)
         marks = support_marks(self.mesh, self.model.support, self.supports)
         drawn = panel(field, self, plus_minus, None if limits is None else arguments.interval(limits, "limits"))
         if ax is None:
