@@ -38,7 +38,7 @@ ONLY_IN = {
     "ezdxf": {"formats"},
     "highspy": {"base"},
     "matplotlib": {"plot"},
-    "meshio": {"mesh"},
+    "meshio": {"formats", "mesh"},
     "pyarrow": {"formats"},
     "typer": {"cli"},
     "rich": {"cli"},

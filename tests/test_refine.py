@@ -13,7 +13,7 @@ from models import rectangular
 from rich.console import Console
 
 from signorini import InputError, Model, Results, estimate, solve
-from signorini.analysis import accuracy
+from signorini.accuracy import refinement
 from signorini.cli.tables import print_results
 from signorini.discretise import discretise
 from signorini.mesh.grading import STEEPEST, graded
@@ -237,7 +237,7 @@ def test_while_meshes_are_refined_progress_says_how_far_the_last_one_came() -> N
 
 
 def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(accuracy, "fits", lambda wanted: False)
+    monkeypatch.setattr(refinement, "fits", lambda wanted: False)
     results = solve(asked(0.01))
     assert len(results.refinement) == 1
     assert "The accuracy of 0.01 that was asked for is not reached: ± 0." in results.accuracy_warning
@@ -247,8 +247,8 @@ def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.Mon
 
 
 def test_what_does_not_come_nearer_is_given_up() -> None:
-    steps = [accuracy.Refined(100 * n, 1000 * n, 0.5, "all: mx", 10_000) for n in range(1, 5)]
-    finer, why = accuracy.refined(asked(0.01), {}, steps)
+    steps = [refinement.Refined(100 * n, 1000 * n, 0.5, "all: mx", 10_000) for n in range(1, 5)]
+    finer, why = refinement.refined(asked(0.01), {}, steps)
     assert finer is None
     assert "finer meshes do not bring it much nearer" in why
 

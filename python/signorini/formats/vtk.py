@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
-import meshio  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from signorini.base.files import replacing
+
+if TYPE_CHECKING:
+    import meshio  # type: ignore[import-untyped]
 
 _OF_TRIANGLE = [0, 1, 2, 4, 5, 7]
 """Nodes of a triangle [a, b, c, c, ab, bc, c, ca] that are its own."""
@@ -37,6 +40,9 @@ def as_meshio(
     cell_data : mapping of str to (e,) array, optional
         Fields with one value an element.
     """
+    # Only files and other programs need meshio, which takes long to read.
+    import meshio
+
     triangles = elements[:, 2] == elements[:, 3]
     every = [
         (kind, some, elements[some][:, own])
@@ -64,7 +70,7 @@ def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh) -> None:
 
     Examples
     --------
-    >>> import pathlib, tempfile
+    >>> import meshio, pathlib, tempfile
     >>> points = np.array([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5]])
     >>> deflection = [0, 0, 0, 0, 1e-3, 0, 1e-3, 0]
     >>> fields = {"deflection": deflection, "displacement": displacement_vector(deflection)}
@@ -74,6 +80,8 @@ def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh) -> None:
     ...     meshio.read(path).point_data["displacement"][4].tolist()
     [0.0, 0.0, -0.001]
     """
+    import meshio
+
     with replacing(path) as beside:
         meshio.vtu.write(beside, mesh)
 
