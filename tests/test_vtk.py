@@ -47,10 +47,10 @@ def test_a_failure_leaves_the_old_file_and_no_other(tmp_path: Path, monkeypatch:
 def test_results_are_tables_datasets_and_grids_of_other_packages() -> None:
     support = [{"name": "feet", "at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}]
     results = solve(rectangular(support=support, load=[{"case": "G", "pressure": 1e3}]))
-    result = results["G"]
-    assert results.to_dataframe().loc["G", "reaction:feet"] == result.reactions["feet"]
+    result = results["all"]
+    assert results.to_dataframe().loc["all", "reaction:feet"] == result.reactions["feet"]
     fields = results.to_xarray()
-    assert fields["mx"].sel(combination="G").values.tolist() == result.fields["mx"].tolist()
+    assert fields["mx"].sel(combination="all").values.tolist() == result.fields["mx"].tolist()
     assert fields["reaction"].sel(support="feet").item() == result.reactions["feet"]
     (grid,) = results.to_pyvista()
     assert grid.n_cells == len(result.mesh.elements)
