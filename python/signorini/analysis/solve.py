@@ -78,8 +78,9 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
         return results
     steps, warning, estimates = list[Refined](), "", dict[str, Estimate]()
     finer: Model | None = model
+    watch = watcher
     while finer is not None:
-        estimates = estimated(results, OtherMeshes(results.model, results.discretisation.mesh, watcher))
+        estimates = estimated(results, OtherMeshes(results.model, results.discretisation.mesh, watch))
         reached = worst_of(estimates, steps)
         if reached is None:
             warning = unknown(model.mesh.accuracy)
@@ -89,7 +90,8 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
         finer, warning = refined(results.model, estimates, steps)
         if finer is not None:
             before = f"mesh {len(steps) + 1}, ± {reached.worst:.2g} on {reached.elements} elements"
-            results = _solved(finer, partial(_refining, watcher, before), table)
+            watch = partial(_refining, watcher, before)
+            results = _solved(finer, watch, table)
     return replace(results, refinement=tuple(steps), estimates=estimates, accuracy_warning=warning)
 
 
