@@ -79,8 +79,8 @@ def require_domain(
     ... )
     Traceback (most recent call last):
     signorini.errors.InputError: support[1].at[1]: posts holds the plate rigidly at [2, 5], 0.01 from the point \
-[2.01, 5] of posts. Rigid supports must be at one place, or at least a tenth of the thickness apart, here 0.03. Move \
-one onto the other or farther away, leave one out, or give one a stiffness.
+[2.01, 5] of posts, support[1].at[2]. Rigid supports must be at one place, or at least a tenth of the thickness apart, \
+here 0.03. Join them by mesh.snap = 0.02, move one, or give one a stiffness.
     """
     with problems.collected():
         _require_wide(mesh, thickness)
@@ -114,12 +114,12 @@ def _least(mesh: Mesh, thickness: Thickness) -> Floats:
 
 
 def _in_words(model: Model, near: Near) -> InputError:
-    place, at = near.place, point(near.at.tolist())
+    snap = "a larger mesh.snap" if model.mesh.snap else f"mesh.snap = {2.0 * near.distance:.1g}"
     return InputError(
-        f"{model.support[near.support].name} holds the plate rigidly at {at}, {near.distance:.3g} from {near.other}. "
-        f"Rigid supports must be at one place, or at least a tenth of the thickness apart, here {near.least:.3g}. Move "
-        "one onto the other or farther away, leave one out, or give one a stiffness.",
-        place=place,
+        f"{model.support[near.support].name} holds the plate rigidly at {point(near.at.tolist())}, "
+        f"{near.distance:.3g} from {near.other}. Rigid supports must be at one place, or at least a tenth of the "
+        f"thickness apart, here {near.least:.3g}. Join them by {snap}, move one, or give one a stiffness.",
+        place=near.place,
     )
 
 

@@ -13,7 +13,7 @@ from signorini.base.brief import Brief
 from signorini.discretise.averages import MOST, STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
 from signorini.discretise.footprints import mean_deflections
 from signorini.discretise.holds import holds_deflection, prescribed_rotations
-from signorini.discretise.placed import SAME_PLACE, Placed
+from signorini.discretise.placed import Placed
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
@@ -358,7 +358,7 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
 def _once(mesh: Mesh, sampled: Sampled) -> Sampled:
     """Points of a line each once, where its pieces share them."""
     _, first, point = np.unique(
-        np.round(sampled.positions / (SAME_PLACE * mesh.diameter)), axis=0, return_index=True, return_inverse=True
+        np.round(sampled.positions / mesh.near.place), axis=0, return_index=True, return_inverse=True
     )
     order = np.sort(first)
     weights = np.bincount(point.ravel(), sampled.weights).astype(np.float64)[point.ravel()]

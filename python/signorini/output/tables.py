@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from signorini.analysis.solve import Results
+from signorini.discretise.snapping import Snapped
 from signorini.output.cells import name_cell
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
@@ -71,6 +72,7 @@ def results_json(results: Results) -> dict[str, Any]:
             "dofs": found.dof_count,
             "contact_points": int(found.points.one_way.sum()),
         },
+        "snapped": snapped_json(found.snapped),
         "combinations": [_combination(results, result) for result in results.full.values()],
         "governing_reactions": governing_json(results),
         "groups": [_group(results, *group) for group in found.model.effective_combinations.groups.items()],
@@ -126,6 +128,11 @@ def _combination(results: Results, result: Result) -> dict[str, Any]:
 def _group(results: Results, name: str, combinations: int) -> dict[str, Any]:
     found = {"name": name, "combinations": combinations, "governing_reactions": governing_json(results, name)}
     return found | ({"envelope": envelope_json(results, name)} if results.model.tabulated else {})
+
+
+def snapped_json(snapped: Iterable[Snapped]) -> list[dict[str, Any]]:
+    """Give the key "snapped": what was moved, from where to where, and onto what."""
+    return [{"what": one.what, "from": list(one.begin), "to": list(one.end), "onto": one.onto} for one in snapped]
 
 
 def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
