@@ -131,7 +131,7 @@ def _print_model(console: Console, found: Discretisation) -> None:
     model = found.model
     if model.title:
         say(console, model.title, style="bold")
-    one_sided = int(found.points.one_way.sum())
+    one_sided = int((~found.points.two_sided).sum())
     say(
         console,
         f"{model.plate.shape}, {_elements(found)}, "

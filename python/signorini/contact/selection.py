@@ -109,7 +109,7 @@ def _with_least_reactions(found: Discretisation, nodal: Floats, answer: Answer) 
         if not ways.shape[1]:
             continue
         ways, _ = np.linalg.qr(ways)
-        pushes, root = points.one_way[mine], np.sqrt(found.share_weights[mine])
+        pushes, root = ~points.two_sided[mine], np.sqrt(found.share_weights[mine])
         size = max(float(np.abs(reaction[mine]).max()), nothing) or 1.0
         rows, offset = [ways / root[:, None]], [reaction[mine] / root / size]
         if (at_holds := found.point_rows[mine][:, 3 * nodes]).nnz:

@@ -17,6 +17,7 @@ from signorini.errors import InputError, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.model.plate import SLIMMEST
+from signorini.shapes.tolerances import Tolerances
 
 LONGEST = 1000.0
 """Long side of an element over its short side, or over its thickness if that is more: bending across is stiffer than
@@ -34,8 +35,6 @@ SOFTEST = 1e-14
 carries is rounding of what they do."""
 RIGID = 1e12
 """Stiffness KL⁴/(AD) of a support in all from which on it counts as rigid."""
-APART = 0.1
-"""Least distance of rigid supports over the thickness: what a plate does between two grows with its square."""
 _ROUNDING = 1e-9
 """Part by which a limit may be exceeded: coordinates and formulas are rounded."""
 _RANK = 1e-9
@@ -109,8 +108,8 @@ here 0.03. Join them by mesh.snap = 0.02, move one, or give one a stiffness.
 
 def _least(mesh: Mesh, thickness: Thickness) -> Floats:
     """Least distance (ne,) of rigid supports in each element."""
-    least = (1.0 - _ROUNDING) * APART * np.broadcast_to(thickness.nominal.min(axis=1), len(mesh.elements))
-    return np.asarray(least)
+    nominal = np.broadcast_to(thickness.nominal.min(axis=1), len(mesh.elements))
+    return np.asarray((1.0 - _ROUNDING) * Tolerances(mesh.diameter, nominal).apart)
 
 
 def _in_words(model: Model, near: Near) -> InputError:

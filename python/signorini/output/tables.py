@@ -70,7 +70,7 @@ def results_json(results: Results) -> dict[str, Any]:
             "nodes": found.mesh.node_count,
             "elements": len(found.mesh.elements),
             "dofs": found.dof_count,
-            "contact_points": int(found.points.one_way.sum()),
+            "contact_points": int((~found.points.two_sided).sum()),
         },
         "snapped": snapped_json(found.snapped),
         "combinations": [_combination(results, result) for result in results.full.values()],

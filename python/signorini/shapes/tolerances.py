@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class Tolerances:
@@ -13,8 +18,8 @@ class Tolerances:
     ----------
     extent : float
         The plate's diameter.
-    thickness : float
-        Its thickness at the place; 0 where no support is judged by it.
+    thickness : float or array
+        Its thickness, at one place or some; 0 where no support is judged by it.
 
     Examples
     --------
@@ -24,7 +29,7 @@ class Tolerances:
     """
 
     extent: float
-    thickness: float = 0.0
+    thickness: float | Floats = 0.0
 
     @property
     def place(self) -> float:
@@ -41,6 +46,9 @@ class Tolerances:
         return 1e-6 * self.extent
 
     @property
-    def apart(self) -> float:
-        """Rigid supports that are not at one place are at least so far from each other."""
+    def apart(self) -> float | Floats:
+        """Rigid supports that are not at one place are at least so far from each other.
+
+        What a plate does between two grows with the inverse of the square.
+        """
         return self.thickness / 10.0
