@@ -2,7 +2,7 @@
 
 Sections from either side, and strips of two halves; what areas with holes leave out and what is in the holes; the
 stiffness of a solid section; a plate turned, mirrored and moved, every shape of it as a polygon; a wall that all but
-ends on an edge; chords of an arc that is held. They share a mesh, so that rounding alone is between them.
+ends on an edge. They share a mesh, so that rounding alone is between them.
 """
 
 from __future__ import annotations

@@ -45,6 +45,14 @@ MEETING = {
     "a point on a circle": ([{"at": [2.54, 2.72]}, {**RING, **LOWER}], PLATE),
     "areas that overlap": ([PATCH, {**ROUND, **LOWER}], PLATE),
     "areas that touch": ([PATCH, {"area": {"rectangle": [2.9, 1.0, 3.7, 2.2]}, **LOWER}], PLATE),
+    "a point on an area": ([PATCH, {"at": [2.0, 1.7], **LOWER}], PLATE),
+    "a line over an area": ([PATCH, {**OBLIQUE, **LOWER}], PLATE),
+    "a line within an area": ([PATCH, {"line": [[1.9, 1.9], [2.1, 2.2]], **LOWER}], PLATE),
+    "a line on a bed that has not settled": ([{"area": "all", "resists": "down"}, {**OBLIQUE, **LOWER}], PLATE),
+    "a pit in a bed that is far below elsewhere": (
+        [{"area": "all", "settlement": "where(hypot(x - 2, y - 2) < 1, 0, 1e6)"}, {"at": [2.1, 2], **LOWER}],
+        PLATE,
+    ),
     "points at one place": ([{"at": [1.3, 2.3]}, {"at": [1.3, 2.3], **LOWER}], PLATE),
     "formulas that miss by 1e-6 of what they reach": (
         [{**ACROSS, "settlement": "0.01*(x - 0.3)"}, {"line": [[0.6, 0.5], [0.6, 3.5]], "settlement": "0.00300004"}],

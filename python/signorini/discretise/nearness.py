@@ -174,10 +174,11 @@ def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterat
         return
     yield np.concatenate([outline.segments.reshape(-1, 2), outline.arcs[:, ::2].reshape(-1, 2)]), False
     # A circle is nearest on the ray from its centre to the nearest place.
-    centre, radius = outline.circles[:, :2], outline.circles[:, 2:]
-    to, _ = beside.nearest(centre)
-    far = np.hypot(*(to - centre).T)[:, None]
-    yield (centre + (to - centre) * (radius / far))[(far > 0.0).all(axis=1) & np.isfinite(far).all(axis=1)], False
+    to, far = beside.nearest(outline.circles[:, :2])
+    some = (far > 0.0) & np.isfinite(far)
+    x, y, radius = outline.circles[some].T
+    centre = np.column_stack([x, y])
+    yield centre + (to[some] - centre) * (radius / far[some])[:, None], False
     for arc in arcs_of_outline(outline):
         step = max(0.5 * most, arc.length / _MOST)
         count = max(_OF_CIRCLE if isinstance(arc, FullCircle) else _OF_SIDE, math.ceil(arc.length / step))

@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 from signorini.base.components import components
 from signorini.discretise.dependence import SAME, followers, lengths, parallel, times, within
 from signorini.discretise.frames import Held, contradiction, rounding_of
+from signorini.discretise.places import region
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import ContactPoints
 from signorini.errors import InputError
@@ -60,6 +61,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     """
     contacts = _not_held(mesh, held, contacts)
     _require_agreement(mesh, held, contacts)
+    _require_agreement_on_areas(model, mesh, held, contacts)
     equations = np.flatnonzero(contacts.two_sided)
     if len(equations) > _MOST:
         raise InputError(
@@ -193,3 +195,35 @@ def _require_agreement(mesh: Mesh, held: Held, contacts: ContactPoints) -> None:
     who = sorted((int(rigid.support[one]), int(rigid.support[other])))
     by = float((least - most)[which] * np.abs(scale[one]))
     raise contradiction(rigid.positions[one], mesh.size, who[0], who[1], by)
+
+
+def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) -> None:
+    """Refuse rigid points and lines within a rigid area that ask for another deflection there than the area does."""
+    on_nodes = np.array([support.on_nodes for support in model.support], np.bool_)
+    rigid = contacts.pick((contacts.compliance == 0) & ~contacts.slope)
+    points = rigid.pick(on_nodes[rigid.support])
+    nodes, holders = held.holders.T
+    at = np.concatenate([mesh.points[nodes], points.positions])
+    who = np.concatenate([holders, points.support])
+    value = np.concatenate([held.values[3 * nodes], points.direction * points.distance])
+    above = np.concatenate([np.ones(len(nodes), np.bool_), points.two_sided | (points.direction > 0)])
+    below = np.concatenate([np.ones(len(nodes), np.bool_), points.two_sided | (points.direction < 0)])
+    rounding = float(_rounding(mesh, held, contacts).max(initial=0.0))
+    for index in np.unique(rigid.support).tolist():
+        support, place = model.support[index], ("support", index)
+        if support.area is None:
+            continue
+        covered = region(support.area)
+        (inside,) = np.nonzero(np.ones(len(at), np.bool_) if covered is None else covered.contains(at))
+        settlement = support.settlement(*at[inside].T, place=(*place, "settlement"))
+        gap = support.gap(*at[inside].T, at_least=0.0, place=(*place, "gap"))
+        most = np.where(support.resists == "up", np.inf, settlement + gap)
+        least = np.where(support.resists == "down", -np.inf, settlement - gap)
+        beyond = np.maximum(
+            np.where(above[inside], least - value[inside], -np.inf),
+            np.where(below[inside], value[inside] - most, -np.inf),
+        )
+        if (beyond > rounding).any():
+            first = int(np.argmax(beyond))
+            one, other = sorted((index, int(who[inside[first]])))
+            raise contradiction(at[inside[first]], mesh.size, one, other, float(beyond[first]))
