@@ -20,6 +20,8 @@ from signorini.results.path_stop import PathStop, path_stops
 
 _LOST = 1e-6
 """What reactions may miss of the loads that have a resultant: a path decides by less than a single answer shows."""
+_TURNS = 1e-9
+"""Part of the largest reaction below which a sign is rounding, and of a segment within which signs change together."""
 _AT_ONCE = 64
 _NUMBERS = 500_000
 """Displacements of the stops that are judged together: arrays of 4 MB."""
@@ -50,13 +52,39 @@ class PathJudge:
     first: Bools | None = None
     _waiting: list[tuple[float, Ints, Answer]] = field(default_factory=list)
     _before: tuple[float, Answer] | None = None
+    _last: tuple[float, Answer] | None = None
     _shown: Bools | None = None
 
     def take(self, t: float, points: Ints, answer: Answer) -> None:
         """Take the answer at t, from which on ``points`` open or close; raise `NotCertifiedError` where one fails."""
+        for turn in self._turns(t, answer):
+            self._put(*turn)
+        self._put(t, points, answer)
+
+    def _put(self, t: float, points: Ints, answer: Answer) -> None:
+        self._last = t, answer
         self._waiting.append((t, points, answer))
         if len(self._waiting) >= min(_AT_ONCE, max(1, _NUMBERS // self.problem.discretisation.dof_count)):
             self.judge()
+
+    def _turns(self, t: float, answer: Answer) -> Iterator[tuple[float, Ints, Answer]]:
+        """Stops on the way to the answer at t at which supports share a reaction otherwise, since its sign changes."""
+        found = self.problem.discretisation
+        if self._last is None or self._last[0] == t or not found.shared:
+            return
+        begin, before = self._last
+        ends = np.array([found.by_sign(one.shared) for one in (before, answer)])
+        nothing = _TURNS * max(np.abs(one.reaction).max() for one in (before, answer))
+        first, last = ends[:, (ends.min(axis=0) < -nothing) & (ends.max(axis=0) > nothing)]
+        at = 0.0
+        for part in np.sort(first / (first - last)).tolist():
+            if part - at <= _TURNS:
+                continue
+            at, turn = part, begin + part * (t - begin)
+            load = self.loads[0] + turn * self.loads[1]
+            solution = self.problem.core.solve_on(load.nodal, found.held.values, before.closed)
+            if begin < turn < t and solution.status == "solved":
+                yield turn, np.zeros(0, np.int64), Answer.of(found, solution)
 
     def judge(self) -> None:
         """Judge those that wait."""

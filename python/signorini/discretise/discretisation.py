@@ -86,6 +86,19 @@ class Discretisation(Remade):
         """Which of ``points`` can share their reactions in more ways than one."""
         return shared_by(self.model, self.mesh, self.held, self.points)
 
+    def by_sign(self, reaction: Floats) -> Floats:
+        """What points that hold the plate from both sides share, whatever their shares of reactions (m + r,) are.
+
+        Of its sign depends who carries it.
+        """
+        parts = [np.zeros(0)]
+        for one in self.shared:
+            ways = np.where(self.points.two_sided, 0.0, self.points.direction)[one.points]
+            if np.ptp(ways):
+                mine = reaction[one.points]
+                parts.append(mine - one.ways @ (one.ways.T @ mine))
+        return np.concatenate(parts)
+
     @property
     def repeats_itself(self) -> bool:
         """Whether rows of rigid contact points depend on each other, so that their gaps cannot be chosen freely."""
