@@ -42,7 +42,6 @@ from path_models import drawn
 from random_plates import MOVES, reactions_exist
 
 from signorini import InputError, NoEquilibriumError, NotCertifiedError, path, solve, validate
-from signorini.contact.dependence import Dependence
 from signorini.contact.strategy import answered
 from signorini.discretise import discretise
 
@@ -256,8 +255,7 @@ def differences(found, t, wild, may_be_unsolved=False):
 
 def bent(found, segment, wild):
     """Reactions on the way along a segment that are not between those at its ends."""
-    dependence = Dependence.of(found.problem.discretisation)
-    if wild or dependence.ties.any() or not dependence.even.all():
+    if wild or found.problem.discretisation.shared:
         return
     t = segment.begin.t + 0.37 * (segment.end.t - segment.begin.t)
     try:

@@ -97,6 +97,7 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
     assert keys(found) == {
         "schema": None,
         "title": None,
+        "snapped": None,
         "units": dict.fromkeys(["length", "force"]),
         "model": dict.fromkeys(["nodes", "elements", "dofs", "contact_points"]),
         "combinations": [

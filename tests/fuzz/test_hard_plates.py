@@ -8,7 +8,6 @@ import pytest
 from extreme_models import held_at_points
 
 from signorini import NotCertifiedError, SupportResult, solve, validate
-from signorini.discretise import discretise
 
 PLATES = sorted((Path(__file__).parent / "hard_plates").glob("*.json"))
 
@@ -73,26 +72,7 @@ def test_supports_on_both_sides_carry_what_one_that_holds_both_ways_does() -> No
     np.testing.assert_allclose(hold_down.reactions, np.minimum(forces, 0.0), atol=1e-6 * np.abs(forces).max())
 
 
-@pytest.mark.parametrize("ways", [("down", "down"), ("up", "up"), ("down", "up")])
-def test_supports_at_one_place_are_an_equation_only_where_they_hold_it_from_both_sides(ways: tuple[str, str]) -> None:
-    props = [[2.0, 1.0], [4.0, 6.0], [7.0, 3.0], [6.0, 8.0], [1.0, 5.0], [9.0, 7.0]]
-    tables = {
-        "material": {"E": 30e9, "nu": 0.2},
-        "plate": {"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-        "mesh": {"divisions": [7, 7]},
-        "support": [
-            {"edge": ["left", "right"], "fix": "simple"},
-            *({"at": props, "resists": way} for way in ways),
-            {"at": [5.0, 2.0], "resists": "up"},
-        ],
-        "load": [{"pressure": 1e3}],
-    }
-    contacts = discretise(validate(tables)).contacts
-    held = {frozenset(ways) == {"down", "up"}}
-    assert set(contacts.two_sided[contacts.support < 3].tolist()) == held and not contacts.two_sided[-1]
-
-
-def test_a_gap_both_ways_that_is_none_in_places_is_an_equation_there() -> None:
+def test_a_gap_both_ways_may_be_none_in_places() -> None:
     """Each of its points has what it has where the gap is next to none there."""
 
     def supports(gap: str) -> list[SupportResult]:
@@ -106,10 +86,7 @@ def test_a_gap_both_ways_that_is_none_in_places_is_an_equation_there() -> None:
             ],
             "load": [{"pressure": 5e3}, {"force": -2e5, "at": [3.5, 2.5]}],
         }
-        model = validate(tables)
-        contacts = discretise(model).contacts
-        assert contacts.two_sided[contacts.support == 0].any() == (gap == "1e-4*x")
-        return solve(model)["all"].supports
+        return solve(validate(tables))["all"].supports
 
     for exact, near in zip(supports("1e-4*x"), supports("1e-4*x + 1e-13"), strict=True):
         assert near.positions.tolist() == exact.positions.tolist()

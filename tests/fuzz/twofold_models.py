@@ -2,7 +2,7 @@
 
 Sections from either side, and strips of two halves; what areas with holes leave out and what is in the holes; the
 stiffness of a solid section; a plate turned, mirrored and moved, every shape of it as a polygon; a wall that all but
-ends on an edge; chords of an arc that is held. They share a mesh, so that rounding alone is between them.
+ends on an edge. They share a mesh, so that rounding alone is between them.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def twofold(rng: Random) -> Extreme:
     tables["mesh"]["error"] = False
     spots = (random_models.point(rng, tables["plate"]) for _ in range(20))
     tables["probe"] = [{"at": [at for at in spots if random_models.on_plate(tables["plate"], at)][:6]}]
-    kind = rng.choice([both_sides, hollow, solid, turned, turned, rounded, chords])
+    kind = rng.choice([both_sides, hollow, solid, turned, turned, rounded])
     return kind(rng, tables)
 
 
@@ -212,7 +212,7 @@ def turned(rng: Random, tables: Tables) -> Extreme:
 
 
 def rounded(rng: Random, tables: Tables) -> Extreme:
-    """A rigid wall that all but ends on an edge ends there, and a rigid point that is all but on it is on it."""
+    """A rigid wall that all but ends on an edge is snapped onto it, and a rigid point onto the wall."""
     plate = tables["plate"]
     if plate["shape"] != "rectangle" or "nodes" in repr(tables["support"]):
         return turned(rng, tables)
@@ -224,52 +224,16 @@ def rounded(rng: Random, tables: Tables) -> Extreme:
     off = rng.choice([1.0, -1.0]) * random_models.extent(plate) * 10.0 ** rng.uniform(-9.0, -3.8)
     on = [float(c) for c in np.array(begin) + rng.uniform(0.2, 0.8) * math.dist(begin, end) * along]
     beside = [on[0] - off * float(along[1]), on[1] + off * float(along[0])]
+    mesh = {**tables["mesh"], "snap": 2e-4 * random_models.extent(plate)}
 
     def said(start: list[float], at: list[float]) -> Tables:
         wall, point = {"line": [start, end], **way}, {"at": at, "resists": "both"}
-        return tables | {"support": [*tables["support"], wall, point]}
+        return tables | {"mesh": mesh, "support": [*tables["support"], wall, point]}
 
     def judge(result: Result | None) -> list[str]:
         return _compared(result, said(begin, on), said([begin[0], begin[1] + off], beside))
 
     return Extreme("rounded", said(begin, on), judge, may_be_refused=True)
-
-
-def chords(rng: Random, tables: Tables) -> Extreme:
-    """Stand the plate on a circle, or the rim, and on a line along it, of so many chords or others."""
-    plate = tables["plate"]
-    if plate["shape"] not in ("rectangle", "disc") or "nodes" in repr(tables["support"]):
-        return turned(rng, tables)
-    plate.pop("element", None)
-    ways = [{"fix": "simple"}, {"resists": "both"}, {"resists": "down"}, {"resists": "up"}]
-    center, radius = random_models.middle(rng, plate)
-    if plate["shape"] == "disc":
-        center, radius = plate.get("center", [0.0, 0.0]), plate["radius"]
-        ring = {"edge": "rim"} if rng.random() < 0.5 else {"circle": {"center": center, "radius": 0.6 * radius}}
-        radius, turn = (radius if "edge" in ring else 0.6 * radius), math.radians(plate.get("sector", 360.0))
-    else:
-        radius *= rng.uniform(0.4, 0.95)
-        ring, turn = {"circle": {"center": center, "radius": radius}}, math.tau
-    tables = {**tables, "mesh": {"size": min(0.15 * random_models.extent(plate), 0.5 * radius), "error": False}}
-    begin = rng.uniform(0.0, math.tau) if turn == math.tau else rng.uniform(0.1, 0.4) * turn
-    turn *= rng.choice([1.0, rng.uniform(0.1, 0.9)]) if turn == math.tau else rng.uniform(0.2, 0.5)
-    # They rise by less than what counts as touching, but are not on the arc.
-    least = math.ceil(turn * math.sqrt(radius / (8.0 * 1.9e-4 * random_models.extent(plate))))
-    counts = least, least + rng.choice([1, 7, least])
-    held, beside = rng.choice(ways), rng.choice(ways)
-
-    def said(count: int) -> Tables:
-        angles = [begin + turn * i / count for i in range(count + 1)]
-        line = [[center[0] + radius * math.cos(a), center[1] + radius * math.sin(a)] for a in angles]
-        if turn == math.tau:
-            line[-1] = line[0]
-        return tables | {"support": [*tables["support"], {**ring, **held}, {"line": line, **beside}]}
-
-    def judge(result: Result | None) -> list[str]:
-        # Where the mesh does not follow the arc, how its points and the line's share a force magnifies rounding.
-        return _compared(result, said(counts[0]), said(counts[1]), part=_CUT)
-
-    return Extreme("chords", said(counts[0]), judge, may_be_refused=True)
 
 
 def _goes_by_frame(support: Tables) -> bool:

@@ -103,10 +103,8 @@ def test_the_narrower_of_two_gaps_acts(at):
 def test_rigid_gaps_that_contradict_are_named():
     left = {"edge": "left", "fix": "clamped"}
     apart = [{"at": [3.2, 1.3], "resists": "down", "settlement": -0.02}, {"at": [3.2, 1.3], "resists": "up"}]
-    words = (
-        r"^support\[3\]: Supports contradict each other at \[3.2, 1.3\]: support\[2\] lets .* at most -0.02 there and "
-    )
-    with pytest.raises(InputError, match=words + r"support\[3\] at least 0\."):
+    words = r"^support\[3\]: Supports contradict .* at \[3.2, 1.3\]: .* support\[2\] and support\[3\] .* by 0.02\."
+    with pytest.raises(InputError, match=words):
         solve(model([left, *apart]))
     touching = [{**apart[0], "settlement": 0.0}, apart[1]]
     assert run([left, *touching]).probe((3.2, 1.3))[0].deflection == pytest.approx(0.0, abs=1e-12)
@@ -114,9 +112,7 @@ def test_rigid_gaps_that_contradict_are_named():
 
 def test_edges_that_settle_apart_contradict_at_their_corner():
     edges = [{"edge": "left", "fix": "clamped"}, {"edge": "bottom", "fix": "simple", "settlement": 0.01}]
-    with pytest.raises(
-        InputError, match=r"^support\[2\]: Supports contradict each other at \[0, 0\]: support\[1\] holds"
-    ):
+    with pytest.raises(InputError, match=r"^support\[2\]: Supports contradict each other at \[0, 0\]: .* support\[1\]"):
         solve(model(edges))
     assert run([edges[0], {**edges[1], "settlement": "0.01*x"}]).supports[1].reaction != 0.0
 

@@ -11,7 +11,6 @@ from scipy.optimize import LinearConstraint, minimize
 import signorini
 from signorini import _core, contact_problem
 from signorini.contact.certificate import certify
-from signorini.contact.dependence import Dependence
 from signorini.contact.strategy import attempts
 from signorini.discretise import discretise
 from signorini.discretise.quadrature import area_quadrature
@@ -391,22 +390,21 @@ def crossing_lines(count, divisions):
     )
 
 
-def test_ties_of_crossing_lines_are_the_null_space_of_their_rows():
-    found = Dependence.of(discretise(crossing_lines(12, 8)))
-    _, first = np.unique(found.group, return_index=True)
-    rows = found.rows[first][:, np.unique(found.rows.indices)].toarray() / found.scale[first][:, None]
+def test_ways_to_share_between_crossing_lines_are_the_null_space_of_their_rows():
+    found = discretise(crossing_lines(12, 8))
+    (shared,) = found.shared
+    rows = found.point_rows[shared.points][:, np.unique(found.point_rows.indices)].toarray()
     values = np.linalg.svd(rows, compute_uv=False)
-    nothing = len(first) - int((values > 1e-12).sum())
-    assert found.ties.shape == (len(first), nothing) and nothing > 10
-    assert np.linalg.matrix_rank(found.ties) == nothing
-    assert np.abs(rows.T @ found.ties).max() < 1e-10 * np.abs(found.ties).max()
+    nothing = len(rows) - int((values > 1e-12).sum())
+    assert shared.ways.shape == (len(rows), nothing) and nothing > 10
+    assert np.abs(rows.T @ shared.ways).max() < 1e-11
 
 
-def test_ties_of_crossing_lines_take_memory_for_their_points_alone():
+def test_ways_to_share_between_crossing_lines_take_memory_for_their_points_alone():
     found = discretise(crossing_lines(20, 40))
     tracemalloc.start()
     try:
-        Dependence.of(found)
+        assert found.shared
         _, most = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()

@@ -34,8 +34,6 @@ _LEAST, _MOST, _MOST_AT_PLACES = 1.4, 2.5, 4.0
 """By how much sides of elements shrink from one mesh to the next."""
 _GROWTH = 0.25
 """Part of the distance by which sides grow from where they are small."""
-_ON = 1e-6
-"""Part of the plate's diameter within which a point is on a line."""
 _PARTS = 3.0
 """Mean sides of elements that a line is parted into, to be refined each by its own elements."""
 _AIM = 0.5
@@ -171,7 +169,7 @@ def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
             away = distances(at, chain[:-1], chain[1:]).min(axis=1)
         else:
             continue
-        found |= away <= _ON * mesh.diameter
+        found |= away <= mesh.near.written
     return found
 
 

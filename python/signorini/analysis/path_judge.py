@@ -70,11 +70,10 @@ class PathJudge:
     def _turns(self, t: float, answer: Answer) -> Iterator[tuple[float, Ints, Answer]]:
         """Stops on the way to the answer at t at which supports share a reaction otherwise, since its sign changes."""
         found = self.problem.discretisation
-        shared = found.repeated.by_sign(found.contacts)
-        if not len(shared) or self._last is None or self._last[0] == t:
+        if self._last is None or self._last[0] == t or not found.shared:
             return
         begin, before = self._last
-        ends = np.array([before.reaction[shared], answer.reaction[shared]])
+        ends = np.array([found.by_sign(one.shared) for one in (before, answer)])
         nothing = _TURNS * max(np.abs(one.reaction).max() for one in (before, answer))
         first, last = ends[:, (ends.min(axis=0) < -nothing) & (ends.max(axis=0) > nothing)]
         at = 0.0
@@ -85,7 +84,7 @@ class PathJudge:
             load = self.loads[0] + turn * self.loads[1]
             solution = self.problem.core.solve_on(load.nodal, found.held.values, before.closed)
             if begin < turn < t and solution.status == "solved":
-                yield turn, shared[:0], Answer.of(found, solution)
+                yield turn, np.zeros(0, np.int64), Answer.of(found, solution)
 
     def judge(self) -> None:
         """Judge those that wait."""

@@ -146,12 +146,17 @@ def _print_model(console: Console, found: Discretisation) -> None:
     model = found.model
     if model.title:
         say(console, model.title, style="bold")
-    one_sided = int(found.points.one_way.sum())
+    one_sided = int((~found.points.two_sided).sum())
     say(
         console,
         f"{model.plate.shape}, {_elements(found)}, "
         f"{found.mesh.node_count} nodes, {found.dof_count} dofs, {one_sided} one-sided contact points",
     )
+    for one in found.snapped[:_MOST_WARNINGS]:
+        begin, end = (", ".join(length(part, found.mesh.size) for part in at) for at in (one.begin, one.end))
+        say(console, f"snapped: {one.what} from [{begin}] to [{end}], onto {one.onto}")
+    if (more := len(found.snapped) - _MOST_WARNINGS) > 0:
+        say(console, f"snapped: {more} more, in results.json")
 
 
 def _elements(found: Discretisation) -> str:

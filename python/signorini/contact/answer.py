@@ -59,8 +59,7 @@ class Answer(Remade):
     hi, lo : (3n,) arrays
         Displacements, as the sum of two doubles.
     reaction, gap, closed : (m,) arrays
-        Of every contact point. Reactions of two-sided points are those of all that repeat them, too, and of those that
-        hold the plate there from the other side.
+        Of every contact point. Reactions of two-sided points are those of all that repeat them, too.
     shared : (m + r,) array
         Reaction of every contact point and, behind these, of every repeated one, each with its own share.
     pivots, iterations, gradients, factorizations, corrections : int
@@ -115,7 +114,7 @@ class Answer(Remade):
             reaction,
             solution.gap,
             solution.closed,
-            found.repeated.shares(found.contacts, reaction),
+            np.concatenate([reaction, np.zeros(len(found.repeated))]),
             solution.pivots,
             solution.iterations,
             solution.gradients,

@@ -15,7 +15,6 @@ from signorini.base.arguments import known, made_by, vector
 from signorini.base.memory import require_memory_for_interior_point
 from signorini.base.remade import Remade
 from signorini.contact.answer import Answer
-from signorini.contact.dependence import repeats_itself
 from signorini.contact.factoring import Method, base_of, core_problem, factored, method_of, regularization
 from signorini.contact.lcp import Lcp
 from signorini.contact.selection import chosen
@@ -51,7 +50,6 @@ class ContactProblem(Statement, Remade):
     Contact points are the rows of `G`, support by support in the order of the model: +w where the support pushes up, −w
     where it holds down; of travel both ways first those that push up. Their unknowns are reactions λ ≥ 0 and gaps
     ρ = `gaps` − Gu + `compliance`·λ ≥ 0; two-sided points, which `two_sided` marks, have ρ = 0 and λ of either sign.
-    Rigid points that push up and hold down at one place, without travel between them, are one two-sided point.
 
     Examples
     --------
@@ -144,7 +142,7 @@ class ContactProblem(Statement, Remade):
         known(form, _FORMS, "form", "form", "The LCP")
         held = self.discretisation.held.values
         posed = Lcp(*self.condensed.core.lcp(load, held, self.better_form if form == "auto" else form))
-        if not np.isfinite(posed.M).all() or (form == "stiffness" and repeats_itself(self.discretisation)):
+        if not np.isfinite(posed.M).all() or (form == "stiffness" and self.discretisation.repeats_itself):
             raise SignoriniError(
                 "This problem has no such form: rigid points repeat each other, so that their gaps cannot be chosen "
                 'freely. Take form "dual", whose unknowns are reactions.'

@@ -15,11 +15,11 @@ from typing import TypeAlias
 import numpy as np
 
 from signorini.contact.answer import Answer, NotUnique
-from signorini.contact.dependence import Dependence
 from signorini.contact.least_norm import least, span_of_cone
 from signorini.discretise import Discretisation
 from signorini.discretise.quadrature import area_quadrature
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.repeated import null_ways
+from signorini.discretise.rows import Bools, Floats
 from signorini.equilibrium.balance import RigidFreedom, describe_motion
 
 _NIL = 1e-11
@@ -78,16 +78,11 @@ def doubtful(found: Discretisation, freedom: RigidFreedom, reaction: Floats, gap
     if len(found.repeated):
         return np.ones(len(reaction), np.bool_)
     several = np.zeros(len(reaction), np.bool_)
-    dependence = Dependence.of(found)
-    if len(dependence.points):
+    if found.shared:
         # Where every point is closed gaps are rounding, of what the reactions bend the plate by.
         travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(found.contacts.distance).max()
-        travel += _bending(found, reaction)
-        touching = gap[:, dependence.points] <= _DOUBTFUL * travel[:, None]
-        groups = np.zeros((len(dependence.points), len(dependence.even)))
-        groups[np.arange(len(groups)), dependence.group] = 1.0
-        count = touching.astype(np.float64) @ groups
-        several |= (count > np.where(dependence.ties.any(axis=1), 0.5, 1.5)).any(axis=1)
+        touching = gap <= _DOUBTFUL * (travel + _bending(found, reaction))[:, None]
+        several |= np.any([touching[:, one.points].sum(axis=1) > 1 for one in found.shared], axis=0)
     if freedom.count:
         pushing = ~found.contacts.two_sided & (reaction > _DOUBTFUL * reaction.max(axis=1, initial=0.0)[:, None])
         squares = np.einsum("mi,mj->mij", freedom.moves, freedom.moves).reshape(len(freedom.moves), -1)
@@ -99,175 +94,60 @@ def doubtful(found: Discretisation, freedom: RigidFreedom, reaction: Floats, gap
 
 
 def _with_least_reactions(found: Discretisation, nodal: Floats, answer: Answer) -> Answer:
-    dependence = Dependence.of(found)
-    together: list[Iterable[int]] = list(dependence.held_together)
-    if len(dependence.points):
-        touching = _touching(found, answer, dependence)
-        answer = _closed_together(answer, dependence, touching)
-        reaction, which = _shared(found, nodal, answer, dependence, touching)
+    """Shift reactions among points that share them, each over what it stands for, until their squares are least."""
+    points, count = found.points, len(answer.reaction)
+    together: list[Iterable[int]] = list(found.held_together)
+    reaction, closed = answer.shared.copy(), answer.closed.copy()
+    touching = _touching(found, answer)
+    nothing = _NIL * _force(found, nodal, answer)
+    nodes, holders = np.unique(found.held.holders[:, 0], return_counts=True)
+    for shared in found.shared:
+        meet = touching[shared.points]
+        mine = shared.points[meet]
+        ways = shared.ways @ null_ways(shared.ways[~meet]) if not meet.all() else shared.ways
+        ways = ways[meet]
+        if not ways.shape[1]:
+            continue
+        ways, _ = np.linalg.qr(ways)
+        pushes, root = ~points.two_sided[mine], np.sqrt(found.share_weights[mine])
+        size = max(float(np.abs(reaction[mine]).max()), nothing) or 1.0
+        rows, offset = [ways / root[:, None]], [reaction[mine] / root / size]
+        if (at_holds := found.point_rows[mine][:, 3 * nodes]).nnz:
+            imbalance = found.plate.residual(found.springs.arrays, nodal, answer.hi, answer.lo)
+            rows.append(-(at_holds.T @ ways) / np.sqrt(holders)[:, None])
+            offset.append((imbalance - found.point_rows.T @ reaction)[3 * nodes] / np.sqrt(holders) / size)
+        room = np.maximum(reaction[mine][pushes], 0.0) / size
+        change = ways @ least(np.vstack(rows), np.concatenate(offset), -ways[pushes], room)
+        shares = reaction[mine] + size * change
+        shares[pushes & (shares <= nothing)] = 0.0
+        others = ways @ span_of_cone(-ways[pushes & (shares == 0.0)])
+        which = mine[(np.abs(others) > _MOVED).any(axis=1)]
+        reaction[mine] = shares
+        closed[mine[mine < count]] = True
         if len(which):
-            together += _by_tie(found, dependence, which)
-            count = len(answer.reaction)
-            folded = reaction[:count] + found.repeated.follows.T @ reaction[count:]
-            beside = np.isin(dependence.group, dependence.group[np.isin(dependence.points, which)])
-            met = dependence.points[beside & touching]
-            closed = answer.closed.copy()
-            closed[met[met < count]] = True
-            gap = np.where(closed, 0.0, answer.gap)
-            answer = replace(answer, reaction=folded, shared=reaction, closed=closed, gap=gap)
+            together.append(set(points.support[which].tolist()))
+    folded = reaction[:count] + found.repeated.follows.T @ reaction[count:]
     names = [support.name for support in found.model.support]
     several = tuple(NotUnique("reactions", tuple(names[i] for i in sorted(who))) for who in _merged(together))
-    return replace(answer, not_unique=(*answer.not_unique, *several)) if several else answer
+    if not several:
+        return answer
+    gap = np.where(closed, 0.0, answer.gap)
+    several = (*answer.not_unique, *several)
+    return replace(answer, reaction=folded, shared=reaction, closed=closed, gap=gap, not_unique=several)
 
 
-def _touching(found: Discretisation, answer: Answer, dependence: Dependence) -> Bools:
-    """Whether the plate is at each point of a dependence (p,)."""
-    gap = np.append(answer.gap, np.zeros(len(found.repeated)))[dependence.points]
-    distance = np.abs(found.points.distance[dependence.points])
+def _touching(found: Discretisation, answer: Answer) -> Bools:
+    """Whether the plate is at each point (m + r,)."""
+    gap = np.append(answer.gap, np.zeros(len(found.repeated)))
     largest = max(float(np.abs(answer.hi[::3]).max()), _HARDLY * float(_bending(found, answer.reaction)))
-    near = gap <= _NIL * np.maximum(largest, distance)
-    return np.asarray(near | found.points.two_sided[dependence.points])
+    near = gap <= _NIL * np.maximum(largest, np.abs(found.points.distance))
+    return np.asarray(near | found.points.two_sided)
 
 
 def _bending(found: Discretisation, reaction: Floats) -> Floats:
     """Deflections (...,) by which reactions (..., m) scale on the plate."""
     rigidity = found.model.young * found.thickness.max() ** 3 / 12 / found.mesh.size**2
     return np.asarray(np.abs(reaction).sum(axis=-1) / rigidity)
-
-
-def _closed_together(answer: Answer, dependence: Dependence, touching: Bools) -> Answer:
-    """Close the points at which the plate is beside others, at the same place and side, that are closed."""
-    one_sided = dependence.points < len(answer.closed)
-    points, group = dependence.points[touching & one_sided], dependence.group[touching & one_sided]
-    side = (2 * group + (dependence.scale[touching & one_sided] > 0)).astype(np.int64)
-    some = np.zeros(2 * len(dependence.even), np.bool_)
-    some[side[answer.closed[points]]] = True
-    more = points[some[side] & ~answer.closed[points]]
-    if not len(more):
-        return answer
-    closed, gap = answer.closed.copy(), answer.gap.copy()
-    closed[more], gap[more] = True, 0.0
-    return replace(answer, closed=closed, gap=gap)
-
-
-def _shared(
-    found: Discretisation, nodal: Floats, answer: Answer, dependence: Dependence, touching: Bools
-) -> tuple[Floats, Ints]:
-    """Least reactions (m + r,), and the points among all whose reactions could be others."""
-    reaction, points = answer.shared.copy(), dependence.points
-    force = _force(found, nodal, answer)
-    here = np.flatnonzero(touching)
-    count = np.bincount(dependence.group[here], minlength=len(dependence.even))
-    ties = _ties_among(dependence.ties, count > 0)
-    tied = (np.abs(ties) > _MOVED).any(axis=1)
-    side = np.where(found.points.one_way[points], np.sign(dependence.scale), 0.0)[here]
-    group, scale, weight = dependence.group[here], dependence.scale[here], dependence.weights[here]
-    plain = dependence.even & ~tied & (count > 1)
-
-    # At one place: what they carry together, by the weights of those that can carry its sign.
-    total = np.bincount(group, scale * reaction[points[here]], len(count))
-    helps = (side == 0.0) | (side == np.sign(total)[group])
-    stiff = np.bincount(group, helps * scale**2 * weight, len(count))
-    of_plain = np.flatnonzero(plain[group])
-    each = np.divide(total, stiff, out=np.zeros(len(count)), where=stiff > 0.0)
-    part = (helps * each[group] * scale * weight)[of_plain]
-    reaction[points[here[of_plain]]] = part
-    # Those that all push one way share what there is; others may push against each other besides.
-    sides = np.zeros((len(count), 3), np.bool_)
-    sides[group, side.astype(np.int64)] = True
-    against = (sides[:, 0] | (sides[:, 1] & sides[:, -1]))[group[of_plain]]
-    several = [points[here[of_plain[against | (np.abs(part) > _NIL * force)]]]]
-
-    rest = np.flatnonzero((tied | ((count > 1) & ~plain))[group])
-    if len(rest):
-        several.append(_share_among(found, nodal, reaction, dependence, here[rest], ties, force, answer))
-    return reaction, np.sort(np.concatenate(several))
-
-
-def _share_among(
-    found: Discretisation,
-    nodal: Floats,
-    reaction: Floats,
-    dependence: Dependence,
-    members: Ints,
-    ties: Floats,
-    force: float,
-    answer: Answer,
-) -> Ints:
-    """Share among members of a dependence, in place; return the points whose reactions could be others."""
-    from scipy.linalg import null_space
-
-    points, groups = dependence.points[members], dependence.group[members]
-    involved, row = np.unique(groups, return_inverse=True)
-    # Forces that add up to nothing on every direction, or to what a tie makes nothing of.
-    sums = np.zeros((len(involved), len(members)))
-    sums[row, np.arange(len(members))] = dependence.scale[members]
-    moving = null_space(np.hstack([sums, -ties[involved]]), rcond=_STILL)[: len(members)]
-    if not moving.shape[1]:
-        return points[:0]
-    moving, _ = np.linalg.qr(moving)
-    pushes = found.points.one_way[points]
-    reaction[points] = _none_pulling(reaction[points], moving, pushes)
-    rows, offset = [moving / np.sqrt(dependence.weights[members])[:, None]], []
-    offset.append(reaction[points] / np.sqrt(dependence.weights[members]) / force)
-    nodes, count = np.unique(found.held.holders[:, 0], return_counts=True)
-    at_holds = dependence.rows[members][:, 3 * nodes]
-    if at_holds.nnz:
-        imbalance = found.plate.residual(found.springs.arrays, nodal, answer.hi, answer.lo)
-        held = (imbalance - found.point_rows.T @ reaction)[3 * nodes]
-        rows.append(-(at_holds.T @ moving) / np.sqrt(count)[:, None])
-        offset.append(held / np.sqrt(count) / force)
-    room = np.maximum(reaction[points[pushes]], 0.0) / force
-    change = moving @ least(np.vstack(rows), np.concatenate(offset), -moving[pushes], room)
-    least_of_all = reaction[points] + force * change
-    least_of_all[pushes] = np.where(least_of_all[pushes] > _NIL * force, least_of_all[pushes], 0.0)
-    reaction[points] = least_of_all
-    none = pushes & (least_of_all == 0.0)
-    others = moving @ span_of_cone(-moving[none])
-    return points[(np.abs(others) > _MOVED).any(axis=1)] if others.shape[1] else points[:0]
-
-
-def _none_pulling(reaction: Floats, moving: Floats, pushes: Bools) -> Floats:
-    """Reactions (p,) that are the same but for ``moving`` (p, k), none of which pulls; as they are if there are none.
-
-    Where supports hold the plate from both sides, the equations of a contact set may have each pull at the other.
-    """
-    size = float(np.abs(reaction).max())
-    if (reaction[pushes] >= -_NIL * size).all():
-        return reaction
-    from scipy.linalg import null_space
-    from scipy.optimize import nnls
-
-    fixed = null_space(moving.T).T
-    try:
-        least, left = nnls(np.hstack([fixed, -fixed[:, ~pushes]]), fixed @ reaction / size)
-    except RuntimeError:
-        return reaction
-    if left > _NIL:
-        return reaction
-    found = least[: len(reaction)].copy()
-    found[~pushes] -= least[len(reaction) :]
-    return np.asarray(reaction + moving @ (moving.T @ (size * found - reaction)))
-
-
-def _ties_among(ties: Floats, present: Bools) -> Floats:
-    """Ties (g, e) of the groups that are present alone."""
-    from scipy.linalg import null_space
-
-    absent = ties[~present]
-    return ties @ null_space(absent, rcond=_STILL) if absent.any() else ties
-
-
-def _by_tie(found: Discretisation, dependence: Dependence, which: Ints) -> list[set[int]]:
-    """Supports of points, one set for each group, and for each tie of groups."""
-    row = np.flatnonzero(np.isin(dependence.points, which))
-    who, group = found.points.support[dependence.points[row]], dependence.group[row]
-    sets: dict[int, set[int]] = {}
-    for support, one in zip(who.tolist(), group.tolist(), strict=True):
-        sets.setdefault(one, set()).add(support)
-    tied = [np.flatnonzero(tie).tolist() for tie in dependence.ties.T]
-    across = [set().union(*(sets[one] for one in groups if one in sets)) for groups in tied]
-    return [*sets.values(), *(found_there for found_there in across if found_there)]
 
 
 def _merged(sets: Sequence[Iterable[int]]) -> list[set[int]]:

@@ -14,7 +14,6 @@ from typing import Self
 import numpy as np
 
 from signorini.discretise.outlines import outline
-from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
 from signorini.discretise.quadrature.arcs import arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -93,7 +92,7 @@ def missing_corners(mesh: Mesh, plate: Plate, support: Support, covered: Bools, 
     shape = region(support.area)
     corners = np.zeros((0, 2)) if shape is None else _corners(shape)
     corners = corners[_off_hull(outline(mesh, plate, support), corners) <= _ON_OUTLINE * mesh.diameter]
-    near = SAME_PLACE * mesh.diameter
+    near = mesh.near.place
     along = np.sort(corners[:, 0])
     beside = np.searchsorted(along, reached[:, 0] - near) < np.searchsorted(along, reached[:, 0] + near, "right")
     if beside.any():

@@ -15,9 +15,9 @@ from scipy.sparse import csr_array
 from signorini import _core
 from signorini.base.arguments import known, made_by
 from signorini.base.remade import Remade
-from signorini.discretise.agreement import require_agreement
 from signorini.discretise.averages import PlateStiffness
 from signorini.discretise.bodies import Bodies
+from signorini.discretise.dependence import followers, lengths, parallel, times, within
 from signorini.discretise.domain import require_domain
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import hold
@@ -27,10 +27,11 @@ from signorini.discretise.moving import Cases
 from signorini.discretise.parts import Parts, parts_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located, sides_beside
-from signorini.discretise.redundancy import Repeated, that_can_act
+from signorini.discretise.repeated import Repeated, Shared, shared_by, that_can_act
 from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.discretise.sections import Sections
 from signorini.discretise.sections.acting import Acting
+from signorini.discretise.snapping import Snapped
 from signorini.discretise.stressnodes import Sides, StressNodes, solid_thickness, stress_nodes_of
 from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
 from signorini.discretise.thickness import Thickness, thickness_of
@@ -50,6 +51,7 @@ class Discretisation(Remade):
     """
 
     model: Model
+    snapped: tuple[Snapped, ...]
     mesh: Mesh
     plate: _core.Plate
     zones: Zones
@@ -86,6 +88,56 @@ class Discretisation(Remade):
     def over_dofs(self, rows: Rows) -> csr_array:
         """Rows as a sparse matrix (m, 3n), over the dofs of those nodes that lead others."""
         return self.held.bodies.onto_leaders(rows.matrix(self.mesh.elements, self.dof_count))
+
+    @cached_property
+    def shared(self) -> list[Shared]:
+        """Which of ``points`` can share their reactions in more ways than one."""
+        return shared_by(self.model, self.mesh, self.held, self.points)
+
+    def by_sign(self, reaction: Floats) -> Floats:
+        """What points that hold the plate from both sides share, whatever their shares of reactions (m + r,) are.
+
+        Of its sign depends who carries it.
+        """
+        parts = [np.zeros(0)]
+        for one in self.shared:
+            ways = np.where(self.points.two_sided, 0.0, self.points.direction)[one.points]
+            if np.ptp(ways):
+                mine = reaction[one.points]
+                parts.append(mine - one.ways @ (one.ways.T @ mine))
+        return np.concatenate(parts)
+
+    @property
+    def repeats_itself(self) -> bool:
+        """Whether rows of rigid contact points depend on each other, so that their gaps cannot be chosen freely."""
+        rigid = np.flatnonzero((self.contacts.compliance == 0) & ~self.contacts.slope)
+        free = within(self.contact_rows[rigid], ~self.held.dofs)
+        group, _ = parallel(free)
+        return len(np.unique(group)) < len(group) or bool(len(followers(times(free, 1.0 / lengths(free))).rows))
+
+    @cached_property
+    def share_weights(self) -> Floats:
+        """What reactions of ``points`` (m + r,) count by: 1, a length over the plate's, or an area over the plate's."""
+        power = np.array([{"at": 0, "area": 2}.get(one.place, 1) for one in self.model.support])[self.points.support]
+        return np.asarray(self.points.weights / np.sqrt(self.mesh.element_area.sum()) ** power)
+
+    @cached_property
+    def held_together(self) -> tuple[frozenset[int], ...]:
+        """Supports that hold the same nodes; not lines that only meet there, each of which has half of a corner."""
+        nodes, holders = self.held.holders.T
+        _, first, count = np.unique(nodes, return_index=True, return_counts=True)
+        middles = np.zeros(self.mesh.node_count, np.bool_)
+        middles[self.mesh.unique_sides[:, 1]] = True
+        sets = (
+            frozenset(holders[begin : begin + many].tolist())
+            for begin, many in zip(first, count, strict=True)
+            if many > 1
+            and (
+                middles[nodes[begin]]
+                or any(self.model.support[index].at is not None for index in holders[begin : begin + many].tolist())
+            )
+        )
+        return tuple(dict.fromkeys(sets))
 
     @cached_property
     def contact_rows(self) -> csr_array:
@@ -224,7 +276,7 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     """
     made_by(model, Model, _advice(model), "model")
     begun = time.perf_counter()
-    mesh, model = mesh_of(model, mesh)
+    mesh, model, moved = mesh_of(model, mesh)
     meshed = time.perf_counter()
     problems = Problems()
     supports = placed(model, mesh, problems)
@@ -253,7 +305,6 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
             with problems.collected():
                 raise InputError("None of its stations is on the plate. Move it onto the plate.", ("profile", index))
     problems.tell()
-    require_agreement(model, mesh, contacts)
     require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
     problems.tell()
     contacts, repeated = that_can_act(model, mesh, held, contacts)
@@ -261,6 +312,7 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
     return Discretisation(
         model,
+        moved,
         mesh,
         plate,
         zones,

@@ -17,6 +17,7 @@ from signorini.errors import InputError, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.model.plate import SLIMMEST
+from signorini.shapes.tolerances import Tolerances
 
 LONGEST = 1000.0
 """Long side of an element over its short side, or over its thickness if that is more: bending across is stiffer than
@@ -34,8 +35,6 @@ SOFTEST = 1e-14
 carries is rounding of what they do."""
 RIGID = 1e12
 """Stiffness KL⁴/(AD) of a support in all from which on it counts as rigid."""
-APART = 0.1
-"""Least distance of rigid supports over the thickness: what a plate does between two grows with its square."""
 _ROUNDING = 1e-9
 """Part by which a limit may be exceeded: coordinates and formulas are rounded."""
 _RANK = 1e-9
@@ -79,8 +78,8 @@ def require_domain(
     ... )
     Traceback (most recent call last):
     signorini.errors.InputError: support[1].at[1]: posts holds the plate rigidly at [2, 5], 0.01 from the point \
-[2.01, 5] of posts. Rigid supports must be at one place, or at least a tenth of the thickness apart, here 0.03. Move \
-one onto the other or farther away, leave one out, or give one a stiffness.
+[2.01, 5] of posts, support[1].at[2]. Rigid supports must be at one place, or at least a tenth of the thickness apart, \
+here 0.03. Join them by mesh.snap = 0.02, move one, or give one a stiffness.
     """
     with problems.collected():
         _require_wide(mesh, thickness)
@@ -109,17 +108,17 @@ one onto the other or farther away, leave one out, or give one a stiffness.
 
 def _least(mesh: Mesh, thickness: Thickness) -> Floats:
     """Least distance (ne,) of rigid supports in each element."""
-    least = (1.0 - _ROUNDING) * APART * np.broadcast_to(thickness.nominal.min(axis=1), len(mesh.elements))
-    return np.asarray(least)
+    nominal = np.broadcast_to(thickness.nominal.min(axis=1), len(mesh.elements))
+    return np.asarray((1.0 - _ROUNDING) * Tolerances(mesh.diameter, nominal).apart)
 
 
 def _in_words(model: Model, near: Near) -> InputError:
-    place, at = near.place, point(near.at.tolist())
+    snap = "a larger mesh.snap" if model.mesh.snap else f"mesh.snap = {2.0 * near.distance:.1g}"
     return InputError(
-        f"{model.support[near.support].name} holds the plate rigidly at {at}, {near.distance:.3g} from {near.other}. "
-        f"Rigid supports must be at one place, or at least a tenth of the thickness apart, here {near.least:.3g}. Move "
-        "one onto the other or farther away, leave one out, or give one a stiffness.",
-        place=place,
+        f"{model.support[near.support].name} holds the plate rigidly at {point(near.at.tolist())}, "
+        f"{near.distance:.3g} from {near.other}. Rigid supports must be at one place, or at least a tenth of the "
+        f"thickness apart, here {near.least:.3g}. Join them by {snap}, move one, or give one a stiffness.",
+        place=near.place,
     )
 
 

@@ -20,8 +20,8 @@ from signorini.shapes import Circle, Polygon, Rectangle
 _GAUSS = 3
 _LEAST = 1e-9
 """Size of a footprint, over the plate's, below which its coordinates have not the digits to tell it from a point."""
-_ON_LINE = 1e-9
-"""Part of the plate's diameter within which a point is on an edge, and of one by which a direction is another."""
+_PARALLEL = 1e-9
+"""Sine of the angle up to which directions are one."""
 
 
 class Footprints:
@@ -93,12 +93,12 @@ class Footprints:
         length = np.hypot(*near[1].T)
         normals = np.column_stack([-near[1][:, 1], near[1][:, 0]]) / length[:, None]
         off, along = np.abs(((at - near[0]) * normals).sum(axis=1)), ((at - near[0]) * near[1]).sum(axis=1) / length
-        slack = _ON_LINE * self._mesh.diameter
+        slack = self._mesh.near.place
         through = np.unique(normals[(off <= slack) & (along >= -slack) & (along <= length + slack)].round(9), axis=0)
         if not isinstance(shape, Circle):
             side = shape.corners[1] - shape.corners[0]
             sines = np.stack([through @ side, through @ [-side[1], side[0]]]) / np.hypot(*side)
-            if (np.abs(sines) > _ON_LINE).all(axis=0).any():
+            if (np.abs(sines) > _PARALLEL).all(axis=0).any():
                 return 1.0
         if len(through) == 2:
             return math.acos(float(np.clip(-through[0] @ through[1], -1.0, 1.0))) / (2 * math.pi)

@@ -9,12 +9,12 @@ import numpy as np
 from signorini.base.brief import Brief
 from signorini.discretise.bodies import Bodies
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.errors import InputError, point
+from signorini.errors import InputError, path_in_words, point
 
 PARALLEL = np.sin(np.radians(10.0))
 """Directions closer than this count as one: a rim's tangent, from its parabolas, is not quite square to a radius."""
-_CONSISTENT = 1e-9
-"""Part of the largest rotation prescribed at a node by which those of its supports may differ: their rounding."""
+CONSISTENT = 1e-9
+"""Part of the largest settlement, gap or rotation by which those at one place may differ: their rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,16 +34,13 @@ class Holds:
     """
 
     bodies: Bodies
-    value: dict[int, float] = field(default_factory=dict)
-    by: dict[int, dict[int, int]] = field(default_factory=dict)
+    by: dict[int, dict[int, tuple[int, float]]] = field(default_factory=dict)
     slopes: dict[int, list[_Slope]] = field(default_factory=dict)
 
     def deflection(self, node: int, value: float, support: int, number: int) -> None:
-        """Hold a node's deflection; supports that do so, which agree on its value, share its reaction."""
-        if self.bodies.inside[node]:
-            return
-        self.value.setdefault(node, value)
-        self.by.setdefault(node, {}).setdefault(support, number)
+        """Hold a node's deflection; supports that do so share its reaction."""
+        if not self.bodies.inside[node]:
+            self.by.setdefault(node, {}).setdefault(support, (number, value))
 
     def slope(self, node: int, direction: tuple[float, float], rotation: Floats, support: int) -> None:
         """Hold a node's slope along a unit direction at that of a rotation (2,)."""
@@ -56,38 +53,61 @@ class Holds:
         Raises
         ------
         InputError
-            If supports hold a node's slope at different values.
+            If supports hold a node at different values.
         """
         points = self.bodies.points
         held = np.zeros((len(points), 3), dtype=np.bool_)
         value = np.zeros((len(points), 3))
         support = np.full((len(points), 3), -1, dtype=np.int64)
         frames = np.tile([1.0, 0.0], (len(points), 1))
-        for node, deflection in self.value.items():
-            held[node, 0], value[node, 0], support[node, 0] = True, deflection, next(iter(self.by[node]))
+        largest = max((abs(at) for by in self.by.values() for _, at in by.values()), default=0.0)
+        size = float(np.ptp(points, axis=0).max())
+        rounding = rounding_of(largest, points)
+        for node, by in self.by.items():
+            (first, (_, deflection)), *others = by.items()
+            for other, (_, asked) in others:
+                if abs(asked - deflection) > rounding:
+                    raise contradiction(points[node], size, first, other, abs(asked - deflection))
+            held[node, 0], value[node, 0], support[node, 0] = True, deflection, first
         for node, slopes in self.slopes.items():
-            first = slopes[0]
-            support[node, 1:] = first.support
-            apart = [abs(_cross(first.direction, other.direction)) for other in slopes]
-            basis = [first, slopes[int(np.argmax(apart))]] if max(apart) > PARALLEL else [first]
+            begin = slopes[0]
+            support[node, 1:] = begin.support
+            apart = [abs(_cross(begin.direction, other.direction)) for other in slopes]
+            basis = [begin, slopes[int(np.argmax(apart))]] if max(apart) > PARALLEL else [begin]
             _require_one_rotation(basis, slopes, points[node])
-            x, y = first.direction
+            x, y = begin.direction
             if len(basis) == 2:
                 held[node, 1:] = True
                 value[node, 1:] = _rotation_of(basis)
             elif abs(y) < 1e-9 or abs(x) < 1e-9:
                 dof = 1 if abs(y) < 1e-9 else 2
-                held[node, dof], value[node, dof] = True, first.rotation[dof - 1]
+                held[node, dof], value[node, dof] = True, begin.rotation[dof - 1]
             else:
                 held[node, 1] = True
-                frames[node] = first.direction / np.hypot(x, y)
-                value[node, 1] = frames[node] @ first.rotation
+                frames[node] = begin.direction / np.hypot(x, y)
+                value[node, 1] = frames[node] @ begin.rotation
         framed = bool((frames[:, 1] != 0).any())
-        holders = [(node, *one) for node in sorted(self.by) for one in self.by[node].items()]
+        holders = [(node, by, number) for node in sorted(self.by) for by, (number, _) in self.by[node].items()]
         *pairs, numbers = np.array(holders, np.int64).reshape(-1, 3).T
         by_node = np.column_stack(pairs)
         framing = frames if framed else None
         return Held(held.ravel(), value.ravel(), support.ravel(), by_node, numbers, framing, self.bodies)
+
+
+def rounding_of(largest: float, points: Floats) -> float:
+    """By how much deflections may differ that are the same: formulas of coordinates, of points (n, 2), are rounded."""
+    size = float(np.ptp(points, axis=0).max())
+    return max(CONSISTENT * min(largest, size), float(np.finfo(float).eps * np.abs(points).max()))
+
+
+def contradiction(at: Floats, size: float, one: int, other: int, by: float) -> InputError:
+    """Say that two supports, by number, ask for different deflections at a place."""
+    return InputError(
+        f"Supports contradict each other at {point(at, size)}: what {path_in_words(('support', int(one)))} and "
+        f"{path_in_words(('support', int(other)))} ask for there differs by {by:.3g}. Correct a gap or a settlement, "
+        "or give a stiffness.",
+        place=("support", int(other)),
+    )
 
 
 def _cross(a: Floats, b: Floats) -> float:
@@ -110,7 +130,7 @@ def _require_one_rotation(basis: list[_Slope], slopes: list[_Slope], at: Floats)
         alike = next((one for one in basis if abs(_cross(one.direction, slope.direction)) <= PARALLEL), None)
         along = slope.direction if alike is None else alike.direction
         there = _rotation_of(basis) if alike is None else alike.rotation
-        if abs(along @ (slope.rotation - there)) > _CONSISTENT * largest:
+        if abs(along @ (slope.rotation - there)) > CONSISTENT * largest:
             raise InputError(
                 f"found the slopes {point(slope.rotation)} at {point(at)}, where support[{basis[0].support + 1}] "
                 f"prescribes {point(there)}. Prescribe the same, or let one of them not hold the slope.",

@@ -11,7 +11,7 @@ import numpy as np
 from signorini.base.memory import elements_that_fit, require_memory
 from signorini.discretise.borders import arcs_of, room
 from signorini.discretise.places import region
-from signorini.discretise.touching import touching
+from signorini.discretise.snapping import Snapped, snapped
 from signorini.errors import InputError, Place, Problems
 from signorini.expression import Expression
 from signorini.expression.levels import Drawing
@@ -44,10 +44,11 @@ _FINEST = 1e-8
 with other elements beside them miss each other."""
 
 
-def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
+def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model, tuple[Snapped, ...]]:
     """Mesh the model's plate, or read its mesh; a mesh that is given is taken as it is.
 
-    In the model nodes that it names by number have become points, and rigid supports are where they touch.
+    In the model nodes that it names by number have become points, and what ``mesh.snap`` asks for is moved; what was is
+    told.
 
     Raises
     ------
@@ -57,20 +58,22 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model]:
     plate = model.plate
     if isinstance(plate, MeshPlate):
         mesh, model = _read(model, plate, mesh)
-        return mesh, touching(model, mesh)
-    model = touching(model)
-    if mesh is not None:
-        return mesh, model
+        return mesh, *snapped(model, mesh)
+    model, moved = snapped(model)
+    return (_made(model, plate) if mesh is None else mesh), model, moved
+
+
+def _made(model: Model, plate: OutlinedPlate) -> Mesh:
     divisions = model.divisions
     _require_sizes(model, plate)
     if divisions is None:
         made = _outlined(model, plate)
         require_memory(len(made.elements), ("mesh",))
         _require_element(plate, made)
-        return made, model
+        return made
     require_memory(math.prod(divisions), ("mesh",))
     try:
-        return _patterned(model, plate, divisions), model
+        return _patterned(model, plate, divisions)
     except InputError as error:
         raise InputError(error.message, place=("plate",)) from None
 
@@ -195,8 +198,6 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     if _area(plate) <= MOST * size**2:
         refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
     points = [at for part in model.mesh.refine for at in part.at or ()]
-    bent = [wall for wall in walls if any(wall.through)]
-    points += [at for wall in bent for a, through, b in wall.sides if through is not None for at in (a, b)]
     try:
         return outlined(
             plate.contours,
@@ -204,7 +205,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
             np.concatenate([np.zeros((0, 5)), *refined]),
             np.concatenate([np.zeros((0, 4)), *lines]),
             np.array(points).reshape(-1, 2),
-            np.array([arc for border in (*borders, *bent) for arc in arcs_of(border)]).reshape(-1, 6),
+            np.array([arc for border in borders for arc in arcs_of(border)]).reshape(-1, 6),
             np.concatenate([np.zeros((0, 4)), *(wall.outline.segments.reshape(-1, 4) for wall in walls)]),
             elements_that_fit(MOST),
         )

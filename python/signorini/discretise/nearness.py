@@ -1,4 +1,4 @@
-"""Rigid supports that are near each other and not at one place: held so, a plate is pried apart between them."""
+"""Rigid supports that are near each other and not at one place: between them a plate's reactions have no bound."""
 
 from __future__ import annotations
 
@@ -9,18 +9,17 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
-from signorini.discretise.quadrature.arcs import arc_of
+from signorini.discretise.quadrature.arcs import FullCircle, arcs_of_outline
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.touching import TOUCHING
-from signorini.errors import Place, point
+from signorini.errors import Place, path_in_words, point
 from signorini.mesh import Mesh
 from signorini.mesh.sides import Sides
 from signorini.model import Model, OutlinedPlate, Support
 from signorini.model.curve import curve
-from signorini.shapes import Curve, Polyline, Region, Ring
+from signorini.shapes import Region
 from signorini.shapes.nearest import Targets, edges_of
+from signorini.shapes.outlines import Outline
 
 _ALONG = 0.02
 """Slope of the distance between two lines up to which one runs along the other. Lines that meet or cross at more, which
@@ -94,7 +93,7 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
     if len(of) < 2:
         return
     at = np.array([place for i in rigid for place in model.support[i].at or ()])
-    same = SAME_PLACE * mesh.diameter
+    same = mesh.near.place
     # Any number of points may be at one place; of those one in each cell stands for all.
     _, first = np.unique(np.round((at - mesh.middle) / same), axis=0, return_index=True)
     first = np.sort(first)
@@ -107,8 +106,8 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
         pair = min(of[a][0], of[b][0]), max(of[a][0], of[b][0])
         if pair not in told:
             told.add(pair)
-            other = f"the point {point(at[b].tolist())} of {model.support[of[b][0]].name}"
-            place = ("support", of[a][0], "at", of[a][1])
+            place, others = (("support", of[k][0], "at", of[k][1]) for k in (a, b))
+            other = f"the point {point(at[b].tolist())} of {model.support[of[b][0]].name}, {path_in_words(others)}"
             yield Near(of[a][0], place, at[a], float(distance[number, column]), float(limit[number, 0]), other)
 
 
@@ -141,60 +140,49 @@ def _drawn(model: Model, mesh: Mesh, index: int, within: float) -> _Rigid | None
             return _Rigid(index, Targets.join(list(drawn.values())), drawn)
         meshed = {name: Sides(mesh.points[mesh.edges[name]], within) for name in support.edge}
         return _Rigid(index, Sides(np.concatenate([one.nodes for one in meshed.values()]), within), meshed)
-    lines = _lines(support)
-    return _Rigid(index, Targets.along(lines), {}, region(support.area)) if lines else None
+    outline = _outline(support)
+    return None if outline is None else _Rigid(index, Targets.along(outline), {}, region(support.area))
 
 
 def _name(support: Support, drawn: _Rigid, at: Floats) -> str:
     """What of a support is nearest to a place (2,)."""
     apart = {name: float(one.nearest(at[None])[1][0]) for name, one in drawn.edges.items()}
-    return (
-        f"the {support.place} {min(apart, key=lambda name: apart[name], default='')}".rstrip() + f" of {support.name}"
-    )
+    what = f"{support.place} {min(apart, key=lambda name: apart[name], default='')}".rstrip()
+    return f"the {what} of {support.name}, {path_in_words(('support', drawn.index, support.place))}"
 
 
 def _reached(support: Support, boxes: Floats) -> list[int]:
     """Which of some boxes (k, 4) a support may reach; those on edges are looked at from the other side."""
-    lines = _lines(support)
-    around = [np.array(support.at)] if support.at is not None else [np.reshape(one.bounds, (2, 2)) for one in lines]
-    if not around:
+    outline = _outline(support)
+    if support.at is None and outline is None:
         return []
-    corners = np.concatenate(around)
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    return np.flatnonzero(((boxes[:, :2] <= high) & (boxes[:, 2:] >= low)).all(axis=1)).tolist()
+    x0, y0, x1, y1 = Targets.of(support.at or ()).bounds if outline is None else Targets.along(outline).bounds
+    return np.flatnonzero(((boxes[:, :2] <= [x1, y1]) & (boxes[:, 2:] >= [x0, y0])).all(axis=1)).tolist()
 
 
-def _lines(support: Support) -> list[Curve]:
-    """The line or circle of a support, or the outline of its area, piece by piece."""
-    along, covered = curve(support), region(support.area)
-    if along is not None:
-        return [along]
-    return [] if covered is None else _outline(covered)
-
-
-def _outline(covered: Region) -> list[Curve]:
-    drawn = covered.outline
-    found: list[Curve] = [Polyline(((ax, ay), (bx, by))) for (ax, ay), (bx, by) in drawn.segments.tolist()]
-    found += [Polyline(((ax, ay), (bx, by)), ((mx, my),)) for (ax, ay), (mx, my), (bx, by) in drawn.arcs.tolist()]
-    return found + [Ring((x, y), radius) for x, y, radius in drawn.circles.tolist()]
+def _outline(support: Support) -> Outline | None:
+    """What the line or circle of a support is drawn with, or the outline of its area."""
+    shape = curve(support) or region(support.area)
+    return None if shape is None else shape.outline
 
 
 def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterator[_Places]:
     """Places of a support by themselves, such as points and ends; then those along its lines."""
     if support.at is not None:
         yield np.array(support.at), False
-    for line in _lines(support):
-        if isinstance(line, Ring):
-            # Where a circle is nearest: on the ray from its centre to the nearest place.
-            centre = np.array([line.center])
-            to, _ = beside.nearest(centre)
-            far = np.hypot(*(to - centre).T)
-            if 0.0 < far[0] < np.inf:
-                yield centre + (to - centre) * (line.radius / far), False
-        else:
-            yield np.array(line.points), False
-        for places in _pieces(line, most):
-            yield places, True
+    if (outline := _outline(support)) is None:
+        return
+    yield np.concatenate([outline.segments.reshape(-1, 2), outline.arcs[:, ::2].reshape(-1, 2)]), False
+    # A circle is nearest on the ray from its centre to the nearest place.
+    to, far = beside.nearest(outline.circles[:, :2])
+    some = (far > 0.0) & np.isfinite(far)
+    x, y, radius = outline.circles[some].T
+    centre = np.column_stack([x, y])
+    yield centre + (to[some] - centre) * (radius / far[some])[:, None], False
+    for arc in arcs_of_outline(outline):
+        step = max(0.5 * most, arc.length / _MOST)
+        count = max(_OF_CIRCLE if isinstance(arc, FullCircle) else _OF_SIDE, math.ceil(arc.length / step))
+        yield arc.at(np.linspace(0.0, arc.length, count + 1))[0], True
 
 
 def _nearest(
@@ -202,8 +190,7 @@ def _nearest(
 ) -> tuple[Floats, float, float] | None:
     """The nearest of the places that are too near to another support and no part of it; how far, and the limit."""
     to, apart = other.targets.nearest(at)
-    # Sides of a mesh are parabolas where what runs along them is an arc.
-    on = (TOUCHING if isinstance(other.targets, Sides) else SAME_PLACE) * mesh.diameter
+    on = max(mesh.near.place, other.targets.off_arcs if isinstance(other.targets, Sides) else 0.0)
     near = (apart > on) & (apart < least.max())
     if along:
         near &= _runs_along(at, np.minimum(apart, 2.0 * float(least.max())))
@@ -224,16 +211,3 @@ def _runs_along(places: Floats, apart: Floats) -> Bools:
     """Where a distance hardly changes from one place to the next, on both sides."""
     flat = np.abs(np.diff(apart)) <= _ALONG * np.hypot(*np.diff(places, axis=0).T)
     return np.asarray(np.append(flat, True) & np.insert(flat, 0, True))
-
-
-def _pieces(line: Curve, step: float) -> Iterator[Floats]:
-    """Points along each side of a line, or around a circle, about half a step apart."""
-    step = max(0.5 * step, line.length / _MOST)
-    if isinstance(line, Ring):
-        count = max(_OF_CIRCLE, math.ceil(line.length / step))
-        angle = np.linspace(0.0, math.tau, count + 1)
-        yield line.center + line.radius * np.column_stack([np.cos(angle), np.sin(angle)])
-        return
-    for side in map(arc_of, line.sides):
-        count = max(_OF_SIDE, math.ceil(side.length / step))
-        yield side.at(np.linspace(0.0, side.length, count + 1))[0]

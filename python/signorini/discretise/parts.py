@@ -52,11 +52,7 @@ def _by_ways(mine: Ints, points: ContactPoints) -> Ints:
     up = points.direction[mine] > 0
     if up.all() or not up.any():
         return mine.reshape(1, -1)
-    rows = np.stack([mine[up], mine[~up]])
-    # They need not go in one order: where they are one equation, those that follow from others stand behind.
-    first, second = (np.lexsort((*points.positions[way].T, points.numbers[way])) for way in rows)
-    rows[1, first] = rows[1, second]
-    return rows
+    return np.stack([mine[up], mine[~up]])
 
 
 def _grouped(owner: Ints, count: int) -> list[Ints]:

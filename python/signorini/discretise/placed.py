@@ -15,10 +15,6 @@ from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
 from signorini.model import Model, Support
 
-SAME_PLACE = 1e-8
-"""Part of the plate's diameter within which two points are one. Nearer ones differ by less than what rounding leaves of
-their rows: at 1e-9 a pair of rigid points, pried apart or not by a spring beside them, changed deflections by 3 %."""
-
 
 @dataclass(frozen=True, eq=False)
 class Placed:
@@ -82,7 +78,7 @@ def _at_one_place(mesh: Mesh, sampled: Sampled, taken: Floats) -> tuple[Sampled,
     nodes = _nodes_at(mesh, sampled)
     positions = np.where((nodes >= 0)[:, None], mesh.points[nodes], sampled.positions)
     if len(taken):
-        reach = SAME_PLACE * mesh.diameter * np.array([-1.0, -1.0, 1.0, 1.0])
+        reach = mesh.near.place * np.array([-1.0, -1.0, 1.0, 1.0])
         mine, others = BoxTree.build(np.tile(taken, 2) + reach).pairs(positions)
         # Of several the first, which others are at too.
         for point, other in sorted(zip(mine.tolist(), others.tolist(), strict=True), reverse=True):
@@ -98,4 +94,4 @@ def _nodes_at(mesh: Mesh, sampled: Sampled) -> Ints:
     offset = mesh.points[nodes] - sampled.positions[:, None]
     distance = np.hypot(offset[..., 0], offset[..., 1])
     picked = np.arange(len(nodes)), distance.argmin(axis=1)
-    return np.where(distance[picked] <= SAME_PLACE * mesh.diameter, nodes[picked], -1)
+    return np.where(distance[picked] <= mesh.near.place, nodes[picked], -1)

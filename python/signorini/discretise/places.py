@@ -25,8 +25,6 @@ from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring
 from signorini.shapes.distances import distances
 from signorini.shapes.overlap import overlap
 
-_ON_CIRCLE = 1e-6
-"""Part of the plate's diameter within which a point is on a circle: coordinates are written with so many digits."""
 _SECTOR_SLACK = 1e-3
 """Part of a circle that a sector's outline, made of parabolas, may leave out; and of a hole that its own may."""
 
@@ -82,7 +80,7 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sa
             ]
         )
     # A point of a circle is all but on the curved side that stands for it.
-    xi = mesh.onto_curved_sides(where, _ON_CIRCLE * mesh.diameter)
+    xi = mesh.onto_curved_sides(where, mesh.near.written)
     return Sampled(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
 
 

@@ -14,7 +14,7 @@ from signorini.discretise.averages import MOST, STRIP, OutlinePoints, PlateStiff
 from signorini.discretise.footprints import mean_deflections
 from signorini.discretise.frames import Held
 from signorini.discretise.holds import holds_deflection, prescribed_rotations, tangents_at_nodes
-from signorini.discretise.placed import SAME_PLACE, Placed
+from signorini.discretise.placed import Placed
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
@@ -94,8 +94,7 @@ class ContactPoints(_Table):
 
     Of ``distance`` the part ``settlement`` is that of the base in the row's direction; the rest is free travel.
     ``direction`` is +1 where the support pushes the plate up and −1 where it holds it down (its row is turned round);
-    ``two_sided`` marks equations. A point with ``one_way`` pushes alone; where it is an equation all the same, others
-    hold the plate from the other side, and carry what pulls.
+    ``two_sided`` marks equations; other points only push.
     ``slope`` marks two-sided points that hold a slope instead of the deflection. ``shared`` (m, 4) names the elements
     of which points of an averaged area stand for part, by their areas; −1 where there is none. ``numbers`` (m,) say
     which of its support's points each is, as the input lists them from 0; 0 along lines and on areas.
@@ -105,7 +104,6 @@ class ContactPoints(_Table):
     settlement: Floats
     compliance: Floats
     two_sided: Bools
-    one_way: Bools
     direction: Floats
     slope: Bools
     positions: Floats
@@ -149,9 +147,7 @@ def springs_and_contacts(
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
     springs = [Springs(Rows.join([]), none, none, place, none, who, who)]
-    contacts = [
-        ContactPoints(Rows.join([]), none, none, none, flags, flags, none, flags, place, none, who, _NOT_SHARED, who)
-    ]
+    contacts = [ContactPoints(Rows.join([]), none, none, none, flags, none, flags, place, none, who, _NOT_SHARED, who)]
     for placed in supports:
         with problems.collected():
             for acting in _acting(mesh, shape, plate, held, of_elements, placed):
@@ -298,7 +294,6 @@ def _springs_or_contacts(of_elements: PlateStiffness, placed: Placed, acting: _A
             base,
             compliance,
             np.full(count, equation),
-            np.full(count, not equation),
             np.full(count, sign),
             np.full(count, slope),
             positions,
@@ -366,7 +361,7 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: O
 def _once(mesh: Mesh, sampled: Sampled) -> Sampled:
     """Points of a line each once, where its pieces share them."""
     _, first, point = np.unique(
-        np.round(sampled.positions / (SAME_PLACE * mesh.diameter)), axis=0, return_index=True, return_inverse=True
+        np.round(sampled.positions / mesh.near.place), axis=0, return_index=True, return_inverse=True
     )
     order = np.sort(first)
     weights = np.bincount(point.ravel(), sampled.weights).astype(np.float64)[point.ravel()]

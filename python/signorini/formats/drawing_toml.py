@@ -12,6 +12,8 @@ _DIGITS = 6
 """Decimals of a length in metres: to the micrometre, finer than anything is built."""
 _TURN = math.pi / 8
 """Turn of the chords that stand for arcs where there are none."""
+_SNAP, _SNAP_PART = 0.005, 5e-4
+"""What drawings are exact to: 5 mm or, of a small slab, this part of it."""
 _ELEMENTS = 30
 """Elements along the longer side of the mesh to begin with."""
 
@@ -59,6 +61,7 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
     <BLANKLINE>
     [mesh]
     size = 0.2
+    snap = 0.003
     <BLANKLINE>
     # Rigid, both ways, as it stands. Add resists = "down" where it only pushes up, stiffness = … [N/m] where it yields.
     [[support]]
@@ -86,7 +89,8 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
             f"[[zone]]\narea = {_area(zone)}\nthickness = 0.4"
             for zone in drawing.zones
         ),
-        f"[mesh]\nsize = {_size(max(right - left, top - bottom))}",
+        f"[mesh]\nsize = {_size(max(right - left, top - bottom))}\n"
+        f"snap = {_number(min(_SNAP, _SNAP_PART * max(right - left, top - bottom)))}",
     ]
     count = len(drawing.points) + len(drawing.lines)
     for number, (footprint, at) in enumerate(drawing.points.items(), 1):

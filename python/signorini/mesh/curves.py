@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from signorini.shapes import Ring
-from signorini.shapes.contours import arc_through
 from signorini.shapes.outlines import Side
 
 Floats = npt.NDArray[np.float64]
@@ -41,7 +40,7 @@ def edges_on_polyline(points: Floats, triples: Ints, sides: Sequence[Side], tole
     triples : (k, 3) int array
         Every side of the mesh once.
     sides : sequence of Side
-        Straight ones and arcs, each beginning where the last ended.
+        Straight ones, each beginning where the last ended.
     tolerance : float
         How far nodes may lie from them.
 
@@ -74,9 +73,6 @@ def sides_mostly_on(points: Floats, triples: Ints, sides: Sequence[Side], tolera
         length, station, on = _on_side(points, side, tolerance)
         those = triples[on[triples].all(axis=1)]
         ends = np.sort(station[those[:, [0, 2]]], axis=1)
-        # Opposite the middle of an arc stations begin anew.
-        whole = (station[those[:, 1, None]] - ends).prod(axis=1) < 0.0
-        those, ends = those[whole], ends[whole]
         covered = np.clip(ends, 0.0, length)
         found.append(those[np.diff(covered, axis=1)[:, 0] >= 0.5 * np.diff(ends, axis=1)[:, 0]])
     return np.vstack(found)
@@ -84,20 +80,11 @@ def sides_mostly_on(points: Floats, triples: Ints, sides: Sequence[Side], tolera
 
 def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Floats, Bools]:
     """Length of a side; of points how far along it they are, and whether they are on it but for its ends."""
-    (a, through, b), arc = side, None
-    if through is not None:
-        arc = arc_through(a, through, b)
-    if arc is None:
-        length = math.dist(a, b)
-        along = np.subtract(b, a) / length
-        offset = points - a
-        return length, offset @ along, np.abs(offset @ np.array([-along[1], along[0]])) <= tolerance
-    center, radius, start, sweep = arc
-    x, y = (points - center).T
-    # From the middle of the arc to either side.
-    turned = _turn(start + 0.5 * sweep - np.pi, np.arctan2(y, x)) - np.pi
-    station = radius * (0.5 * abs(sweep) + math.copysign(1.0, sweep) * turned)
-    return radius * abs(sweep), station, np.abs(np.hypot(x, y) - radius) <= tolerance
+    a, _, b = side
+    length = math.dist(a, b)
+    along = np.subtract(b, a) / length
+    offset = points - a
+    return length, offset @ along, np.abs(offset @ np.array([-along[1], along[0]])) <= tolerance
 
 
 def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -> OnRing | None:

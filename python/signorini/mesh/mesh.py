@@ -35,6 +35,7 @@ from signorini.mesh.isoparametric import (
 )
 from signorini.shapes import Curve, Ring
 from signorini.shapes.hull import diameter
+from signorini.shapes.tolerances import Tolerances
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -144,6 +145,11 @@ class Mesh(Remade):
     def diameter(self) -> float:
         """Largest distance between two nodes, which places are told apart by: it is the same however the plate lies."""
         return diameter(self.points[np.unique(self.boundary)])
+
+    @property
+    def near(self) -> Tolerances:
+        """How near is the same."""
+        return Tolerances(self.diameter)
 
     @cached_property
     def middle(self) -> Floats:
@@ -346,9 +352,9 @@ class Mesh(Remade):
         -------
         (k, 3) int array or None
             Node triples in the order and direction of the curve (a ring counter-clockwise), with all nodes on it within
-            1e-9 of the mesh's diameter; None if the mesh does not follow the curve.
+            1e-8 of the mesh's diameter; None if the mesh does not follow the curve.
         """
-        triples, tolerance = self.unique_sides, 1e-9 * self.diameter
+        triples, tolerance = self.unique_sides, self.near.place
         if not isinstance(curve, Ring):
             return edges_on_polyline(self.points, triples, curve.sides, tolerance)
         found = edges_on_ring(self.points, triples, curve, tolerance)
@@ -361,7 +367,7 @@ class Mesh(Remade):
 
         Other than with `edges_along` the mesh need not follow all of the curve.
         """
-        triples, tolerance = self.unique_sides, 1e-9 * self.diameter
+        triples, tolerance = self.unique_sides, self.near.place
         if not isinstance(curve, Ring):
             return sides_mostly_on(self.points, triples, curve.sides, tolerance)
         found = edges_on_ring(self.points, triples, curve, tolerance)

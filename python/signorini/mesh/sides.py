@@ -39,6 +39,12 @@ class Sides:
         (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
         return x0, y0, x1, y1
 
+    @property
+    def off_arcs(self) -> float:
+        """How far they may be off the arcs that they stand for: a tenth of the largest rise over a chord, or less."""
+        rise = self.nodes[:, 1] - 0.5 * (self.nodes[:, 0] + self.nodes[:, 2])
+        return 0.1 * float(np.hypot(*rise.T).max(initial=0.0))
+
     def nearest(self, at: Floats) -> tuple[Floats, Floats]:
         """The nearest places (q, 2) of these to some (q, 2), and how far they are: infinitely if not within."""
         places, apart = at.copy(), np.full(len(at), np.inf)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Protocol
 
 from signorini.model.area import Circle
-from signorini.model.support import Support
 from signorini.shapes import Curve, Polyline, Ring
 
 _LEAST_RADIUS = 0.5
@@ -25,7 +24,7 @@ class Along(Protocol):
 
 
 def curve(item: Along) -> Curve | None:
-    """The curve that a line or circle names, or on which that of a support is put; None for other places.
+    """The curve that a line or circle names, or None for other places.
 
     Examples
     --------
@@ -33,8 +32,6 @@ def curve(item: Along) -> Curve | None:
     >>> curve(Support(line=[[0, 0], [3, 4]])).length
     5.0
     """
-    if isinstance(item, Support) and item.course is not None:
-        return item.course
     if item.line is not None:
         return Polyline(item.line)
     if item.circle is not None:

@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, ConfigDict, Field, StrictBool, WithJsonSchema
 
 from signorini.model.area import AnyArea, Area, Box, Circle
-from signorini.model.base import Complaint, Count, Edges, Points, Polyline, Positive, Table, listed, number
+from signorini.model.base import Complaint, Count, Edges, NonNegative, Points, Polyline, Positive, Table, listed, number
 from signorini.shapes.outlines import bounds_of
 
 _PLACES = ("at", "edge", "line", "circle", "area")
@@ -67,6 +67,11 @@ class MeshOptions(Table):
     )
     size: Positive | None = Field(default=None, description="Largest side of an element.")
     refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements.")
+    snap: NonNegative = Field(
+        default=0.0,
+        description="A length; supports, zones and loads nearer than this to an edge or to each other are moved onto "
+        "it. Default 0: nothing moves.",
+    )
     accuracy: Annotated[float, Field(gt=0, lt=1), BeforeValidator(number)] | None = Field(
         default=None,
         description="Refine until every half-width is at most this part of the largest value of its field.",

@@ -16,7 +16,6 @@ from pydantic import (
     model_validator,
 )
 
-from signorini import shapes
 from signorini.expression import Expression
 from signorini.model.area import AnyArea, Circle
 from signorini.model.base import (
@@ -129,27 +128,7 @@ class Support(Table):
         description="Slopes [θx, θy] at which slope and twist are held, numbers or expressions; default [0, 0].",
     )
 
-    _course: shapes.Curve | None = PrivateAttr(default=None)
     _is_unsaid: bool = PrivateAttr(default=False)
-
-    @property
-    def course(self) -> shapes.Curve | None:
-        """Where its line or circle runs, if that is along something else for a stretch; None: as it is drawn."""
-        return self._course
-
-    def following(self, course: shapes.Curve) -> Self:
-        """Put its line or circle on a course.
-
-        Examples
-        --------
-        >>> chord = Support(line=[[1, 0], [0, 1]])
-        >>> arc = shapes.Polyline(((1, 0), (0, 1)), ((0.6, 0.8),))
-        >>> chord.following(arc).course == arc, chord.following(arc).line == chord.line, chord.course
-        (True, True, None)
-        """
-        moved = self.model_copy()
-        moved._course = course
-        return moved
 
     @model_validator(mode="wrap")
     @classmethod

@@ -18,6 +18,7 @@ from signorini.base.files import replacing_together
 from signorini.output.cells import name_cell
 from signorini.output.directory import cannot_write, former_path
 from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
+from signorini.output.tables import snapped_json
 from signorini.results.figures import line_places, put
 from signorini.results.load_path import LoadPath
 from signorini.results.path_stop import PathStop
@@ -50,6 +51,7 @@ def path_json(path: LoadPath, estimate: PathEstimate | None = None) -> dict[str,
         "schema": SCHEMA,
         "title": model.title,
         "units": {"length": model.units.length, "force": model.units.force},
+        "snapped": snapped_json(path.problem.discretisation.snapped),
         "from": path.start,
         "add": path.add,
         "method": path.method,

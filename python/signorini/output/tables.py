@@ -12,6 +12,7 @@ import numpy as np
 
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
+from signorini.discretise.snapping import Snapped
 from signorini.output.cells import name_cell
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
@@ -74,8 +75,9 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
             "nodes": found.mesh.node_count,
             "elements": len(found.mesh.elements),
             "dofs": found.dof_count,
-            "contact_points": int(found.points.one_way.sum()),
+            "contact_points": int((~found.points.two_sided).sum()),
         },
+        "snapped": snapped_json(found.snapped),
         "combinations": [_combination(results, result, estimates) for result in results.full.values()],
         "governing_reactions": governing_json(results, estimates),
         "groups": [_group(results, estimates, *group) for group in found.model.effective_combinations.groups.items()],
@@ -135,6 +137,11 @@ def _group(results: Results, estimates: Estimates | None, name: str, combination
     governing = governing_json(results, estimates, name)
     found = {"name": name, "combinations": combinations, "governing_reactions": governing}
     return found | ({"envelope": envelope_json(results, estimates, name)} if results.model.tabulated else {})
+
+
+def snapped_json(snapped: Iterable[Snapped]) -> list[dict[str, Any]]:
+    """Give the key "snapped": what was moved, from where to where, and onto what."""
+    return [{"what": one.what, "from": list(one.begin), "to": list(one.end), "onto": one.onto} for one in snapped]
 
 
 def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:

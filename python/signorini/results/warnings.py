@@ -12,7 +12,6 @@ import numpy as np
 from signorini.contact.answer import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.meshing import to_follow
-from signorini.discretise.placed import SAME_PLACE
 from signorini.discretise.places import region
 from signorini.discretise.quadrature import area_quadrature, curve_quadrature
 from signorini.discretise.rows import Floats
@@ -261,7 +260,7 @@ def _unfollowed(found: Discretisation) -> Iterator[str]:
         begin, _, end = mesh.points[mesh.sides_on(along)].transpose(1, 0, 2)
         points = curve_quadrature(mesh, along, order=1)
         if np.hypot(*(end - begin).T).sum() < _FOLLOWED * points.total:
-            beside = distances(points.positions, begin, end).min(axis=1, initial=np.inf) > SAME_PLACE * mesh.size
+            beside = distances(points.positions, begin, end).min(axis=1, initial=np.inf) > mesh.near.place
             first = int(np.argmax(beside))
             size = _SMALLER * math.sqrt(mesh.element_area[points.elements[first]])
             where = f"along it, such as at {point(points.positions[first], mesh.size)}"
@@ -310,7 +309,7 @@ def _one_place(found: Discretisation) -> Iterator[str]:
     model = found.model
     rigid = [i for i, s in enumerate(model.support) if s.place == "at" and s.stiffness is None]
     places = [SupportPoints.of(found, index).positions for index in rigid]
-    within = SAME_PLACE * found.mesh.diameter
+    within = found.mesh.near.place
     for (one, here), (other, there) in combinations(zip(rigid, places, strict=True), 2):
         near = (np.abs(here[:, None] - there) <= within).all(axis=-1).any(axis=-1)
         if near.any() and _alike(model.support[one], model.support[other]) and _as_large(found, one, other):
@@ -333,7 +332,7 @@ def _couples(found: Discretisation) -> Iterator[str]:
                 side = apart.argmin(axis=1)
                 across = (end - begin)[side][:, ::-1] * [1.0, -1.0]
                 part = np.abs(across @ load.couple) / (np.hypot(*across.T) * math.hypot(*load.couple) + 1e-300)
-                if len(lost := np.flatnonzero((apart.min(axis=1) <= SAME_PLACE * mesh.diameter) & (part > _NOTHING))):
+                if len(lost := np.flatnonzero((apart.min(axis=1) <= mesh.near.place) & (part > _NOTHING))):
                     yield (
                         f"The couple of {_name(index, load)} at {point(load.at[lost[0]])} turns the plate across the "
                         f"edge {name}, where {holding.name} holds the slope: that part of it does nothing."

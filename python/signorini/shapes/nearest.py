@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from signorini.shapes import Curve
 from signorini.shapes.contours import Contour, arc_through
-from signorini.shapes.outlines import Box, Point, Side, bounds_of
+from signorini.shapes.outlines import Box, Outline, Point, Side, bounds_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -44,11 +43,11 @@ class Targets:
         return cls(*(np.array([*those], dtype=float).reshape(shape) for those, shape in shaped))
 
     @classmethod
-    def along(cls, curves: Iterable[Curve]) -> Targets:
-        """Gather the sides of curves."""
-        straight, arcs = list[tuple[Point, Point]](), list[tuple[float, ...]]()
-        _sort((side for curve in curves for side in curve.sides), straight, arcs)
-        return cls.of((), straight, arcs)
+    def along(cls, outline: Outline) -> Targets:
+        """Gather what an outline is drawn with."""
+        straight, arcs = [(a, b) for a, b in outline.segments.tolist()], list[tuple[float, ...]]()
+        _sort(((a, m, b) for a, m, b in outline.arcs.tolist()), straight, arcs)
+        return cls.of((), straight, arcs + [(*ring, 0.0, math.tau) for ring in outline.circles.tolist()])
 
     @classmethod
     def join(cls, several: Sequence[Targets]) -> Targets:

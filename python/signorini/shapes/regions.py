@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from signorini.errors import InputError, point
-from signorini.shapes.contours import arc_through, circle, farthest
+from signorini.shapes.contours import circle
 from signorini.shapes.outlines import (
     Box,
     Outline,
@@ -201,14 +201,12 @@ class Polygon(Straight):
 
 @dataclass(frozen=True)
 class Polyline(Straight):
-    """Straight segments, or arcs, from point to point.
+    """Straight segments from point to point.
 
     Parameters
     ----------
     points : sequence of (x, y)
         Where its sides meet, and its ends.
-    through : tuple of (x, y) or None
-        For the side from each point, a point that it is an arc through; None: it is straight. Empty if all are.
 
     Raises
     ------
@@ -220,12 +218,9 @@ class Polyline(Straight):
     >>> wall = Polyline(((0.0, 2.0), (3.0, 2.0), (7.0, 5.0)))
     >>> wall.length, wall.x_lines, wall.y_lines
     (8.0, (0.0, 3.0), (2.0,))
-    >>> round(Polyline(((1.0, 0.0), (-1.0, 0.0), (-1.0, -2.0)), ((0.0, 1.0), None)).length, 6)
-    5.141593
     """
 
     points: tuple[Point, ...]
-    through: tuple[Point | None, ...] = ()
 
     def __post_init__(self) -> None:
         """Normalise the points and refuse segments without length."""
@@ -236,36 +231,26 @@ class Polyline(Straight):
             if a == b:
                 raise InputError(f"Points {i + 1} and {i + 2} of a line coincide at {point(a)}; leave one out.")
         object.__setattr__(self, "points", points)
-        object.__setattr__(self, "through", self.through or (None,) * (len(points) - 1))
 
     @property
     def sides(self) -> list[Side]:
-        """Each side in order: where it begins, what it is an arc through or None, and where it ends."""
-        return list(zip(self.points, self.through, self.points[1:], strict=False))
+        """Each side in order: where it begins, None since it is straight, and where it ends."""
+        return [(a, None, b) for a, b in pairwise(self.points)]
 
     @property
     def outline(self) -> Outline:
-        """The straight segments and the arcs, each in the order given."""
-        straight = [(a, b) for a, m, b in self.sides if m is None]
-        arcs = [(a, m, b) for a, m, b in self.sides if m is not None]
-        return Outline(np.array(straight).reshape(-1, 2, 2), arcs=np.array(arcs).reshape(-1, 3, 2))
+        """The segments in the order given."""
+        return Outline(np.array(list(pairwise(self.points))))
 
     @property
     def length(self) -> float:
         """Length."""
-        turned = (abs(radius * sweep) for _, radius, _, sweep in self._arcs)
-        return math.fsum([*(math.dist(a, b) for a, m, b in self.sides if m is None), *turned])
+        return math.fsum(math.dist(a, b) for a, b in pairwise(self.points))
 
     @property
     def bounds(self) -> Box:
         """Bounding box xmin, ymin, xmax, ymax."""
-        return bounds_of([*self.points, *(at for arc in self._arcs for at in farthest(*arc).tolist())])
-
-    @property
-    def _arcs(self) -> list[tuple[Floats, float, float, float]]:
-        """Centre, radius, angle of the first end and angle turned through of every arc."""
-        found = (arc_through(a, m, b) for a, m, b in self.sides if m is not None)
-        return [arc for arc in found if arc is not None]
+        return bounds_of(self.points)
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,6 @@ _STRAIGHT = np.radians(1.0)
 """Turning at a node below which an edge runs on smoothly."""
 _OF_ROUND = 0.2
 """Part of what two round sides turn themselves by which they may turn between them: parabolas stand for an arc."""
-_ON_EDGE = 1e-6
-"""Part of the plate's diameter within which a point is on a side."""
 _OFF_ROUND = 0.1
 """Part of a side's rise within which a point of the circle that it stands for is on it."""
 _NEAR, _NONE = 1e-4, 1e-6
@@ -117,7 +115,7 @@ class Boundary:
     def loops(self) -> Iterator[Floats]:
         """Closed lines of edges by their corners (m, 2), the first again at the end; where they are round by nodes."""
         begin, middle, end = (self.mesh.points[self.sides[:, i]] for i in range(3))
-        straight = np.hypot(*(0.5 * (begin + end) - middle).T) <= _ON_EDGE * self.mesh.diameter
+        straight = np.hypot(*(0.5 * (begin + end) - middle).T) <= self.mesh.near.written
         turns = (self.angles != np.pi) | ~straight | ~straight[self.following]
         left = set(range(len(self.sides)))
         while left:
@@ -145,7 +143,7 @@ class Boundary:
         distance = np.hypot(*(point - onto(sides, point)).T)
         rise = np.hypot(*(0.5 * (sides[:, 0] + sides[:, 2]) - sides[:, 1]).T)
         # Ends of lines are on true circles, sides on their parabolas.
-        return np.flatnonzero(distance <= np.maximum(_ON_EDGE * self.mesh.diameter, _OFF_ROUND * rise))
+        return np.flatnonzero(distance <= np.maximum(self.mesh.near.written, _OFF_ROUND * rise))
 
     def tangent(self, side: int) -> Floats:
         """Direction (2,) of a side, from end to end."""
@@ -158,7 +156,7 @@ class Boundary:
         for side in self.at(point).tolist():
             tangent = self.tangent(side)
             first, last = (np.hypot(*(self.mesh.points[self.sides[side, k]] - point)) for k in (0, 2))
-            slack = _ON_EDGE * self.mesh.diameter
+            slack = self.mesh.near.written
             found += [(side, tangent)] if last > slack else []
             found += [(side, -tangent)] if first > slack else []
         return found

@@ -14,7 +14,6 @@ from signorini import _core
 from signorini.analysis.combinations.terms import Terms, terms_of
 from signorini.base.brief import Brief
 from signorini.contact.certificate import FIGURES, TOLERANCE
-from signorini.contact.dependence import Dependence
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import doubtful
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -151,7 +150,7 @@ class _Run:
         self.cases = tuple(case for case in found.cases if case in used)
         self.terms: Terms | None = None
         # Where nodes are held together their forces are shared alike in every combination.
-        self._always = "reactions" if Dependence.of(found).held_together else ""
+        self._always = "reactions" if found.held_together else ""
         count = len(found.model.effective_combinations)
         if several is not None and problem.method == "lemke" and _worth_while(problem, count):
             self.terms = terms_of(problem, self.cases, layout.fields, layout.around_areas)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
 from signorini.mesh.isoparametric import side_boxes
-from signorini.shapes import Curve, Ring
+from signorini.shapes import Curve
 from signorini.shapes.contours import arc_through
 from signorini.shapes.outlines import Outline, Side
 
@@ -156,9 +156,14 @@ class FullCircle(PartOfCircle):
 
 def arcs_of(curve: Curve) -> list[Arc]:
     """Split a curve into smooth pieces, in order."""
-    if isinstance(curve, Ring):
-        return [FullCircle(np.array(curve.center), curve.radius)]
-    return [arc_of(side) for side in curve.sides]
+    return arcs_of_outline(curve.outline)
+
+
+def arcs_of_outline(outline: Outline) -> list[Arc]:
+    """Smooth pieces of an outline: segments in order, arcs, then circles."""
+    segments: list[Arc] = [Segment(a, b) for a, b in outline.segments]
+    arcs = [arc_of((tuple(a), tuple(m), tuple(b))) for a, m, b in outline.arcs.tolist()]
+    return [*segments, *arcs, *(FullCircle(np.array([x, y]), radius) for x, y, radius in outline.circles.tolist())]
 
 
 def arc_of(side: Side) -> Arc:

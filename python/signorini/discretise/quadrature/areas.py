@@ -27,8 +27,6 @@ _RADON = 3
 """Order of Gauss's rule up to which seven points are as good on a triangle."""
 _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (0,), 6: (1,), 5: (2,), 7: (0, 1, 2)}
 """From which corners of a triangle the lines of a rule run to its sides on the outline, which are 1, 2 and 4 in sum."""
-_WRITTEN = 1e-6
-"""Part of the plate's diameter by which an area may reach over an edge: coordinates are written with so many digits."""
 _ROUNDINGS = 16.0
 """Of a coordinate, on the way from corners to an area."""
 
@@ -243,7 +241,7 @@ def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: f
         measure, slack = where.length, apart
     else:
         x0, y0, x1, y1 = where.bounds
-        apart = max(apart, _WRITTEN * mesh.diameter)
+        apart = max(apart, mesh.near.written)
         measure, slack = where.area, mesh.round_outline_area(where.bounds) + apart * (x1 - x0 + y1 - y0)
     missing = part * measure - quadrature.total
     return missing if missing > _ON_PLATE * measure + slack else 0.0

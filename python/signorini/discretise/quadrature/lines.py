@@ -8,14 +8,13 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from signorini.discretise.quadrature.arcs import Arc, Segment, arcs_of
+from signorini.discretise.quadrature.arcs import Arc, arcs_of
 from signorini.discretise.quadrature.areas import Quadrature
 from signorini.discretise.quadrature.breaks import divided
 from signorini.discretise.quadrature.rules import gauss, lobatto
 from signorini.discretise.quadrature.stepped import INSIDE, Levels
 from signorini.mesh import Mesh
 from signorini.mesh.curves import at_ends
-from signorini.mesh.mesh import Location
 from signorini.shapes import Curve, Ring
 
 Floats = npt.NDArray[np.float64]
@@ -71,10 +70,10 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0,
     3.750000000000
     """
     sides, parts, beside = mesh.unique_sides, [], np.zeros((0, 3), np.int64)
-    if isinstance(curve, Ring) or any(curve.through):
+    if isinstance(curve, Ring):
         # Parabolas along it cross it at midside nodes too, into more pieces than their deflection has dofs.
         along = mesh.sides_on(curve)
-        beside = mesh.boundary_beside(curve) if isinstance(curve, Ring) else beside
+        beside = mesh.boundary_beside(curve)
         beside = beside[~np.isin(beside[:, 1], along[:, 1])]
         sides = sides[~np.isin(sides[:, 1], np.concatenate([along, beside])[:, 1])]
     for arc in arcs_of(curve):
@@ -88,9 +87,6 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0,
         within, _ = arc.at(_inward(s, begin[part], end[part]))
         elements = inside[on][piece][part]
         xi = mesh.invert(elements, points)
-        if not isinstance(curve, Ring) and not isinstance(arc, Segment):
-            # Beside sides that the mesh has along the arc, and holds, points of its own would clamp the plate.
-            xi = mesh.onto_curved_sides(Location(elements, xi), np.inf)
         parts.append((elements, xi, weights, points, tangents, within))
     return LineQuadrature(*(np.concatenate(items) for items in zip(*parts, strict=True)))
 

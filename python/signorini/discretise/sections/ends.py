@@ -19,15 +19,13 @@ from signorini.shapes.contours import arc_through
 from signorini.shapes.cuts import CutLine
 from signorini.shapes.outlines import Point
 
-_TOUCHING = 1e-9
-"""Part of the plate's diameter within which nodes are on a line."""
 BESIDE = 1e-6
 """How far from an edge, of the plate's size, an end is on it, and from a node of an edge in it: more than rounding."""
 
 
 def followed(mesh: Mesh, points: Sequence[Point]) -> tuple[CutLine, tuple[bool, bool]]:
     """Give a line through points that leaves the plate where it ends on an edge; and which ends are inside."""
-    corners, touching = np.array(points, dtype=np.float64), _TOUCHING * mesh.diameter
+    corners, touching = np.array(points, dtype=np.float64), mesh.near.place
     if len(points) > 2 and points[0] == points[-1]:
         return CutLine(corners, touching), (False, False)
     edges = [_edge(mesh, corners[end]) for end in (0, -1)]

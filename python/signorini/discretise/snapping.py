@@ -1,0 +1,289 @@
+"""Supports, zones and loads moved onto edges and onto each other, as ``[mesh] snap`` asks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar
+
+import numpy as np
+
+from signorini.discretise.places import region
+from signorini.discretise.rows import Floats, Ints
+from signorini.errors import InputError, Place, path_in_words
+from signorini.mesh import Mesh
+from signorini.mesh.sides import Sides
+from signorini.model import Area, Load, Model, OutlinedPlate, Support, Zone
+from signorini.model.area import Annulus, Box, Circle, Form
+from signorini.model.corners import Arc
+from signorini.model.curve import curve
+from signorini.shapes.hull import diameter
+from signorini.shapes.nearest import Targets, sides_of
+from signorini.shapes.outlines import Outline, Point
+from signorini.shapes.tolerances import Tolerances
+
+_PASSES = 8
+"""What moves onto something that moves itself follows it; a pass leaves about the square of what the last one did."""
+
+_Item: TypeAlias = Support | Zone | Load
+_Numbers = TypeVar("_Numbers", bound=tuple[float, ...])
+
+
+class Snapped(NamedTuple):
+    """A point, a corner, a circle or a rectangle that was moved.
+
+    Parameters
+    ----------
+    what : str
+        Where it stands in the input, such as ``support[2].line[1]``.
+    begin, end : tuple of float
+        [x, y] before and after; of a circle [x, y, radius], of a rectangle [x0, y0, x1, y1].
+    onto : str
+        An edge of the plate, or what stands elsewhere in the input.
+    """
+
+    what: str
+    begin: tuple[float, ...]
+    end: tuple[float, ...]
+    onto: str
+
+
+class _Target(NamedTuple):
+    """What others move onto: its corners, its sides, and its circles (m, 3) as x, y, radius."""
+
+    name: str
+    corners: Targets
+    sides: Targets | Sides
+    circles: Floats
+
+
+def snapped(model: Model, mesh: Mesh | None = None) -> tuple[Model, tuple[Snapped, ...]]:
+    """Move supports, zones and loads onto what they are nearer to than ``mesh.snap``, and say what moved.
+
+    First come the edges of the plate, of a plate from a file those of its mesh, then supports, zones and loads in the
+    order of the input. A point or corner moves onto a corner of what comes before it, else onto a side of anything
+    else; a circle becomes one that comes before it. Nothing moves farther than ``mesh.snap``, but into a corner of the
+    plate from beside both of its sides.
+
+    Raises
+    ------
+    InputError
+        If a line or an area comes to nothing.
+
+    Examples
+    --------
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [6, 4], "thickness": 0.2},
+    ...     mesh={"snap": 0.005},
+    ...     support=[{"edge": "top"}, {"line": [[2, 0.004], [3, 3.997]]}, {"at": [5, 3.998], "resists": "down"}],
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> moved, what = snapped(model)
+    >>> moved.support[1].line, moved.support[2].at
+    (((2.0, 0.0), (3.0, 4.0)), ((5.0, 4.0),))
+    >>> what[0]
+    Snapped(what='support[2].line[1]', begin=(2.0, 0.004), end=(2.0, 0.0), onto='bottom')
+    """
+    if not model.mesh.snap:
+        return model, ()
+    keys = ("support", "zone", "load")
+    drawn: dict[Place, _Item] = {(key, i): item for key in keys for i, item in enumerate(getattr(model, key))}
+    plate, extent = _plate(model, mesh)
+    items, moved = drawn, dict[Place, Snapped]()
+    targets = [_target(path, item) for path, item in drawn.items()]
+    near = _near(targets, model.mesh.snap)
+    for _ in range(_PASSES):
+        before, items, moved = items, dict(items), {}
+        for number, (path, item) in enumerate(drawn.items()):
+            earlier, later = ([targets[i] for i in those] for those in (near[number][0], near[number][1]))
+            onto = _Onto(model.mesh.snap, Tolerances(extent).place, plate, earlier, later, moved)
+            items[path] = onto.item(path, item)
+            targets[number] = _target(path, items[path])
+        if items == before:
+            break
+    made = {key: tuple(item for path, item in items.items() if path[0] == key) for key in keys}
+    return model.model_copy(update=made), tuple(moved.values())
+
+
+def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
+    """The edges of the plate, each by its own name, and the plate's diameter."""
+    if not isinstance(model.plate, OutlinedPlate):
+        assert mesh is not None  # such a plate is its mesh
+        nodes = mesh.points[mesh.boundary]
+        corners, sides = Targets.of(nodes[:, 0].tolist()), Sides(nodes, model.mesh.snap)
+        return [_Target("boundary", corners, sides, np.zeros((0, 3)))], mesh.diameter
+    found = []
+    for contour in model.plate.contours:
+        for name in dict.fromkeys(contour.names):
+            along = Targets.of((), *sides_of([contour], {name}))
+            is_circle = len(set(contour.names)) == 1 and not len(along.sides)
+            ends = [] if is_circle else [end for side in contour.edges[name] for end in contour.sides[side][::2]]
+            found.append(_Target(name, Targets.of(ends), along, along.arcs[:, :3]))
+    return found, diameter(model.plate.contours[0].points())
+
+
+def _target(path: Place, item: _Item) -> _Target:
+    """What of an item others move onto; what stands on an edge adds nothing to the plate."""
+    points = () if isinstance(item, Zone) else item.at or ()
+    drawn = region(item.area) or (None if isinstance(item, Zone) else curve(item))
+    outline = Outline() if drawn is None else drawn.outline
+    corners = [*points, *outline.segments.reshape(-1, 2).tolist(), *outline.arcs[:, ::2].reshape(-1, 2).tolist()]
+    return _Target(path_in_words(path), Targets.of((x, y) for x, y in corners), Targets.along(outline), outline.circles)
+
+
+def _near(targets: Sequence[_Target], reach: float) -> list[tuple[Ints, Ints]]:
+    """Numbers of those before and behind each that it may ever be near, since both move."""
+    every = [Targets.join([one.corners, one.sides]) for one in targets if isinstance(one.sides, Targets)]
+    boxes = np.array([one.bounds if len(one.points) + len(one.arcs) else (np.inf,) * 4 for one in every])
+    low, high = boxes[:, :2] - 4.0 * reach, boxes[:, 2:] + 4.0 * reach
+    found = []
+    for number in range(len(boxes)):
+        (those,) = np.nonzero((low[number] <= high).all(axis=1) & (low <= high[number]).all(axis=1))
+        found.append((those[those < number], those[those > number]))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Onto:
+    """Moves one item within a reach: onto the plate, onto what comes before it, onto sides of what comes behind it."""
+
+    reach: float
+    same: float
+    plate: Sequence[_Target]
+    before: Sequence[_Target]
+    behind: Sequence[_Target]
+    moved: dict[Place, Snapped]
+
+    def item(self, path: Place, item: _Item) -> _Item:
+        """The item where it then is."""
+        update: dict[str, object] = {}
+        if not isinstance(item, Zone):
+            if item.at is not None:
+                update["at"] = self._points((*path, "at"), item.at)
+            if item.line is not None:
+                update["line"] = line = self._line((*path, "line"), item.line)
+                if len(line) < 2:
+                    raise self._comes_to_nothing((*path, "line"))
+            if item.circle is not None:
+                update["circle"] = self._circle((*path, "circle"), item.circle)
+        if isinstance(item.area, Area):
+            update["area"] = self._area((*path, "area"), item.area)
+        return item.model_copy(update=update)
+
+    def _points(self, path: Place, points: Sequence[Point]) -> tuple[Point, ...]:
+        return tuple(self._moved((*path, i), at, self._corner(at)) for i, at in enumerate(points))
+
+    def _line(self, path: Place, points: Sequence[Point]) -> tuple[Point, ...]:
+        ends = self._points(path, points)
+        return (ends[0], *(b for a, b in pairwise(ends) if a != b))
+
+    def _area(self, path: Place, area: Area) -> Area:
+        known = len(self.moved)
+        update = self._form(path, area)
+        if area.annulus is not None:
+            (x, y), inner, outer = area.annulus.center, area.annulus.inner, area.annulus.outer
+            rims = [self._ring((*path, "annulus", key), (x, y, r)) for key, r in (("inner", inner), ("outer", outer))]
+            center = next((rim[:2] for rim in rims if rim[:2] != (x, y)), (x, y))
+            update["annulus"] = Annulus.model_construct(center=center, inner=rims[0][2], outer=rims[1][2])
+        update["holes"] = tuple(
+            Form.model_construct(**self._form((*path, "holes", i), hole)) for i, hole in enumerate(area.holes)
+        )
+        if len(self.moved) == known:
+            return area
+        made = Area.model_construct(**update)
+        try:
+            _ = made.region
+        except InputError:
+            raise self._comes_to_nothing(path) from None
+        return made
+
+    def _form(self, path: Place, form: Form) -> dict[str, Any]:
+        if form.rectangle is not None:
+            return {"rectangle": self._rectangle((*path, "rectangle"), form.rectangle)}
+        if form.circle is not None:
+            return {"circle": self._circle((*path, "circle"), form.circle)}
+        corners = list[Point | Arc]()
+        for i, corner in enumerate(form.polygon or ()):
+            here = (*path, "polygon", i)
+            if isinstance(corner, Arc):
+                through = self._moved((*here, "through"), corner.through, self._side(corner.through))
+                to = self._moved((*here, "to"), corner.to, self._corner(corner.to))
+                corners.append(Arc.model_construct(through=through, to=to))
+            else:
+                corners.append(self._moved(here, corner, self._corner(corner)))
+        return {"polygon": tuple(corners)} if corners else {}
+
+    def _rectangle(self, path: Place, box: Box) -> Box:
+        """A rectangle stays one: each of its sides goes with the first of its corners that moves it."""
+        x0, y0, x1, y1 = box
+        corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+        found = [self._corner(at) for at in corners]
+        sides = list(box)
+        for side, ends in enumerate(((0, 3), (0, 1), (1, 2), (2, 3))):
+            at = (found[end][0][side % 2] for end in ends)
+            sides[side] = next((one for one in at if one != box[side]), box[side])
+        onto = " and ".join(dict.fromkeys(name for _, name in found if name))
+        made = sides[0], sides[1], sides[2], sides[3]
+        return self._moved(path, box, (made, onto))
+
+    def _circle(self, path: Place, circle: Circle) -> Circle:
+        x, y, radius = self._ring(path, (*circle.center, circle.radius))
+        return Circle.model_construct(center=(x, y), radius=radius)
+
+    def _ring(self, path: Place, ring: tuple[float, float, float]) -> tuple[float, float, float]:
+        """The nearest circle of the plate or of what comes before: the farthest that any point of one is from it."""
+        known = [(one, target.name) for target in (*self.plate, *self.before) for one in target.circles.tolist()]
+        apart = [math.dist(one[:2], ring[:2]) + abs(one[2] - ring[2]) for one, _ in known]
+        least = min(apart, default=math.inf)
+        if least > self.reach:
+            return ring
+        (x, y, radius), name = known[apart.index(least)]
+        made: tuple[float, float, float] = x, y, radius
+        return self._moved(path, ring, (made, name))
+
+    def _moved(self, path: Place, begin: _Numbers, found: tuple[_Numbers, str]) -> _Numbers:
+        end, onto = found
+        if max(abs(a - b) for a, b in zip(begin, end, strict=True)) > self.same:
+            self.moved[path] = Snapped(path_in_words(path), begin, end, onto)
+        return end
+
+    def _corner(self, at: Point) -> tuple[Point, str]:
+        """The corner, or else the place on a side, that a point moves onto, and what has it."""
+        edges = [one for one in _nearest(at, self.plate, "sides") if one[0] <= self.reach]
+        # What is near two edges of the plate is near their corner.
+        reach = self.reach * (math.sqrt(2.0) if len(edges) > 1 else 1.0)
+        corners = [one for one in _nearest(at, self.plate, "corners") if one[0] <= reach]
+        before = [one for one in _nearest(at, self.before, "corners") if one[0] <= self.reach]
+        if not (corners or before):
+            return self._side(at)
+        _, place, name = min(corners, default=None) or before[0]
+        return place, name
+
+    def _side(self, at: Point) -> tuple[Point, str]:
+        """The place on a side that a point moves onto, and what has it; the point itself where there is none."""
+        behind = [one for one in self.behind if one.corners.nearest(np.array([at]))[1][0] > self.reach]
+        edges = [one for one in _nearest(at, self.plate, "sides") if one[0] <= self.reach]
+        others = [one for one in _nearest(at, [*self.before, *behind], "sides") if one[0] <= self.reach]
+        if not (edges or others):
+            return at, ""
+        _, place, name = min(edges, default=None) or others[0]
+        return place, name
+
+    def _comes_to_nothing(self, path: Place) -> InputError:
+        return InputError(
+            f"With mesh.snap = {self.reach:g} it comes to nothing. Take less, or draw it where it is to be.", place=path
+        )
+
+
+def _nearest(
+    at: Point, targets: Iterable[_Target], what: Literal["corners", "sides"]
+) -> list[tuple[float, Point, str]]:
+    """How far the corners or sides of each target are from a point, the place of them that is nearest, and its name."""
+    found = []
+    for target in targets:
+        (place,), (apart,) = getattr(target, what).nearest(np.array([at]))
+        found.append((float(apart), (float(place[0]), float(place[1])), target.name))
+    return found
