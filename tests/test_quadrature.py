@@ -473,3 +473,12 @@ def test_circles_in_one_or_two_elements_prefer_no_direction(center: tuple[float,
     moments = [1.0, x, y, x * y, x**2, y**2]
     found = [float((along.weights * values).sum()) / along.total for values in moments]
     assert found == pytest.approx([1.0, 0.0, 0.0, 0.0, 0.5, 0.5], abs=0.01)
+
+
+def test_rules_of_triangles_with_two_sides_on_the_outline_are_their_own_mirror_images():
+    points = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 1], [1, 2], [0, 1]], float)
+    mesh = Mesh(points, np.array([[0, 1, 2, 2, 4, 5, 2, 6], [0, 2, 3, 3, 6, 7, 3, 8]]), {})
+    over = area_quadrature(mesh, None, 3, np.ones(2, bool))
+    found = np.column_stack([over.positions, over.weights]).round(12)
+    mirrored = found[:, [1, 0, 2]]
+    assert (found[np.lexsort(found.T)] == mirrored[np.lexsort(mirrored.T)]).all()

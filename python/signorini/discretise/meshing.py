@@ -173,7 +173,9 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
             x_lesser = [line for section in _sections(model) for line in section.x_lines]
             y_lesser = [line for section in _sections(model) for line in section.y_lines]
             lesser = x_lesser, y_lesser
-            return rectangle(plate.origin, plate.size, divisions, x_lines, y_lines, refined, *lesser, _axes(model, plate))
+            return rectangle(
+                plate.origin, plate.size, divisions, x_lines, y_lines, refined, *lesser, _axes(model, plate)
+            )
         case DiscPlate():
             radii = _radii(model, plate.center, plate.radius)
             return disc(plate.center, plate.radius, divisions, plate.sector, radii)

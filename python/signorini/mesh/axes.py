@@ -1,4 +1,4 @@
-"""The axes along which a plate is meshed, so that mirrored and turned plates have the same mesh, mirrored and turned."""
+"""The axes along which a plate is meshed, so that mirrored and turned plates have mirrored and turned meshes."""
 
 from __future__ import annotations
 
