@@ -25,10 +25,13 @@ from signorini.model import (
     Load,
     MeshPlate,
     Model,
+    Moving,
     OutlinedPlate,
     PolygonPlate,
     RectanglePlate,
     Refinement,
+    Section,
+    Strip,
     Support,
     Zone,
 )
@@ -225,8 +228,10 @@ def _axes(model: Model, plate: OutlinedPlate) -> Axes:
     around = [contour.points() for contour in plate.contours]
     sides = [0.5 * (points + np.roll(points, 1, axis=0)) for points in around]
     zones = [_marks(zone.region) for zone in model.zone]
-    items = [_marks_of(item, plate) for item in (*model.mesh.refine, *model.support, *model.load)]
-    lines = [np.array(one.line) for one in (*model.section, *model.strip, *model.moving)]
+    acting: list[Refinement | Support | Load] = [*model.mesh.refine, *model.support, *model.load]
+    items = [_marks_of(item, plate) for item in acting]
+    drawn: list[Section | Strip | Moving] = [*model.section, *model.strip, *model.moving]
+    lines = [np.array(one.line) for one in drawn]
     probes = [np.array(probe.at) for probe in model.probe]
     return axes_of([np.concatenate([*around, *sides]), *zones, *items, *lines, *probes])
 
@@ -293,7 +298,7 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
 def _spread(low: float, high: float, step: float) -> Floats:
     """Middles of equal parts no longer than a step; rounding makes no further part."""
     count = math.ceil((high - low) / step - 1e-6)
-    return low + (high - low) / count * (np.arange(count) + 0.5)
+    return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
 
 
 def _borders(model: Model) -> tuple[Region, ...]:

@@ -107,7 +107,7 @@ def _joints(
         low, high, below, above = box[axis], box[2 + axis], box[1 - axis], box[3 - axis]
         spans = high - low >= length * (1 - _SAME)
         if not spans or above - below >= across * (1 - _SAME):
-            caps.append((*sorted((sense * low, sense * high)), most))
+            caps.append((min(sense * low, sense * high), max(sense * low, sense * high), most))
     begin, end = sorted((sense * start, sense * (start + length)))
     wanted = [[sense * line for line in group] for group in lines]
     if caps:
