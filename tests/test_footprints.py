@@ -172,7 +172,7 @@ def test_moments_converge_under_a_couple_on_a_footprint_and_grow_for_ever_under_
         return np.array([np.abs(solve(model)["all"].moment).max() for model in models])
 
     spread, single = largest(patch=[0.6, 0.6]), largest()
-    assert np.ptp(spread) < 0.02 * spread[0]
+    assert np.ptp(spread[1:]) < 1e-3 * spread[1] and np.ptp(spread) < 0.1 * spread[1]
     assert (single[1:] > 1.9 * single[:-1]).all()
 
 
@@ -371,7 +371,7 @@ def test_a_patch_turned_with_the_plate_is_the_patch():
         return solve(model)["all"]
 
     straight, askew = found(lambda x, y: [x, y]), found(turned, angle=35)
-    assert askew.probes[0].deflection == pytest.approx(straight.probes[0].deflection, rel=1e-9)
-    assert askew.reactions["support 3"] == pytest.approx(straight.reactions["support 3"], rel=1e-9)
+    assert askew.probes[0].deflection == pytest.approx(straight.probes[0].deflection, rel=1e-7)
+    assert askew.reactions["support 3"] == pytest.approx(straight.reactions["support 3"], rel=1e-7)
     with pytest.raises(InputError, match="off the plate"):
         found(turned, angle=20)

@@ -254,7 +254,7 @@ APART[8:] += 10.0 * np.array([1.0, 0.0, 0.0])
         (
             PLATE.points[:-1],
             [("quad8", PLATE.elements)],
-            "An element of the mesh file refers to a node of index 36, .*has 36 nodes",
+            "An element of the mesh refers to a node of index 36, .*has 36 nodes",
         ),
         (1e100 * PLATE.points, [("quad8", PLATE.elements)], r"lie within 4e\+100, .* at most 1e\+60"),
         (1e-61 * PLATE.points, [("quad8", PLATE.elements)], "must be at least 1e-60"),
@@ -272,7 +272,7 @@ def test_a_file_that_is_no_plate_is_refused_with_its_name(tmp_path, points, cell
 def test_a_group_of_lines_that_is_no_side_is_refused(tmp_path):
     data = tagged()
     data.cells[0].data[0] = [0, 5, 7]
-    with pytest.raises(InputError, match=r"Group 'left' of the mesh file has a line at .* no side of an element"):
+    with pytest.raises(InputError, match=r"Group 'left' of the mesh has a line at .* no side of an element"):
         read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
 
 
@@ -290,7 +290,7 @@ def test_a_group_of_two_node_lines_is_refused(tmp_path):
         cell_data={"gmsh:physical": [np.ones(2, int), np.full(8, 2)]},
         field_data={"left": np.array([1, 1])},
     )
-    with pytest.raises(InputError, match="Group 'left' of the mesh file consists of 2-node lines"):
+    with pytest.raises(InputError, match="Group 'left' of the mesh consists of 2-node lines"):
         read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
 
 
@@ -358,7 +358,7 @@ def test_a_node_without_a_finite_place_is_named(tmp_path, axis, wrong):
     points = in_space(PLATE.points)
     points[5, axis] = wrong
     path = write(tmp_path / "plate.vtu", meshio.Mesh(points, [("quad8", PLATE.elements)]))
-    with pytest.raises(InputError, match=r"Node 5 \(the first has index 0\) of the mesh file is at \(.*finite number"):
+    with pytest.raises(InputError, match=r"Node 5 \(the first has index 0\) of the mesh is at \(.*finite number"):
         read(path)
 
 

@@ -276,7 +276,7 @@ def test_discs_and_annuli_may_be_refined(plate):
     tables = {"material": {"E": 1.0, "nu": 0.0}, "mesh": refined, "load": [{"pressure": 1.0}]}
     support = [{"edge": "rim" if plate["shape"] == "disc" else "outer", "fix": "clamped"}]
     mesh = meshed(Model(plate=plate | {"thickness": 0.1}, support=support, **tables))
-    assert mesh.element_area[mesh.locate(np.array([[1.21, 1.01]])).elements[0]] < 2 * 0.05**2
+    assert mesh.element_area[mesh.locate(np.array([[1.21, 1.01]])).elements[0]] < 3 * 0.05**2
     assert mesh.element_area.max() > 0.1
 
 

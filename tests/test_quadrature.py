@@ -182,7 +182,7 @@ def test_a_circle_that_elements_follow_is_exact_far_from_the_origin(far, radius)
     x = (far - 0.5, far + 0.5)
     square = straight(((x[0], -0.5), (x[1], -0.5), (x[1], 0.5), (x[0], 0.5)), "abcd")
     round_ = Circle((far, 0.0), radius)
-    mesh = outlined([square], 0.2, arcs=np.array(list(arcs_of(round_))))
+    mesh = outlined([square], 0.2, lines=[(np.array(list(arcs_of(round_))), False)])
     found = area_quadrature(mesh, round_)
     assert found.total == pytest.approx(round_.area, rel=1e-12 + 1e-14 * far)
 
@@ -191,7 +191,7 @@ def test_a_circle_that_elements_follow_is_exact_far_from_the_origin(far, radius)
 def test_a_circle_that_the_mesh_follows_wholly_or_in_part_has_a_piece_on_each_side(arcs):
     square = straight(((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)), "abcd")
     circle, ring = Circle((2.1, 1.9), 1.3), Ring((2.1, 1.9), 1.3)
-    mesh = outlined([square], 0.3, arcs=np.array(list(arcs_of(circle)))[arcs])
+    mesh = outlined([square], 0.3, lines=[(np.array(list(arcs_of(circle)))[arcs], False)])
     sides = mesh.sides_on(ring)
     q = curve_quadrature(mesh, ring, order=2)
     assert q.total == pytest.approx(ring.length, rel=1e-12)
@@ -473,3 +473,12 @@ def test_circles_in_one_or_two_elements_prefer_no_direction(center: tuple[float,
     moments = [1.0, x, y, x * y, x**2, y**2]
     found = [float((along.weights * values).sum()) / along.total for values in moments]
     assert found == pytest.approx([1.0, 0.0, 0.0, 0.0, 0.5, 0.5], abs=0.01)
+
+
+def test_rules_of_triangles_with_two_sides_on_the_outline_are_their_own_mirror_images():
+    points = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 1], [1, 2], [0, 1]], float)
+    mesh = Mesh(points, np.array([[0, 1, 2, 2, 4, 5, 2, 6], [0, 2, 3, 3, 6, 7, 3, 8]]), {})
+    over = area_quadrature(mesh, None, 3, np.ones(2, bool))
+    found = np.column_stack([over.positions, over.weights]).round(12)
+    mirrored = found[:, [1, 0, 2]]
+    assert (found[np.lexsort(found.T)] == mirrored[np.lexsort(mirrored.T)]).all()

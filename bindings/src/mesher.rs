@@ -3,7 +3,7 @@ use crate::threads::released;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use signorini_mesher::{Loop, Refinement, Wishes, mesh};
+use signorini_mesher::{Line, Loop, Refinement, Wishes, mesh};
 
 /// Corners (k, 2), a point (k, 2) that the side from each is an arc through, NaN: straight, and the sides' names.
 type LoopArrays<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, Vec<String>);
@@ -13,9 +13,10 @@ type MeshArrays<'py> =
 /// Meshes a plate by its outline and holes: nodes (n, 2), elements (e, 8), of triangles [a, b, c, c, ab, bc, c, ca],
 /// sides on the outline (k, 3), and the loop and side (k, 2) that each is on.
 ///
-/// `refinements` (r, 5) are straight pieces, x, y to x, y, with the size there; `arcs` (a, 6), x, y through x, y to x, y,
-/// `walls` (w, 4), also in part, `lines` (l, 4) and `points` (p, 2) are followed where they have room; of elements there may
-/// be about `most`. A bad outline raises a ValueError of the message, the loop and the side, or of the message alone.
+/// `refinements` (r, 5) are straight pieces, x, y to x, y, with the size there; `lines` (l, 8), x, y to x, y through x, y,
+/// NaN if straight, with a rank and whether in part, and `points` (p, 2) are followed where they have room; of elements there
+/// may be about `most`. The plate is meshed along `axes` (2, 2). A bad outline raises a ValueError of the message, the loop
+/// and the side, or of the message alone.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "each array is one of Python's")]
 pub fn mesh_outline<'py>(
@@ -23,24 +24,25 @@ pub fn mesh_outline<'py>(
     loops: Vec<LoopArrays<'py>>,
     size: f64,
     refinements: PyReadonlyArray2<'py, f64>,
-    arcs: PyReadonlyArray2<'py, f64>,
-    walls: PyReadonlyArray2<'py, f64>,
     lines: PyReadonlyArray2<'py, f64>,
     points: PyReadonlyArray2<'py, f64>,
     most: usize,
+    axes: [[f64; 2]; 2],
 ) -> PyResult<MeshArrays<'py>> {
     let loops = loops.iter().map(loop_of).collect::<PyResult<Vec<Loop>>>()?;
     let refinements = rows_of::<5, f64>("refinements", &refinements)?
         .into_iter()
         .map(|[x0, y0, x1, y1, size]| Refinement { from: [x0, y0], to: [x1, y1], size })
         .collect();
-    let arcs =
-        rows_of::<6, f64>("arcs", &arcs)?.into_iter().map(|[a, b, c, d, e, f]| [[a, b], [c, d], [e, f]]).collect();
-    let ends = |[x0, y0, x1, y1]: [f64; 4]| [[x0, y0], [x1, y1]];
-    let walls = rows_of::<4, f64>("walls", &walls)?.into_iter().map(ends).collect();
-    let lines = rows_of::<4, f64>("lines", &lines)?.into_iter().map(ends).collect();
+    let line = |[x0, y0, x1, y1, x, y, rank, in_part]: [f64; 8]| Line {
+        ends: [[x0, y0], [x1, y1]],
+        through: x.is_finite().then_some([x, y]),
+        rank: rank as usize,
+        in_part: in_part != 0.0,
+    };
+    let lines = rows_of::<8, f64>("lines", &lines)?.into_iter().map(line).collect();
     let points = rows_of::<2, f64>("points", &points)?;
-    let wishes = Wishes { size, refinements, arcs, walls, lines, points, most: Some(most) };
+    let wishes = Wishes { size, refinements, lines, points, most: Some(most), axes };
     let made = released(py, || mesh(&loops, &wishes))?.map_err(|fault| match fault.side {
         Some((ring, side)) => PyValueError::new_err((fault.message, ring, side)),
         None => invalid(fault),

@@ -2,7 +2,7 @@
 //!
 //! Into a directory it also writes the meshes, as SVG.
 
-use signorini_mesher::{Loop, Mesh, Point, Refinement, Wishes, mesh};
+use signorini_mesher::{Line, Loop, Mesh, Point, Refinement, Wishes, mesh};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::time::Instant;
@@ -36,8 +36,12 @@ fn turned(loops: &[Loop], degrees: f64) -> Vec<Loop> {
         .collect()
 }
 
+fn line(from: Point, to: Point) -> Line {
+    Line { ends: [from, to], ..Line::default() }
+}
+
 /// A floor of 10 × 8 with two shafts and twenty columns, the sides of which are lines to follow.
-fn floor() -> (Vec<Loop>, Vec<[Point; 2]>) {
+fn floor() -> (Vec<Loop>, Vec<Line>) {
     let loops = vec![
         polygon("", vec![[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [7.0, 5.0], [7.0, 8.0], [0.0, 8.0]]),
         rectangle("hole 1", [2.3, 2.6, 4.1, 3.9]),
@@ -48,7 +52,7 @@ fn floor() -> (Vec<Loop>, Vec<[Point; 2]>) {
         for j in 0..4 {
             let (x, y) = (0.3 + 2.3 * f64::from(i), 0.4 + 2.1 * f64::from(j));
             let c = rectangle("", [x, y, x + 0.4, y + 0.4]).corners;
-            lines.extend((0..4).map(|k| [c[k], c[(k + 1) % 4]]));
+            lines.extend((0..4).map(|k| line(c[k], c[(k + 1) % 4])));
         }
     }
     (loops, lines)
@@ -106,7 +110,7 @@ fn cases() -> Vec<(&'static str, Vec<Loop>, Wishes)> {
             vec![square.clone()],
             Wishes { refinements: vec![Refinement { from: [10.0, 0.0], to: [10.0, 10.0], size: 0.1 }], ..of(0.5) },
         ),
-        ("square, skew line", vec![square.clone()], Wishes { lines: vec![[[1.0, 1.0], [9.0, 6.0]]], ..of(0.5) }),
+        ("square, skew line", vec![square.clone()], Wishes { lines: vec![line([1.0, 1.0], [9.0, 6.0])], ..of(0.5) }),
         ("square of 100,000", vec![square.clone()], of(10.0 / 316.3)),
         ("disc of 100,000", vec![ellipse_like("rim", [0.0; 2], [2.0; 2])], of(0.0112)),
         ("floor of 100,000", turned(&floor, 17.0), of(0.0255)),

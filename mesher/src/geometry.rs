@@ -1,5 +1,6 @@
 //! Points, straight lines and arcs of the plane.
 
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 pub type Point = [f64; 2];
@@ -77,6 +78,12 @@ pub fn circumcentre(a: Point, b: Point, c: Point) -> Point {
     let (u, v) = (sub(b, a), sub(c, a));
     let (uu, vv, area) = (dot(u, u), dot(v, v), 2.0 * cross(u, v));
     add(a, [(v[1] * uu - u[1] * vv) / area, (u[0] * vv - v[0] * uu) / area])
+}
+
+/// The lexicographic order of coordinates.
+pub fn order(one: &[f64], other: &[f64]) -> Ordering {
+    let unequal = one.iter().zip(other).map(|(a, b)| a.total_cmp(b)).find(|found| found.is_ne());
+    unequal.unwrap_or(Ordering::Equal)
 }
 
 /// A straight line or an arc from one point to another.

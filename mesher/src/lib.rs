@@ -1,7 +1,7 @@
 //! Meshes of 8-node quadrilaterals, with 6-node triangles where none fit, of plates with any outline.
 //!
-//! The outline is checked (`outline`) and turned into the direction that most of it has; lines to follow are cut where
-//! they meet it (`planar`). Nodes are placed along them and on a lattice that is finer where elements must be smaller
+//! The outline is checked (`outline`), brought into a form that depends on no unit, place or order (`normal`), and turned
+//! into the direction that most of it has; lines to follow are cut where they meet it (`planar`). Nodes are placed along them and on a lattice that is finer where elements must be smaller
 //! (`sizes`, `seeding`), joined to Delaunay triangles (`triangles`), these to quadrilaterals (`pairing`), those left over
 //! too, as far as they can be led together (`tunnels`), and nodes are moved to better places (`smoothing`). The same
 //! input gives the same bits.
@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod geometry;
+mod normal;
 mod outline;
 mod pairing;
 mod planar;
@@ -26,7 +27,8 @@ pub use outline::{Fault, Loop};
 pub use sizes::Refinement;
 
 use geometry::Curve;
-use outline::{Outline, directions, turned};
+use normal::Normal;
+use outline::{Outline, Side, directions, turned};
 use planar::{Piece, Planar};
 use quadratic::Quadratic;
 use quality::Corners;
@@ -36,23 +38,40 @@ use smoothing::{Freedom, smooth};
 use triangles::{NONE, Triangles};
 use tunnels::Chords;
 
+/// A line or arc for sides of elements to follow.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Line {
+    pub ends: [Point; 2],
+    /// A point that it is an arc through; `None`: it is straight.
+    pub through: Option<Point>,
+    /// What is followed first has the least.
+    pub rank: usize,
+    /// Whether its parts are followed that leave the plate nowhere, and come nowhere nearer to the outline, or to what is
+    /// followed already, than about half an element; or all within the plate or nothing.
+    pub in_part: bool,
+}
+
 /// How a plate is to be meshed.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Wishes {
     /// Largest side of an element, were they all squares.
     pub size: f64,
     pub refinements: Vec<Refinement>,
-    /// Arcs for sides of elements to follow, before all lines: from a point through one to another.
-    pub arcs: Vec<[Point; 3]>,
-    /// Straight lines to follow after arcs, those that matter most first, but for the parts that leave the plate, or come
-    /// nearer to the outline or to what is followed already than about half an element.
-    pub walls: Vec<[Point; 2]>,
-    /// Straight lines to follow after these, but for those of which some part does so.
-    pub lines: Vec<[Point; 2]>,
-    /// Points for nodes, likewise.
+    pub lines: Vec<Line>,
+    /// Points for nodes, where that is too near to nothing.
     pub points: Vec<Point>,
     /// Elements at most, about; 10⁷ if it is not said.
     pub most: Option<usize>,
+    /// The axes along which the plate is meshed, ±x and ±y in either order. Seen along them alike, mirrored and turned
+    /// plates have the same mesh, mirrored and turned.
+    pub axes: [Point; 2],
+}
+
+impl Default for Wishes {
+    fn default() -> Wishes {
+        let axes = [[1.0, 0.0], [0.0, 1.0]];
+        Wishes { size: 0.0, refinements: Vec::new(), lines: Vec::new(), points: Vec::new(), most: None, axes }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -119,62 +138,43 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
     if outline::area(&sides) > most * size * size {
         return Err(too_many());
     }
-    let given = Outline::new(sides, size)?;
-    let (angle, slant) = directions(&given.sides);
-    let frame = Frame { forth: [angle.cos(), -angle.sin()], back: [angle.cos(), angle.sin()] };
-    let outline = given.mapped(|p| turned(p, frame.forth), -angle);
-    let turned_arcs = wishes.arcs.iter().map(|arc| arc.map(|p| turned(p, frame.forth)));
-    let arcs = turned_arcs.filter_map(|[from, through, to]| Curve::arc(from, through, to));
-    let straight = |line: &[Point; 2]| {
-        let [from, to] = line.map(|p| turned(p, frame.forth));
-        Curve::straight(from, to)
-    };
-    let walls = wishes.walls.iter().map(|line| (straight(line), true));
-    let others = wishes.lines.iter().map(|line| (straight(line), false));
-    let lines: Vec<(Curve, bool)> = arcs.map(|arc| (arc, false)).chain(walls).chain(others).collect();
-    let points: Vec<Point> = wishes.points.iter().map(|&p| turned(p, frame.forth)).collect();
-    let mut refinements: Vec<Refinement> = wishes
-        .refinements
-        .iter()
-        .map(|r| Refinement { from: turned(r.from, frame.forth), to: turned(r.to, frame.forth), size: r.size })
-        .collect();
+    Outline::new(sides.clone(), size).require(size)?;
+    let normal = Normal::new(loops, wishes);
+    let size = normal.size(size);
+    let (sides, given_sides) = normal.sides(loops, &sides);
+    let (angle, slant) = directions(&sides);
+    let [forth, back] = [-1.0, 1.0].map(|sense: f64| [angle.cos(), sense * angle.sin()]);
+    let turn = |p: Point| turned(p, forth);
+    let outline =
+        Outline::new(sides.into_iter().map(|s| Side { curve: s.curve.mapped(turn, -angle), ..s }).collect(), size);
+    let (lines, given_lines) = normal.lines(&wishes.lines);
+    let lines: Vec<(Curve, bool)> = lines.into_iter().map(|(c, in_part)| (c.mapped(turn, -angle), in_part)).collect();
+    let points: Vec<Point> = normal.points(&wishes.points).into_iter().map(turn).collect();
+    let mut refinements = normal.refinements(&wishes.refinements);
+    refinements.iter_mut().for_each(|r| (r.from, r.to) = (turn(r.from), turn(r.to)));
     for attempt in 1.. {
         let sizes = Sizes::new(&outline, size, &refinements);
         let count = sizes.count(&outline, most);
         if count > most {
             return Err(too_many());
         }
-        let task = Task {
-            given: &given,
-            outline: &outline,
-            sizes: &sizes,
-            lines: &lines,
-            points: &points,
-            frame: &frame,
-            sharp: SHARP.min(0.9 * outline.sharpest()),
-        };
+        let sharp = SHARP.min(0.9 * outline.sharpest());
+        let task = Task { outline: &outline, sizes: &sizes, lines: &lines, points: &points, sharp };
         let bad = match task.best(slant.filter(|_| count <= MANY as f64)) {
-            Ok(best) => return Ok(best.finish()),
+            Ok(best) => return Ok(best.finish(&given_sides, &given_lines, &normal, back)),
             Err(bad) => bad,
         };
         if attempt == ATTEMPTS {
-            let at = turned(bad[0], frame.back);
             let message = format!(
                 "No good elements fit near {}: an arc and what is near it leave no room. Give a smaller size, or \
                  simplify the outline there.",
-                outline::place(at)
+                outline::place(normal.back(turned(bad[0], back)))
             );
             return Err(Fault { message, side: None });
         }
         refinements.extend(bad.into_iter().map(|p| Refinement { from: p, to: p, size: 0.5 * sizes.at(p) }));
     }
     unreachable!("the last attempt returns")
-}
-
-/// The turn into the frame that the mesh is made in, and back.
-struct Frame {
-    forth: [f64; 2],
-    back: [f64; 2],
 }
 
 /// A mesh with this share of the area in quadrilaterals and this smallest angle is good enough. Of so many elements, where
@@ -207,13 +207,11 @@ struct Draft {
 }
 
 struct Task<'a> {
-    given: &'a Outline,
     outline: &'a Outline,
     sizes: &'a Sizes,
     /// And whether they are followed in part.
     lines: &'a [(Curve, bool)],
     points: &'a [Point],
-    frame: &'a Frame,
     /// The smallest angle that is good enough.
     sharp: f64,
 }
@@ -262,11 +260,12 @@ impl Task<'_> {
     fn drafted(&self, style: Style) -> Result<Draft, Vec<Point>> {
         let Task { outline, sizes, .. } = *self;
         let mut planar = Planar::new(outline, sizes);
-        self.lines.iter().for_each(|(line, in_part)| planar.follow_curve(line, *in_part));
+        let lines = self.lines.iter().enumerate();
+        lines.for_each(|(number, (line, in_part))| planar.follow_curve(number, line, *in_part));
         self.points.iter().for_each(|&p| planar.follow_point(p));
         let (vertices, pieces) = planar.finish();
         let (mut seeds, grid) = seed(outline, sizes, vertices, &pieces, style);
-        let triangles = Triangles::new(&mut seeds, sizes, style, |chord: &Chord| pieces[chord.piece].side.is_some())?;
+        let triangles = Triangles::new(&mut seeds, sizes, style, |chord: &Chord| pieces[chord.piece].of.is_side())?;
         let elements = pairing::pair(&triangles, &seeds.points, |a, b| grid.is_along(a, b));
         Ok(Draft { seeds, pieces, elements })
     }
@@ -324,7 +323,7 @@ impl Task<'_> {
             }
         }
         smooth(&mut seeds.points, elements, &mut freedom);
-        let made = Quadratic::new(self.given, pieces, seeds, elements, &freedom, self.frame.back);
+        let made = Quadratic::new(pieces, seeds, elements, &freedom);
         let folded = made.folded();
         if folded.is_empty() { Ok(made) } else { Err(folded) }
     }

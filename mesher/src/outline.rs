@@ -84,31 +84,22 @@ pub fn area(sides: &[Side]) -> f64 {
 }
 
 impl Outline {
-    /// Checks sides, those of the outline first and then the holes', for a mesh of elements of a size.
-    pub fn new(sides: Vec<Side>, size: f64) -> Result<Outline, Fault> {
-        let loops = sides.last().map_or(0, |side| side.ring + 1);
-        let narrow = NARROW * size;
+    /// The outline of sides, for a mesh of elements of a size.
+    pub fn new(sides: Vec<Side>, size: f64) -> Outline {
         let mut chords = Vec::new();
         for (owner, side) in sides.iter().enumerate() {
-            let points = side.curve.flattened(0.1 * narrow);
+            let points = side.curve.flattened(0.1 * NARROW * size);
             chords.extend(points.windows(2).map(|w| Segment { a: w[0], b: w[1], weight: 0.0, owner }));
         }
         let bounds = Box2::around(chords.iter().flat_map(|s| [s.a, s.b]));
-        let outline = Outline { sides, chords: Tree::new(chords), bounds };
-        outline.require_corners(narrow)?;
-        outline.require_simple(narrow)?;
-        outline.require_nested(loops)?;
-        Ok(outline)
+        Outline { sides, chords: Tree::new(chords), bounds }
     }
 
-    /// The outline with each point handed through `map`, which turns the plane by an angle.
-    pub fn mapped(&self, map: impl Fn(Point) -> Point, angle: f64) -> Outline {
-        let sides =
-            self.sides.iter().map(|side| Side { curve: side.curve.mapped(&map, angle), ..side.clone() }).collect();
-        let chord = |s: &Segment| Segment { a: map(s.a), b: map(s.b), ..*s };
-        let chords: Vec<Segment> = self.chords.segments.iter().map(chord).collect();
-        let bounds = Box2::around(chords.iter().flat_map(|s| [s.a, s.b]));
-        Outline { sides, chords: Tree::new(chords), bounds }
+    /// Refuses what is no outline of a plate with elements of a size; sides are of the outline first and then of holes.
+    pub fn require(&self, size: f64) -> Result<(), Fault> {
+        self.require_corners(NARROW * size)?;
+        self.require_simple(NARROW * size)?;
+        self.require_nested(self.sides.last().map_or(0, |side| side.ring + 1))
     }
 
     pub fn contains(&self, p: Point) -> bool {

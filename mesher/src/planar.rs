@@ -1,6 +1,6 @@
 //! Sides of the outline and lines to follow, cut where they meet: vertices and the pieces between them.
 
-use crate::geometry::{Curve, Point, cross, distance, dot, scale};
+use crate::geometry::{Curve, Point, cross, distance, dot, order, scale};
 use crate::outline::Outline;
 use crate::sizes::Sizes;
 
@@ -11,13 +11,25 @@ pub struct Piece {
     /// Where on the curve it begins and ends.
     pub span: [f64; 2],
     pub ends: [usize; 2],
-    /// The side of the outline it is part of; `None`: a line within the plate.
-    pub side: Option<usize>,
+    pub of: Source,
+}
+
+/// What a piece is part of: a side of the outline, or a line within the plate; its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Source {
+    Side(usize),
+    Line(usize),
+}
+
+impl Source {
+    pub fn is_side(self) -> bool {
+        matches!(self, Source::Side(_))
+    }
 }
 
 struct Track {
     curve: Curve,
-    side: Option<usize>,
+    of: Source,
     /// Shares of the curve's length, and the vertices there.
     cuts: Vec<(f64, usize)>,
 }
@@ -53,7 +65,7 @@ impl<'a> Planar<'a> {
         let mut tracks = Vec::new();
         for (index, side) in outline.sides.iter().enumerate() {
             let cuts = vec![(0.0, index), (1.0, side.neighbours[1])];
-            tracks.push(Track { curve: side.curve, side: Some(index), cuts });
+            tracks.push(Track { curve: side.curve, of: Source::Side(index), cuts });
         }
         let vertices = outline.sides.iter().map(|side| side.curve.from).collect();
         Planar { outline, sizes, vertices, tracks, same }
@@ -61,7 +73,7 @@ impl<'a> Planar<'a> {
 
     /// Follows a line where it is in the plate, if nowhere there it comes too near to something, or those parts of it
     /// that do not.
-    pub fn follow_curve(&mut self, line: &Curve, in_part: bool) {
+    pub fn follow_curve(&mut self, number: usize, line: &Curve, in_part: bool) {
         let length = line.length();
         if !(length > self.same) {
             return;
@@ -79,7 +91,7 @@ impl<'a> Planar<'a> {
         for w in shares.windows(2) {
             let middle = line.at(0.5 * (w[0] + w[1]));
             if self.outline.contains(middle) && !self.is_on_outline(middle) {
-                self.follow(&line.part([w[0], w[1]], line.at(w[0]), line.at(w[1])), in_part);
+                self.follow(number, &line.part([w[0], w[1]], line.at(w[0]), line.at(w[1])), in_part);
             }
         }
     }
@@ -99,6 +111,15 @@ impl<'a> Planar<'a> {
 
     /// The vertices, and the pieces between them; a vertex without a piece is a point to follow.
     pub fn finish(mut self) -> (Vec<Point>, Vec<Piece>) {
+        // Numbers are by places, not by what was followed before what.
+        let sides = self.outline.sides.len();
+        let mut found: Vec<usize> = (0..self.vertices.len()).collect();
+        found[sides..].sort_by(|&one, &other| order(&self.vertices[one], &self.vertices[other]));
+        let mut number = vec![0; found.len()];
+        found.iter().enumerate().for_each(|(new, &old)| number[old] = new);
+        let vertices = found.iter().map(|&old| self.vertices[old]).collect();
+        let places = |Track { curve, .. }: &Track| [curve.from, curve.at(0.5), curve.to];
+        self.tracks[sides..].sort_by(|one, other| order(places(one).as_flattened(), places(other).as_flattened()));
         let mut pieces = Vec::new();
         for track in &mut self.tracks {
             track.cuts.sort_by(|s, t| s.0.total_cmp(&t.0));
@@ -106,15 +127,15 @@ impl<'a> Planar<'a> {
                 pieces.push(Piece {
                     curve: track.curve,
                     span: [w[0].0, w[1].0],
-                    ends: [w[0].1, w[1].1],
-                    side: track.side,
+                    ends: [w[0].1, w[1].1].map(|vertex| number[vertex]),
+                    of: track.of,
                 });
             }
         }
-        (self.vertices, pieces)
+        (vertices, pieces)
     }
 
-    fn follow(&mut self, line: &Curve, in_part: bool) {
+    fn follow(&mut self, number: usize, line: &Curve, in_part: bool) {
         let mut stops: Vec<Stop> = Vec::new();
         for (share, at) in [(0.0, line.from), (1.0, line.to)] {
             stops.push(Stop { share, at, vertex: self.vertex_at(at) });
@@ -154,7 +175,7 @@ impl<'a> Planar<'a> {
         for (ends, part) in fresh {
             let ends = ends.map(|stop| self.vertex(stop.at));
             let curve = part.part([0.0, 1.0], self.vertices[ends[0]], self.vertices[ends[1]]);
-            self.tracks.push(Track { curve, side: None, cuts: vec![(0.0, ends[0]), (1.0, ends[1])] });
+            self.tracks.push(Track { curve, of: Source::Line(number), cuts: vec![(0.0, ends[0]), (1.0, ends[1])] });
         }
     }
 
@@ -267,6 +288,6 @@ impl<'a> Planar<'a> {
     }
 
     fn is_on_outline(&self, p: Point) -> bool {
-        self.track_at(p).is_some_and(|track| self.tracks[track].side.is_some())
+        self.track_at(p).is_some_and(|track| self.tracks[track].of.is_side())
     }
 }

@@ -1,57 +1,37 @@
 //! Nodes in the middle of sides, on arcs where these are sides, and the mesh as it is handed out.
 
 use crate::Mesh;
-use crate::geometry::{Point, add, between, cross, scale, sub};
-use crate::outline::{Outline, turned};
-use crate::planar::Piece;
+use crate::geometry::{Curve, Point, add, between, cross, scale, sub};
+use crate::normal::{Given, Normal};
+use crate::outline::turned;
+use crate::planar::{Piece, Source};
 use crate::quality::{Corners, area, count, least_angle, quality};
 use crate::seeding::Seeds;
 use crate::smoothing::Freedom;
 use crate::triangles::NONE;
 
 pub struct Quadratic {
-    /// Corners of elements, then the middles of their sides.
+    /// Corners of elements, those of the outline first, then the middles of their sides.
     points: Vec<Point>,
     elements: Vec<[usize; 8]>,
-    sides: Vec<[usize; 3]>,
-    side_of: Vec<[usize; 2]>,
-    /// Of every element the places of its nodes in the frame that it was made in.
+    /// Sides on the outline, and the side of it that each is on.
+    sides: Vec<([usize; 3], usize)>,
     corners: Vec<Corners>,
     /// Elements with a curved side.
     curved: Vec<usize>,
-    back: [f64; 2],
+    /// Corners on lines and sides of the outline, lines first, and middles on arcs.
+    on: Vec<(Source, usize)>,
+    bent: Vec<(Source, usize)>,
 }
 
 impl Quadratic {
-    pub fn new(
-        given: &Outline,
-        pieces: &[Piece],
-        seeds: &Seeds,
-        elements: &[Corners],
-        freedom: &[Freedom],
-        back: [f64; 2],
-    ) -> Quadratic {
-        // Nodes on the outline are placed by its own numbers, so that turning it there and back costs no digit.
-        let mut places: Vec<Point> = seeds.points.iter().map(|&p| turned(p, back)).collect();
-        for (place, side) in places.iter_mut().zip(&given.sides) {
-            *place = side.curve.from;
-        }
-        let share = |node: usize, vertex: f64| match freedom[node] {
-            Freedom::Along(_, t, _) => t,
-            _ => vertex,
-        };
-        for (node, on) in seeds.on.iter().enumerate() {
-            if let Some(side) = on.and_then(|(piece, _)| pieces[piece].side) {
-                places[node] = given.sides[side].curve.at(share(node, 0.0));
-            }
-        }
-
-        let mut number = vec![NONE; places.len()];
+    pub fn new(pieces: &[Piece], seeds: &Seeds, elements: &[Corners], freedom: &[Freedom]) -> Quadratic {
+        let mut number = vec![NONE; seeds.points.len()];
         elements.iter().flatten().filter(|&&node| node != NONE).for_each(|&node| number[node] = 0);
         let mut points = Vec::new();
         for (node, new) in number.iter_mut().enumerate().filter(|(_, new)| **new == 0) {
             *new = points.len();
-            points.push(places[node]);
+            points.push(seeds.points[node]);
         }
         let corners: Vec<Corners> =
             elements.iter().map(|e| e.map(|node| if node == NONE { NONE } else { number[node] })).collect();
@@ -85,36 +65,41 @@ impl Quadratic {
             nodes[e][place] = middles[middles.len() - 1].1;
         }
 
-        let (mut sides, mut side_of, mut curved) = (Vec::new(), Vec::new(), Vec::new());
+        let share = |node: usize, vertex: f64| match freedom[node] {
+            Freedom::Along(_, t, _) => t,
+            _ => vertex,
+        };
+        let (mut sides, mut curved, mut on, mut bent) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for chord in &seeds.chords {
-            let piece = &pieces[chord.piece];
-            if piece.side.is_none() && piece.curve.is_straight() {
+            let Piece { curve, of, .. } = pieces[chord.piece];
+            let [a, b] = chord.ends.map(|end| number[end]);
+            on.extend([(of, a), (of, b)]);
+            if !of.is_side() && curve.is_straight() {
                 continue;
             }
-            let [a, b] = chord.ends.map(|end| number[end]);
             let found = middles
                 .binary_search_by(|middle| middle.0.cmp(&[a.min(b), a.max(b)]))
                 .expect("chords are sides of elements");
             let (ends, middle) = middles[found];
-            let [from, to] = [0, 1].map(|end| share(chord.ends[end], chord.span[end]));
-            if !piece.curve.is_straight() {
-                let t = 0.5 * (from + to);
-                points[middle] =
-                    piece.side.map_or_else(|| turned(piece.curve.at(t), back), |side| given.sides[side].curve.at(t));
+            if !curve.is_straight() {
+                let [from, to] = [0, 1].map(|end| share(chord.ends[end], chord.span[end]));
+                points[middle] = curve.at(0.5 * (from + to));
+                bent.push((of, middle));
                 let first = halves.partition_point(|half| half.0 < ends);
                 curved.extend(halves[first..].iter().take_while(|half| half.0 == ends).map(|half| half.1));
             }
-            if let Some(side) = piece.side {
-                sides.push([a, middle, b]);
-                side_of.push([given.sides[side].ring, given.sides[side].number]);
+            if let Source::Side(side) = of {
+                sides.push(([a, middle, b], side));
             }
         }
         curved.sort_unstable();
         curved.dedup();
-        Quadratic { points, elements: nodes, sides, side_of, corners, curved, back }
+        on.sort_by(|one, other| other.cmp(one));
+        on.dedup();
+        Quadratic { points, elements: nodes, sides, corners, curved, on, bent }
     }
 
-    /// Middles, in the frame that the mesh was made in, of elements that an arc folds or all but folds.
+    /// Middles of elements that an arc folds or all but folds.
     pub fn folded(&self) -> Vec<Point> {
         // Share of the straight-sided element's Jacobian that bending a side must leave.
         const LEFT: f64 = 0.2;
@@ -124,7 +109,7 @@ impl Quadratic {
         for e in flat.chain(bent) {
             let n = count(&self.corners[e]);
             let sum = self.corners[e][..n].iter().fold([0.0; 2], |s, &node| add(s, self.points[node]));
-            found.push(turned(scale(sum, 1.0 / n as f64), [self.back[0], -self.back[1]]));
+            found.push(scale(sum, 1.0 / n as f64));
         }
         found
     }
@@ -190,13 +175,50 @@ impl Quadratic {
         self.elements.len()
     }
 
-    pub fn finish(self) -> Mesh {
+    /// The mesh of the plate that was given: its sides and lines, the normal form, and the turn back into that.
+    pub fn finish(self, sides: &[Given], lines: &[Curve], normal: &Normal, back: [f64; 2]) -> Mesh {
         let (quadrilaterals, least_angle) = self.measures();
+        let mut points: Vec<Point> = self.points.iter().map(|&p| normal.back(turned(p, back))).collect();
+        let given = |of: Source| match of {
+            Source::Side(side) => &sides[side].curve,
+            Source::Line(line) => &lines[line],
+        };
+        // What rounding moved is put onto the curves as they were given; where two of them cross, onto one and the other.
+        for (of, node) in [&self.on[..], &self.on, &self.bent].concat() {
+            let curve = given(of);
+            points[node] = curve.at(curve.nearest(points[node]));
+        }
+        for (corner, side) in sides.iter().enumerate() {
+            points[corner] = side.curve.from;
+        }
+        let mut straight = vec![true; points.len()];
+        self.bent.iter().for_each(|&(_, middle)| straight[middle] = false);
+        for (element, corners) in self.elements.iter().zip(&self.corners) {
+            let n = count(corners);
+            for i in 0..n {
+                let middle = element[if n == 3 && i == 2 { 7 } else { 4 + i }];
+                if straight[middle] {
+                    points[middle] = scale(add(points[corners[i]], points[corners[(i + 1) % n]]), 0.5);
+                }
+            }
+        }
+        let (mut elements, mut outer) = (self.elements, self.sides);
+        if normal.is_mirrored() {
+            for element in &mut elements {
+                let other_way =
+                    if element[2] == element[3] { [1, 0, 2, 3, 4, 7, 6, 5] } else { [0, 3, 2, 1, 7, 6, 5, 4] };
+                *element = other_way.map(|i| element[i]);
+            }
+            outer.reverse();
+            outer.iter_mut().for_each(|(nodes, _)| nodes.reverse());
+        }
+        outer.sort_by_key(|&(_, side)| sides[side].number);
+        let of = |&(_, side): &([usize; 3], usize)| sides[side].of;
         Mesh {
-            points: self.points,
-            elements: self.elements,
-            sides: self.sides,
-            side_of: self.side_of,
+            points,
+            elements,
+            side_of: outer.iter().map(of).collect(),
+            sides: outer.into_iter().map(|(nodes, _)| nodes).collect(),
             least_angle,
             quadrilaterals,
         }

@@ -88,13 +88,13 @@ impl Seeds {
             let Some((piece, t)) = *on else {
                 continue;
             };
-            let Piece { curve, side, .. } = &pieces[piece];
+            let Piece { curve, of, .. } = &pieces[piece];
             if grid.axis_along(curve).is_some() {
                 continue;
             }
             let [x, y] = curve.direction(t);
             let depth = sizes.at(self.points[node]);
-            for left in if side.is_some() { [1.0].iter() } else { [1.0, -1.0].iter() } {
+            for left in if of.is_side() { [1.0].iter() } else { [1.0, -1.0].iter() } {
                 let p = add(self.points[node], [-left * depth * y, left * depth * x]);
                 let crowded = beside.iter().rev().any(|&q| distance(p, q) < 0.7 * depth);
                 if !crowded && outline.contains(p) && self.fixed.least(p, 1.0, 0.8 * depth, |_| true).is_none() {

@@ -2,7 +2,7 @@
 //!
 //! `OUTLINES=10000 cargo test --release --test random_outlines -- --nocapture` tries more of them.
 
-use signorini_mesher::{Loop, Mesh, Point, Refinement, Wishes, mesh};
+use signorini_mesher::{Line, Loop, Mesh, Point, Refinement, Wishes, mesh};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
@@ -105,8 +105,13 @@ fn plate(seed: u64) -> (Vec<Loop>, Wishes) {
     let size = 10f64.powf(random.within(-0.6, 1.0));
     let mut wishes = Wishes { size, ..Wishes::default() };
     if random.chance(0.5) {
-        wishes.arcs = (0..random.below(4)).map(|_| [(); 3].map(|()| random.point(10.0))).collect();
-        wishes.lines = (0..random.below(8)).map(|_| [random.point(10.0), random.point(10.0)]).collect();
+        for (count, round) in [(4, true), (8, false)] {
+            for _ in 0..random.below(count) {
+                let [from, through, to] = [(); 3].map(|()| random.point(10.0));
+                let rank = wishes.lines.len();
+                wishes.lines.push(Line { ends: [from, to], through: round.then_some(through), rank, in_part: false });
+            }
+        }
         wishes.points = (0..random.below(8)).map(|_| random.point(10.0)).collect();
     }
     if random.chance(0.3) {
@@ -210,4 +215,64 @@ fn random_outlines_are_meshed_or_refused_with_a_reason() {
     );
     assert!(failed.is_empty(), "{} failed: {:#?}", failed.len(), &failed[..failed.len().min(20)]);
     assert!(f64::from(meshed) > 0.3 * count as f64);
+}
+
+/// A plate as somebody sees it who has other axes, another origin and another unit of length.
+fn seen(loops: &[Loop], wishes: &Wishes, axes: [Point; 2], shift: Point, unit: f64) -> (Vec<Loop>, Wishes) {
+    let at = |p: Point| [0, 1].map(|i| unit * (axes[i][0] * p[0] + axes[i][1] * p[1] + shift[i]));
+    let ring = |ring: &Loop| Loop {
+        corners: ring.corners.iter().map(|&p| at(p)).collect(),
+        through: ring.through.iter().map(|p| p.map(at)).collect(),
+        names: ring.names.clone(),
+    };
+    let line = |line: &Line| Line { ends: line.ends.map(at), through: line.through.map(at), ..*line };
+    let finer = |r: &Refinement| Refinement { from: at(r.from), to: at(r.to), size: unit * r.size };
+    let wishes = Wishes {
+        size: unit * wishes.size,
+        refinements: wishes.refinements.iter().map(finer).collect(),
+        lines: wishes.lines.iter().map(line).collect(),
+        points: wishes.points.iter().map(|&p| at(p)).collect(),
+        most: wishes.most,
+        axes: [[axes[0][0], axes[1][0]], [axes[0][1], axes[1][1]]],
+    };
+    (loops.iter().map(ring).collect(), wishes)
+}
+
+#[test]
+fn a_plate_has_the_same_mesh_in_other_units_elsewhere_mirrored_and_turned() {
+    let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
+    let (left, down) = ([-1.0, 0.0], [0.0, -1.0]);
+    let views = [
+        ([x, y], [0.0, 0.0], 0.3048),
+        ([x, y], [31.7, -2.9], 1.0),
+        ([left, y], [0.0, 0.0], 1.0),
+        ([down, x], [0.0, 0.0], 1e3),
+        ([down, left], [0.3, 0.1], 1e-3),
+    ];
+    let mut others = Vec::new();
+    for seed in 0..40 {
+        let (loops, wishes) = plate(seed);
+        let Ok(first) = mesh(&loops, &wishes) else {
+            continue;
+        };
+        for (axes, shift, unit) in views {
+            let (loops, wishes) = seen(&loops, &wishes, axes, shift, unit);
+            let other = mesh(&loops, &wishes).unwrap_or_else(|fault| panic!("{seed}: {fault}"));
+            let at = |p: Point| [0, 1].map(|i| unit * (axes[i][0] * p[0] + axes[i][1] * p[1] + shift[i]));
+            let far = |(&p, &q): (&Point, &Point)| f64::hypot(at(p)[0] - q[0], at(p)[1] - q[1]) > 1e-10 * unit;
+            let nodes = |mesh: &Mesh| -> Vec<Vec<usize>> {
+                let sorted = |element: &[usize; 8]| {
+                    let mut nodes = element.to_vec();
+                    nodes.sort_unstable();
+                    nodes.dedup();
+                    nodes
+                };
+                mesh.elements.iter().map(sorted).collect()
+            };
+            if first.points.iter().zip(&other.points).any(far) || nodes(&first) != nodes(&other) {
+                others.push((seed, unit));
+            }
+        }
+    }
+    assert!(others.is_empty(), "{others:?}");
 }

@@ -58,11 +58,10 @@ def mesh_outline(
     loops: list[tuple[_Floats, _Floats, list[str]]],
     size: float,
     refinements: _Floats,
-    arcs: _Floats,
-    walls: _Floats,
     lines: _Floats,
     points: _Floats,
     most: int,
+    axes: list[list[float]],
 ) -> tuple[_Floats, _Ints, _Ints, _Ints]: ...
 def rest_response(problem: ContactProblem, held_value: _Floats) -> Response: ...
 def load_responses(problem: ContactProblem, loads: _Floats) -> list[Response]: ...

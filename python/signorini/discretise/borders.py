@@ -130,7 +130,8 @@ def _divided(side: Floats, longest: float) -> Floats:
     """Pieces (q, 2, 2) of chords that are no longer."""
     parts = [np.zeros((0, 2, 2))]
     for a, b in side:
-        count = max(1, int(np.ceil(np.hypot(*(b - a)) / longest)))
+        # Rounding makes no further piece.
+        count = max(1, int(np.ceil(np.hypot(*(b - a)) / longest - 1e-6)))
         stations = a + np.linspace(0.0, 1.0, count + 1)[:, None] * (b - a)
         parts.append(np.stack([stations[:-1], stations[1:]], axis=1))
     return np.concatenate(parts)

@@ -16,6 +16,7 @@ from signorini.errors import InputError, Place, Problems
 from signorini.expression import Expression
 from signorini.expression.levels import Drawing
 from signorini.mesh import Mesh
+from signorini.mesh.axes import Axes, axes_of
 from signorini.mesh.meshers import annulus, disc, rectangle
 from signorini.mesh.outlined import MOST, OutlineError, outlined
 from signorini.model import (
@@ -24,10 +25,13 @@ from signorini.model import (
     Load,
     MeshPlate,
     Model,
+    Moving,
     OutlinedPlate,
     PolygonPlate,
     RectanglePlate,
     Refinement,
+    Section,
+    Strip,
     Support,
     Zone,
 )
@@ -174,26 +178,30 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
             refined = [(box, one.size) for one in model.mesh.refine for box in one.boxes((x, y, x + a, y + b))]
             x_lesser = [line for section in _sections(model) for line in section.x_lines]
             y_lesser = [line for section in _sections(model) for line in section.y_lines]
-            return rectangle(plate.origin, plate.size, divisions, x_lines, y_lines, refined, x_lesser, y_lesser)
+            lesser = x_lesser, y_lesser
+            return rectangle(
+                plate.origin, plate.size, divisions, x_lines, y_lines, refined, *lesser, _axes(model, plate)
+            )
         case DiscPlate():
             radii = _radii(model, plate.center, plate.radius)
             return disc(plate.center, plate.radius, divisions, plate.sector, radii)
         case _:
             assert isinstance(plate, AnnulusPlate)  # a polygon has no rows
             radii = _radii(model, plate.center, plate.outer)
-            return annulus(plate.center, plate.inner, plate.outer, divisions, plate.sector, radii)
+            return annulus(plate.center, plate.inner, plate.outer, divisions, plate.sector, radii, _axes(model, plate))
 
 
 def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     """A mesh along the outline, holes, borders of zones, circles, and straight lines of supports, loads and jumps."""
     size = plate.element_size(model.mesh)
-    borders = *_borders(model), *_rings(model, size)
-    lines = [border.outline.segments.reshape(-1, 4) for border in borders]
+    borders, walls = (*_borders(model), *_rings(model, size)), _walls(model)
+    lines = [(np.array(list(arcs_of(border))).reshape(-1, 6), False) for border in borders]
+    lines += [(_straight(wall), True) for wall in walls]
+    lines += [(_straight(border), False) for border in borders]
     for drawing, (x0, y0, x1, y1) in _steps(model, plate.outline.bounds):
-        lines.append(np.array([[x, y0, x, y1] for x in drawing.x_lines]).reshape(-1, 4))
-        lines.append(np.array([[x0, y, x1, y] for y in drawing.y_lines]).reshape(-1, 4))
-    walls = _walls(model)
-    lines += [shape.outline.segments.reshape(-1, 4) for shape in _shapes(model) if shape not in walls]
+        jumps = [[x, y0, x, y1] for x in drawing.x_lines] + [[x0, y, x1, y] for y in drawing.y_lines]
+        lines.append((np.array(jumps).reshape(-1, 4), False))
+    lines += [(_straight(shape), False) for shape in _shapes(model) if shape not in walls]
     refined = [rows for number, part in enumerate(model.mesh.refine) for rows in _refined(plate, part, number)]
     if _area(plate) <= MOST * size**2:
         refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
@@ -203,14 +211,44 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
             plate.contours,
             size,
             np.concatenate([np.zeros((0, 5)), *refined]),
-            np.concatenate([np.zeros((0, 4)), *lines]),
+            lines,
             np.array(points).reshape(-1, 2),
-            np.array([arc for border in borders for arc in arcs_of(border)]).reshape(-1, 6),
-            np.concatenate([np.zeros((0, 4)), *(wall.outline.segments.reshape(-1, 4) for wall in walls)]),
             elements_that_fit(MOST),
+            _axes(model, plate),
         )
     except OutlineError as error:
         raise InputError(error.message, place=_place_of(plate, error)) from None
+
+
+def _straight(shape: Region | Curve) -> Floats:
+    return shape.outline.segments.reshape(-1, 4)
+
+
+def _axes(model: Model, plate: OutlinedPlate) -> Axes:
+    """The axes that the outline asks for, or else what is on the plate, in the order of the file."""
+    around = [contour.points() for contour in plate.contours]
+    sides = [0.5 * (points + np.roll(points, 1, axis=0)) for points in around]
+    zones = [_marks(zone.region) for zone in model.zone]
+    acting: list[Refinement | Support | Load] = [*model.mesh.refine, *model.support, *model.load]
+    items = [_marks_of(item, plate) for item in acting]
+    drawn: list[Section | Strip | Moving] = [*model.section, *model.strip, *model.moving]
+    lines = [np.array(one.line) for one in drawn]
+    probes = [np.array(probe.at) for probe in model.probe]
+    return axes_of([np.concatenate([*around, *sides]), *zones, *items, *lines, *probes])
+
+
+def _marks_of(item: Refinement | Support | Load, plate: OutlinedPlate) -> Floats:
+    prints = () if isinstance(item, Refinement) else footprints(item)
+    shapes = [shape for shape in (region(item.area), curve(item), *prints) if shape is not None]
+    edges = [contour.points(name) for name in item.edge or () for contour in plate.contours if name in contour.edges]
+    return np.concatenate([np.array(item.at or ()).reshape(-1, 2), *map(_marks, shapes), *edges])
+
+
+def _marks(shape: Region | Curve) -> Floats:
+    """Points (k, 2) that tell a shape from its mirror images."""
+    segments, circles, arcs = shape.outline.segments, shape.outline.circles, shape.outline.arcs
+    across = circles[:, None, :2] + circles[:, 2:, None] * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
+    return np.concatenate([segments.mean(axis=1), *(part.reshape(-1, 2) for part in (segments, across, arcs))])
 
 
 def _area(plate: OutlinedPlate) -> float:
@@ -247,15 +285,21 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
     for chain in chains:
         yield np.column_stack([chain[:-1], chain[1:], np.full(len(chain) - 1, part.size)])
     if (inside := region(part.area)) is not None:
-        # Between points twice a size apart sizes grow by a third at most.
         x0, y0, x1, y1 = inside.bounds
         if inside.area > MOST * part.size**2:
             message = f"found {part.size:g}; there would be more than {MOST:g} elements in this area. Take larger ones."
             raise InputError(message, place=("mesh", "refine", number, "size"))
-        x, y = (np.arange(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
+        # Between points twice a size apart sizes grow by a third at most.
+        x, y = (_spread(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
         grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         held = grid[inside.contains(grid)]
         yield np.column_stack([held, held, np.full(len(held), part.size)])
+
+
+def _spread(low: float, high: float, step: float) -> Floats:
+    """Middles of equal parts no longer than a step; rounding makes no further part."""
+    count = math.ceil((high - low) / step - 1e-6)
+    return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
 
 
 def _borders(model: Model) -> tuple[Region, ...]:

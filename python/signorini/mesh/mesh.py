@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -37,12 +37,13 @@ from signorini.shapes import Curve, Ring
 from signorini.shapes.hull import diameter
 from signorini.shapes.tolerances import Tolerances
 
+if TYPE_CHECKING:
+    import meshio  # type: ignore[import-untyped]
+
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
 
-OUTLINE = "boundary"
-"""Name of the whole outline, as an edge of plates from files."""
 _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])
 _GAUSS_WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 81.0
@@ -120,6 +121,41 @@ class Mesh(Remade):
         mesh_checks.check_overlap(points, self.boundary)
         for name, triples in edges.items():
             mesh_checks.check_edge(name, triples, self.sides.reshape(-1, 3))
+
+    @classmethod
+    def from_meshio(cls, data: meshio.Mesh) -> Self:
+        """Take the mesh that meshio has read or that was made for it.
+
+        Coincident nodes (within 1e-9 of the size) are merged, clockwise elements turned, the centre nodes of 9-node
+        quadrilaterals and unused nodes dropped.
+
+        Parameters
+        ----------
+        data : meshio.Mesh
+            8- or 9-node quadrilaterals, 6-node triangles, or both, in a plane of one z.
+
+        Returns
+        -------
+        Mesh
+            The edge ``boundary`` is the whole outline. Further edges come from named groups of 3-node lines, and from
+            named groups of nodes that hold whole sides of the outline.
+
+        Raises
+        ------
+        InputError
+            If it is not plane, or holds other cells; and as the class does.
+
+        Examples
+        --------
+        >>> import meshio
+        >>> points = [[0, 0], [4, 0], [4, 2], [0, 2], [2, 0], [4, 1], [2, 2], [0, 1]]
+        >>> mesh = Mesh.from_meshio(meshio.Mesh(points, [("quad8", [range(8)])], point_sets={"left": [0, 3, 7]}))
+        >>> mesh.edges["left"].tolist(), len(mesh.edges["boundary"])
+        ([[3, 7, 0]], 4)
+        """
+        from signorini.mesh.cells import arrays_of
+
+        return cls(*arrays_of(data))
 
     def __getstate__(self) -> dict[str, Any]:
         """Give the arrays, without the view of the edges that nobody can change."""

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from signorini.base.memory import require_memory
 from signorini.errors import InputError
 from signorini.mesh import Mesh
+from signorini.mesh.axes import ALONG_X, Axes
 from signorini.mesh.grading import graded
 from signorini.mesh.subdivision import subdivide
 from signorini.shapes.contours import directions
@@ -35,6 +36,7 @@ def rectangle(
     refined: Sequence[Refined] = (),
     x_lesser: Sequence[float] = (),
     y_lesser: Sequence[float] = (),
+    axes: Axes = ALONG_X,
 ) -> Mesh:
     """Mesh a rectangle along the axes.
 
@@ -53,6 +55,8 @@ def rectangle(
         for it across alone. Then there are more elements than the divisions say (`signorini.mesh.grading.graded`).
     x_lesser, y_lesser : sequence of float
         Coordinates that give way to `x_lines` and `y_lines`.
+    axes : Axes
+        From where they begin, pieces between lines that are alike get their elements (`signorini.mesh.axes.axes_of`).
 
     Returns
     -------
@@ -72,8 +76,8 @@ def rectangle(
     """
     _require_positive("The rectangle's size", size)
     _require_divisions(divisions, ("x", "y"))
-    x = _with_middles(_joints(0, origin, size, divisions, (x_lines, x_lesser), refined))
-    y = _with_middles(_joints(1, origin, size, divisions, (y_lines, y_lesser), refined))
+    x = _with_middles(_joints(0, origin, size, divisions, (x_lines, x_lesser), refined, axes))
+    y = _with_middles(_joints(1, origin, size, divisions, (y_lines, y_lesser), refined, axes))
     require_memory(len(x) // 2 * (len(y) // 2), ("mesh",))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     index = np.arange(len(points)).reshape(len(y), len(x))
@@ -93,18 +97,24 @@ def _joints(
     divisions: tuple[int, int],
     lines: tuple[Sequence[float], Sequence[float]],
     refined: Sequence[Refined],
+    axes: Axes,
 ) -> Floats:
     """Joints of a rectangle's elements along an axis."""
+    sense = axes[0][axis] + axes[1][axis]
     start, length, across = origin[axis], size[axis], size[1 - axis]
     caps = []
     for box, most in refined:
         low, high, below, above = box[axis], box[2 + axis], box[1 - axis], box[3 - axis]
         spans = high - low >= length * (1 - _SAME)
         if not spans or above - below >= across * (1 - _SAME):
-            caps.append((low, high, most))
-    if not caps:
-        return subdivide(start, start + length, divisions[axis], *lines)
-    return graded(start, start + length, length / divisions[axis], caps, *lines)
+            caps.append((min(sense * low, sense * high), max(sense * low, sense * high), most))
+    begin, end = sorted((sense * start, sense * (start + length)))
+    wanted = [[sense * line for line in group] for group in lines]
+    if caps:
+        joints = graded(begin, end, length / divisions[axis], caps, *wanted)
+    else:
+        joints = subdivide(begin, end, divisions[axis], *wanted)
+    return np.sort(sense * joints)
 
 
 def annulus(
@@ -114,6 +124,7 @@ def annulus(
     divisions: tuple[int, int],
     sector: float = 360,
     radii: Sequence[float] = (),
+    axes: Axes = ALONG_X,
 ) -> Mesh:
     """Mesh the space between two circles, or a sector of it counted from the x axis.
 
@@ -129,6 +140,8 @@ def annulus(
         Degrees, up to 360.
     radii : sequence of float
         Radii of circles that the mesh should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
+    axes : Axes
+        Elements around a whole ring begin at the first (`signorini.mesh.axes.axes_of`).
 
     Returns
     -------
@@ -160,6 +173,8 @@ def annulus(
     closed = sector == 360.0
     radius = _with_middles(subdivide(inner, outer, radial, radii))
     degrees = np.linspace(0.0, sector, 2 * around + 1)
+    if closed:
+        degrees += math.degrees(math.atan2(*axes[0][::-1]))
     columns = slice(-1) if closed else slice(None)
     points = (directions(degrees[columns])[:, None] * radius[:, None]).reshape(-1, 2)
     index = np.arange(len(points)).reshape(-1, len(radius))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from signorini._core import mesh_outline
 from signorini.errors import InputError
 from signorini.mesh import Mesh
+from signorini.mesh.axes import ALONG_X, Axes
 from signorini.shapes.contours import Contour
 
 Floats = npt.NDArray[np.float64]
@@ -30,11 +31,10 @@ def outlined(
     contours: Sequence[Contour],
     size: float,
     refinements: Floats | None = None,
-    lines: Floats | None = None,
+    lines: Sequence[tuple[Floats, bool]] = (),
     points: Floats | None = None,
-    arcs: Floats | None = None,
-    walls: Floats | None = None,
     most: int = MOST,
+    axes: Axes = ALONG_X,
 ) -> Mesh:
     """Mesh what lies within a contour and outside the holes in it.
 
@@ -47,17 +47,18 @@ def outlined(
     refinements : (r, 5) float array, optional
         Straight pieces with smaller elements: x, y to x, y, and the size there. From there sizes grow by a quarter of
         the distance.
-    lines : (l, 4) float array, optional
-        Straight pieces x, y to x, y, those that matter most first. Sides of elements follow them but where they leave
-        the plate, or come nearer to the outline or to earlier ones than about half an element.
+    lines : sequence of (float array, bool), optional
+        Groups of lines for sides of elements to follow, those that matter most first: straight pieces (l, 4), x, y to
+        x, y, or arcs (a, 6) from x, y through x, y to x, y, with all nodes on them. They are followed but where they
+        leave the plate, and not if they come nearer to the outline or to earlier ones than about half an element: or
+        the parts that do not, if the group is followed in part.
     points : (p, 2) float array, optional
-        Points for nodes, likewise.
-    arcs : (a, 6) float array, optional
-        Arcs from x, y through x, y to x, y, followed likewise, before all lines, with all nodes on them.
-    walls : (w, 4) float array, optional
-        Lines, followed before the others, of which the parts that have room are followed alone too.
+        Points for nodes, where that is too near to nothing.
     most : int, optional
         Elements at most, about.
+    axes : Axes, optional
+        Along which it is meshed (`signorini.mesh.axes.axes_of`). Units, place and the order of corners, holes and lines
+        of a group make no difference.
 
     Returns
     -------
@@ -87,10 +88,15 @@ def outlined(
         )
         for contour in contours
     ]
-    asked = ((refinements, 5), (arcs, 6), (walls, 4), (lines, 4), (points, 2))
-    finer, bent, along, straight, at = (np.zeros((0, k)) if given is None else given for given, k in asked)
+    follow = [np.zeros((0, 8))]
+    for rank, (group, in_part) in enumerate(lines):
+        through = group[:, 2:4] if group.shape[1] == 6 else np.full((len(group), 2), np.nan)
+        told = np.broadcast_to([rank, in_part], (len(group), 2))
+        follow.append(np.column_stack([group[:, :2], group[:, -2:], through, told]))
+    finer, at = (np.zeros((0, k)) if given is None else given for given, k in ((refinements, 5), (points, 2)))
+    along = [list(axis) for axis in axes]
     try:
-        nodes, elements, sides, of = mesh_outline(loops, size, finer, bent, along, straight, at, most)
+        nodes, elements, sides, of = mesh_outline(loops, size, finer, np.concatenate(follow), at, most, along)
     except ValueError as error:
         raise OutlineError(*error.args) from None
     edges = {

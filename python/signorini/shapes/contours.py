@@ -120,7 +120,8 @@ def along_side(a: Point, through: Point | None, b: Point) -> Floats:
     if arc is None:
         return np.array(a)[None]
     center, radius, start, sweep = arc
-    count = max(1, math.ceil(_TURN * abs(sweep) / math.tau))
+    # Rounding makes no further point of a whole number of degrees.
+    count = max(1, math.ceil(_TURN * abs(sweep) / math.tau - 1e-6))
     turn = start + sweep * np.arange(1, count) / count
     return np.vstack([a, center + radius * np.column_stack([np.cos(turn), np.sin(turn)])])
 

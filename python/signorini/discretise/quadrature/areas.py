@@ -25,7 +25,7 @@ Ints = npt.NDArray[np.int64]
 _ON_PLATE = 1e-9
 _RADON = 3
 """Order of Gauss's rule up to which seven points are as good on a triangle."""
-_LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (0,), 6: (1,), 5: (2,), 7: (0, 1, 2)}
+_LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (2, 0), 6: (0, 1), 5: (1, 2), 7: (0, 1, 2)}
 """From which corners of a triangle the lines of a rule run to its sides on the outline, which are 1, 2 and 4 in sum."""
 _ROUNDINGS = 16.0
 """Of a coordinate, on the way from corners to an area."""

@@ -1,0 +1,168 @@
+//! The normal form in which a plate is meshed, the same for everybody who looks at it: about the middle of its outline,
+//! of extent one, along the axes asked for, rounded, and in an order that its places alone decide.
+
+use crate::geometry::{Curve, Point, dot, order};
+use crate::outline::{Loop, Side};
+use crate::sizes::Refinement;
+use crate::tree::Box2;
+use crate::{Line, Wishes};
+
+/// Coordinates are multiples of this part of the extent: far above the rounding of numbers in whatever unit, and below
+/// all that tells places apart.
+const GRID: f64 = 1.0 / (1u64 << 40) as f64;
+/// The same of places of refinements, and of sizes: those matter less, and distances that they come from have fewer digits.
+const COARSE: f64 = 1.0 / (1u64 << 30) as f64;
+
+pub struct Normal {
+    centre: Point,
+    extent: f64,
+    axes: [Point; 2],
+    /// Of either coordinate the values that were given, rounded, and as they are.
+    known: [Vec<(f64, f64)>; 2],
+}
+
+/// A side as it was given.
+pub struct Given {
+    pub curve: Curve,
+    /// Its place among those with the plate on their left.
+    pub number: usize,
+    /// Its loop, and its number in it.
+    pub of: [usize; 2],
+}
+
+impl Normal {
+    pub fn new(loops: &[Loop], wishes: &Wishes) -> Normal {
+        let mut given: Vec<Point> =
+            loops.iter().flat_map(|ring| ring.corners.iter().chain(ring.through.iter().flatten())).copied().collect();
+        let Box2 { low, high } = Box2::around(given.iter().copied());
+        let centre = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
+        let extent = Box2 { low, high }.extent();
+        given.extend(wishes.lines.iter().flat_map(|line| line.ends));
+        given.extend(&wishes.points);
+        let mut normal = Normal { centre, extent, axes: wishes.axes, known: [Vec::new(), Vec::new()] };
+        normal.known = [0, 1].map(|axis| {
+            let mut known: Vec<(f64, f64)> = given.iter().map(|&p| (normal.rounded(p, GRID)[axis], p[axis])).collect();
+            known.sort_by(|s, t| s.0.total_cmp(&t.0).then(s.1.total_cmp(&t.1)));
+            known.dedup_by_key(|pair| pair.0);
+            known
+        });
+        normal
+    }
+
+    fn rounded(&self, p: Point, grid: f64) -> Point {
+        [0, 1].map(|axis| ((p[axis] - self.centre[axis]) / self.extent / grid).round() * grid)
+    }
+
+    /// Whether what is counter-clockwise is clockwise in the normal form.
+    pub fn is_mirrored(&self) -> bool {
+        self.axes[0][0] * self.axes[1][1] < self.axes[0][1] * self.axes[1][0]
+    }
+
+    fn point(&self, p: Point) -> Point {
+        self.along(self.rounded(p, GRID))
+    }
+
+    fn along(&self, p: Point) -> Point {
+        // Zero has one sign.
+        self.axes.map(|axis| dot(axis, p) + 0.0)
+    }
+
+    pub fn size(&self, size: f64) -> f64 {
+        // The upper bits of a number (Dekker 1971).
+        // Of 53 bits the upper 30 (Dekker 1971).
+        let size = size / self.extent;
+        let wide = f64::from((1 << 23) + 1) * size;
+        wide - (wide - size)
+    }
+
+    /// Where a point of the normal form is; coordinates that were given are given back.
+    pub fn back(&self, p: Point) -> Point {
+        [0, 1].map(|axis| {
+            let (at, known) = (self.axes[0][axis] * p[0] + self.axes[1][axis] * p[1], &self.known[axis]);
+            let next = known.partition_point(|pair| pair.0 <= at);
+            let (near, slope) = match (next.checked_sub(1).map(|i| known[i]), known.get(next)) {
+                (Some(low), Some(&high)) => {
+                    (if at - low.0 < high.0 - at { low } else { high }, (high.1 - low.1) / (high.0 - low.0))
+                }
+                (low, high) => (low.or(high.copied()).expect("an outline has corners"), self.extent),
+            };
+            near.1 + slope * (at - near.0)
+        })
+    }
+
+    fn curve(&self, [from, to]: [Point; 2], through: Option<Point>) -> Curve {
+        let [from, to] = [from, to].map(|p| self.point(p));
+        through.and_then(|p| Curve::arc(from, self.point(p), to)).unwrap_or_else(|| Curve::straight(from, to))
+    }
+
+    /// Sides with the plate on their left: of every loop from its lowest corner on, holes by that corner.
+    pub fn sides(&self, loops: &[Loop], sides: &[Side]) -> (Vec<Side>, Vec<Given>) {
+        let mut rings: Vec<Vec<(Side, Given)>> = Vec::new();
+        for (number, side) in sides.iter().enumerate() {
+            let curve = if self.is_mirrored() { side.curve.reversed() } else { side.curve };
+            let through = loops[side.ring].through[side.number];
+            let normal = Side { curve: self.curve([curve.from, curve.to], through), ..side.clone() };
+            rings.resize_with(side.ring + 1, Vec::new);
+            rings[side.ring].push((normal, Given { curve, number, of: [side.ring, side.number] }));
+        }
+        for ring in &mut rings {
+            if self.is_mirrored() {
+                ring.reverse();
+            }
+            let corner = |i: usize| ring[i].0.curve.from;
+            let lowest =
+                (1..ring.len()).fold(0, |low, i| if order(&corner(i), &corner(low)).is_lt() { i } else { low });
+            ring.rotate_left(lowest);
+        }
+        rings[1..].sort_by(|one, other| order(&one[0].0.curve.from, &other[0].0.curve.from));
+        let (mut own, mut given): (Vec<Side>, Vec<Given>) = (Vec::new(), Vec::new());
+        for ring in rings {
+            let (first, count) = (own.len(), ring.len());
+            for (i, (side, one)) in ring.into_iter().enumerate() {
+                let neighbours = [first + (i + count - 1) % count, first + (i + 1) % count];
+                own.push(Side { neighbours, ..side });
+                given.push(one);
+            }
+        }
+        (own, given)
+    }
+
+    /// Lines to follow, and whether in part, by rank, and those of a rank by their places; arcs that are none are left out.
+    pub fn lines(&self, lines: &[Line]) -> (Vec<(Curve, bool)>, Vec<Curve>) {
+        let mut found: Vec<(usize, [f64; 6], bool, Curve)> = Vec::new();
+        for &Line { mut ends, through, rank, in_part } in lines {
+            if order(&self.point(ends[1]), &self.point(ends[0])).is_lt() {
+                ends.reverse();
+            }
+            let [from, to] = ends;
+            let curve = through.map_or(Some(Curve::straight(from, to)), |p| Curve::arc(from, p, to));
+            let [a, b, c] = [from, to, through.unwrap_or(from)].map(|p| self.point(p));
+            found.extend(curve.map(|curve| (rank, [a[0], a[1], b[0], b[1], c[0], c[1]], in_part, curve)));
+        }
+        found.sort_by(|s, t| s.0.cmp(&t.0).then(order(&s.1, &t.1)));
+        let normal = |([a, b, c, d, e, f], in_part, round): ([f64; 6], bool, bool)| {
+            let arc = if round { Curve::arc([a, b], [e, f], [c, d]) } else { None };
+            (arc.unwrap_or(Curve::straight([a, b], [c, d])), in_part)
+        };
+        let own = found.iter().map(|&(_, places, in_part, curve)| normal((places, in_part, !curve.is_straight())));
+        (own.collect(), found.iter().map(|line| line.3).collect())
+    }
+
+    pub fn points(&self, points: &[Point]) -> Vec<Point> {
+        let mut found: Vec<Point> = points.iter().map(|&p| self.point(p)).collect();
+        found.sort_by(|one, other| order(one, other));
+        found
+    }
+
+    pub fn refinements(&self, refinements: &[Refinement]) -> Vec<Refinement> {
+        let mut found: Vec<[f64; 5]> = Vec::with_capacity(refinements.len());
+        for &Refinement { from, to, size } in refinements {
+            let mut ends = [from, to].map(|p| self.along(self.rounded(p, COARSE)));
+            ends.sort_by(|one, other| order(one, other));
+            let [[a, b], [c, d]] = ends;
+            found.push([a, b, c, d, self.size(size)]);
+        }
+        found.sort_by(|one, other| order(one, other));
+        found.into_iter().map(|[a, b, c, d, size]| Refinement { from: [a, b], to: [c, d], size }).collect()
+    }
+}

@@ -1,0 +1,190 @@
+"""Nodes, elements and named edges from cells as meshio has them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from signorini.base.components import components
+from signorini.errors import InputError, point
+from signorini.expression import LARGEST, LEAST
+from signorini.mesh.checks import loops, on_boundary
+from signorini.mesh.isoparametric import SIDES, are_triangles, real_sides
+
+if TYPE_CHECKING:
+    import meshio  # type: ignore[import-untyped]
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+Ints = npt.NDArray[np.int64]
+
+OUTLINE = "boundary"
+"""Name of the whole outline, as an edge of plates from files."""
+_SAME = 1e-9
+_FLAT = 1e-6
+"""Part of a plate's size by which its nodes may be off a plane: some files have seven digits."""
+_FARTHEST = 1e6
+"""Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
+_REVERSED = [0, 3, 2, 1, 7, 6, 5, 4]
+_REVERSED_TRIANGLE = [0, 2, 1, 1, 7, 5, 1, 4]
+_NODES = {
+    "quad8": list(range(8)),
+    "quad9": list(range(8)),
+    "triangle6": [0, 1, 2, 2, 3, 4, 2, 5],
+}
+"""Of the cells that a plate may have, their nodes in the order of `signorini.mesh.Mesh`."""
+_KNOWN = ("vertex", "line", "line3", *_NODES)
+
+
+def arrays_of(data: meshio.Mesh) -> tuple[Floats, Ints, dict[str, Ints]]:
+    """Points (n, 2), elements (ne, 8) and edges as `signorini.mesh.Mesh` takes them.
+
+    Raises
+    ------
+    InputError
+        If the mesh is not plane, holds other cells than a plate may have, or names what is no side of them.
+    """
+    elements = _elements(data)
+    points = _plane(np.asarray(data.points, dtype=np.float64), elements)
+    number, first = _merged(points, elements)
+    points, elements = points[first], number[elements]
+    corners = points[elements[:, :4]]
+    (x, y), (x_next, y_next) = np.moveaxis(corners, 2, 0), np.moveaxis(np.roll(corners, -1, axis=1), 2, 0)
+    clockwise = (x * y_next - x_next * y).sum(axis=1) < 0.0
+    turned = np.where(are_triangles(elements)[:, None], elements[:, _REVERSED_TRIANGLE], elements[:, _REVERSED])
+    elements = np.where(clockwise[:, None], turned, elements)
+    real = real_sides(elements)
+    sides, outer = elements[:, np.array(SIDES)][real], on_boundary(elements)[real]
+    outline = sides[outer]
+    edges = _edges_of_lines(data, number, sides, outer)
+    edges |= {name: edge for name, edge in _edges_of_nodes(data, number, outline).items() if name not in edges}
+    if OUTLINE in edges and len(edges[OUTLINE]) != len(outline):
+        raise InputError(
+            f"The mesh has a group {OUTLINE!r} that is not the whole outline, which has that name here; rename it."
+        )
+    return points, elements, edges | {OUTLINE: loops(outline)}
+
+
+def _elements(data: meshio.Mesh) -> Ints:
+    counts: Counter[str] = Counter()
+    for block in data.cells:
+        counts[block.type] += len(block.data)
+    others = [f"{count} {kind}" for kind, count in counts.items() if count and kind not in _KNOWN]
+    if others:
+        raise InputError(
+            "The mesh has cells that are not 8- or 9-node quadrilaterals or 6-node triangles: "
+            f"{', '.join(others)}. Mesh the plate with these alone (in Gmsh: Mesh.ElementOrder = 2, "
+            "Mesh.SecondOrderIncomplete = 1; for quadrilaterals wherever they fit Mesh.RecombineAll = 1)."
+        )
+    found = [
+        np.asarray(block.data, dtype=np.int64)[:, _NODES[block.type]] for block in data.cells if block.type in _NODES
+    ]
+    if not sum(map(len, found)):
+        raise InputError("The mesh has no elements; the plate needs 8- or 9-node quadrilaterals or 6-node triangles.")
+    elements = np.vstack(found)
+    _require_nodes(data, elements, "An element")
+    return elements
+
+
+def _require_nodes(data: meshio.Mesh, nodes: Ints, owner: str) -> None:
+    wrong = (nodes < 0) | (nodes >= len(data.points))
+    if wrong.any():
+        raise InputError(
+            f"{owner} of the mesh refers to a node of index {int(nodes[wrong][0])}, where the first has 0; it has "
+            f"{len(data.points)} nodes."
+        )
+
+
+def _plane(points: Floats, elements: Ints) -> Floats:
+    """Drop a constant third coordinate."""
+    nodes = np.unique(elements)
+    used = points[nodes]
+    finite = np.isfinite(used).all(axis=1)
+    if not finite.all():
+        node = int(np.argmin(finite))
+        at = ", ".join(f"{x:g}" for x in used[node])
+        raise InputError(
+            f"Node {nodes[node]} (the first has index 0) of the mesh is at ({at}); every coordinate must be a "
+            "finite number."
+        )
+    height = float(np.ptp(used[:, 2])) if points.shape[1] == 3 else 0.0
+    if not height <= _FLAT * float(np.ptp(used[:, :2], axis=0).max()):
+        raise InputError(f"The mesh is not plane: z varies by {height:g}. A plate's nodes all need the same z.")
+    return points[:, :2]
+
+
+def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
+    """Renumber used nodes, coincident ones alike: new numbers (n,), −1 of the unused, and an old number of each."""
+    used = np.unique(elements)
+    size, farthest = float(np.ptp(points[used], axis=0).max()), float(np.abs(points[used]).max())
+    if size < LEAST or farthest > LARGEST:
+        raise InputError(
+            f"The nodes lie within {size:g}, up to {farthest:g} from the origin; a plate's size must be at least "
+            f"{LEAST:g}, its coordinates at most {LARGEST:g}."
+        )
+    if farthest > _FARTHEST * size:
+        raise InputError(
+            f"The plate is {size:g} large and lies {farthest:g} from the origin, over {_FARTHEST:g} times as far. Move "
+            "it to the origin."
+        )
+    i, j = cKDTree(points[used]).query_pairs(_SAME * size, output_type="ndarray").T
+    group = components(len(used), i, j)
+    number = np.full(len(points), -1, dtype=np.int64)
+    number[used] = group
+    return number, used[np.unique(group, return_index=True)[1]]
+
+
+def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outer: Bools) -> dict[str, Ints]:
+    """Find the sides in named groups of lines, those of the outline turned so that the plate is on their left."""
+    middles, first = np.unique(sides[:, 1], return_index=True)
+    edges: dict[str, Ints] = {}
+    for name, kind, lines in _named_lines(data):
+        _require_nodes(data, lines, f"Group {name!r}")
+        if kind == "line":
+            raise InputError(
+                f"Group {name!r} of the mesh consists of 2-node lines; second-order elements have 3-node lines."
+            )
+        triples = number[lines[:, [0, 2, 1]]]
+        at = first[np.minimum(np.searchsorted(middles, triples[:, 1]), len(first) - 1)]
+        lost = (np.sort(triples, axis=1) != np.sort(sides[at], axis=1)).any(axis=1) | (triples[:, 1] != sides[at, 1])
+        if lost.any():
+            spot = point(data.points[lines[np.argmax(lost), 2], :2])
+            raise InputError(f"Group {name!r} of the mesh has a line at {spot} that is no side of an element.")
+        triples = np.where(outer[at, None], sides[at], triples)
+        edges[name] = np.vstack([edges[name], triples]) if name in edges else triples
+    return {name: triples[np.unique(triples[:, 1], return_index=True)[1]] for name, triples in edges.items()}
+
+
+def _named_lines(data: meshio.Mesh) -> list[tuple[str, str, Ints]]:
+    """Name, cell type and nodes of every group of lines, from cell sets and from Gmsh's physical groups."""
+    named = []
+    for i, block in enumerate(data.cells):
+        if block.type not in ("line", "line3"):
+            continue
+        for name, members in data.cell_sets.items():
+            if not name.startswith("gmsh:") and members[i] is not None and len(members[i]):
+                named.append((name, block.type, np.asarray(block.data)[members[i]]))
+        tags = data.cell_data.get("gmsh:physical")
+        for name, (tag, dimension) in data.field_data.items() if tags is not None else ():
+            if dimension == 1 and (tags[i] == tag).any():
+                named.append((name, block.type, np.asarray(block.data)[tags[i] == tag]))
+    return named
+
+
+def _edges_of_nodes(data: meshio.Mesh, number: Ints, outline: Ints) -> dict[str, Ints]:
+    """Find the sides of the outline all of whose nodes are in a named group of nodes."""
+    edges = {}
+    for name, members in data.point_sets.items():
+        inside = np.zeros(int(number.max()) + 1, dtype=bool)
+        members = np.asarray(members, dtype=np.int64)
+        _require_nodes(data, members, f"Group {name!r}")
+        nodes = number[members]
+        inside[nodes[nodes >= 0]] = True
+        triples = outline[inside[outline].all(axis=1)]
+        if len(triples):
+            edges[name] = triples
+    return edges
