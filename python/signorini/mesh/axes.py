@@ -22,7 +22,7 @@ _GRID = 2.0**-30
 
 
 def axes_of(places: Sequence[Floats]) -> Axes:
-    """Choose the axes along which places come first in lexicographic order.
+    """Choose the axes along which places come last in lexicographic order.
 
     Parameters
     ----------
@@ -50,4 +50,4 @@ def axes_of(places: Sequence[Floats]) -> Axes:
         order = np.lexsort((second, first, thing))
         return np.column_stack([first[order], second[order]]).tolist()  # type: ignore[no-any-return]
 
-    return min(_AXES, key=along)
+    return max(_AXES, key=along)
