@@ -38,7 +38,7 @@ def axes_of(places: Sequence[Floats]) -> Axes:
     Examples
     --------
     >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-    >>> axes_of([square]), axes_of([square, np.array([[3.0, 2.0]])])
+    >>> axes_of([square]), axes_of([square, np.array([[1.0, 2.0]])])
     (((1.0, 0.0), (0.0, 1.0)), ((-1.0, 0.0), (0.0, 1.0)))
     """
     low, high = places[0].min(axis=0), places[0].max(axis=0)
