@@ -188,7 +188,7 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
         case _:
             assert isinstance(plate, AnnulusPlate)  # a polygon has no rows
             radii = _radii(model, plate.center, plate.outer)
-            return annulus(plate.center, plate.inner, plate.outer, divisions, plate.sector, radii, _axes(model, plate))
+            return annulus(plate.center, plate.inner, plate.outer, divisions, plate.sector, radii)
 
 
 def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:

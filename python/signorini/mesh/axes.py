@@ -22,7 +22,7 @@ _GRID = 2.0**-30
 
 
 def axes_of(places: Sequence[Floats]) -> Axes:
-    """Choose the axes along which places come first in lexicographic order.
+    """Choose the axes along which places come last in lexicographic order.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def axes_of(places: Sequence[Floats]) -> Axes:
     Examples
     --------
     >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-    >>> axes_of([square]), axes_of([square, np.array([[3.0, 2.0]])])
+    >>> axes_of([square]), axes_of([square, np.array([[1.0, 2.0]])])
     (((1.0, 0.0), (0.0, 1.0)), ((-1.0, 0.0), (0.0, 1.0)))
     """
     low, high = places[0].min(axis=0), places[0].max(axis=0)
@@ -50,4 +50,4 @@ def axes_of(places: Sequence[Floats]) -> Axes:
         order = np.lexsort((second, first, thing))
         return np.column_stack([first[order], second[order]]).tolist()  # type: ignore[no-any-return]
 
-    return min(_AXES, key=along)
+    return max(_AXES, key=along)

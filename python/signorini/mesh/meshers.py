@@ -124,7 +124,6 @@ def annulus(
     divisions: tuple[int, int],
     sector: float = 360,
     radii: Sequence[float] = (),
-    axes: Axes = ALONG_X,
 ) -> Mesh:
     """Mesh the space between two circles, or a sector of it counted from the x axis.
 
@@ -140,8 +139,6 @@ def annulus(
         Degrees, up to 360.
     radii : sequence of float
         Radii of circles that the mesh should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
-    axes : Axes
-        Elements around a whole ring begin at the first (`signorini.mesh.axes.axes_of`).
 
     Returns
     -------
@@ -173,8 +170,6 @@ def annulus(
     closed = sector == 360.0
     radius = _with_middles(subdivide(inner, outer, radial, radii))
     degrees = np.linspace(0.0, sector, 2 * around + 1)
-    if closed:
-        degrees += math.degrees(math.atan2(*axes[0][::-1]))
     columns = slice(-1) if closed else slice(None)
     points = (directions(degrees[columns])[:, None] * radius[:, None]).reshape(-1, 2)
     index = np.arange(len(points)).reshape(-1, len(radius))
