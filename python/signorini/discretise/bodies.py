@@ -60,7 +60,7 @@ class Bodies:
         >>> mesh = rectangle((0.0, 0.0), (4.0, 1.0), (4, 1))
         >>> bodies = Bodies.of(mesh, Zones.of(model, mesh, Problems()), Problems())
         >>> bodies.rigid.tolist(), np.flatnonzero(bodies.inside).tolist(), set(bodies.leaders[bodies.inside].tolist())
-        ([False, False, True, True], [2, 3, 4, 7, 8, 9, 14, 15, 16, 19, 20, 21, 22], {2})
+        ([False, False, True, True], [4, 5, 6, 7, 8, 11, 12, 13, 18, 19, 20, 21, 22], {4})
         """
         numbers = [number for number, zone in enumerate(zones.model.zone) if zone.rigid]
         if not numbers:

@@ -237,7 +237,7 @@ class Result(Remade):
         ...     profile=[{"name": "middle", "line": [[0, 2], [4, 2]], "stations": 5}],
         ... )
         >>> solve(model)["all"].profiles["middle"].values["mx"].round().tolist()
-        [88.0, 7601.0, 10100.0, 7601.0, 88.0]
+        [7.0, 7386.0, 9852.0, 7386.0, 7.0]
         """
         profiles = self.model.profile if self.status == "solved" else ()
         found = profile_results(profiles, self.fields, self.stress_nodes, self.supports) if profiles else ()
