@@ -419,7 +419,7 @@ def test_where_a_slot_says_how_large_elements_are_a_third_mesh_is_divided_once_m
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "polygon", "points": [[0, 0], [1, 0], [1, 0.02], [0, 0.13]], "thickness": 0.001},
         zone=[slot],
-        mesh={"size": 0.04},
+        mesh={"size": 0.036},
         support=[{"edge": ["edge 1", "edge 3"], "fix": "simple"}],
         load=[{"pressure": 1.0}],
     )

@@ -175,7 +175,7 @@ def test_a_polygon_is_refined_where_the_numbers_are() -> None:
     model = Model(
         material={"E": 30e9, "nu": 0.2},
         plate=L_SHAPE,
-        mesh={"size": 0.5, "accuracy": 0.02},
+        mesh={"size": 0.5, "accuracy": 0.03},
         support=[{"area": "all", "resists": "down", "stiffness": 50e6}],
         load=[{"pressure": 5e3}, {"pressure": 1e6, "area": {"rectangle": [0.9, 0.9, 1.2, 1.2]}}],
         probe=[{"at": [[1.05, 1.05]]}],
@@ -184,14 +184,14 @@ def test_a_polygon_is_refined_where_the_numbers_are() -> None:
     results = solve(model)
     first, *_, last = results.refinement
     assert results.accuracy_warning == ""
-    assert last.worst <= 0.02 < first.worst
+    assert last.worst <= 0.03 < first.worst
     assert last.elements < 8 * first.elements
     mesh = results["all"].mesh
     at_probe, away = np.sqrt(mesh.element_area[mesh.locate([[1.05, 1.05], [5.0, 1.5]]).elements])
     assert at_probe < 0.3 * away
     finest = solve(model.model_copy(update={"mesh": model.plate.scaled(results.model.mesh, 0.4, None)}))["all"]
     for mine, true in zip(results["all"].probes[0].moment, finest.probes[0].moment, strict=True):
-        assert abs(mine - true) <= 0.02 * np.abs(finest.moment).max()
+        assert abs(mine - true) <= 0.03 * np.abs(finest.moment).max()
 
 
 def test_shears_on_a_line_that_loads_the_plate_are_not_chased() -> None:

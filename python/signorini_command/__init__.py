@@ -12,6 +12,8 @@ import sys
 from types import FrameType
 
 _INTERRUPTED = 130
+ASKED: list[int] = []
+"""Signals by which the user has asked to end."""
 POOLS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS", "OMP_NUM_THREADS")
 
 
@@ -30,11 +32,17 @@ def main() -> None:
     gc.freeze()
     gc.enable()
     if handled:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGINT, _asked)
     try:
         run()
     except KeyboardInterrupt:
         _interrupted()
+
+
+def _asked(number: int, frame: FrameType | None) -> None:
+    """Raise, and remember: what is read half may take that for a fault of its own."""
+    ASKED.append(number)
+    signal.default_int_handler(number, frame)
 
 
 def _interrupted(number: int = signal.SIGINT, frame: FrameType | None = None) -> None:

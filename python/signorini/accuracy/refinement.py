@@ -144,13 +144,16 @@ def worst_of(estimates: Mapping[str, Estimate], before: Sequence[Refined] = ()) 
 
 
 def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
-    """Every number that has a half-width, but extremes of fields: a probe says where a field is to be as near."""
+    """Every number that has a half-width, but extremes of fields: a probe says where a field is to be as near.
+
+    Stresses are as near as the moments and shears that they are of.
+    """
     for estimate in estimates.values():
         result, largest = estimate.result, largest_of(estimate.result)
         jumps = _on_lines(result.model, result.mesh, [probe.at for probe in result.probes])
         for number, width in zip(result.catalogue, estimate.widths.tolist(), strict=True):
-            shear = number.quantity.kind in ("shear", "shear_stress")
-            skipped = number.home == "probe" and shear and jumps[number.owner]
+            kind, at_probe = number.quantity.kind, number.home == "probe"
+            skipped = at_probe and (kind in ("stress", "shear_stress") or (kind == "shear" and jumps[number.owner]))
             if math.isnan(width) or skipped or (number.home == "field" and number.quantity.name != "deflection"):
                 continue
             size = largest[number.quantity.kind]

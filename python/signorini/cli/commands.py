@@ -23,6 +23,7 @@ from signorini.cli.grid import say
 from signorini.cli.progress import progress_line
 from signorini.cli.streams import visible
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
+from signorini_command import ASKED
 
 _MOST_REASONS = 20
 _SHORT = 0.999
@@ -385,6 +386,8 @@ def _messages(file: Path | None = None) -> Iterator[None]:
     except typer.Exit:
         raise
     except BaseException as error:
+        if ASKED:
+            _end(interrupts.SAID, interrupts.INTERRUPTED)
         # What Rust calls a panic arrives as an exception that is none of Python's ordinary ones.
         if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
             raise

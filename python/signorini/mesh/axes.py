@@ -22,7 +22,7 @@ _GRID = 2.0**-30
 
 
 def axes_of(places: Sequence[Floats]) -> Axes:
-    """Choose the axes along which places come last in lexicographic order.
+    """Choose the axes along which places reach farthest, by the second coordinate and then the first.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def axes_of(places: Sequence[Floats]) -> Axes:
     --------
     >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
     >>> axes_of([square]), axes_of([square, np.array([[1.0, 2.0]])])
-    (((1.0, 0.0), (0.0, 1.0)), ((-1.0, 0.0), (0.0, 1.0)))
+    (((1.0, 0.0), (0.0, 1.0)), ((0.0, 1.0), (-1.0, 0.0)))
     """
     low, high = places[0].min(axis=0), places[0].max(axis=0)
     points = np.rint((np.concatenate(places) - 0.5 * (low + high)) / (_GRID * (high - low).max()))
@@ -47,7 +47,7 @@ def axes_of(places: Sequence[Floats]) -> Axes:
 
     def along(axes: Axes) -> list[list[float]]:
         first, second = np.array(axes) @ points.T
-        order = np.lexsort((second, first, thing))
-        return np.column_stack([first[order], second[order]]).tolist()  # type: ignore[no-any-return]
+        order = np.lexsort((-first, -second, thing))
+        return np.column_stack([second[order], first[order]]).tolist()  # type: ignore[no-any-return]
 
     return max(_AXES, key=along)

@@ -56,7 +56,7 @@ def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[st
         yield estimates.no_others
 
 
-def envelope_json(results: Results, estimates: Estimates | None, group: str = "") -> dict[str, Any] | None:
+def envelope_json(results: Results, estimates: Estimates | None = None, group: str = "") -> dict[str, Any] | None:
     """Give the key "envelope" of results.json, or that of a group; None where no combination of it was solved."""
     own = _Shown.of(results.combined, results.discretisation.mesh, group)
     if own is None:

@@ -38,7 +38,7 @@ class Contour:
     --------
     >>> disc = circle((1.0, 2.0), 3.0, "rim")
     >>> disc.corners[0], disc.bounds, len(disc.points())
-    ((4.0, 2.0), (-2.0, -1.0, 4.0, 5.0), 361)
+    ((4.0, 2.0), (-2.0, -1.0, 4.0, 5.0), 360)
     """
 
     corners: tuple[Point, ...]
