@@ -178,7 +178,7 @@ def length(value: float, size: float = 0.0) -> str:
     return f"{rounded + 0.0:.{min(6 + farther, _DIGITS)}g}"
 
 
-def unknown(kind: str, found: str, allowed: Iterable[str], owner: str = "This model") -> str:
+def unknown(kind: str, result: str, allowed: Iterable[str], owner: str = "This model") -> str:
     """Say that a name is unknown, which names there are, of many the nearest, and whether one was meant.
 
     Examples
@@ -191,10 +191,10 @@ def unknown(kind: str, found: str, allowed: Iterable[str], owner: str = "This mo
     "Unknown case 'truck'. This model has 91, such as: truck@9, truck@8, t"
     """
     names = sorted(allowed)
-    near = difflib.get_close_matches(found[:_LONGEST], names, n=_NEAREST)
+    near = difflib.get_close_matches(result[:_LONGEST], names, n=_NEAREST)
     if len(names) > _MOST_NAMES:
         some = list(dict.fromkeys([*near, *names[:_NEAREST]]))[:_NEAREST]
         has = f"has {len(names)}, such as: {', '.join(some)}, ..."
     else:
         has = f"has: {', '.join(names)}." if names else "has none."
-    return f"Unknown {kind} {found!r}. {owner} {has}" + (f" Did you mean {near[0]!r}?" if near else "")
+    return f"Unknown {kind} {result!r}. {owner} {has}" + (f" Did you mean {near[0]!r}?" if near else "")

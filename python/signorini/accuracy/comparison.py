@@ -133,9 +133,9 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     numbers = [catalogue.numbers[place] for place in told]
     values = np.array([[*one.numbers[told]] for one in every])[:, :, None]
     probes = np.array([probe.at for probe in result.probes]).reshape(-1, 2)
-    found, grow = compared(values, numbers, meshes, model, probes, [(result.singular, np.ones(1, np.bool_))])
+    output, grow = compared(values, numbers, meshes, model, probes, [(result.singular, np.ones(1, np.bool_))])
     widths = np.full(len(catalogue), np.nan)
-    widths[told] = found[:, 0]
+    widths[told] = output[:, 0]
     by_path = {one.path: known(width) for one, width in zip(catalogue, widths.tolist(), strict=True)}
     by_path |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     by_path |= places_of_extremes(result, by_path)

@@ -102,9 +102,9 @@ def unseen_at_edges(
     finer : float
         Sides of elements on the finest mesh over those of this one.
     """
-    found, sides = dict[Path, Floats](), _sides(model, mesh)
+    result, sides = dict[Path, Floats](), _sides(model, mesh)
     if not len(sides):
-        return found
+        return result
     begin, end = _chords(mesh, sides)
     way = end - begin
     length = np.hypot(*way.T)
@@ -127,8 +127,8 @@ def unseen_at_edges(
     for name, along in (("qx", ny), ("qy", nx)):
         part = float((np.abs(along) * unseen / width).max())
         thinnest = float(thickness.min())
-        found |= {path: part * most for path in _ends(name) if path in numbers}
-        found |= {path: 1.5 / thinnest * part * most for path in _ends(f"t{name[1]}z") if path in numbers}
+        result |= {path: part * most for path in _ends(name) if path in numbers}
+        result |= {path: 1.5 / thinnest * part * most for path in _ends(f"t{name[1]}z") if path in numbers}
 
     for number, at_probe in enumerate(probes):
         of = ("probes", number)
@@ -146,19 +146,19 @@ def unseen_at_edges(
         turned, straight = np.abs(2.0 * x * y), np.abs(x**2 - y**2)
         direct, twisting = (turned * twist + bent).max(axis=0), (straight * twist + turned * bent).max(axis=0)
         either = (twist + bent).max(axis=0)
-        found |= {(*of, "moment", at): part for at, part in enumerate((direct, direct, twisting))}
-        found |= {(*of, "principal_moment", at): either for at in range(2)}
-        found |= {(*of, "design_moment", face, at): direct + twisting for face in ("bottom", "top") for at in range(2)}
-        found[(*of, "shear", 0)] = (np.abs(x) * across + np.abs(y) * twist / delta).max(axis=0)
-        found[(*of, "shear", 1)] = (np.abs(y) * across + np.abs(x) * twist / delta).max(axis=0)
+        result |= {(*of, "moment", at): part for at, part in enumerate((direct, direct, twisting))}
+        result |= {(*of, "principal_moment", at): either for at in range(2)}
+        result |= {(*of, "design_moment", face, at): direct + twisting for face in ("bottom", "top") for at in range(2)}
+        result[(*of, "shear", 0)] = (np.abs(x) * across + np.abs(y) * twist / delta).max(axis=0)
+        result[(*of, "shear", 1)] = (np.abs(y) * across + np.abs(x) * twist / delta).max(axis=0)
         solid = float(sections_at(model, at_probe[None])[0][0])
         bending, shearing = 6.0 / solid**2, 1.5 / solid
         for place, face in enumerate(("top", "bottom")):
             bent_by = (direct, direct, twisting)
-            found |= {(*of, "stress", face, at): bending * part for at, part in enumerate(bent_by)}
-            found[(*of, "stress", "von_mises", place)] = bending * (2.0 * direct + math.sqrt(3.0) * twisting)
-        found |= {(*of, "stress", "shear", at): shearing * found[(*of, "shear", at)] for at in range(2)}
-    return found
+            result |= {(*of, "stress", face, at): bending * part for at, part in enumerate(bent_by)}
+            result[(*of, "stress", "von_mises", place)] = bending * (2.0 * direct + math.sqrt(3.0) * twisting)
+        result |= {(*of, "stress", "shear", at): shearing * result[(*of, "shear", at)] for at in range(2)}
+    return result
 
 
 _OF_PROBE = (("moment", 3), ("shear", 2))

@@ -68,8 +68,8 @@ class Refined:
 
     def said(self, asked: float) -> str:
         """Say how far it came, and what reaching the accuracy would take."""
-        found = f"± {self.worst:.2g} of its field is left of {self.what}, on {self.elements:,} elements"
-        return found if self.worst <= asked else f"{found}. ± {asked:g} would take {_cost(self.expected)}"
+        result = f"± {self.worst:.2g} of its field is left of {self.what}, on {self.elements:,} elements"
+        return result if self.worst <= asked else f"{result}. ± {asked:g} would take {_cost(self.expected)}"
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
 
 def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
     """Which points are on a line that supports or loads the plate, where shears jump."""
-    at, found = np.array(points).reshape(-1, 2), np.zeros(len(points), np.bool_)
+    at, result = np.array(points).reshape(-1, 2), np.zeros(len(points), np.bool_)
     items: tuple[Support | Load, ...] = (*model.support, *model.load)
     for item in items:
         if item.circle is not None:
@@ -172,8 +172,8 @@ def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
             away = distances(at, chain[:-1], chain[1:]).min(axis=1)
         else:
             continue
-        found |= away <= mesh.near.written
-    return found
+        result |= away <= mesh.near.written
+    return result
 
 
 def _rate(before: Sequence[Refined], count: int, worst: float) -> float:
@@ -266,9 +266,9 @@ def _too_wide(estimates: Mapping[str, Estimate], asked: float) -> tuple[float, l
             part.append(most)
         for begin, end in pairwise(place):
             stations = np.linspace(begin, end, math.ceil(math.dist(begin, end) / longest) + 1).tolist()
-            found = [(tuple(one), tuple(other)) for one, other in pairwise(stations)]
-            ends += found
-            part += [most] * len(found)
+            result = [(tuple(one), tuple(other)) for one, other in pairwise(stations)]
+            ends += result
+            part += [most] * len(result)
     middles = np.array([np.mean(one, axis=0) for one in ends]).reshape(-1, 2)
     sizes = np.sqrt(mesh.element_area[mesh.locate(middles).elements]).tolist()
     return whole, [_Piece(*one) for one in zip(ends, sizes, part, strict=True)]
@@ -328,10 +328,10 @@ def _bending(mesh: Mesh, solved: Sequence[Result], axis: int) -> tuple[Floats, F
 
 def _bands(joints: Floats, wanted: Floats, size: float) -> list[tuple[float, float, float]]:
     """Join neighbouring columns of nearly one size; those as wide as all others need no band."""
-    found: list[tuple[float, float, float]] = []
+    result: list[tuple[float, float, float]] = []
     for low, high, side in zip(joints[:-1].tolist(), joints[1:].tolist(), wanted.tolist(), strict=True):
-        if found and found[-1][1] == low and _SAME_SIZE < side / found[-1][2] < 1 / _SAME_SIZE:
-            found[-1] = found[-1][0], high, min(side, found[-1][2])
+        if result and result[-1][1] == low and _SAME_SIZE < side / result[-1][2] < 1 / _SAME_SIZE:
+            result[-1] = result[-1][0], high, min(side, result[-1][2])
         elif side < _AS_ALL * size:
-            found.append((low, high, side))
-    return found
+            result.append((low, high, side))
+    return result

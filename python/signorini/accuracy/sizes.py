@@ -34,13 +34,13 @@ def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
     keys = [_group(one) for one in numbers]
     for place, key in enumerate(keys):
         groups.setdefault(key, []).append(place)
-    found, known = np.empty_like(changes), np.nan_to_num(changes)
+    result, known = np.empty_like(changes), np.nan_to_num(changes)
     for key, members in groups.items():
         # Principal and design moments are of all components.
         of_moments = isinstance(key[2], str) and key[2].startswith(("principal", "design"))
-        found[members] = known[[*members, *(groups.get((*key[:2], "moment"), []) if of_moments else [])]].max(axis=0)
+        result[members] = known[[*members, *(groups.get((*key[:2], "moment"), []) if of_moments else [])]].max(axis=0)
     parts = [_OF_VECTOR if one.quantity.vector else _OF_POINTS for one in numbers]
-    return np.asarray(found * np.array(parts).reshape(-1, 1))
+    return np.asarray(result * np.array(parts).reshape(-1, 1))
 
 
 def _group(one: Number) -> tuple[object, ...]:
@@ -67,19 +67,19 @@ def may_grow(
     moves, and extremes of the deflection are wherever they are. ``probes`` are (q, 2).
     """
     supports = [support.name for support in model.support]
-    found = np.zeros(len(numbers), np.bool_)
+    result = np.zeros(len(numbers), np.bool_)
     for one in singular:
         near = (away(probes, one) <= max(reach, one.within)).tolist()
         whole = "deflection" in one.numbers and one.source in supports
         for place, number in enumerate(numbers):
             if number.home in ("section", "strip", "station"):
-                found[place] |= "reaction" in one.numbers
+                result[place] |= "reaction" in one.numbers
             elif whole and number.quantity.kind in ("deflection", "rotation"):
-                found[place] = True
+                result[place] = True
             elif number.quantity.singular in one.numbers:
                 own = number.home in ("support", "point") and one.source == supports[number.owner]
-                found[place] |= number.home == "field" or own or (number.home == "probe" and near[number.owner])
-    return found
+                result[place] |= number.home == "field" or own or (number.home == "probe" and near[number.owner])
+    return result
 
 
 def away(points: Floats, singularity: Singularity) -> Floats:
@@ -99,14 +99,14 @@ def largest_of(result: Result) -> Mapping[str, float]:
     own = {name: size(getattr(result, name)) for name in ("deflection", "rotation", "moment", "shear")}
     own["reaction"] = float(sum(np.abs(support.reactions).sum() for support in result.supports))
     bent = _bent(result.model, result.mesh, np.array(own["deflection"]), np.array(own["moment"]))
-    found = {name: max(value, bent[name].item()) for name, value in own.items()}
+    output = {name: max(value, bent[name].item()) for name, value in own.items()}
     scale = result.mesh.size
-    stresses = {name: of.item() for name, of in _stresses(result.model, result.mesh, found).items()}
+    stresses = {name: of.item() for name, of in _stresses(result.model, result.mesh, output).items()}
     return {
-        **found,
+        **output,
         **stresses,
-        "couple": found["moment"] * scale,
-        "force": found["shear"] * scale,
+        "couple": output["moment"] * scale,
+        "force": output["shear"] * scale,
         "pressure": max(map(size, areas), default=0.0),
         "area": float(result.mesh.element_area.sum()),
         "part": 1.0,
@@ -124,23 +124,23 @@ def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh
     """
     points = {one.owner for one in numbers if one.home == "point"}
     none = np.zeros(values.shape[1])
-    found = dict.fromkeys(KINDS, none)
+    result = dict.fromkeys(KINDS, none)
     for one, value in zip(numbers, np.nan_to_num(np.abs(values)), strict=True):
         kind = one.quantity.kind
         if kind == "reaction":
             if one.home != "support" or one.owner not in points:
-                found[kind] = found[kind] + value
+                result[kind] = result[kind] + value
         elif (
             one.home not in ("probe", "field")
             or one.quantity.name in LINEAR
             or (one.home == "field" and kind == "pressure")
         ):
-            found[kind] = np.maximum(found[kind], (_BENT if one.what == "gap" else 1.0) * value)
-    for kind, least in _bent(model, mesh, found["deflection"], found["moment"]).items():
-        found[kind] = np.maximum(found[kind], least)
+            result[kind] = np.maximum(result[kind], (_BENT if one.what == "gap" else 1.0) * value)
+    for kind, least in _bent(model, mesh, result["deflection"], result["moment"]).items():
+        result[kind] = np.maximum(result[kind], least)
     return (
-        found
-        | _stresses(model, mesh, found)
+        result
+        | _stresses(model, mesh, result)
         | {"area": none + mesh.element_area.sum(), "part": none + 1.0, "count": none}
     )
 

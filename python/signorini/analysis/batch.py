@@ -47,9 +47,9 @@ def solve_several(
         Called with the name of the first combination of those that begin, and again after their steps; what it raises
         ends the run.
     """
-    found = problem.discretisation
+    discretisation = problem.discretisation
     rays = allowed_motions(problem.freedom.on_mesh)
-    numbers = 8 * found.dof_count + 4 * len(found.contacts)
+    numbers = 8 * discretisation.dof_count + 4 * len(discretisation.contacts)
     size = int(np.clip(_MOST_NUMBERS // numbers, _FEWEST, _MOST))
     for first in range(0, len(combinations), size):
         yield from _solve(problem, rays, combinations[first : first + size], single, begin)
@@ -62,7 +62,7 @@ def _solve(
     single: Callable[[Combination], Result],
     begin: Callable[[str], None],
 ) -> Iterator[Result]:
-    found = problem.discretisation
+    discretisation = problem.discretisation
 
     def watch() -> None:
         begin(combinations[0].name)
@@ -71,7 +71,7 @@ def _solve(
     loads = {
         number: load
         for number, combination in enumerate(combinations)
-        if _surely_balanced(problem, rays, (load := found.load(combination)).weighing)
+        if _surely_balanced(problem, rays, (load := discretisation.load(combination)).weighing)
     }
     answers: dict[int, tuple[_core.ContactSolution, Floats]] = {}
     if loads:
@@ -79,17 +79,17 @@ def _solve(
             np.array([getattr(load, part) for load in loads.values()]).reshape(len(loads), -1)
             for part in ("nodal", "curvature", "couples")
         )
-        solved = _core.solve_together(problem.core, problem.reference, nodal, found.held.values, watch)
-        stresses = _core.solution_stresses(found.plate, solved, curvatures, couples)
+        solved = _core.solve_together(problem.core, problem.reference, nodal, discretisation.held.values, watch)
+        stresses = _core.solution_stresses(discretisation.plate, solved, curvatures, couples)
         answers = dict(zip(loads, zip(solved, stresses, strict=True), strict=True))
     for number, combination in enumerate(combinations):
         if number in answers and answers[number][0].status == "solved":
             solution, stress = answers.pop(number)
             load = loads[number]
-            least = chosen(found, problem.freedom, load.nodal, Answer.of(found, solution))
-            answer, certificate = certified(found, load, least)
+            least = chosen(discretisation, problem.freedom, load.nodal, Answer.of(discretisation, solution))
+            answer, certificate = certified(discretisation, load, least)
             if certificate.passed:
-                yield Result.of(found, combination, (problem.method,), load, answer, certificate, stress)
+                yield Result.of(discretisation, combination, (problem.method,), load, answer, certificate, stress)
                 continue
         yield single(combination)
 
@@ -101,12 +101,12 @@ def _surely_balanced(problem: ContactProblem, rays: Floats, nodal: Floats) -> bo
     return bool((rays @ work_of(problem.discretisation, problem.freedom, nodal)).max(initial=0.0) <= 0.0)
 
 
-def mean_load(found: Discretisation) -> Floats:
+def mean_load(discretisation: Discretisation) -> Floats:
     """The mean of all combinations (3n,), whatever their order."""
-    combinations = found.model.effective_combinations
+    combinations = discretisation.model.effective_combinations
     factors: dict[str, list[float]] = {}
     for combination in combinations:
         for case, factor in (combination.factors or {}).items():
             factors.setdefault(case, []).append(factor / len(combinations))
     mean = {case: math.fsum(sorted(all_)) for case, all_ in factors.items()}
-    return found.load(Combination.model_construct(name="mean", factors=mean)).nodal
+    return discretisation.load(Combination.model_construct(name="mean", factors=mean)).nodal

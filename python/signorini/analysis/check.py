@@ -86,14 +86,18 @@ class Check:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What of the model, and of the loads' resultants, is seldom meant, in sentences."""
-        found = self.discretisation
-        of_loads = () if found.model.tabulated else map(found.load, found.model.effective_combinations)
+        discretisation = self.discretisation
+        of_loads = (
+            ()
+            if discretisation.model.tabulated
+            else map(discretisation.load, discretisation.model.effective_combinations)
+        )
         return tuple(
             dict.fromkeys(
                 (
-                    *model_warnings(found),
-                    *idle_cases(found.model),
-                    *(s for load in of_loads for s in no_resultant(found, load)),
+                    *model_warnings(discretisation),
+                    *idle_cases(discretisation.model),
+                    *(s for load in of_loads for s in no_resultant(discretisation, load)),
                 )
             )
         )
@@ -111,8 +115,8 @@ class Check:
     @property
     def quality(self) -> str:
         """How well the elements are shaped, in words."""
-        found = Quality.of(self.discretisation.mesh)
-        return f"smallest angle {found.angle:.3g}°, {100 * found.quadrilaterals:.4g} % of the area in quadrilaterals"
+        result = Quality.of(self.discretisation.mesh)
+        return f"smallest angle {result.angle:.3g}°, {100 * result.quadrilaterals:.4g} % of the area in quadrilaterals"
 
     @property
     def balanced(self) -> bool:
@@ -138,20 +142,20 @@ class Check:
         from signorini.plot import BalanceMark, Plan, check_picture, save
 
         require_picture(path)
-        found = self.discretisation
+        discretisation = self.discretisation
         figure = check_picture(
-            Plan.of(found.mesh.points, found.mesh.elements),
-            zones=zone_marks(found),
-            supports=support_marks(found),
-            loads=load_marks(found),
-            cuts=cut_marks(found.model),
-            totals=case_totals(found),
-            edges=edge_marks(found.mesh),
+            Plan.of(discretisation.mesh.points, discretisation.mesh.elements),
+            zones=zone_marks(discretisation),
+            supports=support_marks(discretisation),
+            loads=load_marks(discretisation),
+            cuts=cut_marks(discretisation.model),
+            totals=case_totals(discretisation),
+            edges=edge_marks(discretisation.mesh),
             singular=singular_marks(self.singular),
-            poorest=(Quality.of(found.mesh).corner, self.quality),
+            poorest=(Quality.of(discretisation.mesh).corner, self.quality),
             balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants],
-            title=found.model.title,
-            length=found.model.units.length,
+            title=discretisation.model.title,
+            length=discretisation.model.units.length,
             numbers=numbers,
         )
         try:
@@ -216,49 +220,49 @@ def check(model: Model) -> Check:
     ...     support=[{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
     ...     load=[{"force": 20e3, "at": [2, 1.5]}],
     ... )
-    >>> found = check(model)
-    >>> found.balanced, round(found.resultants[0].force, 6), found.resultants[0].at
+    >>> result = check(model)
+    >>> result.balanced, round(result.resultants[0].force, 6), result.resultants[0].at
     (True, 20000.0, (2.0, 1.5))
     """
-    found = discretise(model)
-    freedom = rigid_freedom(found)
+    discretisation = discretise(model)
+    freedom = rigid_freedom(discretisation)
     if model.tabulated:
-        return Check(found, tuple(_resultants(found, freedom)))
-    return Check(found, tuple(_resultant(found, freedom, c) for c in model.effective_combinations))
+        return Check(discretisation, tuple(_resultants(discretisation, freedom)))
+    return Check(discretisation, tuple(_resultant(discretisation, freedom, c) for c in model.effective_combinations))
 
 
-def _resultants(found: Discretisation, freedom: RigidFreedom) -> Iterator[Resultant]:
+def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterator[Resultant]:
     """Resultants of many combinations, from those of their load cases."""
-    combinations = found.model.effective_combinations
+    combinations = discretisation.model.effective_combinations
     used = combinations.cases
-    weighing = {case: found.cases[case].weighing for case in found.cases if case in used}
-    of_case = {case: found.rigid_motions.T @ load for case, load in weighing.items()}
+    weighing = {case: discretisation.cases[case].weighing for case in discretisation.cases if case in used}
+    of_case = {case: discretisation.rigid_motions.T @ load for case, load in weighing.items()}
     size = {case: float(np.abs(load[::3]).sum()) for case, load in weighing.items()}
-    scale = np.array([1.0, found.mesh.size, found.mesh.size])
+    scale = np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
     motions = allowed_motions(freedom.outline)
     for number, combination in enumerate(combinations):
         if number < ASKED:
-            yield _resultant(found, freedom, combination)
+            yield _resultant(discretisation, freedom, combination)
             continue
         factors = combination.factors or {}
         resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)
         total = sum(abs(factor) * size[case] for case, factor in factors.items())
         work = motions @ (resultant / scale @ freedom.motions) if len(motions) else np.zeros(0)
-        why = imbalance_of(found, freedom, combination) if work.max(initial=0.0) > WORK * total else None
-        yield _of(found, combination, resultant, total, why, limit=None if why is None else why.limit)
+        why = imbalance_of(discretisation, freedom, combination) if work.max(initial=0.0) > WORK * total else None
+        yield _of(discretisation, combination, resultant, total, why, limit=None if why is None else why.limit)
 
 
-def _resultant(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:
-    weighing = found.load(combination).weighing
-    why = imbalance_of(found, freedom, combination)
-    brink = why is None and on_the_brink(found, freedom, weighing)
-    limit = nearest_limit(found, freedom, combination) if why is None else why.limit
+def _resultant(discretisation: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:
+    weighing = discretisation.load(combination).weighing
+    why = imbalance_of(discretisation, freedom, combination)
+    brink = why is None and on_the_brink(discretisation, freedom, weighing)
+    limit = nearest_limit(discretisation, freedom, combination) if why is None else why.limit
     total = float(np.abs(weighing[::3]).sum())
-    return _of(found, combination, found.rigid_motions.T @ weighing, total, why, brink, limit)
+    return _of(discretisation, combination, discretisation.rigid_motions.T @ weighing, total, why, brink, limit)
 
 
 def _of(
-    found: Discretisation,
+    discretisation: Discretisation,
     combination: Combination,
     resultant: Floats,
     total: float,
@@ -266,14 +270,16 @@ def _of(
     brink: bool = False,
     limit: tuple[str, float] | None = None,
 ) -> Resultant:
-    least = NO_FORCE * total * np.array([1.0, found.mesh.size, found.mesh.size])
+    least = NO_FORCE * total * np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
     force, mx, my = (float(part) for part in np.where(np.abs(resultant) > least, resultant, 0.0))
     at = None
     if force:
-        x, y = ((found.middle + np.array([mx, my]) / force) / found.mesh.size).round(12) * found.mesh.size + 0.0
+        x, y = ((discretisation.middle + np.array([mx, my]) / force) / discretisation.mesh.size).round(
+            12
+        ) * discretisation.mesh.size + 0.0
         at = (float(x), float(y))
     axis = None
     if why is not None and why.axis is not None:
-        (ax, ay), (bx, by) = why.axis.ends(found.middle, found.mesh.size).tolist()
+        (ax, ay), (bx, by) = why.axis.ends(discretisation.middle, discretisation.mesh.size).tolist()
         axis = (ax, ay), (bx, by)
-    return Resultant(combination.name, force, at, (mx, my), explain(found, why), brink, limit, axis)
+    return Resultant(combination.name, force, at, (mx, my), explain(discretisation, why), brink, limit, axis)

@@ -111,19 +111,19 @@ class Estimates(Brief, Mapping[str, Estimate]):
 
 
 @overload
-def estimate(found: Results, progress: Watcher | None = None) -> Estimates: ...
+def estimate(results: Results, progress: Watcher | None = None) -> Estimates: ...
 @overload
-def estimate(found: Result, progress: Watcher | None = None) -> Estimate: ...
+def estimate(results: Result, progress: Watcher | None = None) -> Estimate: ...
 @overload
-def estimate(found: LoadPath, progress: Watcher | None = None) -> PathEstimate: ...
+def estimate(results: LoadPath, progress: Watcher | None = None) -> PathEstimate: ...
 def estimate(
-    found: Results | Result | LoadPath, progress: Watcher | None = None
+    results: Results | Result | LoadPath, progress: Watcher | None = None
 ) -> Estimates | Estimate | PathEstimate:
     """Solve the plate on other meshes, and say how far refining the mesh is expected to move every number.
 
     Parameters
     ----------
-    found : Results, Result or LoadPath
+    results : Results, Result or LoadPath
         What `signorini.solve` or `signorini.path` has returned, or one of its results.
     progress : callable, optional
         Called with a `Progress`; what it raises ends the estimate and reaches the caller.
@@ -149,15 +149,15 @@ def estimate(
     61.9 ± 0.3
     """
     watcher = watching(progress, "progress")
-    match found:
+    match results:
         case Results():
-            return estimates_of(found, watcher)
+            return estimates_of(results, watcher)
         case Result():
-            return _estimate(found, OtherMeshes(found.model, found.mesh, watcher))
+            return _estimate(results, OtherMeshes(results.model, results.mesh, watcher))
         case LoadPath():
-            return estimate_path(found, watcher)
+            return estimate_path(results, watcher)
     raise InputError(
-        f"found {type(found).__name__}; it must be what signorini.solve or signorini.path returns.", place="found"
+        f"found {type(results).__name__}; it must be what signorini.solve or signorini.path returns.", place="results"
     )
 
 
@@ -182,10 +182,10 @@ def _estimate(result: Result, meshes: OtherMeshes) -> Estimate:
 
     def solved(problem: ContactProblem, watch: Watcher) -> Result:
         watch(Progress(combination.name))
-        found = solve_one(problem, combination, watch)
-        if found.status != "solved":
-            raise SignoriniError(found.message)
-        return found
+        result = solve_one(problem, combination, watch)
+        if result.status != "solved":
+            raise SignoriniError(result.message)
+        return result
 
     others, warning = meshes.solved(solved)
     return compare(result, others, warning) if others else Estimate(result, nothing, None, (), (warning,))

@@ -61,16 +61,16 @@ class EstimatedTable:
 
         def solved(other: ContactProblem, watcher: Watcher) -> tuple[Combined, ContactProblem]:
             file = None if table is None else Path(f"{table}-{len(other.mesh.elements)}")
-            found = solve_table(other, watcher, file), other
+            result = solve_table(other, watcher, file), other
             files.extend([] if file is None else [file])
-            return found
+            return result
 
         try:
-            found, why = meshes.solved(solved)
-            others = tuple((combined, problem.mesh) for combined, problem in found)
-            if not found:
+            result, why = meshes.solved(solved)
+            others = tuple((combined, problem.mesh) for combined, problem in result)
+            if not result:
                 return cls(others, why)
-            every = [(results.combined, results.problem), *found]
+            every = [(results.combined, results.problem), *result]
             in_order = Meshes.of(results.problem.mesh, [mesh for _, mesh in others], bool(why))
             own = [problem.mesh for _, problem in every]
             order = [own.index(mesh) for mesh in in_order.every]
@@ -95,7 +95,7 @@ class EstimatedTable:
 class _Rows:
     """What is compared of rows."""
 
-    found: Discretisation
+    discretisation: Discretisation
     layout: Layout
     meshes: Meshes
 
@@ -119,13 +119,13 @@ class _Rows:
     def _named(self, combinations: Sequence[Combination]) -> list[tuple[Sequence[Singularity], Bools]]:
         """Singularities of the supports, and of every load case with the rows in which it acts."""
         acting = [{case for case, factor in (one.factors or {}).items() if factor} for one in combinations]
-        found: list[tuple[Sequence[Singularity], Bools]] = [
-            (singularities_of(self.found), np.ones(len(acting), np.bool_))
+        result: list[tuple[Sequence[Singularity], Bools]] = [
+            (singularities_of(self.discretisation), np.ones(len(acting), np.bool_))
         ]
         for case in sorted(set().union(*acting)):
             where = np.array([case in cases for cases in acting], np.bool_)
-            found.append((singularities_of(self.found, case), where))
-        return found
+            result.append((singularities_of(self.discretisation, case), where))
+        return result
 
 
 def _widen(
@@ -140,13 +140,13 @@ def _widen(
     def more(blocks: Sequence[Mapping[str, Floats]]) -> Mapping[str, Floats]:
         nonlocal first
         count = len(next(iter(blocks[0].values())))
-        found = rows.widths([blocks[place] for place in order], combined.combinations[first : first + count])
+        result = rows.widths([blocks[place] for place in order], combined.combinations[first : first + count])
         for column, numbers in wanted.items():
             here = [number for number in numbers if first <= number < first + count]
-            if column + ENDING in found:
-                picked.update(((column, number), found[column + ENDING][number - first]) for number in here)
+            if column + ENDING in result:
+                picked.update(((column, number), result[column + ENDING][number - first]) for number in here)
         first += count
-        return found
+        return result
 
     widen(table, files, more)
     return picked
@@ -154,13 +154,13 @@ def _widen(
 
 def _wanted(combined: Combined) -> Mapping[str, set[int]]:
     """Rows, by column, that envelopes name: of their own extremes, and of what bearings do where one governs."""
-    layout, found = combined.layout, dict[str, set[int]]()
+    layout, result = combined.layout, dict[str, set[int]]()
     for envelope in (combined.envelope, *combined.groups.values()):
         of = envelope.values
         for one, largest, smallest in zip(layout.catalogue, of.largest_by, of.smallest_by, strict=True):
-            found.setdefault(one.column, set()).update((int(largest), int(smallest)))
+            result.setdefault(one.column, set()).update((int(largest), int(smallest)))
         places = layout.governed_places
         rows = {*of.largest_by[places].tolist(), *of.smallest_by[places].tolist()}
         for bearing in layout.bearings:
-            found.setdefault(bearing.column(layout.model), set()).update(rows)
-    return {column: rows - {NONE} for column, rows in found.items()}
+            result.setdefault(bearing.column(layout.model), set()).update(rows)
+    return {column: rows - {NONE} for column, rows in result.items()}

@@ -37,18 +37,18 @@ def exact_path(
     NotCertifiedError
         If the start was not solved.
     """
-    found = problem.discretisation
+    discretisation = problem.discretisation
     traced: ExactPath | None = None
     for other_problem in methods_along(problem):
         other = _trace(other_problem, problem, path, until, watcher)
         traced = other if traced is None or (other is not None and other.end > traced.end) else traced
         if traced is not None and (traced.ending != "stopped" or traced.ends_with_the_mesh or traced.interrupted):
             break
-    if traced is None and supports_contradict(found):
+    if traced is None and supports_contradict(discretisation):
         raise NoEquilibriumError(CONTRADICTION)
     if traced is None:
         raise NotCertifiedError(
-            f"The contact problem at t = 0 has no answer that could be certified. {uncertain(found)}"
+            f"The contact problem at t = 0 has no answer that could be certified. {uncertain(discretisation)}"
         )
     return replace(traced, thresholds=tuple(first_reached(one, traced.stops) for one in asked))
 
@@ -61,14 +61,14 @@ def _trace(
     watcher: Watcher,
 ) -> ExactPath | None:
     """Follow the path by one method, as far as its answers are certified and confirmed; None if not at all."""
-    found, loads, limits = problem.discretisation, path.loads, path.limits
+    result, loads, limits = problem.discretisation, path.loads, path.limits
     judge, at = PathJudge(problem, loads), list[float]()
     method = WORDS[problem.method]
     limit, asked = limits[0], np.inf if until is None else until
     end, interrupted = min(*limits, asked), False
 
     def visit(t: float, points: Ints, solution: _core.ContactSolution) -> None:
-        judge.take(t, points, Answer.of(found, solution))
+        judge.take(t, points, Answer.of(result, solution))
         at.append(t)
         whole = f" of {end:.6g}" if np.isfinite(end) else ""
         watcher(Progress(f"t = {t:.6g}{whole}, event {len(at)}"))
@@ -78,7 +78,7 @@ def _trace(
         watcher(Progress(where, step, changing, residual, method=method))
 
     try:
-        ended = problem.core.path(loads[0].nodal, loads[1].nodal, found.held.values, end, visit, show)
+        ended = problem.core.path(loads[0].nodal, loads[1].nodal, result.held.values, end, visit, show)
         judge.judge()
     except NotCertifiedError:
         ended = "unsolved"
@@ -103,6 +103,6 @@ def _trace(
         ending = "until"
     worst = Certificate.worst(certificates)
     doubted = tuple(index for index in doubts if index < len(stops) - 1)
-    events = events_of_stops(found.model.support, stops)
+    events = events_of_stops(result.model.support, stops)
     known = (*path.names, problem, tuple(stops), ending, *limits, worst, events, (), interrupted, loads)
     return ExactPath(*known, _first=judge.first, _doubtful=doubted)

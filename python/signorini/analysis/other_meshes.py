@@ -60,20 +60,20 @@ class OtherMeshes:
         whys: list[str] = []
         failed: list[str] = []
         for pair in pairs:
-            found: list[_T] = []
+            result: list[_T] = []
             for other in pair:
                 try:
-                    found.append(self._on(other, solve))
+                    result.append(self._on(other, solve))
                 except (SignoriniError, MemoryError) as error:
                     whys.append(f"on a mesh of {other.words}: {str(error) or 'not enough memory.'}")
                     if not isinstance(error, _SameMeshError):
                         failed.append(whys[-1])
-                        if not found:
+                        if not result:
                             break
-                if len(found) == _OTHERS:
+                if len(result) == _OTHERS:
                     break
-            if found:
-                return found, without(len(found), " ".join(dict.fromkeys(failed))) if failed else ""
+            if result:
+                return result, without(len(result), " ".join(dict.fromkeys(failed))) if failed else ""
         return [], without(0, " ".join(dict.fromkeys(whys)) or none)
 
     def _on(self, other: OtherMesh, solve: Callable[[ContactProblem, Watcher], _T]) -> _T:
@@ -84,12 +84,12 @@ class OtherMeshes:
             watch(Progress(stage="mesh"))
             # The method that was asked for may be slow on a finer mesh; every certified answer is the same.
             solver = other.model.solver.model_copy(update={"method": "auto"})
-            found = discretise(other.model.model_copy(update={"solver": solver}), other.mesh)
-            count, own = len(found.mesh.elements), len(self.mesh.elements)
+            discretisation = discretise(other.model.model_copy(update={"solver": solver}), other.mesh)
+            count, own = len(discretisation.mesh.elements), len(self.mesh.elements)
             if not abs(math.log2(count / own)) > _OTHER:
                 raise _SameMeshError(f"it has {count} elements, hardly other ones than the {own} of this mesh.")
             watch(Progress(stage="factor"))
-            self._problems[other.words] = contact_problem(found)
+            self._problems[other.words] = contact_problem(discretisation)
         return solve(self._problems[other.words], watch)
 
 

@@ -92,31 +92,31 @@ def path(
     ...     ],
     ...     load=[{"case": "Q", "pressure": 10e3}],
     ... )
-    >>> found = path(model, start=None, add="Q", until=2.0, when=["prop[1].reaction = 20e3"])
-    >>> [(event.support, event.change) for event in found.support_events], found.ending, len(found.stops)
+    >>> result = path(model, start=None, add="Q", until=2.0, when=["prop[1].reaction = 20e3"])
+    >>> [(event.support, event.change) for event in result.support_events], result.ending, len(result.stops)
     ([('prop', 'closes')], 'until', 53)
-    >>> t = found.support_events[0].t
-    >>> round(found.at(t).supports[1].reaction, 3), round(found.at(t).probe([2, 2])[0].deflection, 9)
+    >>> t = result.support_events[0].t
+    >>> round(result.at(t).supports[1].reaction, 3), round(result.at(t).probe([2, 2])[0].deflection, 9)
     (0.0, 0.001)
-    >>> round(found.at(found.thresholds[0].t).reactions["prop"])
+    >>> round(result.at(result.thresholds[0].t).reactions["prop"])
     20000
     """
     watcher = arguments.watching(progress, "progress")
     arguments.known(events, ("named", "all"), "choice", "events", "It")
     samples = _samples(steps, at, events)
     watcher(Progress(stage="mesh"))
-    found = discretise(model)
+    discretisation = discretise(model)
     if add is None:
         raise InputError("found None; it must be the name of the load that grows.", place="add")
-    growing = load_named(found, add, "add")
-    load_named(found, start, "start")
+    growing = load_named(discretisation, add, "add")
+    load_named(discretisation, start, "start")
     if until is not None:
         until = _factor(until, "until")
     if not growing.nodal.any():
         raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
-    asked = thresholds(found, when)
+    asked = thresholds(discretisation, when)
     watcher(Progress(stage="factor"))
-    problem = contact_problem(found)
+    problem = contact_problem(discretisation)
     loads = PathLoads.of(problem, start, add)
     if events == "all":
         return exact_path(problem, loads, until, asked, watcher)
@@ -137,10 +137,10 @@ def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int 
     if isinstance(at, str) or not isinstance(at, Iterable):
         raise InputError(f"found {at!r}; it must be a list of numbers greater than 0.", place="at")
     # At t = 0 there is a stop anyway.
-    found = sorted({_factor(t, "at") for t in at if t != 0})
-    if not 1 <= len(found) <= _MOST_STEPS:
-        raise InputError(f"found {len(found)} numbers beside 0; there must be 1 to {_MOST_STEPS}.", place="at")
-    return found
+    result = sorted({_factor(t, "at") for t in at if t != 0})
+    if not 1 <= len(result) <= _MOST_STEPS:
+        raise InputError(f"found {len(result)} numbers beside 0; there must be 1 to {_MOST_STEPS}.", place="at")
+    return result
 
 
 def _factor(value: object, place: str) -> float:

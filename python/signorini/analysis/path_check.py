@@ -52,7 +52,7 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
 
     Where no direct solution is certified it says nothing against the stop, which is.
     """
-    found, load = problem.discretisation, loads[0] + stop.t * loads[1]
+    result, load = problem.discretisation, loads[0] + stop.t * loads[1]
 
     def steps(method: str, step: int, changing: int, residual: float) -> None:
         watcher(Progress(f"t = {stop.t:.6g}, solved anew", step, changing, residual, method=method))
@@ -61,9 +61,9 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
     if not tried.passed:
         return True
     none = [stop.points[:0]]
-    (direct,) = path_stops(found, [stop.t], [load], none, none, [tried.answer])
+    (direct,) = path_stops(result, [stop.t], [load], none, none, [tried.answer])
     shown, wanted = (np.array([s.largest, s.smallest, *s.deflections]) for s in (stop, direct))
-    apart = np.abs(shown - wanted).max() > _SAME * max(np.abs(wanted).max(), least_deflection(found, load))
+    apart = np.abs(shown - wanted).max() > _SAME * max(np.abs(wanted).max(), least_deflection(result, load))
     parts = sum(float(np.abs(part.nodal).max()) for part in beside(loads, stop.t))
     size = float(np.abs(load.nodal).max())
     rounding = max(_MOVED * size, _AT * parts) * max(direct.work_size, stop.work_size)

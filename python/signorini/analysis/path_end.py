@@ -44,18 +44,18 @@ def last_change(sampler: Sampler, begin: State) -> float:
 
 def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | None:
     """From which t on, and up to which, contact points keep the pieces of two states; None of different pieces."""
-    found, first, second, span = sampler.problem.discretisation, one.answer, other.answer, other.t - one.t
-    contacts, add = found.contacts, sampler.path.loads[1]
+    result, first, second, span = sampler.problem.discretisation, one.answer, other.answer, other.t - one.t
+    contacts, add = result.contacts, sampler.path.loads[1]
     moved, change = (second.hi - first.hi) + (second.lo - first.lo), second.reaction - first.reaction
-    force, length = _nothing(found, sampler.path.at(other.t), second.reaction, second.hi)
-    least_change, least_way = _nothing(found, span * add, change, moved)
+    force, length = _nothing(result, sampler.path.at(other.t), second.reaction, second.hi)
+    least_change, least_way = _nothing(result, span * add, change, moved)
     may = ~contacts.two_sided
     pressed = may & (np.maximum(first.reaction, second.reaction) > force)
     apart = may & (np.maximum(first.gap, second.gap) > length)
     if (pressed & apart).any():
         return None
     # Of gaps that are far larger than what closes them the difference is rounding.
-    opening = -(found.contact_rows @ moved)
+    opening = -(result.contact_rows @ moved)
     presses_otherwise = (np.abs(change) > least_change) | (contacts.compliance * np.abs(change) > least_way)
     begin, end = 0.0, math.inf
     for counts, value, rate in (
@@ -68,10 +68,14 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
     return (min(begin, one.t) if begin > _NOTHING * one.t else 0.0), max(end, other.t)
 
 
-def _nothing(found: Discretisation, load: CaseLoad, reaction: Floats, deflection: Floats) -> tuple[float, float]:
+def _nothing(
+    discretisation: Discretisation, load: CaseLoad, reaction: Floats, deflection: Floats
+) -> tuple[float, float]:
     """The force and the deflection that are none beside a load and what it does."""
-    force = max(float(np.abs(reaction).max(initial=0.0)), float(by_force(load.nodal[None], found.mesh.size)[0]))
-    length = max(float(np.abs(deflection[::3]).max()), least_deflection(found, load))
+    force = max(
+        float(np.abs(reaction).max(initial=0.0)), float(by_force(load.nodal[None], discretisation.mesh.size)[0])
+    )
+    length = max(float(np.abs(deflection[::3]).max()), least_deflection(discretisation, load))
     return _NOTHING * force, _NOTHING * length
 
 

@@ -96,15 +96,15 @@ def _same_events(sampler: Sampler, wanted: Sequence[tuple[Watch, float, bool]], 
     A function falls below zero, as where something opens, or comes up to it.
     """
     state = sampler.state(0.0)
-    found = [math.nan] * len(wanted)
+    result = [math.nan] * len(wanted)
     for number in sorted(range(len(wanted)), key=lambda number: wanted[number][1]):
         watch, t, falls = wanted[number]
         try:
             state = _same_event(sampler, state, watch, t, falls, span)
         except SignoriniError:
             continue
-        found[number] = state.t
-    return found
+        result[number] = state.t
+    return result
 
 
 def _same_event(sampler: Sampler, near: State, watch: Watch, t: float, falls: bool, span: float) -> State:

@@ -69,11 +69,11 @@ class PathJudge:
 
     def _turns(self, t: float, answer: Answer) -> Iterator[tuple[float, Ints, Answer]]:
         """Stops on the way to the answer at t at which supports share a reaction otherwise, since its sign changes."""
-        found = self.problem.discretisation
-        if self._last is None or self._last[0] == t or not found.shared:
+        discretisation = self.problem.discretisation
+        if self._last is None or self._last[0] == t or not discretisation.shared:
             return
         begin, before = self._last
-        ends = np.array([found.by_sign(one.shared) for one in (before, answer)])
+        ends = np.array([discretisation.by_sign(one.shared) for one in (before, answer)])
         nothing = _TURNS * max(np.abs(one.reaction).max() for one in (before, answer))
         first, last = ends[:, (ends.min(axis=0) < -nothing) & (ends.max(axis=0) > nothing)]
         at = 0.0
@@ -82,15 +82,15 @@ class PathJudge:
                 continue
             at, turn = part, begin + part * (t - begin)
             load = self.loads[0] + turn * self.loads[1]
-            solution = self.problem.core.solve_on(load.nodal, found.held.values, before.closed)
+            solution = self.problem.core.solve_on(load.nodal, discretisation.held.values, before.closed)
             if begin < turn < t and solution.status == "solved":
-                yield turn, np.zeros(0, np.int64), Answer.of(found, solution)
+                yield turn, np.zeros(0, np.int64), Answer.of(discretisation, solution)
 
     def judge(self) -> None:
         """Judge those that wait."""
         if not self._waiting:
             return
-        found, waiting, self._waiting = self.problem.discretisation, self._waiting, []
+        result, waiting, self._waiting = self.problem.discretisation, self._waiting, []
         at, points, answers = [list(column) for column in zip(*waiting, strict=True)]
         loads = [self.loads[0] + t * self.loads[1] for t in at]
         hi, lo, reaction = (np.array([getattr(one, name) for one in answers]) for name in ("hi", "lo", "reaction"))
@@ -98,8 +98,8 @@ class PathJudge:
         # What stands on one set at both ends of a segment is proven between them.
         before = np.concatenate([closed[:1] if self._before is None else self._before[1].closed[None], closed[:-1]])
         made_of = [beside(self.loads, t) for t in at]
-        imbalance = imbalances(found, loads, hi, lo)
-        certificates = certify_each(found, loads, hi, lo, reaction, (before, closed), made_of, imbalance)
+        imbalance = imbalances(result, loads, hi, lo)
+        certificates = certify_each(result, loads, hi, lo, reaction, (before, closed), made_of, imbalance)
         passed = next((row for row, one in enumerate(certificates) if not one.passed), len(at))
         doubts = self._doubtful(at, answers)
         if self.first is None and passed:
@@ -111,8 +111,8 @@ class PathJudge:
             one = self._least(at[row], loads[row], answers[row], earlier)
             certificate = certificates[row]
             if one is not answers[row]:
-                one, certificate = certified(found, loads[row], one, made_of[row])
-                imbalance[row] = found.plate.residual(found.springs.arrays, loads[row].nodal, one.hi, one.lo)
+                one, certificate = certified(result, loads[row], one, made_of[row])
+                imbalance[row] = result.plate.residual(result.springs.arrays, loads[row].nodal, one.hi, one.lo)
             if certificate.lost > _LOST:
                 break
             least.append(one)
@@ -129,7 +129,7 @@ class PathJudge:
         ]
         if count:
             self.stops += path_stops(
-                found, at[:count], loads[:count], points[:count], switched, least, imbalance[:count]
+                result, at[:count], loads[:count], points[:count], switched, least, imbalance[:count]
             )
         self._before = (at[-1], answers[-1])
         if count < len(at):

@@ -38,19 +38,19 @@ class PathLoads:
     @classmethod
     def of(cls, problem: ContactProblem, start: str | None, add: str) -> PathLoads:
         """Look for the loads, and refuse what has no equilibrium to begin with."""
-        found = problem.discretisation
-        loads = load_named(found, start, "start"), load_named(found, add, "add")
-        message = explain(found, imbalance(found, problem.freedom, loads[0].weighing))
+        discretisation = problem.discretisation
+        loads = load_named(discretisation, start, "start"), load_named(discretisation, add, "add")
+        message = explain(discretisation, imbalance(discretisation, problem.freedom, loads[0].weighing))
         if message:
             raise NoEquilibriumError(f"{start or 'without load'}: {message}")
-        if floats(found, problem.freedom, loads[0].weighing, loads[1].weighing):
+        if floats(discretisation, problem.freedom, loads[0].weighing, loads[1].weighing):
             raise InputError(
                 f"nothing presses the plate on its supports: neither {start or 'the start, which is no load,'} nor "
                 f"{add} has a resultant, so it may rest anywhere. Add its weight.",
                 place="add",
             )
         outline, mesh = (
-            largest_factor(found, problem.freedom, bearing, loads[0].weighing, loads[1].weighing)
+            largest_factor(discretisation, problem.freedom, bearing, loads[0].weighing, loads[1].weighing)
             for bearing in (problem.freedom.outline, problem.freedom.on_mesh)
         )
         return cls((start, add), loads, (outline, mesh))
@@ -65,16 +65,16 @@ class PathLoads:
         return self.loads[0] + t * self.loads[1]
 
 
-def load_named(found: Discretisation, name: str | None, argument: str) -> CaseLoad:
+def load_named(discretisation: Discretisation, name: str | None, argument: str) -> CaseLoad:
     """The load of a case or, if there is none of that name, of a combination."""
     if name is None:
-        return 0.0 * next(iter(found.cases.values()))
+        return 0.0 * next(iter(discretisation.cases.values()))
     arguments.name(name, "load case or combination", argument)
-    if name in found.cases:
-        return found.cases[name]
-    combinations = found.model.effective_combinations if found.model.combination else ()
+    if name in discretisation.cases:
+        return discretisation.cases[name]
+    combinations = discretisation.model.effective_combinations if discretisation.model.combination else ()
     for combination in combinations:
         if combination.name == name:
-            return found.load(combination)
-    names = {*found.cases, *(combination.name for combination in itertools.islice(combinations, _NAMED))}
+            return discretisation.load(combination)
+    names = {*discretisation.cases, *(combination.name for combination in itertools.islice(combinations, _NAMED))}
     raise InputError(unknown("load case or combination", name, names), place=argument)

@@ -84,20 +84,20 @@ with the rows that push here it would be 21130.1.
     """
     if not isinstance(problem, RowProblem):
         made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
-    found = (problem.problem if isinstance(problem, RowProblem) else problem).discretisation
-    name, case = _load(found, load)
+    discretisation = (problem.problem if isinstance(problem, RowProblem) else problem).discretisation
+    name, case = _load(discretisation, load)
     given = _reactions(problem, reactions)
     if isinstance(problem, RowProblem):
         return _of_rows(problem, name, case, given)
     return _recover(problem, name, case, given)
 
 
-def _load(found: Discretisation, load: str | ArrayLike) -> tuple[str, CaseLoad]:
+def _load(discretisation: Discretisation, load: str | ArrayLike) -> tuple[str, CaseLoad]:
     if isinstance(load, str):
-        combinations = {one.name: one for one in found.model.effective_combinations}
-        return load, found.load(combinations[known(load, combinations, "combination", "load")])
-    nodal = vector(load, found.dof_count, "load")
-    nothing = CaseLoad.none(found.mesh.node_count, len(found.mesh.elements))
+        combinations = {one.name: one for one in discretisation.model.effective_combinations}
+        return load, discretisation.load(combinations[known(load, combinations, "combination", "load")])
+    nodal = vector(load, discretisation.dof_count, "load")
+    nothing = CaseLoad.none(discretisation.mesh.node_count, len(discretisation.mesh.elements))
     return _OWN, replace(nothing, nodal=nodal, weighing=nodal)
 
 
@@ -119,8 +119,8 @@ def _reactions(problem: ContactProblem | RowProblem, reactions: ArrayLike) -> Fl
 
 
 def _recover(problem: ContactProblem, name: str, load: CaseLoad, given: Floats) -> Result:
-    found = problem.discretisation
-    unit = np.where(found.contacts.slope, found.mesh.size, 1.0)
+    discretisation = problem.discretisation
+    unit = np.where(discretisation.contacts.slope, discretisation.mesh.size, 1.0)
     size = float(max(np.nanmax(np.abs(given) / unit, initial=0.0), np.abs(load.nodal[::3]).max()))
 
     def on(pushing: Bools) -> Result:
@@ -128,15 +128,15 @@ def _recover(problem: ContactProblem, name: str, load: CaseLoad, given: Floats) 
         if solution.status != "solved":
             raise NotCertifiedError(f"{_NOT}where they push the plate is not held, or not in one way.")
         _require_same(problem, given, solution.reaction, unit, size)
-        answer = chosen(found, problem.freedom, load.nodal, Answer.of(found, solution))
-        answer, certificate = certified(found, load, answer)
+        answer = chosen(discretisation, problem.freedom, load.nodal, Answer.of(discretisation, solution))
+        answer, certificate = certified(discretisation, load, answer)
         if not certificate.passed:
             gap = np.where(problem.two_sided, 0.0, answer.gap)
             if certificate.penetration > TOLERANCE and gap.min(initial=0.0) < 0.0:
                 at = int(np.argmin(gap))
                 raise NotCertifiedError(f"{_NOT}{_row(problem, at)} would be passed by {-gap[at]:g}.")
-            raise NotCertifiedError(f"{_NOT}{refusal(name, found, load, answer, certificate)}")
-        return Result.of(found, name, ("given",), load, answer, certificate)
+            raise NotCertifiedError(f"{_NOT}{refusal(name, discretisation, load, answer, certificate)}")
+        return Result.of(discretisation, name, ("given",), load, answer, certificate)
 
     return _first(on, [problem.two_sided | (given > part * size) for part in _NONE])
 
@@ -157,15 +157,15 @@ def _row(problem: ContactProblem | RowProblem, row: int) -> str:
 
 
 def _require_same(
-    problem: ContactProblem | RowProblem, given: Floats, found: Floats, unit: Floats, size: float
+    problem: ContactProblem | RowProblem, given: Floats, result: Floats, unit: Floats, size: float
 ) -> None:
     """Refuse reactions that are not those on their own contact set, in units in which they can be compared."""
-    missed = np.nan_to_num(np.abs(given - found)) / unit
+    missed = np.nan_to_num(np.abs(given - result)) / unit
     if missed.max(initial=0.0) > _ACCURATE * size:
         at = int(np.argmax(missed))
         raise NotCertifiedError(
             f"{_NOT}that of {_row(problem, at)} is {given[at]:g}, but with the rows that push here it would be "
-            f"{found[at]:g}."
+            f"{result[at]:g}."
         )
 
 
@@ -190,8 +190,8 @@ def _of_rows(problem: RowProblem, name: str, load: CaseLoad, given: Floats) -> R
 
 def _require_open(problem: RowProblem, result: Result, own: Floats) -> None:
     """Refuse displacements that pass a row of one's own, or leave one that pushes."""
-    count, found = len(problem.problem.gaps), problem.problem.discretisation
-    slopes = found.held.from_global(result.rotation)
+    count, values = len(problem.problem.gaps), problem.problem.discretisation
+    slopes = values.held.from_global(result.rotation)
     moved = np.column_stack([result.deflection, slopes]).ravel()
     gap = problem.row_gaps - problem.rows @ moved + problem.row_compliance * own
     size = abs(problem.rows) @ np.abs(moved) + np.abs(problem.row_gaps) + problem.row_compliance * np.abs(own)

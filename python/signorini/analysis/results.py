@@ -165,8 +165,8 @@ class Results(States[str], Mapping[str, Result]):
         None where no case has one (`signorini.equilibrium.limits.nearest_limit`). Of rows of a table each is found
         when it is asked for.
         """
-        found, freedom = self.discretisation, self.problem.freedom
-        limits = OnDemand(self._numbers, lambda name: nearest_limit(found, freedom, self._combination(name)))
+        result, freedom = self.discretisation, self.problem.freedom
+        limits = OnDemand(self._numbers, lambda name: nearest_limit(result, freedom, self._combination(name)))
         return limits if self.model.tabulated else Named(dict(limits), "combination", "This mapping of limits")
 
     @property

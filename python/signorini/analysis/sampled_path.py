@@ -90,18 +90,18 @@ class SampledPath:
             self.certificates.append(state.certificate)
 
     def _event(self, hit: Hit, index: int) -> PathEvent:
-        found, state = self.sampler.problem.discretisation, hit.state
-        support, own = found.model.support[index], state.margins[index]
+        result, state = self.sampler.problem.discretisation, hit.state
+        support, own = result.model.support[index], state.margins[index]
         change, closed = event_of(support, hit.watch.number, hit.opening)
         at = None
         if support.place == "at":
             rest = _AT_ROOT * np.abs(own).max()
             closed = float(np.mean(own > rest if hit.opening else own >= -rest))
-            x, y = SupportPoints.of(found, index).positions[hit.watch.number].tolist()
+            x, y = SupportPoints.of(result, index).positions[hit.watch.number].tolist()
             at = x, y
             self._from_there_on(state.t, index, closed, len(own))
         elif change in ("begins to open", "begins to close"):
-            at = first_place(found, index, state.answer, hit.opening)
+            at = first_place(result, index, state.answer, hit.opening)
         return PathEvent(0, state.t, support.name, at, change, closed or 0.0, hit.opening, hit.watch.number)
 
     def _from_there_on(self, t: float, index: int, part: float, count: int) -> None:

@@ -72,7 +72,7 @@ class Sampler:
         NoEquilibriumError
             If the supports contradict each other.
         """
-        found, load, made_of = self.problem.discretisation, self.path.at(t), beside(self.path.loads, t)
+        result, load, made_of = self.problem.discretisation, self.path.at(t), beside(self.path.loads, t)
         start = near.answer if near is not None and near.own and near.answer.solution is not None else None
 
         def steps(method: str, step: int, changing: int, residual: float) -> None:
@@ -80,20 +80,20 @@ class Sampler:
 
         self.watcher(Progress(f"t = {t:.6g}"))
         tried = answered(self.problem, load, steps, made_of, start)
-        if tried.contradiction or (tried.certificate is None and near is None and supports_contradict(found)):
+        if tried.contradiction or (tried.certificate is None and near is None and supports_contradict(result)):
             raise NoEquilibriumError(CONTRADICTION)
         answer, certificate = tried.answer, tried.certificate
         if certificate is None or not certificate.passed:
             raise NotCertifiedError(
-                f"The contact problem at t = {t:g} has no answer that could be certified. {uncertain(found)}"
+                f"The contact problem at t = {t:g} has no answer that could be certified. {uncertain(result)}"
             )
         if self.scales is None or (near is not None and near.t == 0 and not self.path.loads[0].nodal.any()):
             # Without load there is nothing to compare with.
             self.scales = Scales.of(answer)
         none = [np.zeros(0, np.int64)]
-        (stop,) = path_stops(found, [t], [load], none, none, [answer])
+        (stop,) = path_stops(result, [t], [load], none, none, [answer])
         of_supports = [
-            margins(found, index, answer, self.scales, float(stop.parts[index])) if watched else np.ones(0)
+            margins(result, index, answer, self.scales, float(stop.parts[index])) if watched else np.ones(0)
             for index, watched in enumerate(self.watched)
         ]
         own = tried.methods == (self.problem.method,)
@@ -115,7 +115,7 @@ class Sampler:
 
     def changed(self, before: State, after: State) -> list[Watch]:
         """Which functions have another sign at the end of a stretch than at its beginning."""
-        found = [
+        result = [
             Watch(index, int(number))
             for index, (one, other) in enumerate(zip(before.margins, after.margins, strict=True))
             for number in np.flatnonzero((one >= 0) != (other >= 0))
@@ -123,5 +123,5 @@ class Sampler:
         for number in range(len(self.asked)):
             watch = Watch(None, number)
             if (self.value(before, watch) >= 0) != (self.value(after, watch) >= 0):
-                found.append(watch)
-        return found
+                result.append(watch)
+        return result

@@ -43,26 +43,26 @@ def solve_one(problem: ContactProblem, combination: Combination, progress: Watch
 
 def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
     """One combination, and the seconds its contact problem took."""
-    found = problem.discretisation
-    load = found.load(combination)
+    discretisation = problem.discretisation
+    load = discretisation.load(combination)
 
     def steps(method: str, step: int, changing: int, residual: float) -> None:
         watcher(Progress(combination.name, step, changing, residual, method=method))
 
     begun = time.perf_counter()
-    message = explain(found, imbalance_of(found, problem.freedom, combination))
+    message = explain(discretisation, imbalance_of(discretisation, problem.freedom, combination))
     if message:
-        return unsolved_result(found, combination, message), time.perf_counter() - begun
+        return unsolved_result(discretisation, combination, message), time.perf_counter() - begun
     tried = answered(problem, load, steps)
     spent = time.perf_counter() - begun
     if tried.contradiction:
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
-        return unsolved_result(found, combination, CONTRADICTION), spent
+        return unsolved_result(discretisation, combination, CONTRADICTION), spent
     if tried.certificate is None:
         raise NotCertifiedError(
-            f'Combination "{combination.name}" has no answer that could be certified. {uncertain(found)}'
+            f'Combination "{combination.name}" has no answer that could be certified. {uncertain(discretisation)}'
         )
     if not tried.passed:
-        why = refusal(combination.name, found, load, tried.answer, tried.certificate)
+        why = refusal(combination.name, discretisation, load, tried.answer, tried.certificate)
         raise NotCertifiedError(f"Combination {why}")
-    return Result.of(found, combination, tried.methods, load, tried.answer, tried.certificate), spent
+    return Result.of(discretisation, combination, tried.methods, load, tried.answer, tried.certificate), spent

@@ -104,15 +104,15 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
     """Solve a model on its mesh."""
     begun = time.perf_counter()
     watcher(Progress(stage="mesh"))
-    found = discretise(model)
+    discretisation = discretise(model)
     watcher(Progress(stage="factor"))
-    problem = contact_problem(found)
+    problem = contact_problem(discretisation)
     results: dict[str, Result] = {}
     combined = None
     contact = recover = 0.0
     if model.tabulated:
         combined = solve_table(problem, watcher, table)
-        contact = time.perf_counter() - begun - found.seconds["mesh"] - found.seconds["assemble"]
+        contact = time.perf_counter() - begun - discretisation.seconds["mesh"] - discretisation.seconds["assemble"]
         contact -= sum(problem.seconds.values())
     for combination in _with_all_results(model, combined):
         watcher(Progress(combination.name))
@@ -124,8 +124,8 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
         raise NoEquilibriumError("\n".join(f"{name}: {result.message}" for name, result in results.items()))
     part = problem.seconds
     seconds = {
-        "mesh": found.seconds["mesh"],
-        "assemble": found.seconds["assemble"],
+        "mesh": discretisation.seconds["mesh"],
+        "assemble": discretisation.seconds["assemble"],
         "order": part["order"],
         "factor": part["factor"],
         "contact": part["condense"] + contact,

@@ -44,12 +44,12 @@ def interval(value: object, place: str) -> tuple[float, float]:
     Traceback (most recent call last):
     signorini.errors.InputError: limits: found [2, 1]; it must be two finite numbers, the lower one first.
     """
-    found = _array(value)
-    if found is None or found.shape != (2,) or not np.isfinite(found).all() or found[0] >= found[1]:
+    result = _array(value)
+    if result is None or result.shape != (2,) or not np.isfinite(result).all() or result[0] >= result[1]:
         raise InputError(
             f"found {reprlib.repr(value)}; it must be two finite numbers, the lower one first.", place=place
         )
-    return float(found[0]), float(found[1])
+    return float(result[0]), float(result[1])
 
 
 def path(value: object, what: str, place: str) -> str:
@@ -74,26 +74,26 @@ def points(value: object, place: str = "points") -> NDArray[np.float64]:
     >>> points((1, 2)).shape, points([]).shape
     ((1, 2), (0, 2))
     """
-    found = _array(value)
-    if found is not None and found.shape in ((0,), (2,)):
-        found = found.reshape(-1, 2)
-    if found is None or found.ndim != 2 or found.shape[1] != 2:
+    result = _array(value)
+    if result is not None and result.shape in ((0,), (2,)):
+        result = result.reshape(-1, 2)
+    if result is None or result.ndim != 2 or result.shape[1] != 2:
         raise InputError(
             f"found {reprlib.repr(value)}; it must be a point [x, y] or a sequence of them, all numbers.", place=place
         )
-    return found
+    return result
 
 
 def vector(value: object, length: int, place: str) -> NDArray[np.float64]:
     """A vector of finite numbers of some length."""
-    found = _array(value)
-    if found is None or found.shape != (length,):
-        what = reprlib.repr(value) if found is None else f"an array of shape {found.shape}"
+    result = _array(value)
+    if result is None or result.shape != (length,):
+        what = reprlib.repr(value) if result is None else f"an array of shape {result.shape}"
         raise InputError(f"found {what}; it must be {length} numbers, one a dof.", place=place)
-    if not np.isfinite(found).all():
-        at = int(np.argmin(np.isfinite(found)))
-        raise InputError(f"found {found[at]} at index {at}; all numbers must be finite.", place=place)
-    return found
+    if not np.isfinite(result).all():
+        at = int(np.argmin(np.isfinite(result)))
+        raise InputError(f"found {result[at]} at index {at}; all numbers must be finite.", place=place)
+    return result
 
 
 def array(value: object, place: str, dimensions: int) -> NDArray[np.float64]:
@@ -105,12 +105,12 @@ def array(value: object, place: str, dimensions: int) -> NDArray[np.float64]:
     Traceback (most recent call last):
     signorini.errors.InputError: q: found an array of shape (1, 2); it must be one of numbers in 1 dimension.
     """
-    found = _array(value)
-    if found is None or found.ndim != dimensions:
-        what = reprlib.repr(value) if found is None else f"an array of shape {found.shape}"
+    result = _array(value)
+    if result is None or result.ndim != dimensions:
+        what = reprlib.repr(value) if result is None else f"an array of shape {result.shape}"
         wanted = f"{dimensions} dimension{'s' if dimensions > 1 else ''}"
         raise InputError(f"found {what}; it must be one of numbers in {wanted}.", place=place)
-    return found
+    return result
 
 
 def name(value: object, kind: str, place: str) -> str:
@@ -122,10 +122,10 @@ def name(value: object, kind: str, place: str) -> str:
 
 def known(value: object, allowed: Collection[str], kind: str, place: str, owner: str = "This model") -> str:
     """One of some names."""
-    found = name(value, kind, place)
-    if found not in allowed:
-        raise InputError(unknown(kind, found, allowed, owner), place=place)
-    return found
+    result = name(value, kind, place)
+    if result not in allowed:
+        raise InputError(unknown(kind, result, allowed, owner), place=place)
+    return result
 
 
 def key_of(value: object, allowed: Collection[str], kind: str, owner: str) -> str:
@@ -175,7 +175,7 @@ def made_by(value: object, kind: type, advice: str, place: str) -> None:
 def _array(value: object) -> NDArray[np.float64] | None:
     """Real numbers as an array, or None where there are others."""
     try:
-        found = np.asarray(value)
-        return None if found.dtype.kind == "c" else np.asarray(found, dtype=np.float64)
+        result = np.asarray(value)
+        return None if result.dtype.kind == "c" else np.asarray(result, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         return None

@@ -188,19 +188,19 @@ def _exchange(room: Path, target: Path, former: Callable[[], Iterable[str]], sea
 
 def _identity(path: Path) -> tuple[int, int]:
     """Size and time of a file, which stay when it is moved and hardly ever when another takes its name."""
-    found = path.lstat()
-    return found.st_size, found.st_mtime_ns
+    result = path.lstat()
+    return result.st_size, result.st_mtime_ns
 
 
 def _left_amid(target: Path) -> set[str]:
     """Files in a directory that a process was moving when it was killed."""
-    found = set()
+    result = set()
     for place in (target, target.parent):
         for room in rooms_left(place, target.name):
             with suppress(OSError, ValueError, TypeError):
                 moved = json.loads((room / _MOVES).read_text("utf-8"))
-                found |= {name for name, *identity in moved if _is(target / Path(name).name, tuple(identity))}
-    return found
+                result |= {name for name, *identity in moved if _is(target / Path(name).name, tuple(identity))}
+    return result
 
 
 def _is(path: Path, identity: tuple[int, ...]) -> bool:

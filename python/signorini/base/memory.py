@@ -77,16 +77,16 @@ def fits(bytes_needed: float) -> bool:
 
 def available() -> float:
     """Bytes that this process may still take; infinite where the system does not tell."""
-    found = [math.inf]
+    result = [math.inf]
     for line in _lines("/proc/meminfo"):
         if line.startswith("MemAvailable:"):
-            found.append(1024.0 * float(line.split()[1]))
+            result.append(1024.0 * float(line.split()[1]))
     for limit, use in zip(_LIMITS, _USES, strict=True):
         most, taken = _lines(limit), _lines(use)
         if most and taken and most[0].isdigit() and taken[0].isdigit():
-            found.append(float(most[0]) - float(taken[0]))
-    found.append(_address_space())
-    return max(0.0, min(found))
+            result.append(float(most[0]) - float(taken[0]))
+    result.append(_address_space())
+    return max(0.0, min(result))
 
 
 def _address_space() -> float:

@@ -58,13 +58,13 @@ def open_regular(path: str | os.PathLike[str], largest: int) -> Iterator[BinaryI
         yield opened
 
 
-def _require_regular(path: str | os.PathLike[str], found: os.stat_result, largest: int) -> None:
-    if stat.S_ISDIR(found.st_mode):
+def _require_regular(path: str | os.PathLike[str], result: os.stat_result, largest: int) -> None:
+    if stat.S_ISDIR(result.st_mode):
         raise IsADirectoryError(errno.EISDIR, "it is a directory; only regular files are read", os.fspath(path))
-    if not stat.S_ISREG(found.st_mode):
-        kind = _KINDS.get(stat.S_IFMT(found.st_mode), "none")
+    if not stat.S_ISREG(result.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(result.st_mode), "none")
         raise OSError(errno.EINVAL, f"it is {kind}; only regular files are read", os.fspath(path))
-    if found.st_size > largest:
+    if result.st_size > largest:
         raise _too_large(path, largest)
 
 

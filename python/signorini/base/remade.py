@@ -27,9 +27,9 @@ class Remade(Brief):
     ...     support=[{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
     ...     load=[{"pressure": 5e3}],
     ... )
-    >>> found = discretise(model)
-    >>> again = pickle.loads(pickle.dumps(found))
-    >>> "plate" in again.__dict__, again.plate.dof_count == found.plate.dof_count, "plate" in again.__dict__
+    >>> result = discretise(model)
+    >>> again = pickle.loads(pickle.dumps(result))
+    >>> "plate" in again.__dict__, again.plate.dof_count == result.plate.dof_count, "plate" in again.__dict__
     (False, True, True)
     """
 
@@ -50,16 +50,16 @@ class Remade(Brief):
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         """Copy every field but those that can be made again, which are shared."""
-        found = self._with({})
-        memo[id(self)] = found
-        found.__setstate__({name: deepcopy(value, memo) for name, value in self.__getstate__().items()})
-        found.__dict__.update({name: self.__dict__[name] for name in self._made if name in self.__dict__})
-        return found
+        result = self._with({})
+        memo[id(self)] = result
+        result.__setstate__({name: deepcopy(value, memo) for name, value in self.__getstate__().items()})
+        result.__dict__.update({name: self.__dict__[name] for name in self._made if name in self.__dict__})
+        return result
 
     def _with(self, state: dict[str, Any]) -> Self:
-        found = object.__new__(type(self))
-        found.__dict__.update(state)
-        return found
+        result = object.__new__(type(self))
+        result.__dict__.update(state)
+        return result
 
     def _names(self) -> list[str]:
         return [field.name for field in fields(self)]  # type: ignore[arg-type]  # its heirs are dataclasses

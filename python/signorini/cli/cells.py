@@ -17,10 +17,10 @@ def cell(
     """Write a number, with its half-width where there are any."""
     if widths is None:
         return number(value, largest, digits)
-    found: Any = widths
+    result: Any = widths
     for part in path:
-        found = found[part]
-    return estimated(value, found, largest, digits)
+        result = result[part]
+    return estimated(value, result, largest, digits)
 
 
 def in_contact(name: str, part: str, value: float, whole: float, what: str, unit: str) -> str:

@@ -171,11 +171,11 @@ def check(
         require_picture(picture)
         if output is None:
             require_free(picture)
-        found = checked(model)
-        found.save_picture(picture, nodes)
-        print_check(streams.stdout(), found)
+        result = checked(model)
+        result.save_picture(picture, nodes)
+        print_check(streams.stdout(), result)
         streams.stdout().print(f"Drawn in {visible(picture)}")
-        unbalanced = {resultant.name: resultant.message for resultant in found.resultants if resultant.message}
+        unbalanced = {resultant.name: resultant.message for resultant in result.resultants if resultant.message}
         _refuse(unbalanced, len(unbalanced))
 
 
@@ -227,32 +227,32 @@ def path(
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
         with room_for_path(directory) as room, progress_line() as show, interrupts.at_once(room, interrupts.PATIENT):
             chosen = None if at is None else _numbers(at)
-            found = signorini.path(
+            result = signorini.path(
                 model, start, add, until, show, steps=steps, at=chosen, when=when or (), events=_which(events)
             )
             try:
-                estimate = estimate_asked(found, show)
+                estimate = estimate_asked(result, show)
             except KeyboardInterrupt:
-                found, estimate = replace(found, interrupted=True), None
-        write_path(found, directory, estimate)
-        print_path(streams.stdout(), found, estimate)
+                result, estimate = replace(result, interrupted=True), None
+        write_path(result, directory, estimate)
+        print_path(streams.stdout(), result, estimate)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
-        if found.interrupted:
+        if result.interrupted:
             raise typer.Exit(interrupts.INTERRUPTED)
-        if found.ending == "stopped":
+        if result.ending == "stopped":
             why = "rounding decides which points are in contact. "
-            short = _SHORT * found.limit
-            if found.end < short < (until or math.inf) and math.isfinite(short):
-                why += f"Stop short of t = {found.limit:.6g}, where equilibrium ends: --until {short:.6g}. Or take"
+            short = _SHORT * result.limit
+            if result.end < short < (until or math.inf) and math.isfinite(short):
+                why += f"Stop short of t = {result.limit:.6g}, where equilibrium ends: --until {short:.6g}. Or take"
             else:
                 why += "Take"
             why += " another mesh size, smaller or larger, or give rigid supports a stiffness"
-            if found.ends_with_the_mesh:
+            if result.ends_with_the_mesh:
                 why = (
-                    f"to t = {found.limit:.6g}, reactions on the outlines of the supports balance the load, but not at "
-                    "the contact points of this mesh. Take a finer mesh there"
+                    f"to t = {result.limit:.6g}, reactions on the outlines of the supports balance the load, but not "
+                    "at the contact points of this mesh. Take a finer mesh there"
                 )
-            raise NotCertifiedError(f"the path was followed to t = {found.end:.6g} only; beyond, {why}.")
+            raise NotCertifiedError(f"the path was followed to t = {result.end:.6g} only; beyond, {why}.")
 
 
 def _numbers(text: str) -> list[float]:
@@ -319,17 +319,17 @@ def import_dxf(
         if target.exists():
             raise InputError(f"{target} exists already; give another name with -o, or remove it.", place="output")
         named = {"outline": outline, "holes": holes, "zones": zones, "points": points, "lines": lines}
-        found = read_dxf(file, {role: layers for role, layers in named.items() if layers}, unit)
+        result = read_dxf(file, {role: layers for role, layers in named.items() if layers}, unit)
         try:
             with replacing(target) as aside:
-                aside.write_text(drawing_as_toml(found, file.stem), encoding="utf-8")
+                aside.write_text(drawing_as_toml(result, file.stem), encoding="utf-8")
         except OSError as error:
             raise SignoriniError(f"{target} cannot be written: {error.strerror}.") from None
         out = streams.stdout()
-        for sort, things in (("Taken", found.took), ("Left", found.left)):
+        for sort, things in (("Taken", result.took), ("Left", result.left)):
             for thing in things:
                 say(out, visible(f"{sort}: {thing}"))
-        stands = bool(found.points or found.lines)
+        stands = bool(result.points or result.lines)
         assumed, missing = (", and that supports act both ways", "") if stands else ("", "supports and ")
         say(out, visible(f"Written to {target}. Assumed: material and thickness{assumed}. Add {missing}loads."))
 

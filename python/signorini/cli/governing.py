@@ -50,15 +50,15 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
     for group, count in model.effective_combinations.groups.items() or (("", total),):
         if group:
             say(console, Text(group, style="bold") + Text(f": {count} combinations"))
-        found = envelope_json(results, estimates, group)
-        if found is None:
+        result = envelope_json(results, estimates, group)
+        if result is None:
             say(console, "none has an equilibrium", style="bold red")
             console.print()
             continue
-        _print_fields(console, results, group, found["plus_minus"])
-        _print_supports(console, results, group, found["plus_minus"])
-        _print_probes(console, results, found)
-        print_enveloped(console, results, found)
+        _print_fields(console, results, group, result["plus_minus"])
+        _print_supports(console, results, group, result["plus_minus"])
+        _print_probes(console, results, result)
+        print_enveloped(console, results, result)
         print_governing(console, results, estimates, group)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")

@@ -145,7 +145,7 @@ class Grid:
 def _glued(cell: Cell) -> Text:
     """Put glue where no line may be broken."""
     text = Text(cell) if isinstance(cell, str) else cell.copy()
-    text.plain = _TOGETHER.sub(lambda found: found[0].replace(" ", _GLUE), text.plain)
+    text.plain = _TOGETHER.sub(lambda result: result[0].replace(" ", _GLUE), text.plain)
     return text
 
 
@@ -164,10 +164,10 @@ def _broken(console: Console, text: Text, width: int) -> list[Text]:
 
 def _line(columns: Iterable[Column], widths: Iterable[int], cells: Iterable[Text]) -> Text:
     """Put cells beside each other."""
-    found = []
+    result = []
     for column, width, cell in zip(columns, widths, cells, strict=True):
         space = " " * (width - cell.cell_len)
-        found.append(Text.assemble(space, cell) if column.number else Text.assemble(cell, space))
-    line = Text(_GAP).join(found)
+        result.append(Text.assemble(space, cell) if column.number else Text.assemble(cell, space))
+    line = Text(_GAP).join(result)
     line.rstrip()
     return line

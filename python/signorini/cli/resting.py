@@ -24,25 +24,24 @@ _MOST_CORNERS = 6
 def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -> Iterator[str]:
     """Say of areas, and of lines that can let go, on which part they hold; ``pressure`` is the largest of all."""
     units = result.model.units
-    for index, (support, found) in enumerate(zip(result.model.support, result.supports, strict=True)):
-        whole, of_support = float(found.weights.sum()), ("supports", index)
-        if found.contact_area is not None and found.max_pressure is not None:
-            area = cell(found.contact_area, widths, (*of_support, "contact_area"), whole)
-            said = in_contact(found.name, area, found.contact_area, whole, "area", unit_of(units.length, 2))
+    for index, (support, values) in enumerate(zip(result.model.support, result.supports, strict=True)):
+        whole, of_support = float(values.weights.sum()), ("supports", index)
+        if values.contact_area is not None and values.max_pressure is not None:
+            area = cell(values.contact_area, widths, (*of_support, "contact_area"), whole)
+            said = in_contact(values.name, area, values.contact_area, whole, "area", unit_of(units.length, 2))
             unit = unit_of(units.force_by_length(-2))
             said += (
-                f"; largest pressure {cell(found.max_pressure, widths, (*of_support, 'max_pressure'), pressure)}{unit}"
+                f"; largest pressure {cell(values.max_pressure, widths, (*of_support, 'max_pressure'), pressure)}{unit}"
             )
-            if found.max_pressure and found.max_pressure_at is not None:
-                said += f" at {point(found.max_pressure_at, result.mesh.size)}"
-            if found.max_tension:
-                said += (
-                    f", largest tension {cell(found.max_tension, widths, (*of_support, 'max_tension'), pressure)}{unit}"
-                )
+            if values.max_pressure and values.max_pressure_at is not None:
+                said += f" at {point(values.max_pressure_at, result.mesh.size)}"
+            if values.max_tension:
+                pulled = cell(values.max_tension, widths, (*of_support, "max_tension"), pressure)
+                said += f", largest tension {pulled}{unit}"
             yield said
-        elif found.place != "at" and can_let_go(support):
-            touching = found.closed_part * whole
-            yield in_contact(found.name, f"{touching:.6g}", touching, whole, "length", unit_of(units.length))
+        elif values.place != "at" and can_let_go(support):
+            touching = values.closed_part * whole
+            yield in_contact(values.name, f"{touching:.6g}", touching, whole, "length", unit_of(units.length))
 
 
 def lifted(result: Result) -> str:
@@ -50,10 +49,10 @@ def lifted(result: Result) -> str:
     nodes = _corners(result)
     at, down = result.mesh.points[nodes], result.deflection[nodes]
     lifts = np.full(len(nodes), np.inf)
-    for support, found in zip(result.model.support, result.supports, strict=True):
+    for support, values in zip(result.model.support, result.supports, strict=True):
         if support.resists == "down":
             free = support.gap(*at.T) + support.settlement(*at.T) - down
-            lifts = np.where(_holds(result, support, found, at), np.minimum(lifts, free), lifts)
+            lifts = np.where(_holds(result, support, values, at), np.minimum(lifts, free), lifts)
     least = ROUNDING * size_of(result.deflection)
     those = sorted(((float(lifts[i]), i) for i in np.flatnonzero((lifts > least) & np.isfinite(lifts))), reverse=True)
     if not those:
@@ -71,12 +70,12 @@ def _corners(result: Result) -> list[int]:
     return sorted({node for first, last in ends if first != last for node in (first, last)})
 
 
-def _holds(result: Result, support: Support, found: SupportResult, at: Floats) -> Bools:
+def _holds(result: Result, support: Support, values: SupportResult, at: Floats) -> Bools:
     """Which places (k, 2) are on a support."""
     if support.place == "area":
         on = support.area.region.contains(at) if isinstance(support.area, Area) else np.ones(len(at), np.bool_)
         return np.asarray(on)
     places = [result.mesh.points[result.mesh.edges[name][:, (0, 2)].ravel()] for name in support.edge or ()]
-    every = np.concatenate([found.positions, *places])
+    every = np.concatenate([values.positions, *places])
     away = np.hypot(*(at[:, None] - every).transpose(2, 0, 1))
     return np.asarray((away <= _SAME * result.mesh.size).any(axis=1))

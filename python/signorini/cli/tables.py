@@ -55,8 +55,8 @@ _PLACES = re.compile(r" at \[.*")
 
 def print_results(console: Console, results: Results, estimates: Estimates | None) -> None:
     """Print every combination: supports, their points, certificate, extremes, probes; then what is seldom meant."""
-    found = results.discretisation
-    _print_model(console, found)
+    discretisation = results.discretisation
+    _print_model(console, discretisation)
     if results.model.tabulated:
         console.print()
         print_combined(console, results, estimates)
@@ -82,9 +82,9 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
     _print_warnings(console, warnings, len(results))
     named = [one for result in results.full.values() for one in result.singular]
     if results.model.tabulated:
-        named = [*singularities(found, results.model.effective_combinations.cases)]
+        named = [*singularities(discretisation, results.model.effective_combinations.cases)]
     _print_singular(console, named, results.model, f" All in {JSON}.")
-    _print_legend(console, found.model.support)
+    _print_legend(console, discretisation.model.support)
 
 
 def _print_refinement(console: Console, results: Results) -> None:
@@ -103,24 +103,24 @@ def _print_refinement(console: Console, results: Results) -> None:
 
 def print_check(console: Console, check: Check) -> None:
     """Print a model's size, its supports and the resultants of its combinations."""
-    found = check.discretisation
-    model, units = found.model, found.model.units
-    _print_model(console, found)
+    discretisation = check.discretisation
+    model, units = discretisation.model, discretisation.model.units
+    _print_model(console, discretisation)
     say(console, check.quality)
     console.print()
     columns = [Column(""), Column("support"), Column("kind", spare=True)]
     supports = Grid([*columns, *numbers("nodes held", "springs", "contact points")], heads=2)
     for index, support in enumerate(model.support):
-        held = found.held.support.reshape(-1, 3)[found.held.dofs.reshape(-1, 3).any(axis=1)]
+        held = discretisation.held.support.reshape(-1, 3)[discretisation.held.dofs.reshape(-1, 3).any(axis=1)]
         counts = (
             int((held == index).any(axis=1).sum()),
-            int((found.springs.support == index).sum()),
-            int((found.contacts.support == index).sum()),
+            int((discretisation.springs.support == index).sum()),
+            int((discretisation.contacts.support == index).sum()),
         )
         supports.add(_symbol(support, console), support.name, describe(support), *map(str, counts))
     supports.show(console)
     console.print()
-    if totals := case_totals(found):
+    if totals := case_totals(discretisation):
         say(console, f"load cases in all: {', '.join(f'{case} {total}' for case, total in totals.items())}")
         console.print()
     titles = (f"load{in_unit(units.force)}", f"acts at{in_unit(units.length)}", "balanced", "limit")
@@ -128,7 +128,7 @@ def print_check(console: Console, check: Check) -> None:
     largest = size_of([resultant.force for resultant in check.resultants])
     listed = [r for number, r in enumerate(check.resultants) if number < ASKED or r.message]
     for resultant in listed[: 2 * ASKED]:
-        at = point(resultant.at, found.mesh.size) if resultant.at else f"moment {point(resultant.couple)}"
+        at = point(resultant.at, discretisation.mesh.size) if resultant.at else f"moment {point(resultant.couple)}"
         verdict = Text("no", style="bold red") if resultant.message else Text("just" if resultant.brink else "yes")
         limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else "none"
         loads.add(resultant.name, number(resultant.force, largest), at, verdict, limit)
@@ -142,26 +142,27 @@ def print_check(console: Console, check: Check) -> None:
     _print_legend(console, model.support)
 
 
-def _print_model(console: Console, found: Discretisation) -> None:
-    model = found.model
+def _print_model(console: Console, discretisation: Discretisation) -> None:
+    model = discretisation.model
     if model.title:
         say(console, model.title, style="bold")
-    one_sided = int((~found.points.two_sided).sum())
+    one_sided = int((~discretisation.points.two_sided).sum())
     say(
         console,
-        f"{model.plate.shape}, {_elements(found)}, "
-        f"{found.mesh.node_count} nodes, {found.dof_count} dofs, {one_sided} one-sided contact points",
+        f"{model.plate.shape}, {_elements(discretisation)}, "
+        f"{discretisation.mesh.node_count} nodes, {discretisation.dof_count} dofs, "
+        f"{one_sided} one-sided contact points",
     )
-    for one in found.snapped[:_MOST_WARNINGS]:
-        begin, end = (", ".join(length(part, found.mesh.size) for part in at) for at in (one.begin, one.end))
+    for one in discretisation.snapped[:_MOST_WARNINGS]:
+        begin, end = (", ".join(length(part, discretisation.mesh.size) for part in at) for at in (one.begin, one.end))
         say(console, f"snapped: {one.what} from [{begin}] to [{end}], onto {one.onto}")
-    if (more := len(found.snapped) - _MOST_WARNINGS) > 0:
+    if (more := len(discretisation.snapped) - _MOST_WARNINGS) > 0:
         say(console, f"snapped: {more} more, in results.json")
 
 
-def _elements(found: Discretisation) -> str:
-    triangles, count = int(found.mesh.triangles.sum()), len(found.mesh.elements)
-    kinds = {found.model.plate.element: count - triangles, "mitc7": triangles}
+def _elements(discretisation: Discretisation) -> str:
+    triangles, count = int(discretisation.mesh.triangles.sum()), len(discretisation.mesh.elements)
+    kinds = {discretisation.model.plate.element: count - triangles, "mitc7": triangles}
     return " and ".join(f"{many} elements {kind}" for kind, many in kinds.items() if many)
 
 
@@ -190,10 +191,10 @@ def _print_summary(console: Console, results: Results, estimates: Estimates | No
             for name, end in (("max", result.deflection.max()), ("min", result.deflection.min()))
         )
         reactions = (
-            cell(found.reaction, widths, ("supports", index, "reaction"), load)
-            for index, found in enumerate(result.supports)
+            cell(result.reaction, widths, ("supports", index, "reaction"), load)
+            for index, result in enumerate(result.supports)
         )
-        shown.add(result.name, *ends, str(sum(found.open_count for found in result.supports)), *reactions)
+        shown.add(result.name, *ends, str(sum(result.open_count for result in result.supports)), *reactions)
     shown.show(console)
     if results.unbalanced:
         say(console, f"without equilibrium: {', '.join(results.unbalanced)}", style="bold red")
@@ -243,15 +244,15 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
     say(console, Text(result.name, style="bold") + Text(how))
     columns = [Column(""), Column("support"), Column("kind", spare=True)]
     rows = Grid([*columns, *numbers(f"reaction{in_unit(units.force)}", "closed", "open")], heads=2)
-    for index, (support, found) in enumerate(zip(result.model.support, result.supports, strict=True)):
-        counts = (str(found.closed_count), str(found.open_count))
-        reaction = cell(found.reaction, widths, ("supports", index, "reaction"), load)
-        rows.add(_symbol(support, console), found.name, found.kind, reaction, *counts)
+    for index, (support, values) in enumerate(zip(result.model.support, result.supports, strict=True)):
+        counts = (str(values.closed_count), str(values.open_count))
+        reaction = cell(values.reaction, widths, ("supports", index, "reaction"), load)
+        rows.add(_symbol(support, console), values.name, values.kind, reaction, *counts)
     if len(result.supports) > 1:
         rows.last_apart = True
-        total = sum(found.reaction for found in result.supports)
-        closed = sum(found.closed_count for found in result.supports)
-        opened = sum(found.open_count for found in result.supports)
+        total = sum(result.reaction for result in result.supports)
+        closed = sum(result.closed_count for result in result.supports)
+        opened = sum(result.open_count for result in result.supports)
         rows.add("", "all", "", number(total, load), str(closed), str(opened))
     rows.show(console)
     _print_points(console, result, widths, largest)
@@ -274,44 +275,44 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
 def _print_points(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
     """Reactions of point supports, of many the largest."""
     every = [
-        (found, index) for found in result.supports if found.place == "at" for index in range(len(found.reactions))
+        (result, index) for result in result.supports if result.place == "at" for index in range(len(result.reactions))
     ]
     if not every:
         return
     units, size = result.model.units, result.mesh.size
-    number_of = {id(found): index for index, found in enumerate(result.supports)}
+    number_of = {id(result): index for index, result in enumerate(result.supports)}
     most = sorted(every, key=lambda one: -abs(one[0].reactions[one[1]]))[:_MOST_POINTS]
-    kept = {(id(found), index) for found, index in most}
+    kept = {(id(result), index) for result, index in most}
     titles = (f"at{in_unit(units.length)}", f"reaction{in_unit(units.force)}", f"gap{in_unit(units.length)}")
     shown = Grid([Column("point"), *numbers(*titles), Column("state")])
-    for found, index in every:
-        if (id(found), index) in kept:
-            at = point(found.positions[index].tolist(), size)
-            of_point = ("supports", number_of[id(found)], "points", index)
-            gap = cell(float(found.gaps[index]), widths, (*of_point, "gap"), largest["deflection"])
-            reaction = cell(float(found.reactions[index]), widths, (*of_point, "reaction"), largest["reaction"])
-            shown.add(_named(found, index), at, reaction, gap, "closed" if found.closed[index] else "open")
+    for values, index in every:
+        if (id(values), index) in kept:
+            at = point(values.positions[index].tolist(), size)
+            of_point = ("supports", number_of[id(values)], "points", index)
+            gap = cell(float(values.gaps[index]), widths, (*of_point, "gap"), largest["deflection"])
+            reaction = cell(float(values.reactions[index]), widths, (*of_point, "reaction"), largest["reaction"])
+            shown.add(_named(values, index), at, reaction, gap, "closed" if values.closed[index] else "open")
     console.print()
     shown.show(console)
     if left := len(every) - len(most):
         say(console, f"and {left} more points of smaller reactions, all in reactions.csv")
-        for found in result.supports:
-            if found.place == "at" and 0 < found.open_count <= _MOST_OPEN:
-                places = (point(at, size) for at in found.positions[~found.closed].tolist())
-                say(console, f"{found.name}, open: {', '.join(places)}")
+        for values in result.supports:
+            if values.place == "at" and 0 < values.open_count <= _MOST_OPEN:
+                places = (point(at, size) for at in values.positions[~values.closed].tolist())
+                say(console, f"{values.name}, open: {', '.join(places)}")
     console.print()
 
 
-def _named(found: SupportResult, index: int) -> str:
-    return f"{found.name}[{index + 1}]" if len(found.reactions) > 1 else found.name
+def _named(support: SupportResult, index: int) -> str:
+    return f"{support.name}[{index + 1}]" if len(support.reactions) > 1 else support.name
 
 
 def _print_deflection(console: Console, result: Result, widths: Widths) -> None:
     unit, largest = unit_of(result.model.units.length), size_of(result.deflection)
-    found = result.extremes["deflection"]
+    values = result.extremes["deflection"]
     parts = (
         f"{name} {cell(value, widths, ('deflection', name), largest)}{unit} at {point(at, result.mesh.size)}"
-        for name, value, at in (("max", found.max, found.max_at), ("min", found.min, found.min_at))
+        for name, value, at in (("max", values.max, values.max_at), ("min", values.min, values.min_at))
     )
     say(console, f"deflection, positive down: {', '.join(parts)}")
 
@@ -323,12 +324,12 @@ def _print_extremes(console: Console, result: Result, widths: Widths, largest: M
     shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)])
     beside, unsettled = dict[str, list[str]](), False
     for name in RESULTANTS:
-        found, cells, kind = result.extremes[name], [], FIELDS[name].kind
-        for side, value, at in (("max", found.max, found.max_at), ("min", found.min, found.min_at)):
+        values, cells, kind = result.extremes[name], [], FIELDS[name].kind
+        for side, value, at in (("max", values.max, values.max_at), ("min", values.min, values.min_at)):
             cells += [cell(value, widths, ("fields", name, side), largest[kind], 5), point(at, size)]
         shown.add(quantity(name, units), *cells)
         unsettled |= any(UNKNOWN in one for one in cells)
-        for what in dict.fromkeys(filter(None, (found.max_beside, found.min_beside))):
+        for what in dict.fromkeys(filter(None, (values.max_beside, values.min_beside))):
             beside.setdefault(what, []).append(name)
     console.print()
     shown.show(console)
@@ -358,12 +359,12 @@ def _print_probes(console: Console, result: Result, widths: Widths, largest: Map
 
 def _by_sentence(results: Results, estimates: Estimates | None) -> dict[str, list[str]]:
     """Every warning once, with the combinations that it is about."""
-    found: dict[str, list[str]] = {}
+    values: dict[str, list[str]] = {}
     for result in results.full.values():
         of_mesh = () if estimates is None else estimates[result.name].warnings
         for sentence in (*result.warnings, *of_mesh):
-            found.setdefault(sentence, []).append(result.name)
-    return found
+            values.setdefault(sentence, []).append(result.name)
+    return values
 
 
 def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], of: int = 0) -> None:
@@ -393,17 +394,17 @@ def _print_singular(console: Console, named: Iterable[Singularity], model: Model
             kinds.setdefault(_PLACES.sub("", one.what) + of, []).append(one)
         if not kinds:
             continue
-        found = []
+        result = []
         for kind, alike in list(kinds.items())[:_MOST_KINDS]:
             count = sum(1 if one.line else len(one.where) for one in alike)
             where = f" at {point(alike[0].where[0])}" if alike[0].where else ""
-            found.append(f"{kind}{where}{f' and {count - 1} more' if count > 1 else ''}")
-        found += [f"{len(kinds) - _MOST_KINDS} more kinds"] * (len(kinds) > _MOST_KINDS)
+            result.append(f"{kind}{where}{f' and {count - 1} more' if count > 1 else ''}")
+        result += [f"{len(kinds) - _MOST_KINDS} more kinds"] * (len(kinds) > _MOST_KINDS)
         *most, last = dict.fromkeys(number for one in those for number in one.numbers)
         numbers_there = " and ".join(filter(None, (", ".join(most), last)))
         means = "are too small on this mesh" if limited else "have no limit as the mesh is refined"
         advice = " ".join(dict.fromkeys(one.advice for one in those))
-        said = f"{word}, {numbers_there} {means}: {'; '.join(found)}. {advice}{rest}"
+        said = f"{word}, {numbers_there} {means}: {'; '.join(result)}. {advice}{rest}"
         say(console, said, style="yellow")
     if every:
         console.print()

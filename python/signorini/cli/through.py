@@ -71,10 +71,10 @@ def print_enveloped(console: Console, results: Results, envelope: Mapping[str, A
             moments = [station["moment"] for station in strip["stations"]]
             size, cells = size_of([[of["max"], of["min"]] for of in moments]), []
             for end in ("max", "min"):
-                found = [of[end] for of in moments]
-                at = found.index(max(found) if end == "max" else min(found))
+                result = [of[end] for of in moments]
+                at = result.index(max(result) if end == "max" else min(result))
                 within = ("strips", index, "stations", at, "moment", end)
-                cells += [cell(found[at], widths, within, size, 5), point(strip["stations"][at]["at"])]
+                cells += [cell(result[at], widths, within, size, 5), point(strip["stations"][at]["at"])]
                 cells.append(moments[at][f"{end}_by"])
             shown.add(strip["name"], *cells)
         shown.show(console)

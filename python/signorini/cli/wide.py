@@ -28,7 +28,7 @@ _LITTLE = 0.25
 
 def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
     """Say of which largest moments and shears the half-width is more than half of the number, and what helps."""
-    found: dict[str, tuple[float, str]] = {}
+    result: dict[str, tuple[float, str]] = {}
     for fields, widths in _fields(results, estimates):
         ends = {name: max(SIDES, key=lambda end: abs(fields[name][end])) for name in RESULTANTS if name in fields}
         for name in (name for name in RESULTANTS if name in ends):
@@ -43,32 +43,32 @@ def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
             if width > max(_WIDE * value, _LITTLE * max(alike)):
                 part = width / value if value else float("inf")
                 at = point(fields[name][f"{ends[name]}_at"], results.discretisation.mesh.size)
-                found[name] = max(found.get(name, (0.0, "")), (part, at))
-    if not found:
+                result[name] = max(result.get(name, (0.0, "")), (part, at))
+    if not result:
         return
-    where = ", ".join(f"{name} at {at}" for name, (_, at) in found.items())
+    where = ", ".join(f"{name} at {at}" for name, (_, at) in result.items())
     helps = "Take smaller elements there (mesh.refine), or put a probe there and give mesh.accuracy = 0.05."
     if isinstance(results.model.plate, MeshPlate):
         helps = "Make the mesh finer there."
     yield f"± is more than half of the largest {where}: the mesh leaves open what it is. {helps}"
 
 
-def _near(found: Discretisation, at: Sequence[float]) -> bool:
+def _near(discretisation: Discretisation, at: Sequence[float]) -> bool:
     """Whether a place is beside one where moments or shears have no limit, which is named by itself."""
     place = np.array([at])
-    reach = _BESIDE * float(np.sqrt(found.mesh.element_area[found.mesh.locate(place).elements[0]]))
-    named = [one for one in singularities(found) if {"moment", "shear"} & set(one.numbers) and not one.limited]
+    reach = _BESIDE * float(np.sqrt(discretisation.mesh.element_area[discretisation.mesh.locate(place).elements[0]]))
+    named = [one for one in singularities(discretisation) if {"moment", "shear"} & set(one.numbers) and not one.limited]
     return any(away(place, one)[0] <= one.within + reach for one in named)
 
 
 def _fields(results: Results, estimates: Estimates | None) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Any]]]:
     """Largest and smallest moments and shears with their half-widths, of every combination or of a table."""
     if results.model.tabulated:
-        found = envelope_json(results, estimates)
-        if found is not None and found["plus_minus"] is not None:
+        values = envelope_json(results, estimates)
+        if values is not None and values["plus_minus"] is not None:
             yield (
-                {name: found["fields"][name] for name in RESULTANTS if name in found["fields"]},
-                found["plus_minus"]["fields"],
+                {name: values["fields"][name] for name in RESULTANTS if name in values["fields"]},
+                values["plus_minus"]["fields"],
             )
         return
     for result in results.full.values():

@@ -104,7 +104,7 @@ class Answer(Remade):
         return (self, replace(self.somehow, not_unique=self.not_unique))
 
     @classmethod
-    def of(cls, found: Discretisation, solution: _core.ContactSolution) -> Self:
+    def of(cls, discretisation: Discretisation, solution: _core.ContactSolution) -> Self:
         """Take a solution as it comes."""
         reaction = solution.reaction
         return cls(
@@ -114,7 +114,7 @@ class Answer(Remade):
             reaction,
             solution.gap,
             solution.closed,
-            np.concatenate([reaction, np.zeros(len(found.repeated))]),
+            np.concatenate([reaction, np.zeros(len(discretisation.repeated))]),
             solution.pivots,
             solution.iterations,
             solution.gradients,

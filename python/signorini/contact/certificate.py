@@ -123,7 +123,7 @@ class Certificate:
 
 
 def certify(
-    found: Discretisation,
+    discretisation: Discretisation,
     load: CaseLoad,
     hi: Floats,
     lo: Floats,
@@ -150,19 +150,19 @@ def certify(
     ...     load=[{"pressure": 5e3}],
     ... )
     >>> problem = contact_problem(model)
-    >>> found, load = problem.discretisation, problem.discretisation.cases["load"]
+    >>> result, load = problem.discretisation, problem.discretisation.cases["load"]
     >>> answer = problem.solve(load)
-    >>> certify(found, load, answer.hi, answer.lo, answer.reaction).passed
+    >>> certify(result, load, answer.hi, answer.lo, answer.reaction).passed
     True
-    >>> certify(found, load, answer.hi, answer.lo, -answer.reaction).passed
+    >>> certify(result, load, answer.hi, answer.lo, -answer.reaction).passed
     False
     """
     sets = [those[None] for those in closed]
-    return certify_each(found, [load], hi[None], lo[None], reaction[None], sets, [beside])[0]
+    return certify_each(discretisation, [load], hi[None], lo[None], reaction[None], sets, [beside])[0]
 
 
 def certify_each(
-    found: Discretisation,
+    discretisation: Discretisation,
     loads: Sequence[CaseLoad],
     hi: Floats,
     lo: Floats,
@@ -175,20 +175,20 @@ def certify_each(
 
     ``imbalance`` (k, 3n) are the residuals of plate and springs alone, where they are known.
     """
-    contacts, held, size = found.contacts, found.held, found.mesh.size
+    contacts, held, size = discretisation.contacts, discretisation.held, discretisation.mesh.size
     nodal = np.array([load.nodal for load in loads])
     beside = beside or [()] * len(loads)
     deflected, reached = (
-        np.array([sum(float(of(found, part.nodal)) for part in parts) for parts in beside])
+        np.array([sum(float(of(discretisation, part.nodal)) for part in parts) for parts in beside])
         for of in (loaded_deflection, reaching)
     )
-    imbalance = imbalances(found, loads, hi, lo) if imbalance is None else imbalance
+    imbalance = imbalances(discretisation, loads, hi, lo) if imbalance is None else imbalance
     with np.errstate(invalid="ignore"):
-        pushes = (found.contact_rows.T @ reaction.T).T
+        pushes = (discretisation.contact_rows.T @ reaction.T).T
         at_holds = np.where(held.dofs, imbalance - pushes, 0.0)
         at_free = np.where(held.dofs, 0.0, imbalance - pushes)
 
-        gap = _gap(found, hi, lo, reaction)
+        gap = _gap(discretisation, hi, lo, reaction)
         force = np.where(contacts.slope, reaction / size, reaction)
         slip = np.where(held.dofs, hi + lo - held.values, 0.0)
         # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
@@ -202,26 +202,28 @@ def certify_each(
         deflection, slopes = hi[:, ::3], hi.reshape(len(hi), -1, 3)[:, :, 1:]
         length = maximum(
             largest_magnitudes(deflection),
-            _NIL * loaded_deflection(found, nodal),
+            _NIL * loaded_deflection(discretisation, nodal),
             _UNSEEN * deflected,
             _UNSEEN * turned * size,
             idle * travel.max(initial=0.0),
-            idle * _UNSEEN * np.abs(found.springs.base).max(initial=0.0),
+            idle * _UNSEEN * np.abs(discretisation.springs.base).max(initial=0.0),
         )
         slope = maximum(largest_magnitudes(slopes), length / size)
         lengths = np.where(contacts.slope, slope[:, None], np.maximum(travel, length[:, None]))
         lengths += length[:, None] == 0.0
         open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
 
-        across = float(np.sqrt(found.mesh.element_area.mean()))
+        across = float(np.sqrt(discretisation.mesh.element_area.mean()))
         # Forces count from what bending to the deflection takes, less the rigid motion in it; under no load, from what
         # shearing to the travel does.
         bent = np.where(
-            idle, length, largest_magnitudes(np.minimum(np.abs(bending_part(found, deflection)), length[:, None]))
+            idle,
+            length,
+            largest_magnitudes(np.minimum(np.abs(bending_part(discretisation, deflection)), length[:, None])),
         )
-        bending = rigidity(found, found.thickness.max()) * bent / size**2
+        bending = rigidity(discretisation, discretisation.thickness.max()) * bent / size**2
         rest = maximum(_UNSEEN * bending, _CANCELLED * reached)
-        shear = found.model.young * found.thickness.max()
+        shear = discretisation.model.young * discretisation.thickness.max()
         rest = np.where(idle, maximum(rest, shear * maximum(_UNSEEN * length, travel.max(initial=0.0))), rest)
         by_load = by_force(nodal, across)
         by_supports = maximum(by_force(at_holds, across), largest_magnitudes(force))
@@ -229,9 +231,9 @@ def certify_each(
         pressing = maximum(scale, largest_magnitudes(force))
         reacting, away = np.abs(force) / np.where(pressing != 0.0, pressing, 1.0)[:, None], np.abs(gap) / lengths
         both = np.max([np.minimum(reacting, away), *(np.where(those, away, reacting) for those in closed)], axis=0)
-        pull = found.spring_forces(hi, lo)
-        against = at_holds + (found.spring_rows.T @ pull.T).T + pushes
-        out_of_balance, total = resultants_and_sizes(found, nodal, against)
+        pull = discretisation.spring_forces(hi, lo)
+        against = at_holds + (discretisation.spring_rows.T @ pull.T).T + pushes
+        out_of_balance, total = resultants_and_sizes(discretisation, nodal, against)
         by_name = {
             "penetration": maximum(
                 largest_magnitudes(open_by / lengths),
@@ -243,20 +245,22 @@ def certify_each(
             "equilibrium": ratio(by_force(at_free, across), scale),
             "balance": ratio(out_of_balance, maximum(total, rest)),
         }
-        lost = [_lost(found, *one) for one in zip(loads, beside, against, at_holds, pull, reaction, strict=True)]
+        lost = [
+            _lost(discretisation, *one) for one in zip(loads, beside, against, at_holds, pull, reaction, strict=True)
+        ]
     certificates = []
     for row, load_lost in enumerate(lost):
         figures = {name: float(values[row]) for name, values in by_name.items()}
         sizes = _Sizes(float(scale[row]), float(pressing[row]), float(maximum(total, rest)[row]))
-        certificates.append(_judged(found, figures, load_lost, sizes, hi[row], lo[row], reaction[row]))
+        certificates.append(_judged(discretisation, figures, load_lost, sizes, hi[row], lo[row], reaction[row]))
     return certificates
 
 
-def imbalances(found: Discretisation, loads: Sequence[CaseLoad], hi: Floats, lo: Floats) -> Floats:
+def imbalances(discretisation: Discretisation, loads: Sequence[CaseLoad], hi: Floats, lo: Floats) -> Floats:
     """F - Ku (k, 3n) of plate and springs, at displacements hi + lo (k, 3n)."""
-    springs = found.springs.arrays
+    springs = discretisation.springs.arrays
     each = zip(loads, hi, lo, strict=True)
-    return np.array([found.plate.residual(springs, load.nodal, one, rest) for load, one, rest in each])
+    return np.array([discretisation.plate.residual(springs, load.nodal, one, rest) for load, one, rest in each])
 
 
 class _Sizes(NamedTuple):
@@ -268,7 +272,7 @@ class _Sizes(NamedTuple):
 
 
 def _judged(
-    found: Discretisation,
+    discretisation: Discretisation,
     figures: dict[str, float],
     lost: float,
     sizes: _Sizes,
@@ -280,18 +284,18 @@ def _judged(
     worst = max(figures[name] for name in LIMITED)
     if worst <= TOLERANCE or not np.isfinite(worst):
         return Certificate(**figures, lost=lost)
-    held, (scale, pressing, size) = found.held, sizes
+    held, (scale, pressing, size) = discretisation.held, sizes
 
     def left_by_rounding(at: Bools) -> float:
-        return _ROUNDINGS * float(np.finfo(float).eps) * sum(forces_at_nodes(found, hi, lo, reaction, at))
+        return _ROUNDINGS * float(np.finfo(float).eps) * sum(forces_at_nodes(discretisation, hi, lo, reaction, at))
 
     at_nodes = left_by_rounding(~held.dofs)
     # Roundings of the dofs add up as in a random walk; those of the dofs held are in the resultants too.
-    many = np.sqrt(found.dof_count)
+    many = np.sqrt(discretisation.dof_count)
     resultant = many * left_by_rounding(np.ones_like(held.dofs))
     # Beside settlements a load may be nothing: what bends the plate, and what supports push with, count as well.
-    bending = float(maximum(scale, bending_force(found, hi)))
-    pushing = float(maximum(size, reaching(found, push_magnitudes(found, hi, lo, reaction))))
+    bending = float(maximum(scale, bending_force(discretisation, hi)))
+    pushing = float(maximum(size, reaching(discretisation, push_magnitudes(discretisation, hi, lo, reaction))))
     # A reaction that balances nothing but rounding may have either sign.
     limits = {
         "tension": (many * at_nodes, pressing, pressing),
@@ -308,30 +312,30 @@ def _judged(
 
 
 def certified(
-    found: Discretisation, load: CaseLoad, answer: Answer, beside: Sequence[CaseLoad] = ()
+    discretisation: Discretisation, load: CaseLoad, answer: Answer, beside: Sequence[CaseLoad] = ()
 ) -> tuple[Answer, Certificate]:
     """Judge an answer, and where it fails what stands for it; that which passes, or else the last."""
     for turn in answer.in_turn:
-        certificate = certify(found, load, turn.hi, turn.lo, turn.reaction, beside=beside)
+        certificate = certify(discretisation, load, turn.hi, turn.lo, turn.reaction, beside=beside)
         if certificate.passed:
             break
     return turn, certificate
 
 
-def least_deflection(found: Discretisation, load: CaseLoad) -> float:
+def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
     """Deflection below which that of a load is rounding."""
-    return _NIL * float(loaded_deflection(found, load.nodal))
+    return _NIL * float(loaded_deflection(discretisation, load.nodal))
 
 
-def _gap(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
-    contacts = found.contacts
+def _gap(discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
+    contacts = discretisation.contacts
     rows = contacts.rows.arrays
-    open_by = [found.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True)]
+    open_by = [discretisation.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True)]
     return np.asarray(contacts.compliance * reaction + np.array(open_by))
 
 
 def _lost(
-    found: Discretisation,
+    discretisation: Discretisation,
     load: CaseLoad,
     beside: Sequence[CaseLoad],
     against: Floats,
@@ -346,20 +350,23 @@ def _lost(
     """
     if load.all_weighs or not load.weighing.any():
         return 0.0
-    (missing,), _ = resultants_and_sizes(found, load.weighing[None], against[None])
+    (missing,), _ = resultants_and_sizes(discretisation, load.weighing[None], against[None])
     # Loads that cancel can miss the rounding of their parts.
-    of_parts = sum(float(reaching(found, part.weighing)) for part in beside)
-    of_loads = max(float(reaching(found, load.weighing)), _CANCELLED * of_parts)
-    totals = np.abs(_totals(found, at_holds, pull, reaction)).max()
+    of_parts = sum(float(reaching(discretisation, part.weighing)) for part in beside)
+    of_loads = max(float(reaching(discretisation, load.weighing)), _CANCELLED * of_parts)
+    totals = np.abs(_totals(discretisation, at_holds, pull, reaction)).max()
     part = float(ratio(missing, maximum(of_loads, totals)))
     if not part > 0.0:
         return part
-    motions, held = scaled_motions(found), found.held.dofs
+    motions, held = scaled_motions(discretisation), discretisation.held.dofs
     # A couple counts as a force at the plate's size.
-    slope = np.concatenate([np.flatnonzero(held) % 3 > 0, np.zeros(len(pull), np.bool_), found.contacts.slope])
-    arm = np.where(slope, found.mesh.size, 1.0)
+    slope = np.concatenate([np.flatnonzero(held) % 3 > 0, np.zeros(len(pull), np.bool_), discretisation.contacts.slope])
+    arm = np.where(slope, discretisation.mesh.size, 1.0)
     forces = np.concatenate([at_holds[held], pull, reaction]) / arm
-    rows = np.concatenate([motions[held], found.spring_rows @ motions, found.contact_rows @ motions]) * arm[:, None]
+    rows = (
+        np.concatenate([motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions])
+        * arm[:, None]
+    )
     largest = np.abs(forces).max(initial=0.0)
     acting = np.abs(forces) > _UNSEEN * largest
     resultant = np.einsum("ij,i->j", motions, load.weighing - against)
@@ -369,13 +376,13 @@ def _lost(
     return max(part, float(ratio(most, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
 
 
-def _totals(found: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
+def _totals(discretisation: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
     """Upward force (s,) of every support; of those that hold a node together the first has it."""
-    contacts, many = found.contacts, len(found.model.support)
+    contacts, many = discretisation.contacts, len(discretisation.model.support)
     forces = np.where(contacts.slope, 0.0, contacts.direction * reaction)
-    at_nodes = found.held.dofs[::3]
+    at_nodes = discretisation.held.dofs[::3]
     return np.asarray(
-        np.bincount(found.held.support[::3][at_nodes], at_holds[::3][at_nodes], many)
-        + np.bincount(found.springs.support, pull, many)
+        np.bincount(discretisation.held.support[::3][at_nodes], at_holds[::3][at_nodes], many)
+        + np.bincount(discretisation.springs.support, pull, many)
         + np.bincount(contacts.support, forces, many)
     )

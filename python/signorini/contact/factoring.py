@@ -42,38 +42,38 @@ _CARRIED = 100.0
 """Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
 
 
-def method_of(found: Discretisation) -> Method:
+def method_of(discretisation: Discretisation) -> Method:
     """The method asked for, or else the better one; without one-sided points all come to Lemke's without a pivot."""
-    asked, contacts = found.model.solver.method, found.contacts
+    asked, contacts = discretisation.model.solver.method, discretisation.contacts
     one_sided = ~contacts.two_sided
     if not one_sided.any():
         return "lemke"
     if asked != "auto":
         return asked
-    in_areas = np.array([support.area is not None for support in found.model.support])[contacts.support]
+    in_areas = np.array([support.area is not None for support in discretisation.model.support])[contacts.support]
     elastic, areal = contacts.compliance[one_sided] > 0, in_areas[one_sided]
     many = elastic.sum() > _FEW or areal.sum() > _FEW_IN_AREAS or len(areal) > _FEW_RIGID
     return "active_set" if many else "lemke"
 
 
-def base_of(found: Discretisation, method: Method) -> Base:
+def base_of(discretisation: Discretisation, method: Method) -> Base:
     """The method whose factor a method takes: what that of interior points finds is made exact by one of the others."""
     if method != "interior_point":
         return method
-    return "active_set" if len(found.contacts) > MOST_POINTS else "lemke"
+    return "active_set" if len(discretisation.contacts) > MOST_POINTS else "lemke"
 
 
-def can_be_factored(found: Discretisation, base: Base) -> bool:
+def can_be_factored(discretisation: Discretisation, base: Base) -> bool:
     """Whether its points are few enough to be condensed, and memory is left for them and for one more factor."""
     if base != "lemke":
         # Where nothing is eliminated, every point is one more unknown beside the nine dofs of an element.
-        more = len(found.contacts) // 9 if base == "saddle" else 0
-        return fits(needed(len(found.mesh.elements) + more))
-    points = len(found.contacts)
-    return points <= MOST_POINTS and fits(needed(len(found.mesh.elements)) + needed_by_points(points))
+        more = len(discretisation.contacts) // 9 if base == "saddle" else 0
+        return fits(needed(len(discretisation.mesh.elements) + more))
+    points = len(discretisation.contacts)
+    return points <= MOST_POINTS and fits(needed(len(discretisation.mesh.elements)) + needed_by_points(points))
 
 
-def factored(found: Discretisation, freedom: RigidFreedom, base: Base) -> _core.ContactProblem:
+def factored(discretisation: Discretisation, freedom: RigidFreedom, base: Base) -> _core.ContactProblem:
     """Order and factor; for Lemke's algorithm, condense.
 
     Raises
@@ -84,10 +84,12 @@ def factored(found: Discretisation, freedom: RigidFreedom, base: Base) -> _core.
         If it does not fit into memory.
     """
     if base == "lemke":
-        _require_condensable(len(found.contacts), found.model.solver.method)
-        footprints = len(np.unique(found.contacts.rows.further.owners))
-        require_memory_for_footprints(footprints, found.dof_count, ("support",))
-    return core_problem(found, found.contacts, regularization(found, freedom), freedom.motions, base)
+        _require_condensable(len(discretisation.contacts), discretisation.model.solver.method)
+        footprints = len(np.unique(discretisation.contacts.rows.further.owners))
+        require_memory_for_footprints(footprints, discretisation.dof_count, ("support",))
+    return core_problem(
+        discretisation, discretisation.contacts, regularization(discretisation, freedom), freedom.motions, base
+    )
 
 
 def _require_condensable(points: int, asked: str) -> None:
@@ -103,16 +105,19 @@ def _require_condensable(points: int, asked: str) -> None:
 
 
 def core_problem(
-    found: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, base: Base
+    discretisation: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, base: Base
 ) -> _core.ContactProblem:
     """Order and factor for a method; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
     free = available()
-    free_motions = motions.T @ (found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])).T
+    free_motions = (
+        motions.T
+        @ (discretisation.rigid_motions / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])).T
+    )
     try:
         return _core.ContactProblem(
-            found.plate,
-            found.held.dofs,
-            found.springs.arrays,
+            discretisation.plate,
+            discretisation.held.dofs,
+            discretisation.springs.arrays,
             (
                 *contacts.rows.arrays,
                 contacts.distance,
@@ -125,7 +130,7 @@ def core_problem(
             room=None if math.isinf(free) else int(free),
         )
     except RuntimeError as error:
-        if found.model.plate.element == "q8r":
+        if discretisation.model.plate.element == "q8r":
             raise InputError(
                 "q8r bends in some shapes without resistance, and on this mesh the supports do not hold them all. "
                 'Take element = "mitc9" or a finer mesh.',
@@ -141,24 +146,24 @@ def core_problem(
         raise SignoriniError(f"{why[0].upper()}{why[1:]}. Take a coarser mesh.") from None
 
 
-def regularization(found: Discretisation, freedom: RigidFreedom) -> Floats:
+def regularization(discretisation: Discretisation, freedom: RigidFreedom) -> Floats:
     """Stiffness (m,) that the factor carries at contact points.
 
     Compliant ones are there with their own, unless they are stiffer than the plate in shear or have footprints; where
     held dofs and springs alone do not hold the plate firmly, some others are there too, about as stiff as a plate under
     a point load.
     """
-    contacts, thickness = found.contacts, found.thickness.max()
-    shear = max(rigidity.in_shear for rigidity in found.zones.rigidities) * thickness
+    contacts, thickness = discretisation.contacts, discretisation.thickness.max()
+    shear = max(rigidity.in_shear for rigidity in discretisation.zones.rigidities) * thickness
     with np.errstate(divide="ignore"):
         stiffness = np.where(contacts.compliance > 0, 1.0 / contacts.compliance, np.inf)
     carried = np.where(stiffness <= shear, stiffness, 0.0)
     carried[np.unique(contacts.rows.further.owners)] = 0.0
-    rigidity = _CARRIED * found.model.young * thickness**3 / 12
-    own = rigidity / found.mesh.size**2
-    restraining = restraining_points(found, freedom, np.minimum(stiffness, own), own)
+    rigidity = _CARRIED * discretisation.model.young * thickness**3 / 12
+    own = rigidity / discretisation.mesh.size**2
+    restraining = restraining_points(discretisation, freedom, np.minimum(stiffness, own), own)
     needed = np.zeros(len(contacts))
     needed[restraining] = rigidity
-    needed[~contacts.slope] /= found.mesh.size**2
+    needed[~contacts.slope] /= discretisation.mesh.size**2
     carried = np.maximum(carried, np.minimum(needed, stiffness))
     return np.asarray(carried)

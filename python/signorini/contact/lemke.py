@@ -75,13 +75,13 @@ def lemke(
     Examples
     --------
     >>> M = [[60, 26, 37], [26, 36, 29], [37, 29, 30]]
-    >>> found = lemke(M, [-1, -1, -1])
-    >>> found.status, (239 * found.z).round(9).tolist(), found.basis.tolist()
+    >>> result = lemke(M, [-1, -1, -1])
+    >>> result.status, (239 * result.z).round(9).tolist(), result.basis.tolist()
     ('solved', [0.0, 1.0, 7.0], [False, True, True])
 
     A similar problem begins where this one ended:
 
-    >>> lemke(M, [-1, -1, -1.01], start=found.basis).pivots
+    >>> lemke(M, [-1, -1, -1.01], start=result.basis).pivots
     0
 
     One that has no solution, and the proof of it:

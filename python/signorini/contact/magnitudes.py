@@ -11,72 +11,76 @@ from signorini.discretise.rows import Bools, Floats
 
 
 def forces_at_nodes(
-    found: Discretisation, hi: Floats, lo: Floats, reaction: Floats, at: Bools | None = None
+    discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats, at: Bools | None = None
 ) -> tuple[float, float]:
     """Largest sum of what cancels at one of the dofs ``at`` (3n,): in the plate, and between its supports.
 
     Their rounding is what arithmetic leaves out of balance. Without ``at`` the dofs are those that are free. Examples
     are in `signorini.contact.refusal`.
     """
-    at = ~found.held.dofs if at is None else at
-    across = float(np.sqrt(found.mesh.element_area.mean()))
-    internal = found.plate.internal_magnitude(~at, hi, lo)
-    pushes = np.where(at, push_magnitudes(found, hi, lo, reaction), 0.0)
+    at = ~discretisation.held.dofs if at is None else at
+    across = float(np.sqrt(discretisation.mesh.element_area.mean()))
+    internal = discretisation.plate.internal_magnitude(~at, hi, lo)
+    pushes = np.where(at, push_magnitudes(discretisation, hi, lo, reaction), 0.0)
     return float(internal), float(by_force(pushes[None], across)[0])
 
 
-def push_magnitudes(found: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
+def push_magnitudes(discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
     """Sums (3n,) of the magnitudes that supports push with.
 
     Those that nearly repeat each other push against each other, and their forces are carried as doubles.
     """
-    pull = np.abs(found.spring_forces(hi, lo))
-    return np.asarray(abs(found.contact_rows).T @ np.abs(reaction) + abs(found.spring_rows).T @ pull)
+    pull = np.abs(discretisation.spring_forces(hi, lo))
+    return np.asarray(abs(discretisation.contact_rows).T @ np.abs(reaction) + abs(discretisation.spring_rows).T @ pull)
 
 
-def resultants_and_sizes(found: Discretisation, nodal: Floats, against: Floats) -> tuple[Floats, Floats]:
+def resultants_and_sizes(discretisation: Discretisation, nodal: Floats, against: Floats) -> tuple[Floats, Floats]:
     """Largest resultants (k,) of loads (k, 3n) and of what supports set against them, and the whole sizes."""
-    size = found.mesh.size
+    size = discretisation.mesh.size
     # Threads of a linear algebra library would cost more than these sums.
-    resultant = np.einsum("ij,ki->kj", found.rigid_motions, nodal - against) / np.array([1.0, size, size])
-    return largest_magnitudes(resultant), maximum(reaching(found, nodal), reaching(found, against))
+    resultant = np.einsum("ij,ki->kj", discretisation.rigid_motions, nodal - against) / np.array([1.0, size, size])
+    return largest_magnitudes(resultant), maximum(reaching(discretisation, nodal), reaching(discretisation, against))
 
 
-def scaled_motions(found: Discretisation) -> Floats:
+def scaled_motions(discretisation: Discretisation) -> Floats:
     """Deflections of one (3n, 3) of the rigid motions about the middle, those that turn over the plate's size."""
-    return np.asarray(found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size]))
+    return np.asarray(
+        discretisation.rigid_motions / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
+    )
 
 
-def reaching(found: Discretisation, nodal: Floats) -> Floats:
+def reaching(discretisation: Discretisation, nodal: Floats) -> Floats:
     """Sums (...,) of the magnitudes that nodal forces (..., 3n) have in a resultant."""
-    moves = found.rigid_motions.T
-    turning = np.maximum(np.abs(moves[1]), np.abs(moves[2])) / found.mesh.size
+    moves = discretisation.rigid_motions.T
+    turning = np.maximum(np.abs(moves[1]), np.abs(moves[2])) / discretisation.mesh.size
     return np.asarray((np.abs(nodal) * np.maximum(np.abs(moves[0]), turning)).sum(axis=-1))
 
 
-def bending_part(found: Discretisation, deflection: Floats) -> Floats:
+def bending_part(discretisation: Discretisation, deflection: Floats) -> Floats:
     """Deflections (k, n) of the nodes without the rigid motions nearest to them."""
-    motions = found.rigid_motions[::3]
+    motions = discretisation.rigid_motions[::3]
     return np.asarray(deflection - (motions @ np.linalg.lstsq(motions, deflection.T)[0]).T)
 
 
-def loaded_deflection(found: Discretisation, nodal: Floats) -> Floats:
+def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
     """Deflections (...,) by which loads (..., 3n) scale on the plate."""
     forces, *couples = np.moveaxis(np.abs(nodal.reshape(*nodal.shape[:-1], -1, 3)).sum(axis=-2), -1, 0)
-    size = found.mesh.size
-    return np.asarray((forces + sum(couples) / size) * size**2 / rigidity(found, found.thickness.min()))
+    size = discretisation.mesh.size
+    return np.asarray(
+        (forces + sum(couples) / size) * size**2 / rigidity(discretisation, discretisation.thickness.min())
+    )
 
 
-def bending_force(found: Discretisation, hi: Floats) -> float:
+def bending_force(discretisation: Discretisation, hi: Floats) -> float:
     """Force that bends the plate as far as a deflection (3n,) is from a plane."""
-    area = float(found.mesh.element_area.sum())
-    bent = float(np.abs(bending_part(found, hi[None, ::3])).max())
-    return rigidity(found, found.thickness.min()) * bent * area / found.mesh.size**4
+    area = float(discretisation.mesh.element_area.sum())
+    bent = float(np.abs(bending_part(discretisation, hi[None, ::3])).max())
+    return rigidity(discretisation, discretisation.thickness.min()) * bent * area / discretisation.mesh.size**4
 
 
-def rigidity(found: Discretisation, thickness: float) -> float:
+def rigidity(discretisation: Discretisation, thickness: float) -> float:
     """Bending stiffness E t³/12 of a thickness, Poisson's ratio left out."""
-    return found.model.young * float(thickness) ** 3 / 12
+    return discretisation.model.young * float(thickness) ** 3 / 12
 
 
 def by_force(nodal: Floats, across: float) -> Floats:

@@ -172,10 +172,10 @@ def with_rows(
     from scipy.sparse import csr_array, issparse
 
     made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
-    found = csr_array(G) if issparse(G) else csr_array(array(G, "G", 2))
-    count, size = found.shape[0], problem.discretisation.dof_count
-    if found.shape[1] != size:
-        raise InputError(f"found an array of shape {found.shape}; it must have {size} columns, one a dof.", place="G")
+    result = csr_array(G) if issparse(G) else csr_array(array(G, "G", 2))
+    count, size = result.shape[0], problem.discretisation.dof_count
+    if result.shape[1] != size:
+        raise InputError(f"found an array of shape {result.shape}; it must have {size} columns, one a dof.", place="G")
     bounds = _one_a_row(gaps, count, "gaps")
     soft = np.zeros(count) if flexibility is None else _one_a_row(flexibility, count, "flexibility")
     both = np.zeros(count, np.bool_) if two_sided is None else np.asarray(two_sided)
@@ -183,22 +183,22 @@ def with_rows(
         raise InputError(
             f"found an array of {both.dtype}, shape {both.shape}; it must be {count} of bool, one a row.", "two_sided"
         )
-    if not np.isfinite(found.data).all():
+    if not np.isfinite(result.data).all():
         raise InputError("found numbers that are not finite; all must be.", place="G")
     if (soft < 0).any():
         raise InputError(f"found {soft.min():g}; none must be less than 0.", place="flexibility")
-    idle = (abs(found[:, ~problem.held]).sum(axis=1) == 0) & (soft == 0)
+    idle = (abs(result[:, ~problem.held]).sum(axis=1) == 0) & (soft == 0)
     if idle.any():
         raise InputError(
             f"row {int(np.argmax(idle))} acts on held dofs alone; it moves nothing. Leave it out.", place="G"
         )
-    rows = RowProblem(problem, found, bounds, soft, both)
+    rows = RowProblem(problem, result, bounds, soft, both)
     problem.free(np.zeros(size))
     return rows
 
 
 def _one_a_row(value: ArrayLike, count: int, place: str) -> Floats:
-    found = array(value, place, 1)
-    if len(found) != count or not np.isfinite(found).all():
-        raise InputError(f"found {len(found)} numbers; they must be {count}, one a row, and finite.", place=place)
-    return found
+    result = array(value, place, 1)
+    if len(result) != count or not np.isfinite(result).all():
+        raise InputError(f"found {len(result)} numbers; they must be {count}, one a row, and finite.", place=place)
+    return result

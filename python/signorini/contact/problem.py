@@ -215,13 +215,13 @@ class ContactProblem(Statement, Remade):
         Where the factor of the solve carries some, their stiffness could be taken off again, but with it the digits by
         which it exceeds the plate's.
         """
-        found, points = self.discretisation, self.discretisation.contacts
-        if not points.two_sided.any() and not regularization(found, self.freedom).any():
+        result, points = self.discretisation, self.discretisation.contacts
+        if not points.two_sided.any() and not regularization(result, self.freedom).any():
             return self.condensed.core
         if "dual" not in self._cores:
             one_sided = replace(points, two_sided=np.zeros(len(points), np.bool_))
             motions = self.freedom.motions[:, :0]
-            self._cores["dual"] = core_problem(found, one_sided, np.zeros(len(points)), motions, "lemke")
+            self._cores["dual"] = core_problem(result, one_sided, np.zeros(len(points)), motions, "lemke")
         return self._cores["dual"]
 
     @property
@@ -338,8 +338,8 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     SignoriniError
         If it does not fit into memory.
     """
-    found = model if isinstance(model, Discretisation) else discretise(model)
-    freedom = rigid_freedom(found)
-    method = method_of(found)
-    base = base_of(found, method)
-    return ContactProblem(found, freedom, method, _cores={base: factored(found, freedom, base)})
+    result = model if isinstance(model, Discretisation) else discretise(model)
+    freedom = rigid_freedom(result)
+    method = method_of(result)
+    base = base_of(result, method)
+    return ContactProblem(result, freedom, method, _cores={base: factored(result, freedom, base)})

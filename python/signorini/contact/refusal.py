@@ -20,7 +20,7 @@ _MARGINAL = (
 )
 
 
-def refusal(name: str, found: Discretisation, load: CaseLoad, answer: Answer, certificate: Certificate) -> str:
+def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: Answer, certificate: Certificate) -> str:
     """Say why the answer to a load of that name is refused, and what to do.
 
     Examples
@@ -36,21 +36,21 @@ def refusal(name: str, found: Discretisation, load: CaseLoad, answer: Answer, ce
     ...     load=[{"pressure": 5e3}],
     ... )
     >>> problem = contact_problem(model)
-    >>> found, load = problem.discretisation, problem.discretisation.cases["load"]
+    >>> result, load = problem.discretisation, problem.discretisation.cases["load"]
     >>> answer = problem.solve(load)
-    >>> wrong = certify(found, load, 2 * answer.hi, answer.lo, answer.reaction)
-    >>> print(refusal("all", found, load, answer, wrong).partition("Rounding ")[2])
+    >>> wrong = certify(result, load, 2 * answer.hi, answer.lo, answer.reaction)
+    >>> print(refusal("all", result, load, answer, wrong).partition("Rounding ")[2])
     decides which supports are in contact. Take a finer mesh or fewer supports that nearly repeat each other, or give \
 the rigid ones a stiffness.
     """
     vain = ""
-    why = [_of_supports(found, load, answer)]
+    why = [_of_supports(discretisation, load, answer)]
     if certificate.rounding > CERTIFIABLE:
         vain = (
             f" Rounding may be {certificate.rounding:.0e} of the forces that act; over {CERTIFIABLE:g} of them it "
             "certifies nothing."
         )
-        why.append(_of_element(found))
+        why.append(_of_element(discretisation))
     elif not any(why):
         why.append(_MARGINAL)
     # Where more than that failed, it is what the others say.
@@ -65,24 +65,26 @@ the rigid ones a stiffness.
     )
 
 
-def uncertain(found: Discretisation) -> str:
+def uncertain(discretisation: Discretisation) -> str:
     """Say why there is no answer to refuse, and what to do."""
-    return f"{_MARGINAL} {_of_element(found)}".rstrip()
+    return f"{_MARGINAL} {_of_element(discretisation)}".rstrip()
 
 
-def _of_element(found: Discretisation) -> str:
-    if found.model.plate.element != "q8r":
+def _of_element(discretisation: Discretisation) -> str:
+    if discretisation.model.plate.element != "q8r":
         return ""
     return 'Elements of q8r bend in some shapes with hardly any resistance: "mitc9" may do better.'
 
 
-def _of_supports(found: Discretisation, load: CaseLoad, answer: Answer) -> str:
+def _of_supports(discretisation: Discretisation, load: CaseLoad, answer: Answer) -> str:
     """Say that supports push against each other, where that takes much more than the loads."""
-    internal, pushes = forces_at_nodes(found, answer.hi, answer.lo, answer.reaction)
+    internal, pushes = forces_at_nodes(discretisation, answer.hi, answer.lo, answer.reaction)
     pressed = np.abs(answer.reaction).sum()
     if not (pushes > internal or pressed > _PUSHING * np.abs(load.nodal[::3]).sum() > 0.0):
         return ""
-    where = found.mesh.points[int(np.abs(found.contact_rows.T @ np.abs(answer.reaction)).argmax()) // 3]
+    where = discretisation.mesh.points[
+        int(np.abs(discretisation.contact_rows.T @ np.abs(answer.reaction)).argmax()) // 3
+    ]
     return (
         f"Supports near {point(where)} push against each other with forces that outweigh all others, "
         "and so does their rounding. Leave out those that nearly repeat each other, give the rigid ones a stiffness, "

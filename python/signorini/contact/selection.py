@@ -40,7 +40,11 @@ Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
 
 
 def chosen(
-    found: Discretisation, freedom: RigidFreedom, nodal: Floats, answer: Answer, elsewhere: Elsewhere | None = None
+    discretisation: Discretisation,
+    freedom: RigidFreedom,
+    nodal: Floats,
+    answer: Answer,
+    elsewhere: Elsewhere | None = None,
 ) -> Answer:
     """Return the least of the answers to a nodal load (3n,) that are as right as this one, and say so if there are any.
 
@@ -67,24 +71,26 @@ def chosen(
     """
     if answer.status != "solved":
         return answer
-    least = _with_least_reactions(found, nodal, answer)
+    least = _with_least_reactions(discretisation, nodal, answer)
     if freedom.count:
-        least = _with_least_deflection(found, freedom, nodal, least, elsewhere)
+        least = _with_least_deflection(discretisation, freedom, nodal, least, elsewhere)
     return least if least is answer else replace(least, somehow=answer)
 
 
-def doubtful(found: Discretisation, freedom: RigidFreedom, reaction: Floats, gap: Floats) -> Bools:
+def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Floats, gap: Floats) -> Bools:
     """Whether combinations (k,) may have more answers than one, given their reactions and gaps (k, m)."""
-    if len(found.repeated):
+    if len(discretisation.repeated):
         return np.ones(len(reaction), np.bool_)
     several = np.zeros(len(reaction), np.bool_)
-    if found.shared:
+    if discretisation.shared:
         # Where every point is closed gaps are rounding, of what the reactions bend the plate by.
-        travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(found.contacts.distance).max()
-        touching = gap <= _DOUBTFUL * (travel + _bending(found, reaction))[:, None]
-        several |= np.any([touching[:, one.points].sum(axis=1) > 1 for one in found.shared], axis=0)
+        travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(discretisation.contacts.distance).max()
+        touching = gap <= _DOUBTFUL * (travel + _bending(discretisation, reaction))[:, None]
+        several |= np.any([touching[:, one.points].sum(axis=1) > 1 for one in discretisation.shared], axis=0)
     if freedom.count:
-        pushing = ~found.contacts.two_sided & (reaction > _DOUBTFUL * reaction.max(axis=1, initial=0.0)[:, None])
+        pushing = ~discretisation.contacts.two_sided & (
+            reaction > _DOUBTFUL * reaction.max(axis=1, initial=0.0)[:, None]
+        )
         squares = np.einsum("mi,mj->mij", freedom.moves, freedom.moves).reshape(len(freedom.moves), -1)
         held = (pushing.astype(np.float64) @ squares).reshape(-1, freedom.count, freedom.count)
         values = np.linalg.eigvalsh(held)
@@ -93,15 +99,15 @@ def doubtful(found: Discretisation, freedom: RigidFreedom, reaction: Floats, gap
     return several
 
 
-def _with_least_reactions(found: Discretisation, nodal: Floats, answer: Answer) -> Answer:
+def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer: Answer) -> Answer:
     """Shift reactions among points that share them, each over what it stands for, until their squares are least."""
-    points, count = found.points, len(answer.reaction)
-    together: list[Iterable[int]] = list(found.held_together)
+    points, count = discretisation.points, len(answer.reaction)
+    together: list[Iterable[int]] = list(discretisation.held_together)
     reaction, closed = answer.shared.copy(), answer.closed.copy()
-    touching = _touching(found, answer)
-    nothing = _NIL * _force(found, nodal, answer)
-    nodes, holders = np.unique(found.held.holders[:, 0], return_counts=True)
-    for shared in found.shared:
+    touching = _touching(discretisation, answer)
+    nothing = _NIL * _force(discretisation, nodal, answer)
+    nodes, holders = np.unique(discretisation.held.holders[:, 0], return_counts=True)
+    for shared in discretisation.shared:
         meet = touching[shared.points]
         mine = shared.points[meet]
         ways = shared.ways @ null_ways(shared.ways[~meet]) if not meet.all() else shared.ways
@@ -109,13 +115,13 @@ def _with_least_reactions(found: Discretisation, nodal: Floats, answer: Answer) 
         if not ways.shape[1]:
             continue
         ways, _ = np.linalg.qr(ways)
-        pushes, root = ~points.two_sided[mine], np.sqrt(found.share_weights[mine])
+        pushes, root = ~points.two_sided[mine], np.sqrt(discretisation.share_weights[mine])
         size = max(float(np.abs(reaction[mine]).max()), nothing) or 1.0
         rows, offset = [ways / root[:, None]], [reaction[mine] / root / size]
-        if (at_holds := found.point_rows[mine][:, 3 * nodes]).nnz:
-            imbalance = found.plate.residual(found.springs.arrays, nodal, answer.hi, answer.lo)
+        if (at_holds := discretisation.point_rows[mine][:, 3 * nodes]).nnz:
+            imbalance = discretisation.plate.residual(discretisation.springs.arrays, nodal, answer.hi, answer.lo)
             rows.append(-(at_holds.T @ ways) / np.sqrt(holders)[:, None])
-            offset.append((imbalance - found.point_rows.T @ reaction)[3 * nodes] / np.sqrt(holders) / size)
+            offset.append((imbalance - discretisation.point_rows.T @ reaction)[3 * nodes] / np.sqrt(holders) / size)
         room = np.maximum(reaction[mine][pushes], 0.0) / size
         change = ways @ least(np.vstack(rows), np.concatenate(offset), -ways[pushes], room)
         shares = reaction[mine] + size * change
@@ -126,8 +132,8 @@ def _with_least_reactions(found: Discretisation, nodal: Floats, answer: Answer) 
         closed[mine[mine < count]] = True
         if len(which):
             together.append(set(points.support[which].tolist()))
-    folded = reaction[:count] + found.repeated.follows.T @ reaction[count:]
-    names = [support.name for support in found.model.support]
+    folded = reaction[:count] + discretisation.repeated.follows.T @ reaction[count:]
+    names = [support.name for support in discretisation.model.support]
     several = tuple(NotUnique("reactions", tuple(names[i] for i in sorted(who))) for who in _merged(together))
     if not several:
         return answer
@@ -136,17 +142,17 @@ def _with_least_reactions(found: Discretisation, nodal: Floats, answer: Answer) 
     return replace(answer, reaction=folded, shared=reaction, closed=closed, gap=gap, not_unique=several)
 
 
-def _touching(found: Discretisation, answer: Answer) -> Bools:
+def _touching(discretisation: Discretisation, answer: Answer) -> Bools:
     """Whether the plate is at each point (m + r,)."""
-    gap = np.append(answer.gap, np.zeros(len(found.repeated)))
-    largest = max(float(np.abs(answer.hi[::3]).max()), _HARDLY * float(_bending(found, answer.reaction)))
-    near = gap <= _NIL * np.maximum(largest, np.abs(found.points.distance))
-    return np.asarray(near | found.points.two_sided)
+    gap = np.append(answer.gap, np.zeros(len(discretisation.repeated)))
+    largest = max(float(np.abs(answer.hi[::3]).max()), _HARDLY * float(_bending(discretisation, answer.reaction)))
+    near = gap <= _NIL * np.maximum(largest, np.abs(discretisation.points.distance))
+    return np.asarray(near | discretisation.points.two_sided)
 
 
-def _bending(found: Discretisation, reaction: Floats) -> Floats:
+def _bending(discretisation: Discretisation, reaction: Floats) -> Floats:
     """Deflections (...,) by which reactions (..., m) scale on the plate."""
-    rigidity = found.model.young * found.thickness.max() ** 3 / 12 / found.mesh.size**2
+    rigidity = discretisation.model.young * discretisation.thickness.max() ** 3 / 12 / discretisation.mesh.size**2
     return np.asarray(np.abs(reaction).sum(axis=-1) / rigidity)
 
 
@@ -159,26 +165,30 @@ def _merged(sets: Sequence[Iterable[int]]) -> list[set[int]]:
     return sorted(out, key=min)
 
 
-def _force(found: Discretisation, nodal: Floats, answer: Answer) -> float:
+def _force(discretisation: Discretisation, nodal: Floats, answer: Answer) -> float:
     """The largest nodal load or reaction; without load what bends the plate by its deflection.
 
     Couples count by the force they are at the plate's size apart.
     """
-    size = found.mesh.size
+    size = discretisation.mesh.size
     forces = np.abs(nodal.reshape(-1, 3)).max(axis=0) / [1.0, size, size]
     bending = 0.0
     if not nodal.any():
-        bending = found.model.young * found.thickness.max() ** 3 / 12 * float(np.abs(answer.hi[::3]).max())
+        bending = (
+            discretisation.model.young * discretisation.thickness.max() ** 3 / 12 * float(np.abs(answer.hi[::3]).max())
+        )
     return max(float(forces.max()), bending / size**2, float(np.abs(answer.reaction).max(initial=0.0))) or 1.0
 
 
 def _with_least_deflection(
-    found: Discretisation, freedom: RigidFreedom, nodal: Floats, answer: Answer, elsewhere: Elsewhere | None
+    discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, answer: Answer, elsewhere: Elsewhere | None
 ) -> Answer:
-    one_sided = ~found.contacts.two_sided
-    pushing = one_sided & (answer.reaction > _NIL * _force(found, nodal, answer))
+    one_sided = ~discretisation.contacts.two_sided
+    pushing = one_sided & (answer.reaction > _NIL * _force(discretisation, nodal, answer))
     # Of a load without a resultant the plate's own forces may leave more in its stops than that.
-    rounding = np.finfo(float).eps * found.plate.internal_magnitude(found.held.dofs, answer.hi, answer.lo)
+    rounding = np.finfo(float).eps * discretisation.plate.internal_magnitude(
+        discretisation.held.dofs, answer.hi, answer.lo
+    )
     if (answer.reaction[pushing] <= rounding).all():
         pushing[:] = False
     free = _unmoved(freedom.moves[pushing], freedom.count)
@@ -189,7 +199,7 @@ def _with_least_deflection(
         free = _unmoved(freedom.moves[pushing], freedom.count)
     if not free.shape[1]:
         return answer
-    length = np.maximum(float(np.abs(answer.hi[::3]).max()), np.abs(found.contacts.distance))
+    length = np.maximum(float(np.abs(answer.hi[::3]).max()), np.abs(discretisation.contacts.distance))
     idle = np.flatnonzero(one_sided & ~pushing)
     gap = np.where(answer.gap > _NIL * length, answer.gap, 0.0)
     sides = freedom.moves[idle] @ free
@@ -197,26 +207,26 @@ def _with_least_deflection(
     if not ways.shape[1]:
         return answer
     motions = freedom.motions @ free
-    over = area_quadrature(found.mesh)
-    values = found.mesh.shape_functions(over.elements, over.xi)
+    over = area_quadrature(discretisation.mesh)
+    values = discretisation.mesh.shape_functions(over.elements, over.xi)
     root = np.sqrt(over.weights)
-    at = np.column_stack([np.ones(len(root)), (over.positions - found.middle) / found.mesh.size])
-    deflection = (values * (answer.hi + answer.lo)[::3][found.mesh.elements[over.elements]]).sum(axis=1)
+    at = np.column_stack([np.ones(len(root)), (over.positions - discretisation.middle) / discretisation.mesh.size])
+    deflection = (values * (answer.hi + answer.lo)[::3][discretisation.mesh.elements[over.elements]]).sum(axis=1)
     unit = float(np.abs(deflection).max()) or 1.0
     part = least(root[:, None] * (at @ motions), root * deflection / unit, sides, gap[idle] / unit)
     w, *slopes = unit * (motions @ part)
-    x, y = found.middle.tolist()
-    motion = (float(w), float(slopes[0] / found.mesh.size), float(slopes[1] / found.mesh.size))
-    hi, lo = found.plate.moved(answer.hi, answer.lo, (x, y), motion)
-    left = found.plate.openings(*found.contacts.rows.arrays, found.contacts.distance, hi, lo)
-    length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(found.contacts.distance))
+    x, y = discretisation.middle.tolist()
+    motion = (float(w), float(slopes[0] / discretisation.mesh.size), float(slopes[1] / discretisation.mesh.size))
+    hi, lo = discretisation.plate.moved(answer.hi, answer.lo, (x, y), motion)
+    left = discretisation.plate.openings(*discretisation.contacts.rows.arrays, discretisation.contacts.distance, hi, lo)
+    length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(discretisation.contacts.distance))
     # Of where the plate was, the motion leaves a rounding.
     nil = np.maximum(_NIL * length, _ROUNDING * float(np.abs(answer.hi[::3]).max()))
     closed = ~one_sided | pushing | (left <= nil)
     # What pushes so little does not push.
     reaction, shared = answer.reaction.copy(), answer.shared.copy()
     reaction[one_sided & ~pushing] = shared[: len(reaction)][one_sided & ~pushing] = 0.0
-    several = NotUnique("deflection", motion=_in_words(freedom.motions @ ways, found))
+    several = NotUnique("deflection", motion=_in_words(freedom.motions @ ways, discretisation))
     return replace(
         answer,
         hi=hi,
@@ -237,10 +247,10 @@ def _unmoved(moves: Floats, count: int) -> Floats:
     return np.asarray(basis[int((values > _STILL * max(1.0, values[0])).sum()) :].T)
 
 
-def _in_words(ways: Floats, found: Discretisation) -> str:
+def _in_words(ways: Floats, discretisation: Discretisation) -> str:
     match ways.shape[1]:
         case 1:
-            return describe_motion(ways[:, 0] / np.abs(ways[:, 0]).max(), found)
+            return describe_motion(ways[:, 0] / np.abs(ways[:, 0]).max(), discretisation)
         case 2:
             return "by two rigid motions and what is between them"
         case _:

@@ -118,14 +118,14 @@ class Statement:
         ((2, 63), [1.0, 1.0], 1)
         """
         known(of, _PARTS, "part", "of", "A displacement")
-        found, positions = self.discretisation, points_of_plate(points)
-        where = found.mesh.locate(positions)
+        result, positions = self.discretisation, points_of_plate(points)
+        where = result.mesh.locate(positions)
         if not where.inside.all():
             x, y = positions[np.argmin(where.inside)]
             raise InputError(f"the point [{x:g}, {y:g}] is not on the plate.", place="points")
-        coefficients, _ = found.plate.interpolation_rows(where.elements, where.xi, _PARTS.index(of))
+        coefficients, _ = result.plate.interpolation_rows(where.elements, where.xi, _PARTS.index(of))
         coefficients[np.abs(coefficients) < _NO_PART] = 0.0
-        return Rows(where.elements, coefficients).matrix(found.mesh.elements, found.dof_count)
+        return Rows(where.elements, coefficients).matrix(result.mesh.elements, result.dof_count)
 
     def load(self, combination: str) -> Floats:
         """Nodal load (3n,) of a combination.
@@ -135,5 +135,5 @@ class Statement:
         InputError
             If there is none of that name.
         """
-        found = {c.name: c for c in self.discretisation.model.effective_combinations}
-        return self.discretisation.load(found[known(combination, found, "combination", "combination")]).nodal
+        result = {c.name: c for c in self.discretisation.model.effective_combinations}
+        return self.discretisation.load(result[known(combination, result, "combination", "combination")]).nodal

@@ -87,12 +87,12 @@ def _methods(problem: ContactProblem) -> Iterator[ContactProblem]:
 
 def _fits(problem: ContactProblem) -> bool:
     """Whether memory is left for a method, and its points can be condensed."""
-    found = problem.discretisation
-    if not (problem.is_factored or can_be_factored(found, base_of(found, problem.method))):
+    discretisation = problem.discretisation
+    if not (problem.is_factored or can_be_factored(discretisation, base_of(discretisation, problem.method))):
         return False
     if problem.method != "interior_point":
         return True
-    return fits(needed_by_interior_point(found.dof_count, len(found.contacts)))
+    return fits(needed_by_interior_point(discretisation.dof_count, len(discretisation.contacts)))
 
 
 def _forms(problem: ContactProblem) -> tuple[Form, ...]:
@@ -115,8 +115,8 @@ def answered(
     raises ends it. ``beside`` is that of `certify`; ``start`` is an answer of the same problem to another load, which
     the problem's own method begins with.
     """
-    found = problem.discretisation
-    budget = Budget(found.dof_count, len(found.contacts))
+    discretisation = problem.discretisation
+    budget = Budget(discretisation.dof_count, len(discretisation.contacts))
     first: Tried | None = None
     methods: tuple[Method, ...] = ()
     consistent = False
@@ -137,9 +137,9 @@ def answered(
             break
         certificate = None
         if answer.status == "solved":
-            answer, certificate = certified(found, load, answer, beside)
+            answer, certificate = certified(discretisation, load, answer, beside)
         elif answer.status == "no_equilibrium" and not consistent:
-            if supports_contradict(found):
+            if supports_contradict(discretisation):
                 return Tried(methods, answer, None, contradiction=True)
             consistent = True
         tried = Tried(methods, answer, certificate)
@@ -147,5 +147,5 @@ def answered(
             return tried
         first = first if first and (first.certificate or not certificate) else tried
     assert first is not None, "there are attempts"
-    contradiction = not consistent and supports_contradict(found)
+    contradiction = not consistent and supports_contradict(discretisation)
     return Tried(methods, first.answer, first.certificate, contradiction)

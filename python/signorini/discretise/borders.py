@@ -57,8 +57,8 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
     >>> from signorini.shapes import Polyline, Rectangle
     >>> from signorini.shapes.contours import straight
     >>> plate = straight(((0, 0), (8, 0), (8, 6), (0, 6)), "abcd")
-    >>> found = room([Rectangle(0.2, 2.0, 3.0, 4.0)], [plate], 0.5)
-    >>> len(found), float(found[:, 4].min().round(3))
+    >>> result = room([Rectangle(0.2, 2.0, 3.0, 4.0)], [plate], 0.5)
+    >>> len(result), float(result[:, 4].min().round(3))
     (10, 0.2)
     >>> room([], [plate], 0.5, [Polyline(((4.0, 5.8), (4.4, 5.8)))]).round(3).tolist()
     [[4.0, 5.8, 4.2, 5.8, 0.2], [4.2, 5.8, 4.4, 5.8, 0.2]]
@@ -70,7 +70,7 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
     touching = _TOUCHING * max(diameter(contour.points()) for contour in contours)
     outline = np.vstack([contour.points() for contour in contours])
     bounds = outline.min(axis=0) - size, outline.max(axis=0) + size
-    found = [np.zeros((0, 5))]
+    result = [np.zeros((0, 5))]
     for (side, number), box in zip(sides, boxes, strict=False):
         length = float(np.hypot(*(side[:, 1] - side[:, 0]).T).sum())
         closed = bool((side[0, 0] == side[-1, 1]).all())
@@ -84,8 +84,8 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
                 apart = np.minimum(apart, _distance(pieces.mean(axis=1), other))
         near = (apart < size) & ((number is None) | (apart > _FOLLOWED * size))
         sizes = np.maximum(apart[near], min((_LEAST if number is None else _LEAST_BESIDE_LINES) * size, own))
-        found.append(np.column_stack([pieces[near].reshape(-1, 4), sizes]))
-    return np.concatenate(found)
+        result.append(np.column_stack([pieces[near].reshape(-1, 4), sizes]))
+    return np.concatenate(result)
 
 
 def _sides_of(border: Line) -> Iterator[Floats]:

@@ -73,8 +73,8 @@ def followers(rows: csr_array) -> Followers:
     Examples
     --------
     >>> rows = np.array([[1.0, 0.0, 0.0], [0.6, 0.8, 0.0], [0.0, 1.0, 0.0]])
-    >>> found = followers(csr_array(rows))
-    >>> found.rows.tolist(), found.combinations.toarray().round(9).tolist()
+    >>> result = followers(csr_array(rows))
+    >>> result.rows.tolist(), result.combinations.toarray().round(9).tolist()
     ([1], [[0.6, 0.0, 0.8]])
 
     Rows that nearly follow do not:

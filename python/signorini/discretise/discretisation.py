@@ -68,7 +68,7 @@ class Discretisation(Remade):
     probe_positions: Floats
     seconds: Mapping[str, float]
 
-    _made = MappingProxyType({"plate": lambda found: _plate_of(found)})
+    _made = MappingProxyType({"plate": lambda result: _plate_of(result)})
 
     @property
     def dof_count(self) -> int:
@@ -268,10 +268,10 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     ...     support=[{"edge": ["left", "right"], "resists": "down"}],
     ...     load=[{"pressure": 5e3}],
     ... )
-    >>> found = discretise(plate)
-    >>> found.mesh.node_count, len(found.contacts)
+    >>> result = discretise(plate)
+    >>> result.mesh.node_count, len(result.contacts)
     (121, 18)
-    >>> print(round(found.cases["load"].nodal[::3].sum(), 6))
+    >>> print(round(result.cases["load"].nodal[::3].sum(), 6))
     40000.0
     """
     made_by(model, Model, _advice(model), "model")
@@ -342,8 +342,14 @@ def _advice(given: object) -> str:
             return "Make one with signorini.Model(...) or signorini.load(file)."
 
 
-def _plate_of(found: Discretisation) -> _core.Plate:
-    return _plate(found.mesh, found.zones, found.thickness, found.stress_nodes, found.held)
+def _plate_of(discretisation: Discretisation) -> _core.Plate:
+    return _plate(
+        discretisation.mesh,
+        discretisation.zones,
+        discretisation.thickness,
+        discretisation.stress_nodes,
+        discretisation.held,
+    )
 
 
 def _plate(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressNodes, held: Held) -> _core.Plate:

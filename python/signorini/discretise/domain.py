@@ -208,18 +208,18 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
     scaled = np.sqrt(hold.stiffness / hold.stiffness.max())[:, None] * (hold.elastic @ free)
     roots = np.linalg.svd(np.linalg.solve(mean.T, _triangle(scaled).T), compute_uv=False)
     largest = hold.stiffness.max() / float(mesh.element_area.sum()) * mesh.size * mesh.size
-    found = float(roots.min()) ** 2 * largest * (mesh.size * mesh.size / bending)
+    result = float(roots.min()) ** 2 * largest * (mesh.size * mesh.size / bending)
     floats = free.shape[1] == 3
     slender = (mesh.size / thinnest) ** 2 * mesh.size / float(mesh.element_area.sum()) * mesh.size
     least = max(FLOATING if floats else TURNING, THIN * slender)
-    if found >= (1.0 - _ROUNDING) * least:
+    if result >= (1.0 - _ROUNDING) * least:
         return
     which = np.unique(hold.support).tolist()
     names = " and ".join(model.support[i].name for i in which)
     what = "the plate" if floats else "the plate against a motion that rigid supports leave free"
     raise InputError(
-        f"The stiffness of {names} alone holds {what}, as firmly as a bed under all of it with kL⁴/D = {found:.2g}; it "
-        f"must be {least:g} or more. Give {least / found:.2g} times the stiffness, or hold the plate rigidly.",
+        f"The stiffness of {names} alone holds {what}, as firmly as a bed under all of it with kL⁴/D = {result:.2g}; "
+        f"it must be {least:g} or more. Give {least / result:.2g} times the stiffness, or hold the plate rigidly.",
         place=("support", which[0], "stiffness"),
     )
 

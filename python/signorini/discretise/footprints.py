@@ -60,7 +60,7 @@ class Footprints:
                 "point, or give a larger one.",
                 place=(*place, key),
             )
-        found: list[Quadrature] = []
+        result: list[Quadrature] = []
         problems: list[InputError] = []
         try:
             located(self._mesh, item.at, (*place, "at"))
@@ -82,10 +82,10 @@ class Footprints:
                         place=(*place, "at", index) if len(item.at) > 1 else (*place, "at"),
                     )
                 )
-            found.append(points)
+            result.append(points)
         if problems:
             raise InputError.of(problems)
-        return found
+        return result
 
     def _on_plate(self, at: tuple[float, float], shape: Rectangle | Circle | Polygon) -> float:
         """Part of a footprint that has to be on the plate: all, unless edges of symmetry cut it through its middle."""

@@ -81,15 +81,15 @@ def _hold_deflections(mesh: Mesh, holds: Holds, placed: Placed, nodes: Ints, num
 
 def tangents_at_nodes(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:
     """Tangents at every node of mesh edges: one where they run on smoothly, two where they turn a corner."""
-    found: dict[int, list[tuple[float, float]]] = {}
+    result: dict[int, list[tuple[float, float]]] = {}
     for nodes, units in zip(triples.tolist(), quadratic_tangents(mesh, triples).tolist(), strict=True):
         for node, (tx, ty) in zip(nodes, units, strict=True):
-            found.setdefault(node, []).append((tx, ty))
-    for node, tangents in found.items():
+            result.setdefault(node, []).append((tx, ty))
+    for node, tangents in result.items():
         if len(tangents) == 2:
             (ax, ay), (bx, by) = tangents
             if abs(ax * by - ay * bx) < PARALLEL:
                 sign = 1.0 if ax * bx + ay * by > 0 else -1.0
                 x, y = ax + sign * bx, ay + sign * by
-                found[node] = [(x / np.hypot(x, y), y / np.hypot(x, y))]
-    return found
+                result[node] = [(x / np.hypot(x, y), y / np.hypot(x, y))]
+    return result

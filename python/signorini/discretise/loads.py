@@ -99,11 +99,11 @@ def _sum(a: Floats, b: Floats) -> Floats:
 
 def loaded_sides(model: Model, mesh: Mesh, problems: Problems) -> dict[int, Ints | None]:
     """Of every load by its number the sides (k, 3) along which it acts; None where the mesh follows no line of it."""
-    found = {}
+    result = {}
     for index, load in enumerate(model.load):
         with problems.collected():
-            found[index] = mesh_edges(mesh, model.plate, load, ("load", index)) if load.kind == "line_load" else None
-    return found
+            result[index] = mesh_edges(mesh, model.plate, load, ("load", index)) if load.kind == "line_load" else None
+    return result
 
 
 def case_loads(
@@ -124,8 +124,8 @@ def case_loads(
         load = model.load[index]
         with problems.collected():
             onto = Onto(mesh, sections)
-            found = _weighed(motions, _load(zones, onto, plate, footprints, load, along, ("load", index)))
-            cases[load.case] = cases[load.case] + found if load.case in cases else found
+            result = _weighed(motions, _load(zones, onto, plate, footprints, load, along, ("load", index)))
+            cases[load.case] = cases[load.case] + result if load.case in cases else result
     return {case: replace(_weighed(motions, load), acting=frozenset([case])) for case, load in cases.items()}
 
 

@@ -46,8 +46,8 @@ class Cases(Mapping[str, CaseLoad]):
         if case in self._still:
             return self._still[case]
         load, travelled = self._places[case]
-        found = _position(Onto(self._mesh, self._sections), load.wheels(travelled), load.patch)
-        return replace(found, acting=frozenset([case]))
+        result = _position(Onto(self._mesh, self._sections), load.wheels(travelled), load.patch)
+        return replace(result, acting=frozenset([case]))
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names."""

@@ -39,12 +39,12 @@ def parts_of(count: int, held: Held, springs: Springs, points: ContactPoints) ->
         _grouped(np.where(points.slope, count, points.support), count),
         strict=True,
     )
-    found = []
+    result = []
     for holding, own, mine in columns:
         rows = _by_ways(mine, points)
         given = np.concatenate([held.numbers[holding], springs.numbers[own], points.numbers[rows[0]]])
-        found.append(Parts(held.holders[holding, 0], own, rows, np.argsort(given, kind="stable")))
-    return tuple(found)
+        result.append(Parts(held.holders[holding, 0], own, rows, np.argsort(given, kind="stable")))
+    return tuple(result)
 
 
 def _by_ways(mine: Ints, points: ContactPoints) -> Ints:

@@ -48,7 +48,7 @@ class Placed:
 
 def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
     """Place every support; those that cannot be are among the problems."""
-    found = []
+    result = []
     on_mesh = Footprints(mesh, model.support)
     taken, both = np.zeros((0, 2)), np.zeros(0, np.bool_)
     for index, support in enumerate(model.support):
@@ -63,10 +63,10 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
                 points, nodes = _at_one_place(mesh, points, taken if holds else taken[both])
                 taken = np.concatenate([taken, points.positions])
                 both = np.append(both, np.full(len(points.positions), holds))
-            found.append(
+            result.append(
                 Placed(place, support, points, nodes, mesh_edges(mesh, model.plate, support, place), footprints)
             )
-    return found
+    return result
 
 
 def _at_one_place(mesh: Mesh, sampled: Sampled, taken: Floats) -> tuple[Sampled, Ints]:

@@ -73,23 +73,23 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     whole = held.bodies.onto_leaders(points.rows.matrix(mesh.elements, len(held.dofs)))
     free = within(whole, ~held.dofs)
     scale = lengths(free)
-    found = followers(times(free, 1.0 / scale))
+    result = followers(times(free, 1.0 / scale))
     travel = (points.distance - whole @ held.values) / scale
-    beyond = np.abs(travel[found.rows] - found.combinations @ travel)
-    if (beyond > _rounding(mesh, held, points)[found.rows] / scale[found.rows]).any():
+    beyond = np.abs(travel[result.rows] - result.combinations @ travel)
+    if (beyond > _rounding(mesh, held, points)[result.rows] / scale[result.rows]).any():
         first = int(np.argmax(beyond))
-        others = points.support[found.combinations[[first]].indices]
-        row = found.rows[first]
+        others = points.support[result.combinations[[first]].indices]
+        row = result.rows[first]
         raise contradiction(points.positions[row], mesh.size, others[0], points.support[row], float(beyond[first]))
     stay = np.ones(len(contacts), np.bool_)
-    stay[equations[found.rows]] = False
+    stay[equations[result.rows]] = False
     # By unit rows; reactions go by the rows as they are.
-    follows = found.combinations.tocoo()
+    follows = result.combinations.tocoo()
     which, of = follows.coords
     place = (np.cumsum(stay) - 1)[equations[of]]
-    shape = len(found.rows), int(stay.sum())
-    data = follows.data * scale[found.rows][which] / scale[of]
-    repeated = Repeated(points.pick(found.rows), csr_array((data, (which, place)), shape=shape))
+    shape = len(result.rows), int(stay.sum())
+    data = follows.data * scale[result.rows][which] / scale[of]
+    repeated = Repeated(points.pick(result.rows), csr_array((data, (which, place)), shape=shape))
     kept = contacts.pick(stay)
     told = np.flatnonzero(_is_told(model, kept, repeated))
     return kept, Repeated(repeated.points.pick(told), repeated.follows[told])
@@ -108,7 +108,7 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
     of_tie, label = label[len(first) :], label[: len(first)][group]
     order = np.argsort(label, kind="stable")
     at_points = np.array([support.at is not None for support in model.support], np.bool_)[points.support[rigid]]
-    found = []
+    result = []
     for mine in np.split(order, np.flatnonzero(np.diff(label[order])) + 1):
         # Forces that move within one line or area are nothing that results tell.
         if len(mine) < 2 or not (at_points[mine].any() or np.ptp(points.support[rigid[mine]])):
@@ -117,8 +117,8 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
         sums = np.zeros((len(groups), len(mine)))
         sums[own, np.arange(len(mine))] = scale[mine]
         zero = ties[np.flatnonzero(of_tie == label[mine[0]])][:, groups].toarray()
-        found.append(Shared(rigid[mine], null_ways(np.hstack([sums, -zero.T]))[: len(mine)]))
-    return found
+        result.append(Shared(rigid[mine], null_ways(np.hstack([sums, -zero.T]))[: len(mine)]))
+    return result
 
 
 def null_ways(rows: Floats) -> Floats:

@@ -115,14 +115,14 @@ def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
         nodes = mesh.points[mesh.boundary]
         corners, sides = Targets.of(nodes[:, 0].tolist()), Sides(nodes, model.mesh.snap)
         return [_Target("boundary", corners, sides, np.zeros((0, 3)))], mesh.diameter
-    found = []
+    result = []
     for contour in model.plate.contours:
         for name in dict.fromkeys(contour.names):
             along = Targets.of((), *sides_of([contour], {name}))
             is_circle = len(set(contour.names)) == 1 and not len(along.sides)
             ends = [] if is_circle else [end for side in contour.edges[name] for end in contour.sides[side][::2]]
-            found.append(_Target(name, Targets.of(ends), along, along.arcs[:, :3]))
-    return found, diameter(model.plate.contours[0].points())
+            result.append(_Target(name, Targets.of(ends), along, along.arcs[:, :3]))
+    return result, diameter(model.plate.contours[0].points())
 
 
 def _target(path: Place, item: _Item) -> _Target:
@@ -139,11 +139,11 @@ def _near(targets: Sequence[_Target], reach: float) -> list[tuple[Ints, Ints]]:
     every = [Targets.join([one.corners, one.sides]) for one in targets if isinstance(one.sides, Targets)]
     boxes = np.array([one.bounds if len(one.points) + len(one.arcs) else (np.inf,) * 4 for one in every])
     low, high = boxes[:, :2] - 4.0 * reach, boxes[:, 2:] + 4.0 * reach
-    found = []
+    result = []
     for number in range(len(boxes)):
         (those,) = np.nonzero((low[number] <= high).all(axis=1) & (low <= high[number]).all(axis=1))
-        found.append((those[those < number], those[those > number]))
-    return found
+        result.append((those[those < number], those[those > number]))
+    return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,12 +220,12 @@ class _Onto:
         """A rectangle stays one: each of its sides goes with the first of its corners that moves it."""
         x0, y0, x1, y1 = box
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-        found = [self._corner(at) for at in corners]
+        result = [self._corner(at) for at in corners]
         sides = list(box)
         for side, ends in enumerate(((0, 3), (0, 1), (1, 2), (2, 3))):
-            at = (found[end][0][side % 2] for end in ends)
+            at = (result[end][0][side % 2] for end in ends)
             sides[side] = next((one for one in at if one != box[side]), box[side])
-        onto = " and ".join(dict.fromkeys(name for _, name in found if name))
+        onto = " and ".join(dict.fromkeys(name for _, name in result if name))
         made = sides[0], sides[1], sides[2], sides[3]
         return self._moved(path, box, (made, onto))
 
@@ -244,8 +244,8 @@ class _Onto:
         made: tuple[float, float, float] = x, y, radius
         return self._moved(path, ring, (made, name))
 
-    def _moved(self, path: Place, begin: _Numbers, found: tuple[_Numbers, str]) -> _Numbers:
-        end, onto = found
+    def _moved(self, path: Place, begin: _Numbers, result: tuple[_Numbers, str]) -> _Numbers:
+        end, onto = result
         if max(abs(a - b) for a, b in zip(begin, end, strict=True)) > self.same:
             self.moved[path] = Snapped(path_in_words(path), begin, end, onto)
         return end
@@ -282,8 +282,8 @@ def _nearest(
     at: Point, targets: Iterable[_Target], what: Literal["corners", "sides"]
 ) -> list[tuple[float, Point, str]]:
     """How far the corners or sides of each target are from a point, the place of them that is nearest, and its name."""
-    found = []
+    result = []
     for target in targets:
         (place,), (apart,) = getattr(target, what).nearest(np.array([at]))
-        found.append((float(apart), (float(place[0]), float(place[1])), target.name))
-    return found
+        result.append((float(apart), (float(place[0]), float(place[1])), target.name))
+    return result

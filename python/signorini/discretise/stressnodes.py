@@ -86,9 +86,9 @@ class StressNodes(Remade):
     def counting(self, count: int) -> Bools:
         """Which of the mesh's nodes (n,), or of these nodes (s,), are of an element that is not left out; else all."""
         elements = self.elements if count == self.count else self.mesh.elements
-        found = np.zeros(count, np.bool_)
-        found[elements[~self.left_out]] = True
-        return found if found.any() else ~found
+        result = np.zeros(count, np.bool_)
+        result[elements[~self.left_out]] = True
+        return result if result.any() else ~result
 
     @cached_property
     def nodes(self) -> Ints:
@@ -143,8 +143,8 @@ def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints] = (), rigid:
     ...     load=[{"pressure": 1e3}],
     ... )
     >>> mesh = rectangle((0.0, 0.0), (4.0, 2.0), (2, 1))
-    >>> found = stress_nodes_of(mesh, Zones.of(model, mesh, Problems()))
-    >>> mesh.node_count, mesh.points[found.nodes[13:]].tolist()
+    >>> result = stress_nodes_of(mesh, Zones.of(model, mesh, Problems()))
+    >>> mesh.node_count, mesh.points[result.nodes[13:]].tolist()
     (13, [[2.0, 0.0], [2.0, 1.0], [2.0, 2.0]])
     """
     rigid = np.zeros(len(mesh.elements), np.bool_) if rigid is None else rigid

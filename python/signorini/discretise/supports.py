@@ -151,11 +151,11 @@ def springs_and_contacts(
     for placed in supports:
         with problems.collected():
             for acting in _acting(mesh, shape, plate, held, of_elements, placed):
-                found = _springs_or_contacts(of_elements, placed, acting)
-                if isinstance(found, Springs):
-                    springs.append(found)
+                result = _springs_or_contacts(of_elements, placed, acting)
+                if isinstance(result, Springs):
+                    springs.append(result)
                 else:
-                    contacts += found
+                    contacts += result
     return Springs.join(springs), ContactPoints.join(contacts)
 
 
@@ -185,13 +185,13 @@ def _acting(
         (numbers,) = np.nonzero(~at_nodes)
         sampled = _pick(placed.points, numbers)
         rows = mean_deflections(mesh, placed.footprints) if placed.footprints else _rows(plate, sampled, 0)
-        found = [_Acting.of(rows, sampled, numbers=numbers)] if deflection else []
+        result = [_Acting.of(rows, sampled, numbers=numbers)] if deflection else []
         if "slope" in support.fixed:
             rotation = prescribed_rotations(placed, sampled.positions)
-            found += [
+            result += [
                 _Acting.of(_rows(plate, sampled, part), sampled, rotation[:, part - 1], numbers) for part in (1, 2)
             ]
-        return found
+        return result
     in_means, turned = False, None
     if support.stiffness is not None:
         at_ends = _GAUSS + 1 if can_let_go(support) else 0
@@ -215,15 +215,15 @@ def _acting(
             each = [tangents[node] for node in on.nodes[some].tolist()]
             number = np.repeat(np.arange(len(each)), [len(directions) for directions in each])
             turned = replace(_pick(sampled, number), tangents=np.concatenate(each))
-    found = [_Acting.of(_rows(plate, sampled, 0), sampled)] if deflection else []
+    result = [_Acting.of(_rows(plate, sampled, 0), sampled)] if deflection else []
     turned = sampled if turned is None else turned
     tx, ty = turned.tangents.T
     for component, directions in (("slope", (ty, -tx)), ("twist", (tx, ty))):
         if component in support.fixed:
             rows = _along(plate, turned, *directions)
             rotation = prescribed_rotations(placed, turned.positions)
-            found.append(_Acting.of(rows, turned, (np.column_stack(directions) * rotation).sum(axis=1)))
-    return [replace(_means(acting), shared=None) for acting in found] if in_means else found
+            result.append(_Acting.of(rows, turned, (np.column_stack(directions) * rotation).sum(axis=1)))
+    return [replace(_means(acting), shared=None) for acting in result] if in_means else result
 
 
 def _steps(support: Support) -> list[Level]:
@@ -331,16 +331,16 @@ def _means(through: _Acting) -> _Acting:
     return _Acting(Rows(elements, mean(through.rows.coefficients)), middle, middle, area, slope, shared)
 
 
-def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, found: OutlinePoints) -> _Acting:
+def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, result: OutlinePoints) -> _Acting:
     """Give points on the outline a part of what the support has in the elements that share them."""
-    if not len(found.positions):
+    if not len(result.positions):
         return acting
-    where = found.shared[:, 0]
-    xi = mesh.invert(where, found.positions)
+    where = result.shared[:, 0]
+    xi = mesh.invert(where, result.positions)
     coefficients, _ = plate.interpolation_rows(where, xi, 0)
     rows = Rows(where, coefficients)
     free = np.asarray(((np.abs(rows.coefficients) > _NONE) & ~held[rows.dofs(mesh.elements)]).any(axis=1))
-    rows, positions, shared = rows[free], found.positions[free], found.shared[free]
+    rows, positions, shared = rows[free], result.positions[free], result.shared[free]
     within = mesh.map(where, mesh.inward(where, xi, INSIDE))[free]
     area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
     some = shared >= 0

@@ -92,8 +92,8 @@ def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
         if some.any():
             points[some] = shapes(xi[some][0])[0] @ mesh.nodes[some]
     every = np.arange(len(mesh.elements))
-    found = _evaluated(zones, mesh, np.repeat(every, points.shape[1]), points.reshape(-1, 2))
-    at_points, nominal = (one.reshape(points.shape[:2]) for one in found[::2])
+    result = _evaluated(zones, mesh, np.repeat(every, points.shape[1]), points.reshape(-1, 2))
+    at_points, nominal = (one.reshape(points.shape[:2]) for one in result[::2])
     levels, across = _crossing(zones, mesh)
     elements = np.flatnonzero(across.any(axis=0) | cut_by_zones)
     if not len(elements):
@@ -122,9 +122,9 @@ def _crossing(zones: Zones, mesh: Mesh) -> tuple[list[Callable[[Floats], Floats]
 
 def _crossed_among(mesh: Mesh, some: Bools, levels: Sequence[Callable[[Floats], Floats]]) -> Bools:
     """Which elements (levels, ne) each of the levels crosses, of some (ne,) of them."""
-    found = np.zeros((len(levels), len(some)), np.bool_)
-    found[:, some] = crossed(mesh, np.flatnonzero(some), levels)
-    return found
+    result = np.zeros((len(levels), len(some)), np.bool_)
+    result[:, some] = crossed(mesh, np.flatnonzero(some), levels)
+    return result
 
 
 def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tuple[Floats, Ints, Floats]:

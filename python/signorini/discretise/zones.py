@@ -84,20 +84,20 @@ class Zones:
         count, area = len(mesh.elements), mesh.element_area
         inside, parted = np.zeros((2, len(model.zone), count), np.bool_)
         middles = mesh.map(np.arange(count), mesh.triangles[:, None] * CENTROID)
-        found = cls(model, inside, parted, *_rigidities(model))
+        result = cls(model, inside, parted, *_rigidities(model))
         points = []
         for index, zone in enumerate(model.zone):
             with problems.collected():
                 points.append(in_area(mesh, model.plate, zone.area, ("zone", index), 3))
         if len(points) < len(model.zone):
-            return found
-        sliver = np.where(found._in_strips(mesh), _ROUNDING, _SLIVER)
+            return result
+        sliver = np.where(result._in_strips(mesh), _ROUNDING, _SLIVER)
         for index, (zone, quadrature) in enumerate(zip(model.zone, points, strict=True)):
             part = np.bincount(quadrature.elements, quadrature.weights, count)
             least = sliver * np.minimum(area, zone.region.area)
             parted[index] = (part > least) & (part < area - least)
             inside[index] = np.where(parted[index], zone.region.contains(middles), part > least)
-        return found
+        return result
 
     @property
     def formulas(self) -> tuple[Expression, ...]:
@@ -124,10 +124,10 @@ class Zones:
 
     def poisson_of(self, elements: Ints) -> Floats:
         """Poisson's ratios (q,) of elements (q,)."""
-        found = np.full(len(self.number), np.nan)
+        result = np.full(len(self.number), np.nan)
         for section, own in _sections(self.model).items():
-            found[section] = own.poisson
-        return found[self.of_elements.section[elements]]
+            result[section] = own.poisson
+        return result[self.of_elements.section[elements]]
 
     @property
     def without_extremes(self) -> Bools:
@@ -169,15 +169,15 @@ class Zones:
 
     def nominal(self, who: Ints, points: Floats) -> Floats:
         """Evaluate the thickness (q,) that is given at points (q, 2), by the formulas with numbers (q,)."""
-        found = np.empty(len(points))
+        result = np.empty(len(points))
         for number in np.unique(who):
             mine = who == number
-            found[mine] = self.formulas[number](*points[mine].T, above=0.0, place=self.places[number])
-        return found
+            result[mine] = self.formulas[number](*points[mine].T, above=0.0, place=self.places[number])
+        return result
 
     def _in_strips(self, mesh: Mesh) -> Bools:
         """Elements (ne,) in which beside a border there is a narrow strip that is made as neither side of it is."""
-        found = np.zeros(len(mesh.elements), np.bool_)
+        result = np.zeros(len(mesh.elements), np.bool_)
         size = float(np.sqrt(mesh.element_area.max(initial=0.0)))
         near, far = _BESIDE * mesh.size, _NARROW * size
         boxes = np.array([zone.region.bounds for zone in self.model.zone]).reshape(-1, 4)
@@ -194,8 +194,8 @@ class Zones:
             for side in (0, 1):
                 strip = (made[:, side] != made[:, 2]).any(axis=0) & (made[:, side] != made[:, 3]).any(axis=0)
                 elements = mesh.locate(points[strip] + ways[side, strip]).elements
-                found[elements[elements >= 0]] = True
-        return found
+                result[elements[elements >= 0]] = True
+        return result
 
     def _made(self, inside: Bools) -> Made:
         material, stiffness = self._last("material", inside), self._last("stiffness", inside)
@@ -207,11 +207,11 @@ class Zones:
 
     def _last(self, key: str, inside: Bools) -> Ints:
         """The last zone that has a key, of places inside (z, q) of zones; 0 the plate."""
-        found = np.zeros(inside.shape[1], np.int64)
+        result = np.zeros(inside.shape[1], np.int64)
         for index, zone in enumerate(self.model.zone):
             if getattr(zone, key) not in (None, False):
-                found[inside[index]] = index + 1
-        return found
+                result[inside[index]] = index + 1
+        return result
 
 
 def _along(outline: Outline, step: float) -> tuple[Floats, Floats]:
@@ -239,10 +239,10 @@ def _sections(model: Model) -> dict[int, Material | Stiffness]:
     """What sections are made of, by their numbers (`Made`); materials without moduli make none."""
     parts = list(enumerate((model.plate, *model.zone)))
     materials = ((0, model.material), *((i, zone.material) for i, zone in enumerate(model.zone, 1)))
-    found: dict[int, Material | Stiffness] = {}
-    found |= {i: material for i, material in materials if material is not None and material.is_elastic}
-    found |= {len(parts) + i: part.stiffness for i, part in parts if part.stiffness is not None}
-    return found
+    result: dict[int, Material | Stiffness] = {}
+    result |= {i: material for i, material in materials if material is not None and material.is_elastic}
+    result |= {len(parts) + i: part.stiffness for i, part in parts if part.stiffness is not None}
+    return result
 
 
 def _rigidities(model: Model) -> tuple[tuple[Rigidity, ...], Floats, Floats, Ints]:

@@ -80,7 +80,7 @@ class RigidFreedom:
         return int(self.motions.shape[1])
 
 
-def rigid_freedom(found: Discretisation) -> RigidFreedom:
+def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     """Find the rigid motions that held dofs, springs and two-sided points leave free.
 
     Raises
@@ -88,45 +88,52 @@ def rigid_freedom(found: Discretisation) -> RigidFreedom:
     InputError
         If a motion meets no support at all, one-sided ones included: the plate is a mechanism.
     """
-    contacts = found.contacts
-    size = found.mesh.size
-    scaled = found.rigid_motions / np.array([1.0, size, size])
-    at_contacts, of_springs = found.contact_rows @ scaled, found.spring_rows @ scaled
+    contacts = discretisation.contacts
+    size = discretisation.mesh.size
+    scaled = discretisation.rigid_motions / np.array([1.0, size, size])
+    at_contacts, of_springs = discretisation.contact_rows @ scaled, discretisation.spring_rows @ scaled
     at_contacts[contacts.slope] *= size
     # A held slope is compared with slopes times the plate's size.
-    held = scaled[found.held.dofs] * np.tile([1.0, size, size], found.mesh.node_count)[found.held.dofs, None]
+    held = (
+        scaled[discretisation.held.dofs]
+        * np.tile([1.0, size, size], discretisation.mesh.node_count)[discretisation.held.dofs, None]
+    )
     in_stiffness = np.vstack([held, of_springs])
     motions = _null_space(np.vstack([in_stiffness, at_contacts[contacts.two_sided]]))
     moves = at_contacts @ motions
     loose = motions @ _null_space(moves) if motions.size else np.zeros((3, 0))
     if loose.size:
         raise InputError(
-            f"Nothing holds the plate against this motion: {_name_motion(loose, found)}. "
+            f"Nothing holds the plate against this motion: {_name_motion(loose, discretisation)}. "
             "Add a support that resists it (points that are not all on one line, or an edge or area).",
             place=("support",),
         )
     one_sided = contacts.pick(~contacts.two_sided)
-    on_mesh = _bearing(found, motions, one_sided.positions, one_sided.direction, one_sided.support)
+    on_mesh = _bearing(discretisation, motions, one_sided.positions, one_sided.direction, one_sided.support)
     regular = _null_space(in_stiffness).shape[1] == 0
     rows = (_null_space(held), of_springs, at_contacts)
-    return RigidFreedom(motions, moves, _outlines(found, motions), on_mesh, regular, *rows)
+    return RigidFreedom(motions, moves, _outlines(discretisation, motions), on_mesh, regular, *rows)
 
 
-def _outlines(found: Discretisation, motions: Floats) -> Bearing:
+def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
     """The outlines of the supports that have one-sided points."""
-    contacts = found.contacts
+    contacts = discretisation.contacts
     # One number for both: rows of a table are slow to sort.
     ways = (2 * contacts.support + (contacts.direction > 0))[~contacts.two_sided]
     positions, directions, supports = [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0, np.int64)]
     for index, up in zip(*np.divmod(np.unique(ways), 2), strict=True):
-        reach = outline(found.mesh, found.model.plate, found.model.support[index])
+        reach = outline(discretisation.mesh, discretisation.model.plate, discretisation.model.support[index])
         positions.append(reach)
         directions.append(np.full(len(reach), 2.0 * up - 1.0))
         supports.append(np.full(len(reach), index))
-    return _bearing(found, motions, np.concatenate(positions), np.concatenate(directions), np.concatenate(supports))
+    return _bearing(
+        discretisation, motions, np.concatenate(positions), np.concatenate(directions), np.concatenate(supports)
+    )
 
 
-def _bearing(found: Discretisation, motions: Floats, positions: Floats, directions: Floats, supports: Ints) -> Bearing:
+def _bearing(
+    discretisation: Discretisation, motions: Floats, positions: Floats, directions: Floats, supports: Ints
+) -> Bearing:
     deciding = []
     for direction in (1.0, -1.0):
         those = np.flatnonzero(directions == direction)
@@ -134,7 +141,7 @@ def _bearing(found: Discretisation, motions: Floats, positions: Floats, directio
             those = those[np.sort(hull(positions[those]))]
         deciding.append(those)
     which = np.concatenate(deciding)
-    at = np.column_stack([np.ones(len(which)), (positions[which] - found.middle) / found.mesh.size])
+    at = np.column_stack([np.ones(len(which)), (positions[which] - discretisation.middle) / discretisation.mesh.size])
     return Bearing(positions[which], directions[which, None] * (at @ motions), supports[which])
 
 
@@ -147,35 +154,35 @@ def _null_space(rows: Floats) -> Floats:
     return np.asarray(basis[rank:].T)
 
 
-def _name_motion(loose: Floats, found: Discretisation) -> str:
+def _name_motion(loose: Floats, discretisation: Discretisation) -> str:
     if loose.shape[1] == 3:
         return "any rigid motion, it has no support"
     if loose.shape[1] == 2:
         return "turning about a point in two directions"
-    return describe_motion(loose[:, 0], found)
+    return describe_motion(loose[:, 0], discretisation)
 
 
-def describe_motion(motion: Floats, found: Discretisation) -> str:
+def describe_motion(motion: Floats, discretisation: Discretisation) -> str:
     """Say what a rigid motion (3,) is: of w, and of the slopes times the plate's size, about its middle."""
-    w, *slopes = motion / np.array([1.0, found.mesh.size, found.mesh.size])
+    w, *slopes = motion / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
     turning = np.hypot(*slopes)
-    if turning * found.mesh.size < 1e-6 * abs(w):
+    if turning * discretisation.mesh.size < 1e-6 * abs(w):
         return "moving up and down"
     normal = np.array(slopes) / turning
-    through = found.middle - w / turning * normal
+    through = discretisation.middle - w / turning * normal
     along = np.array([-normal[1], normal[0]])
     along *= 1.0 if (along > 1e-9).any() and along[np.abs(along) > 1e-9][0] > 0 else -1.0
-    return f"turning about the line through {point(through, found.mesh.size)} along {point(along, 1.0)}"
+    return f"turning about the line through {point(through, discretisation.mesh.size)} along {point(along, 1.0)}"
 
 
-def restraining_points(found: Discretisation, freedom: RigidFreedom, stiffness: Floats, enough: float) -> Ints:
+def restraining_points(discretisation: Discretisation, freedom: RigidFreedom, stiffness: Floats, enough: float) -> Ints:
     """Return contact points that hold the plate firmly where held dofs and springs do not.
 
     They are those that act both ways, and if need be as few others as there are motions, stiff and far apart.
     ``stiffness`` (m,) is that of each point's support, or as much of it as counts; ``enough`` is the most that counts.
     """
-    unheld, two_sided = freedom.unheld, np.flatnonzero(found.contacts.two_sided)
-    springs = np.sqrt(np.minimum(found.springs.stiffness, enough))[:, None] * (freedom.of_springs @ unheld)
+    unheld, two_sided = freedom.unheld, np.flatnonzero(discretisation.contacts.two_sided)
+    springs = np.sqrt(np.minimum(discretisation.springs.stiffness, enough))[:, None] * (freedom.of_springs @ unheld)
     points = np.sqrt(np.minimum(stiffness, enough))[:, None] * (freedom.at_contacts @ unheld)
 
     def firm(rows: Floats) -> bool:
@@ -198,15 +205,15 @@ def restraining_points(found: Discretisation, freedom: RigidFreedom, stiffness: 
     return np.array(picked, dtype=np.int64)
 
 
-def load_size(found: Discretisation, nodal: Floats) -> float:
+def load_size(discretisation: Discretisation, nodal: Floats) -> float:
     """Sum of a nodal load's magnitudes; couples count by the force they are at the plate's size apart."""
-    return float(np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / found.mesh.size)
+    return float(np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / discretisation.mesh.size)
 
 
-def work_of(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats:
+def work_of(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats:
     """Work (d,) of a nodal load on the free motions."""
-    size = found.mesh.size
-    return np.asarray((found.rigid_motions.T @ nodal / np.array([1.0, size, size])) @ freedom.motions)
+    size = discretisation.mesh.size
+    return np.asarray((discretisation.rigid_motions.T @ nodal / np.array([1.0, size, size])) @ freedom.motions)
 
 
 def allowed_motions(bearing: Bearing) -> Floats:

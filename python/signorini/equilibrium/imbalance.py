@@ -84,7 +84,7 @@ class Imbalance:
     limit: tuple[str, float] | None = None
 
 
-def imbalance(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
+def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
     """Find out why no reactions balance a nodal load (3n,); None where they exist.
 
     Raises
@@ -103,40 +103,44 @@ def imbalance(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Im
     ...     support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
     ...     load=[{"force": 20e3, "at": [4, 2]}],
     ... )
-    >>> found = discretise(model)
-    >>> why = imbalance(found, rigid_freedom(found), found.cases["load"].weighing)
+    >>> result = discretise(model)
+    >>> why = imbalance(result, rigid_freedom(result), result.cases["load"].weighing)
     >>> round(why.moment, 6), round(why.axis.offset, 9), why.hinges.tolist()
     (20000.0, -3.0, [[3.0, 1.0], [3.0, 3.0]])
     """
-    if way := _lifting(found, freedom, nodal):
-        down, mx, my = (float(part) for part in found.rigid_motions.T @ nodal)
-        acting = found.middle + np.array([mx, my]) / down
-        holding = _holding(found, freedom, nodal, acting, "down" if way == "up" else "up")
+    if way := _lifting(discretisation, freedom, nodal):
+        down, mx, my = (float(part) for part in discretisation.rigid_motions.T @ nodal)
+        acting = discretisation.middle + np.array([mx, my]) / down
+        holding = _holding(discretisation, freedom, nodal, acting, "down" if way == "up" else "up")
         return Imbalance(down, way, None, 0.0, np.zeros((0, 2)), np.zeros(0, np.int64), holding)
-    best = _unresisted(found, freedom, freedom.outline, nodal)
+    best = _unresisted(discretisation, freedom, freedom.outline, nodal)
     if best is None:
-        _require_reach(found, freedom, nodal)
+        _require_reach(discretisation, freedom, nodal)
         return None
     # Of all such motions the one with most work for its turning.
-    most = steepest(freedom.motions, freedom.outline.moves, work_of(found, freedom, nodal) / load_size(found, nodal))
-    return _tipping(found, freedom, nodal, best if most is None else most)
+    most = steepest(
+        freedom.motions,
+        freedom.outline.moves,
+        work_of(discretisation, freedom, nodal) / load_size(discretisation, nodal),
+    )
+    return _tipping(discretisation, freedom, nodal, best if most is None else most)
 
 
-def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats, motion: Floats) -> Imbalance:
+def _tipping(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, motion: Floats) -> Imbalance:
     """How a load tips the plate by a motion (d,) that every support allows."""
     opening = np.abs(freedom.outline.moves @ motion)
-    w, *slopes = (freedom.motions @ motion) / np.array([1.0, found.mesh.size, found.mesh.size])
+    w, *slopes = (freedom.motions @ motion) / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
     turning = float(np.hypot(*slopes))
     normal = np.array(slopes) / turning
-    axis = Axis(normal, float(w / turning - normal @ found.middle))
-    work = found.rigid_motions.T @ nodal
+    axis = Axis(normal, float(w / turning - normal @ discretisation.middle))
+    work = discretisation.rigid_motions.T @ nodal
     closed = opening <= _CLOSED * opening.max(initial=0.0)
     # Weight holds it best where the motion lifts the plate most.
-    lift = -(found.mesh.points @ normal + axis.offset)
+    lift = -(discretisation.mesh.points @ normal + axis.offset)
     farthest = int(lift.argmax())
     holding = None
-    if lift[farthest] > _LIFTS * found.mesh.size:
-        holding = _holding(found, freedom, nodal, found.mesh.points[farthest], "down")
+    if lift[farthest] > _LIFTS * discretisation.mesh.size:
+        holding = _holding(discretisation, freedom, nodal, discretisation.mesh.points[farthest], "down")
     return Imbalance(
         float(work[0]),
         None,
@@ -148,26 +152,28 @@ def _tipping(found: Discretisation, freedom: RigidFreedom, nodal: Floats, motion
     )
 
 
-def _unresisted(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, nodal: Floats) -> Floats | None:
+def _unresisted(
+    discretisation: Discretisation, freedom: RigidFreedom, bearing: Bearing, nodal: Floats
+) -> Floats | None:
     """The motion (d,) of at most unit size that a bearing allows on which the load does most work, if there is one."""
-    total = load_size(found, nodal)
+    total = load_size(discretisation, nodal)
     if not freedom.count or total == 0:
         return None
-    work, one_sided = work_of(found, freedom, nodal), bearing.moves
+    work, one_sided = work_of(discretisation, freedom, nodal), bearing.moves
     # By default 1e-7 of the load may be overlooked, which a certificate sees.
     best = minimise(-work / total, one_sided, (-np.inf, 0.0), (-1.0, 1.0), tolerance=WORK)
     return None if best is None or work @ best <= WORK * total else best
 
 
-def _require_reach(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> None:
+def _require_reach(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> None:
     """Refuse a load that the supports can balance on their outlines, but not at the contact points of the mesh."""
-    if _unresisted(found, freedom, freedom.on_mesh, nodal) is None:
+    if _unresisted(discretisation, freedom, freedom.on_mesh, nodal) is None:
         return
-    down, mx, my = found.rigid_motions.T @ nodal
+    down, mx, my = discretisation.rigid_motions.T @ nodal
     where = (
         ""
-        if abs(down) <= WORK * load_size(found, nodal)
-        else (f" near {point(found.middle + np.array([mx, my]) / down, found.mesh.size)}")
+        if abs(down) <= WORK * load_size(discretisation, nodal)
+        else (f" near {point(discretisation.middle + np.array([mx, my]) / down, discretisation.mesh.size)}")
     )
     raise InputError(
         f"The load acts{where} so near the outline of the supports that they can balance it, but not at the contact "
@@ -176,10 +182,10 @@ def _require_reach(found: Discretisation, freedom: RigidFreedom, nodal: Floats) 
     )
 
 
-def _lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Literal["up", "down"] | None:
+def _lifting(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Literal["up", "down"] | None:
     """Which way the plate moves off all its supports without turning, if it does."""
-    one_sided, least = freedom.outline.moves, WORK * load_size(found, nodal)
-    work = work_of(found, freedom, nodal)
+    one_sided, least = freedom.outline.moves, WORK * load_size(discretisation, nodal)
+    work = work_of(discretisation, freedom, nodal)
     ways: tuple[tuple[Literal["up", "down"], float], ...] = (("up", -1.0), ("down", 1.0))
     for way, w in ways:
         motion = np.array([w, 0.0, 0.0])
@@ -191,26 +197,28 @@ def _lifting(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Lit
 
 
 def _holding(
-    found: Discretisation, freedom: RigidFreedom, nodal: Floats, best: Floats, way: Literal["up", "down"]
+    discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, best: Floats, way: Literal["up", "down"]
 ) -> Holding | None:
     """What least extra load would hold the plate, at the best point or, if none does there, amid the supports."""
     for at in (best, freedom.outline.positions.mean(axis=0)):
-        node = found.mesh.points[((found.mesh.points - at) ** 2).sum(axis=1).argmin()]
-        least = _least_holding(found, freedom, nodal, node, way)
+        node = discretisation.mesh.points[((discretisation.mesh.points - at) ** 2).sum(axis=1).argmin()]
+        least = _least_holding(discretisation, freedom, nodal, node, way)
         if least is not None:
             return Holding(least, way, node)
     return None
 
 
-def _least_holding(found: Discretisation, freedom: RigidFreedom, nodal: Floats, at: Floats, way: str) -> float | None:
+def _least_holding(
+    discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, at: Floats, way: str
+) -> float | None:
     """Least extra load at a point with which reactions balance the load, by a linear program in them."""
-    size = found.mesh.size
+    size = discretisation.mesh.size
     # The conditions of equilibrium over the free motions, forces in units of the load and lengths of the plate.
     scale = np.array([1.0, size, size])
-    resultant = (found.rigid_motions.T @ nodal / scale) @ freedom.motions
+    resultant = (discretisation.rigid_motions.T @ nodal / scale) @ freedom.motions
     total = float(np.abs(resultant).max())
     sign = 1.0 if way == "down" else -1.0
-    extra = sign * (np.array([1.0, *(at - found.middle)]) / scale) @ freedom.motions
+    extra = sign * (np.array([1.0, *(at - discretisation.middle)]) / scale) @ freedom.motions
     one_sided = freedom.outline.moves
     cost = np.zeros(1 + len(one_sided))
     cost[0] = 1.0

@@ -29,13 +29,15 @@ CONTRADICTION = (
 """What there is to say where `supports_contradict`."""
 
 
-def imbalance_of(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> Imbalance | None:
+def imbalance_of(discretisation: Discretisation, freedom: RigidFreedom, combination: Combination) -> Imbalance | None:
     """Find out why no reactions balance a combination, with the case that would let it stand; None where they do."""
-    why = imbalance(found, freedom, found.load(combination).weighing)
-    return None if why is None else replace(why, limit=nearest_limit(found, freedom, combination))
+    why = imbalance(discretisation, freedom, discretisation.load(combination).weighing)
+    return None if why is None else replace(why, limit=nearest_limit(discretisation, freedom, combination))
 
 
-def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Combination) -> tuple[str, float] | None:
+def nearest_limit(
+    discretisation: Discretisation, freedom: RigidFreedom, combination: Combination
+) -> tuple[str, float] | None:
     """Find the case, and the factor on top of its own, by which the combination comes to the limit of equilibrium.
 
     All other cases stay as they are. Of several the nearest to 1 in ratio, of equally near ones the case that the
@@ -58,29 +60,29 @@ def nearest_limit(found: Discretisation, freedom: RigidFreedom, combination: Com
     ...     support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
     ...     load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 20e3, "at": [4, 2]}],
     ... )
-    >>> found = discretise(model)
-    >>> case, factor = nearest_limit(found, rigid_freedom(found), model.effective_combinations[0])
+    >>> result = discretise(model)
+    >>> case, factor = nearest_limit(result, rigid_freedom(result), model.effective_combinations[0])
     >>> case, round(factor, 6)  # 80 kN at 2 and 20 kN at 4; the edge of the supports is at 3
     ('Q', 4.0)
     """
     acting = {case: factor for case, factor in (combination.factors or {}).items() if factor != 0.0}
-    nodal = {case: factor * found.cases[case].weighing for case, factor in acting.items()}
-    whole = found.load(combination).weighing
+    nodal = {case: factor * discretisation.cases[case].weighing for case, factor in acting.items()}
+    whole = discretisation.load(combination).weighing
     if len(acting) < 2 or not freedom.count or not whole.any():
         return None
     limits = [
         (case, limit)
         for case in acting
-        for limit in _limits(found, freedom, freedom.outline, whole - nodal[case], nodal[case])
+        for limit in _limits(discretisation, freedom, freedom.outline, whole - nodal[case], nodal[case])
         if 1 / _MOST < limit < _MOST
     ]
     # Two cases have each other's limit upside down, and rounding must not choose between them.
     return min(reversed(limits), key=lambda pair: round(abs(np.log(pair[1])) / _ALIKE), default=None)
 
 
-def on_the_brink(found: Discretisation, freedom: RigidFreedom, nodal: Floats) -> bool:
+def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> bool:
     """Whether a load that can be balanced no longer could be if it moved, however little, some way."""
-    total = load_size(found, nodal)
+    total = load_size(discretisation, nodal)
     if not freedom.count or total == 0:
         return False
     one_sided = freedom.outline.moves
@@ -88,20 +90,23 @@ def on_the_brink(found: Discretisation, freedom: RigidFreedom, nodal: Floats) ->
     cost = np.append(-1.0, np.zeros(len(one_sided)))
     spare = np.column_stack([np.ones(len(one_sided)), -np.eye(len(one_sided))])
     balance = np.column_stack([np.zeros(freedom.count), one_sided.T])
-    wanted = work_of(found, freedom, nodal) / total
+    wanted = work_of(discretisation, freedom, nodal) / total
     none, beyond = np.zeros(len(one_sided)), np.full(len(one_sided), np.inf)
     bound = np.concatenate([-beyond, wanted]), np.concatenate([none, wanted])
     most = minimise(cost, np.vstack([spare, balance]), bound, (0.0, np.append(1.0, beyond)))
     return most is not None and bool(most[0] <= _BRINK)
 
 
-def floats(found: Discretisation, freedom: RigidFreedom, *loads: Floats) -> bool:
+def floats(discretisation: Discretisation, freedom: RigidFreedom, *loads: Floats) -> bool:
     """Whether no nodal load (3n,) of these, be it none, does work in a motion that one-sided supports alone hold."""
-    sizes = [(np.abs(work_of(found, freedom, nodal)).max(initial=0.0), load_size(found, nodal)) for nodal in loads]
+    sizes = [
+        (np.abs(work_of(discretisation, freedom, nodal)).max(initial=0.0), load_size(discretisation, nodal))
+        for nodal in loads
+    ]
     return freedom.count > 0 and all(work <= _BRINK * size for work, size in sizes)
 
 
-def supports_contradict(found: Discretisation) -> bool:
+def supports_contradict(discretisation: Discretisation) -> bool:
     """Whether no deflection of the plate agrees with all rigid supports: a linear program in it, for the least overlap.
 
     Examples
@@ -122,9 +127,9 @@ def supports_contradict(found: Discretisation) -> bool:
     """
     from scipy.sparse import csr_array, hstack, vstack
 
-    contacts, held = found.contacts, found.held
+    contacts, held = discretisation.contacts, discretisation.held
     rigid = contacts.compliance == 0
-    rows = csr_array(found.contact_rows[np.flatnonzero(rigid)])
+    rows = csr_array(discretisation.contact_rows[np.flatnonzero(rigid)])
     distance = contacts.distance[rigid] - rows @ held.values
     size = float(np.abs(distance).max(initial=0.0))
     if size == 0.0:
@@ -141,28 +146,32 @@ def supports_contradict(found: Discretisation) -> bool:
     return least is not None and bool(least[-1] > _OVERLAP)
 
 
-def largest_factor(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats) -> float:
+def largest_factor(
+    discretisation: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats
+) -> float:
     """Find the largest factor of a nodal load (3n,) with which a bearing's reactions balance it beside the rest.
 
     Infinite if there is none; NaN if no factor from 0 on has such reactions.
     """
-    size = load_size(found, case)
+    size = load_size(discretisation, case)
     if not freedom.count or size == 0:
         return np.inf
-    unit = (load_size(found, rest) or size) / size
-    limits = _limits(found, freedom, bearing, rest, unit * case)
+    unit = (load_size(discretisation, rest) or size) / size
+    limits = _limits(discretisation, freedom, bearing, rest, unit * case)
     if not limits:
         return np.nan
     most = limits[-1]
     return np.inf if most >= _MOST else 0.0 if most <= _BRINK else unit * most
 
 
-def _limits(found: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats) -> list[float]:
+def _limits(
+    discretisation: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats
+) -> list[float]:
     """Least and largest factor of a case beside the rest of the load for which reactions balance both."""
-    total = load_size(found, rest) + load_size(found, case)
+    total = load_size(discretisation, rest) + load_size(discretisation, case)
     one_sided = bearing.moves
-    balance = np.column_stack([-work_of(found, freedom, case) / total, one_sided.T])
-    wanted = work_of(found, freedom, rest) / total
+    balance = np.column_stack([-work_of(discretisation, freedom, case) / total, one_sided.T])
+    wanted = work_of(discretisation, freedom, rest) / total
     bounds = 0.0, np.append(_MOST, np.full(len(one_sided), np.inf))
     found_limits = []
     for sign in (1.0, -1.0):

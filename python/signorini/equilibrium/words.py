@@ -11,15 +11,15 @@ _MOST_HINGES = 4
 """Points of a support that a plate tips about."""
 
 
-def explain(found: Discretisation, why: Imbalance | None) -> str:
+def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
     """Say why no reactions balance a load, what would, or nothing where they exist."""
     if why is None:
         return ""
-    force = found.model.units.force
+    force = discretisation.model.units.force
     unit = f" {force}" if force else ""
-    text = _lifting(why, unit) if why.axis is None else _tipping(found, why, unit)
+    text = _lifting(why, unit) if why.axis is None else _tipping(discretisation, why, unit)
     if why.holding is not None:
-        at = point(why.holding.at, found.mesh.size)
+        at = point(why.holding.at, discretisation.mesh.size)
         text += f" An extra {why.holding.force:.6g}{unit} {why.holding.way} at {at} would just hold it."
     if why.limit is not None:
         case, factor = why.limit
@@ -35,11 +35,11 @@ def _lifting(why: Imbalance, unit: str) -> str:
     )
 
 
-def _tipping(found: Discretisation, why: Imbalance, unit: str) -> str:
+def _tipping(discretisation: Discretisation, why: Imbalance, unit: str) -> str:
     assert why.axis is not None
-    size, owners = found.mesh.size, dict[str, dict[str, None]]()
+    size, owners = discretisation.mesh.size, dict[str, dict[str, None]]()
     for at, support in zip(why.hinges, why.supports, strict=True):
-        owners.setdefault(point(at, size), {})[found.model.support[support].name] = None
+        owners.setdefault(point(at, size), {})[discretisation.model.support[support].name] = None
     alike: dict[str, list[str]] = {}
     for spot, names in owners.items():
         alike.setdefault(" and ".join(names), []).append(spot)
@@ -48,7 +48,7 @@ def _tipping(found: Discretisation, why: Imbalance, unit: str) -> str:
         for names, spots in alike.items()
     )
     hinges = f" through {through}" if through else ""
-    moment_unit = f"{unit} {found.model.units.length}".rstrip() if unit else ""
+    moment_unit = f"{unit} {discretisation.model.units.length}".rstrip() if unit else ""
     line = line_in_words(why.axis.normal, why.axis.offset, size)
     return f"The plate tips about the line {line}{hinges}, short by a moment of {why.moment:.6g}{moment_unit}."
 

@@ -132,9 +132,9 @@ class Expression:
         )
         for wrong, why in bounds:
             if wrong.any():
-                found = values[wrong].flat[0]
+                result = values[wrong].flat[0]
                 where = "" if self.is_constant else f" at {first_point(wrong, px, py)}"
-                raise InputError(f"'{self.source}' is {found:g}{where}, {why}.", place=place)
+                raise InputError(f"'{self.source}' is {result:g}{where}, {why}.", place=place)
         return values
 
     def __str__(self) -> str:

@@ -60,14 +60,14 @@ class Level:
 
     def drawing(self, box: Box) -> Drawing:
         """Straight lines along the axes, and circles, among the jumps in a box xmin, ymin, xmax, ymax."""
-        found = Drawing()
+        result = Drawing()
         if self.jumps:
             for curve in self._curves:
                 for shifted in _steps(curve, box) if self._whole else (curve,):
-                    found += Drawing(*shifted.zeros())
+                    result += Drawing(*shifted.zeros())
         x0, y0, x1, y1 = box
-        x_lines = tuple(x for x in found.x_lines if x0 <= x <= x1)
-        return Drawing(x_lines, tuple(y for y in found.y_lines if y0 <= y <= y1), found.circles)
+        x_lines = tuple(x for x in result.x_lines if x0 <= x <= x1)
+        return Drawing(x_lines, tuple(y for y in result.y_lines if y0 <= y <= y1), result.circles)
 
 
 def _steps(inner: Polynomial, box: Box) -> Iterator[Polynomial]:
@@ -88,12 +88,12 @@ def levels(tree: ast.expr) -> tuple[Level, ...]:
     >>> step(np.array([[4.0, 0.0], [7.0, 0.0]])), step.drawing((0, 0, 10, 1)).x_lines
     (array([-1.,  2.]), (5.0,))
     """
-    found: dict[str, Level] = {}
+    result: dict[str, Level] = {}
     for level in _levels(tree):
         key = ast.dump(level._tree)
-        if key not in found or level.jumps:
-            found[key] = level
-    return tuple(sorted(found.values(), key=lambda level: not level.jumps))
+        if key not in result or level.jumps:
+            result[key] = level
+    return tuple(sorted(result.values(), key=lambda level: not level.jumps))
 
 
 def _levels(node: ast.expr) -> Iterator[Level]:

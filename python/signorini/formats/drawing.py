@@ -248,11 +248,11 @@ def _triples(corners: Sequence[Corner]) -> Iterator[tuple[Corner, Corner, Corner
 
 def flattened(line: Sequence[Corner], turn: float) -> list[tuple[float, float]]:
     """Points of an open line, its arcs by chords that turn by an angle or less."""
-    found = [(line[0].x, line[0].y)]
+    result = [(line[0].x, line[0].y)]
     for a, b in itertools.pairwise(line):
         pieces = math.ceil(abs(4 * math.atan(a.bulge)) / turn) if a.bulge else 1
-        found += [_along(a, b, i / pieces) for i in range(1, pieces)] + [(b.x, b.y)]
-    return found
+        result += [_along(a, b, i / pieces) for i in range(1, pieces)] + [(b.x, b.y)]
+    return result
 
 
 def _along(a: Corner, b: Corner, part: float) -> tuple[float, float]:

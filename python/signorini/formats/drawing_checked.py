@@ -28,20 +28,20 @@ def checked(drawing: Drawing) -> Drawing:
     >>> from signorini.formats.drawing import Corner, Loop
     >>> outline = Loop((Corner(0, 0), Corner(6, 0), Corner(6, 4), Corner(0, 4)))
     >>> holes = Loop((Corner(2, 2),), 1), Loop((Corner(2, 2),), 0.5)
-    >>> found = checked(Drawing(outline, holes, (), {}, (), (), ()))
-    >>> found.holes == holes[:1], found.left
+    >>> result = checked(Drawing(outline, holes, (), {}, (), (), ()))
+    >>> result.holes == holes[:1], result.left
     (True, ('holes: at [2, 2]: hole 2 at [2.5, 2] is inside hole 1. Leave the inner one out.',))
     """
     while True:
         try:
             discretise(validate(tomllib.loads(drawing_as_toml(drawing, ""))))
         except InputError as error:
-            found = _without(drawing, {part.path: part.message for part in error.parts})
-            if found is None:
+            result = _without(drawing, {part.path: part.message for part in error.parts})
+            if result is None:
                 if not drawing.outline.is_simple:
                     raise InputError(f"the outline cannot be taken: {error.message}", place="outline") from None
                 return replace(drawing, left=(*drawing.left, f"outline: {error.message}"))
-            drawing = found
+            drawing = result
         else:
             return drawing
 

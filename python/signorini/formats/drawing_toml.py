@@ -139,9 +139,9 @@ def _corners(loop: Loop) -> list[str]:
     straight = [i for i, (a, _) in enumerate(sides[-1:] + sides[:-1]) if (a.bulge == 0) == (len(sides) > 2)]
     begin = straight[0] if straight else 0
     sides = sides[begin:] + sides[:begin]
-    found = [_list(sides[0][0][:2])]
-    found += [_to(a, b) for a, b in sides[:-1]]
-    return found + ([_to(*sides[-1])] if sides[-1][0].bulge else [])
+    result = [_list(sides[0][0][:2])]
+    result += [_to(a, b) for a, b in sides[:-1]]
+    return result + ([_to(*sides[-1])] if sides[-1][0].bulge else [])
 
 
 def _to(a: Corner, b: Corner) -> str:
@@ -178,5 +178,5 @@ def _list(values: Sequence[float]) -> str:
 
 
 def _number(value: float) -> str:
-    found = round(value, _DIGITS) + 0.0
-    return f"{found:.0f}" if found == int(found) else repr(found)
+    result = round(value, _DIGITS) + 0.0
+    return f"{result:.0f}" if result == int(result) else repr(result)

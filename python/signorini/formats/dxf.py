@@ -52,21 +52,21 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     SignoriniError
         If the file cannot be read, or ezdxf, which reads it, is not there.
     """
-    found = layers_in(path, unit)
-    names = {role: _named(role, layers.get(role, ()), found) for role in ROLES}
-    roles = {role: [found[name] for name in named] for role, named in names.items()}
+    result = layers_in(path, unit)
+    names = {role: _named(role, layers.get(role, ()), result) for role in ROLES}
+    roles = {role: [result[name] for name in named] for role, named in names.items()}
     others = {name for role, named in names.items() if role != "outline" for name in named}
-    among = {name: one for name, one in found.items() if name in (names["outline"] or found.keys() - others)}
+    among = {name: one for name, one in result.items() if name in (names["outline"] or result.keys() - others)}
     outline, layer = _outline(among, "the drawing" if not names["outline"] else _layers(names["outline"]))
     frame = "" if names["outline"] else _maybe_frame(outline, layer, among)
     left = list(_beyond(outline, among[layer], layer))
-    found[layer].loops.remove(outline)
-    own = [one.loops for one in roles["holes"] or [found[layer]]]
+    result[layer].loops.remove(outline)
+    own = [one.loops for one in roles["holes"] or [result[layer]]]
     holes, off = _parted(_all_of(own), outline.holds)
     if names["holes"]:
         left += _told(off, "holes", "not inside the outline; an opening at an edge is part of it")
     else:
-        found[layer].loops += off
+        result[layer].loops += off
     zones, off = _parted(_all_of(one.loops for one in roles["zones"]), lambda zone: outline.covers(zone.points))
     left += _told(off, "zones", "not within the outline")
 
@@ -78,8 +78,8 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     middles: list[str] = []
     points = _points(roles["points"], on_plate, left)
     lines = _lines(roles["lines"], on_plate, middles, left)
-    left += [f"layer {name}: {rest}" for name, rest in sorted(found.items()) if str(rest)]
-    if names["holes"] and (inside := sum(map(outline.holds, found[layer].loops))):
+    left += [f"layer {name}: {rest}" for name, rest in sorted(result.items()) if str(rest)]
+    if names["holes"] and (inside := sum(map(outline.holds, result[layer].loops))):
         left.append(
             f"{inside} of the closed lines of layer {layer} are inside the outline: if they are holes, put them on "
             f"{_layers(names['holes'])}"
@@ -120,12 +120,12 @@ def _all_of(lists: Iterable[list[_T]]) -> list[_T]:
     return taken
 
 
-def _named(role: str, wanted: Sequence[str], found: Mapping[str, Layer]) -> list[str]:
+def _named(role: str, wanted: Sequence[str], result: Mapping[str, Layer]) -> list[str]:
     """The drawing's own spelling of layers, each once."""
-    by_name = {name.lower(): name for name in found}
+    by_name = {name.lower(): name for name in result}
     for name in wanted:
         if name.lower() not in by_name:
-            there = ", ".join(sorted(found)) or "none"
+            there = ", ".join(sorted(result)) or "none"
             raise InputError(f"the drawing has nothing on a layer {name!r}. Its layers are: {there}.", place=role)
     asked = dict.fromkeys(name.lower() for name in wanted or (role,))
     return [by_name[name] for name in asked if name in by_name]
@@ -233,7 +233,7 @@ def _points(
             twice.append(point)
         else:
             shapes.append((None, point))
-    found: dict[tuple[float, ...], list[tuple[float, float]]] = defaultdict(list)
+    result: dict[tuple[float, ...], list[tuple[float, float]]] = defaultdict(list)
     off: list[tuple[float, float]] = []
     over, loose = off.copy(), off.copy()
     for shape, at in shapes:
@@ -249,7 +249,7 @@ def _points(
                 over.append(at)
             else:
                 footprint = tuple(round(part, 3) for part in size)
-        found[footprint].append(at)
+        result[footprint].append(at)
     for places, why in (
         (twice, "drawn twice; taken once"),
         (off, "not on the plate; left"),
@@ -257,7 +257,7 @@ def _points(
         (loose, "neither circles nor rectangles; points without footprint"),
     ):
         left += [f"points: {len(places)}{about(places)}: {why}"] if places else []
-    return dict(found)
+    return dict(result)
 
 
 def _as_circle(loop: Loop) -> Loop:

@@ -48,14 +48,14 @@ class Layer:
 
     def __str__(self) -> str:
         """Count what is there, and say where."""
-        found = (
+        result = (
             ("closed line", [loop.middle for loop in self.loops]),
             ("filled area", [fill.middle for fill in self.fills]),
             ("open line", [line[0][:2] for line in self.lines]),
             ("point", self.points),
             ("sliver", [sliver.middle for sliver in self.slivers]),
         )
-        placed = [f"{len(at)} {kind}{'s' if len(at) > 1 else ''}{about(at)}" for kind, at in found if at]
+        placed = [f"{len(at)} {kind}{'s' if len(at) > 1 else ''}{about(at)}" for kind, at in result if at]
         return "; ".join([*placed, *(f"{count} {kind}" for kind, count in sorted(self.others.items()))])
 
 
@@ -119,10 +119,10 @@ def _layers(document: Document, metres: float) -> dict[str, Layer]:
     for entities in by_layer.values():
         upright_all(entities)
     extent = _extent(entity for entities in by_layer.values() for entity in entities)
-    found = {name: _layer(entities, metres, extent * _OFF) for name, entities in by_layer.items()}
+    result = {name: _layer(entities, metres, extent * _OFF) for name, entities in by_layer.items()}
     for name, kinds in hidden.items():
-        found.setdefault(name, Layer()).others.update(kinds)
-    return found
+        result.setdefault(name, Layer()).others.update(kinds)
+    return result
 
 
 def _taken_apart(entities: Iterable[Any], layer: str | None = None, depth: int = 0) -> Iterator[tuple[str, DXFEntity]]:

@@ -20,17 +20,17 @@ _ASKEW = 0.01
 
 def middles_of_loops(loops: Sequence[Loop]) -> tuple[list[tuple[Corner, ...]], list[Loop]]:
     """Closed lines along the middles of walls all around, of both faces; and the loops that are none."""
-    found: list[tuple[Corner, ...]] = []
+    result: list[tuple[Corner, ...]] = []
     rest: list[Loop] = []
     for loop in sorted(loops, key=lambda one: one.area):
         for inner in rest:
             if len(inner.corners) == len(loop.corners) > 2 and loop.holds(inner) and (ring := _ring(loop, inner)):
                 rest.remove(inner)
-                found.append(ring)
+                result.append(ring)
                 break
         else:
             rest.append(loop)
-    return found, rest
+    return result, rest
 
 
 def _ring(outer: Loop, inner: Loop) -> tuple[Corner, ...] | None:
@@ -57,7 +57,7 @@ def middles_of_lines(
         and (apart := _faces(one, _alongside(one, other), _MATCHED if len(one) == 2 else _SHARED))
     )
     middle: dict[int, tuple[Corner, ...]] = {}
-    found: list[tuple[float, tuple[float, float]]] = []
+    result: list[tuple[float, tuple[float, float]]] = []
     for apart, i, j in pairs:
         one, other = straight[i], _alongside(straight[i], straight[j])
         if i in middle or j in middle or sum(math.dist(a[:2], b[:2]) for a, b in pairwise(one)) < _LONG * apart:
@@ -66,8 +66,8 @@ def middles_of_lines(
         if len(one) > 2 and between(one, other) is None:
             continue
         middle |= {i: ends, j: ()}
-        found.append((apart, (ends[0].x, ends[0].y)))
-    return [one for i, line in enumerate(lines) if (one := middle.get(i, line))], found
+        result.append((apart, (ends[0].x, ends[0].y)))
+    return [one for i, line in enumerate(lines) if (one := middle.get(i, line))], result
 
 
 def _alongside(one: tuple[Corner, ...], other: tuple[Corner, ...]) -> tuple[Corner, ...]:

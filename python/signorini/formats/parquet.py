@@ -74,8 +74,8 @@ class _Rows:
         while self._left is None or len(self._left) < count:
             more = next(self._groups)
             self._left = more if self._left is None else pa.concat_tables([self._left, more])
-        found, self._left = self._left.slice(0, count), self._left.slice(count)
-        return found
+        result, self._left = self._left.slice(0, count), self._left.slice(count)
+        return result
 
 
 def _numbers(block: Any) -> Blocks:

@@ -11,47 +11,47 @@ _ENDS = r"\s*(?:[,}\]#].*)?$"
 # Slips that show in the line where reading stopped, by a pattern and what to say of its match. The first one that is
 # found is told.
 _SLIPS: tuple[tuple[str, Callable[[re.Match[str]], str]], ...] = (
-    (r"^(?://|;|%|--)", lambda found: "A comment begins with #."),
-    (r"[“”„‘’«»]", lambda found: "Quotes are straight: \" or '."),
-    (r'=\s*"[^"]*\\', lambda found: "Write a path with / in place of \\, or in single quotes."),
-    (r"=\s*\(", lambda found: "A list stands in square brackets: [1, 2]."),
+    (r"^(?://|;|%|--)", lambda result: "A comment begins with #."),
+    (r"[“”„‘’«»]", lambda result: "Quotes are straight: \" or '."),
+    (r'=\s*"[^"]*\\', lambda result: "Write a path with / in place of \\, or in single quotes."),
+    (r"=\s*\(", lambda result: "A list stands in square brackets: [1, 2]."),
     (
         rf"=\s*([+-]?\d{{1,3}}(?:,\d{{3}}){{2,}}){_ENDS}",
-        lambda found: f"Write a number without commas: {found[1].replace(',', '')}.",
+        lambda result: f"Write a number without commas: {result[1].replace(',', '')}.",
     ),
     (
         rf"=\s*([+-]?\d+),(\d+(?:[eE][+-]?\d+)?){_ENDS}",
-        lambda found: f"The decimal sign is a point: {found[1]}.{found[2]}.{_thousands(found[1], found[2])}",
+        lambda result: f"The decimal sign is a point: {result[1]}.{result[2]}.{_thousands(result[1], result[2])}",
     ),
-    (r",\s*\}", lambda found: "No comma stands before the closing brace."),
+    (r",\s*\}", lambda result: "No comma stands before the closing brace."),
     (
         r"\{[^}]*$",
-        lambda found: "A table in braces stands on one line, from { to }; a longer one under a header of its own.",
+        lambda result: "A table in braces stands on one line, from { to }; a longer one under a header of its own.",
     ),
-    (r"[=,\[]\s*([+-]?)(\.\d+)", lambda found: f"A digit stands before the point: {found[1]}0{found[2]}."),
+    (r"[=,\[]\s*([+-]?)(\.\d+)", lambda result: f"A digit stands before the point: {result[1]}0{result[2]}."),
     (
         r"[=,\[]\s*([+-]?\d+)\.(?!\d)((?:[eE][+-]?\d+)?)",
-        lambda found: f"A digit stands behind the point: {found[1]}.0{found[2]}.",
+        lambda result: f"A digit stands behind the point: {result[1]}.0{result[2]}.",
     ),
-    (r"=\s*[+-]?0+(\d[\d.]*)", lambda found: f"A number has no zeros before it: {found[1]}."),
-    (rf"=\s*({_NUMBER})\s*[*^/]", lambda found: "Write a power of ten as 30e9, and a formula in quotes."),
-    (r"=\s*(\d+(?: \d{3})+)\b", lambda found: f"Write a number without spaces: {found[1].replace(' ', '')}."),
+    (r"=\s*[+-]?0+(\d[\d.]*)", lambda result: f"A number has no zeros before it: {result[1]}."),
+    (rf"=\s*({_NUMBER})\s*[*^/]", lambda result: "Write a power of ten as 30e9, and a formula in quotes."),
+    (r"=\s*(\d+(?: \d{3})+)\b", lambda result: f"Write a number without spaces: {result[1].replace(' ', '')}."),
     (
         rf"=\s*({_NUMBER})\s*[^\W\d_]",
-        lambda found: f"A number stands without its unit: {found[1]}. Units have labels in [units].",
+        lambda result: f"A number stands without its unit: {result[1]}. Units have labels in [units].",
     ),
-    (rf"=\s*{_NUMBER}\s*;", lambda found: "A line ends without a semicolon."),
-    (r"=\s*(True|False|TRUE|FALSE)\b", lambda found: f"Write {found[1].lower()} in small letters."),
-    (r"=\s*([^\W\d]\w*)", lambda found: f'Text stands in quotes: "{found[1]}".'),
-    (r"=\s*(?:#.*)?$", lambda found: "The value is missing behind the =."),
-    (r"^[\w.\- ]+:", lambda found: "Between a key and its value stands =."),
-    (r"[{,]\s*\w+\s*:", lambda found: "Between a key and its value stands =."),
-    (r"^\[\[[^\]]*\](?!\])", lambda found: "A header in double brackets ends in ]]."),
-    (r"^\[[^\]]*$", lambda found: "A header in brackets ends in ]."),
-    (r"""=\s*(["'])(?:(?!\1).)*$""", lambda found: f"The closing quote {found[1]} is missing."),
-    (r"^\{", lambda found: "This looks like JSON; docs/input.md shows the same in TOML."),
-    (r"^[^=\[]+$", lambda found: "A line is [a header], key = value, or # a comment."),
-    (r"^[^\x00-\x7f]", lambda found: "Keys are written in plain letters, such as nu."),
+    (rf"=\s*{_NUMBER}\s*;", lambda result: "A line ends without a semicolon."),
+    (r"=\s*(True|False|TRUE|FALSE)\b", lambda result: f"Write {result[1].lower()} in small letters."),
+    (r"=\s*([^\W\d]\w*)", lambda result: f'Text stands in quotes: "{result[1]}".'),
+    (r"=\s*(?:#.*)?$", lambda result: "The value is missing behind the =."),
+    (r"^[\w.\- ]+:", lambda result: "Between a key and its value stands =."),
+    (r"[{,]\s*\w+\s*:", lambda result: "Between a key and its value stands =."),
+    (r"^\[\[[^\]]*\](?!\])", lambda result: "A header in double brackets ends in ]]."),
+    (r"^\[[^\]]*$", lambda result: "A header in brackets ends in ]."),
+    (r"""=\s*(["'])(?:(?!\1).)*$""", lambda result: f"The closing quote {result[1]} is missing."),
+    (r"^\{", lambda result: "This looks like JSON; docs/input.md shows the same in TOML."),
+    (r"^[^=\[]+$", lambda result: "A line is [a header], key = value, or # a comment."),
+    (r"^[^\x00-\x7f]", lambda result: "Keys are written in plain letters, such as nu."),
 )
 
 
@@ -88,4 +88,4 @@ def hint(says: str, line: str, lists: Collection[str]) -> str:
         return "A table stands once; put all its keys under one header."
     if "overwrite" in says:
         return "A key stands once in a table."
-    return next((say(found) for slip, say in _SLIPS if (found := re.search(slip, line))), "")
+    return next((say(result) for slip, say in _SLIPS if (result := re.search(slip, line))), "")

@@ -80,12 +80,12 @@ def _elements(data: meshio.Mesh) -> Ints:
             f"{', '.join(others)}. Mesh the plate with these alone (in Gmsh: Mesh.ElementOrder = 2, "
             "Mesh.SecondOrderIncomplete = 1; for quadrilaterals wherever they fit Mesh.RecombineAll = 1)."
         )
-    found = [
+    result = [
         np.asarray(block.data, dtype=np.int64)[:, _NODES[block.type]] for block in data.cells if block.type in _NODES
     ]
-    if not sum(map(len, found)):
+    if not sum(map(len, result)):
         raise InputError("The mesh has no elements; the plate needs 8- or 9-node quadrilaterals or 6-node triangles.")
-    elements = np.vstack(found)
+    elements = np.vstack(result)
     _require_nodes(data, elements, "An element")
     return elements
 

@@ -49,8 +49,8 @@ def edges_on_polyline(points: Floats, triples: Ints, sides: Sequence[Side], tole
     (j, 3) int array or None
         The sides of elements in the order and direction of the polyline, or None if some part is not covered.
     """
-    found = [_edges_on_side(points, triples, side, tolerance) for side in sides]
-    covered = [chain for chain in found if chain is not None]
+    result = [_edges_on_side(points, triples, side, tolerance) for side in sides]
+    covered = [chain for chain in result if chain is not None]
     return np.vstack(covered) if len(covered) == len(sides) else None
 
 
@@ -68,14 +68,14 @@ def _edges_on_side(points: Floats, triples: Ints, side: Side, tolerance: float) 
 
 def sides_mostly_on(points: Floats, triples: Ints, sides: Sequence[Side], tolerance: float) -> Ints:
     """Find the sides (k, 3) of elements on those of a polyline, straight or arcs, that these cover by half or more."""
-    found = [np.zeros((0, 3), np.int64)]
+    result = [np.zeros((0, 3), np.int64)]
     for side in sides:
         length, station, on = _on_side(points, side, tolerance)
         those = triples[on[triples].all(axis=1)]
         ends = np.sort(station[those[:, [0, 2]]], axis=1)
         covered = np.clip(ends, 0.0, length)
-        found.append(those[np.diff(covered, axis=1)[:, 0] >= 0.5 * np.diff(ends, axis=1)[:, 0]])
-    return np.vstack(found)
+        result.append(those[np.diff(covered, axis=1)[:, 0] >= 0.5 * np.diff(ends, axis=1)[:, 0]])
+    return np.vstack(result)
 
 
 def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Floats, Bools]:

@@ -75,11 +75,11 @@ def _kept(
 
 
 def _size(x: Floats, size: float, caps: Sequence[Cap]) -> Floats:
-    found = np.full(len(x), size)
+    result = np.full(len(x), size)
     for a, b, most in caps:
         away = np.maximum(np.maximum(a - x, x - b), 0.0)
-        found = np.minimum(found, most + math.log(STEEPEST) * away)
-    return found
+        result = np.minimum(result, most + math.log(STEEPEST) * away)
+    return result
 
 
 def _divided(a: float, b: float, size: float, caps: Sequence[Cap]) -> Floats:

@@ -95,12 +95,12 @@ def jacobians(nodes: Floats, xi: Floats) -> Floats:
 def determinants(nodes: Floats, xi: Floats, triangles: bool = False) -> Floats:
     """Jacobian determinants (ne, r) of elements (ne, 8, 2), all triangles or none, at the same points (r, 2)."""
     gradients = (triangular if triangles else serendipity)(xi)[1].transpose(0, 2, 1).reshape(-1, 8)
-    found = np.empty((len(nodes), len(xi)))
+    result = np.empty((len(nodes), len(xi)))
     for first in range(0, len(nodes), _AT_A_TIME):
         some = slice(first, first + _AT_A_TIME)
         j = (gradients @ nodes[some]).reshape(-1, len(xi), 2, 2)
-        found[some] = j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0]
-    return found
+        result[some] = j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0]
+    return result
 
 
 def invert(nodes: Floats, points: Floats) -> tuple[Floats, Bools]:
@@ -124,24 +124,24 @@ def invert(nodes: Floats, points: Floats) -> tuple[Floats, Bools]:
     Examples
     --------
     >>> square = np.array([[0, 0], [4, 0], [4, 2], [0, 2], [2, 0], [4, 1], [2, 2], [0, 1]], float)
-    >>> xi, found = invert(square[None], np.array([[3.0, 2.0]]))
-    >>> xi, found
+    >>> xi, result = invert(square[None], np.array([[3.0, 2.0]]))
+    >>> xi, result
     (array([[0.5, 1. ]]), array([ True]))
     """
     origin = nodes.mean(axis=1)
     local, target = nodes - origin[:, None], points - origin
     triangles = _collapsed(nodes)
-    xi, found = _newton(local, target, triangles[:, None] * CENTROID)
-    lost = np.flatnonzero(~found)
+    xi, result = _newton(local, target, triangles[:, None] * CENTROID)
+    lost = np.flatnonzero(~result)
     if len(lost):
         for kind, starts in ((False, _SAMPLES), (True, folded(_SAMPLES))):
             some = lost[triangles[lost] == kind]
             samples = np.einsum("sn,qnd->qsd", (triangular if kind else serendipity)(starts)[0], local[some])
             nearest = np.argmin(((samples - target[some, None]) ** 2).sum(axis=2), axis=1)
-            xi[some], found[some] = _newton(local[some], target[some], starts[nearest])
+            xi[some], result[some] = _newton(local[some], target[some], starts[nearest])
     for special, where in ((-1.0, ~triangles), (0.0, slice(None)), (0.5, triangles), (1.0, slice(None))):
         xi[where] = np.where(np.abs(xi[where] - special) < 1e-10, special, xi[where])
-    return xi, found
+    return xi, result
 
 
 def side_boxes(sides: Floats) -> Floats:
@@ -164,7 +164,7 @@ def bounds(points: Iterable[Floats]) -> tuple[Floats, Floats]:
 
 def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools]:
     xi = start.copy()
-    triangles, found = _collapsed(nodes), np.zeros(len(xi), dtype=bool)
+    triangles, result = _collapsed(nodes), np.zeros(len(xi), dtype=bool)
     active = np.arange(len(xi))
     for _ in range(ITERATIONS):
         if not len(active):
@@ -182,12 +182,12 @@ def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools
         moved = np.clip(xi[active] + step, -REACH, REACH)
         settled = (np.abs(step).max(axis=1) < 1e-13) & (np.abs(moved).max(axis=1) < REACH)
         # Rounding may keep the last steps above the tolerance on elements far from the origin.
-        xi[active], found[active] = moved, settled
+        xi[active], result[active] = moved, settled
         active = active[~settled]
     if len(active):
         values, _ = shape_functions(triangles[active], xi[active])
         miss = np.abs(target[active] - np.einsum("qn,qnd->qd", values, nodes[active])).max(axis=1)
-        found[active] = (miss < 1e-12 * np.ptp(nodes[active], axis=1).max(axis=1)) & (
+        result[active] = (miss < 1e-12 * np.ptp(nodes[active], axis=1).max(axis=1)) & (
             np.abs(xi[active]).max(axis=1) < REACH
         )
-    return xi, found
+    return xi, result

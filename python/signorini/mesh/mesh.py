@@ -297,9 +297,9 @@ class Mesh(Remade):
         InputError
             If an element is too distorted to find them.
         """
-        xi, found = invert(self.nodes[elements], points)
-        if not found.all():
-            place = mesh_checks.name_element(self.points, self.elements, int(elements[np.argmin(found)]))
+        xi, result = invert(self.nodes[elements], points)
+        if not result.all():
+            place = mesh_checks.name_element(self.points, self.elements, int(elements[np.argmin(result)]))
             raise InputError(f"{place} is so distorted that points in it cannot be mapped; improve its shape.")
         return xi
 
@@ -330,9 +330,9 @@ class Mesh(Remade):
     def holding(self, points: Floats) -> tuple[Ints, Location]:
         """Find every element that points (q, 2) are in, as `locate` does: the points' numbers (k,), and where."""
         point, element = self._tree.pairs(points)
-        xi, found = invert(self.nodes[element], points[point])
+        xi, result = invert(self.nodes[element], points[point])
         past = self.past(element, xi)
-        inside = found & (past <= self._reach[element]).all(axis=1)
+        inside = result & (past <= self._reach[element]).all(axis=1)
         point, element, xi, past = point[inside], element[inside], xi[inside], past[inside]
         order = np.lexsort((element, np.maximum(past, 0.0).max(axis=1, initial=0.0), point))
         point, element, xi, past = point[order], element[order], xi[order], past[order]
@@ -393,10 +393,10 @@ class Mesh(Remade):
         triples, tolerance = self.unique_sides, self.near.place
         if not isinstance(curve, Ring):
             return edges_on_polyline(self.points, triples, curve.sides, tolerance)
-        found = edges_on_ring(self.points, triples, curve, tolerance)
-        if found is None or self.locate(found.gaps).inside.any():
+        result = edges_on_ring(self.points, triples, curve, tolerance)
+        if result is None or self.locate(result.gaps).inside.any():
             return None
-        return found.triples
+        return result.triples
 
     def sides_on(self, curve: Curve) -> Ints:
         """Find the sides (k, 3) on a curve, of which it may leave out less than half where it ends.
@@ -406,8 +406,8 @@ class Mesh(Remade):
         triples, tolerance = self.unique_sides, self.near.place
         if not isinstance(curve, Ring):
             return sides_mostly_on(self.points, triples, curve.sides, tolerance)
-        found = edges_on_ring(self.points, triples, curve, tolerance)
-        return np.zeros((0, 3), np.int64) if found is None else found.triples
+        result = edges_on_ring(self.points, triples, curve, tolerance)
+        return np.zeros((0, 3), np.int64) if result is None else result.triples
 
     def boundary_beside(self, ring: Ring) -> Ints:
         """Find the sides (k, 3) of the boundary that a circle runs along: it all but is the one that they stand for.

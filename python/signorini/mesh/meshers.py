@@ -266,15 +266,15 @@ def _with_most_of(radius: float, radial: int, radii: Sequence[float], first: int
     A circle that the core fills has small elements, and beside it must not be much larger ones.
     """
     wanted = [one for one in radii if one < radius * (1.0 - _SAME)]
-    found, most = np.zeros(0), -1
+    result, most = np.zeros(0), -1
     for count in range(radial, 2 * radial + 1):
         knots = subdivide(0.0, radius, count, wanted, first=first)
         followed = sum(bool(np.abs(knots[first:] - one).min() <= _SAME * radius) for one in wanted)
         if followed > most:
-            found, most = knots, followed
+            result, most = knots, followed
         if followed == len(wanted):
             break
-    return found
+    return result
 
 
 def _half_width() -> float:

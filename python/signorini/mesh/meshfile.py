@@ -103,13 +103,13 @@ def _read(path: Path, make: Callable[[meshio.Mesh], _T]) -> _T:
 def _load(path: Path, size: int) -> meshio.Mesh:
     """Read with meshio, which prints, exits, raises what its parsers happen to raise, and may read for ever."""
     said = io.StringIO()
-    found: list[meshio.Mesh | BaseException] = []
+    result: list[meshio.Mesh | BaseException] = []
 
     def read_it() -> None:
         try:
-            found.append(meshio.read(path))
+            result.append(meshio.read(path))
         except BaseException as error:
-            found.append(error)
+            result.append(error)
 
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -117,12 +117,12 @@ def _load(path: Path, size: int) -> meshio.Mesh:
         reader.start()
         reader.join(_SECONDS + _SECONDS_PER_MB * size / 1e6)
         if reader.is_alive() and reader.ident is not None:
-            found[:] = [TimeoutError("it is read without end")]
+            result[:] = [TimeoutError("it is read without end")]
             # It would read on for ever, beside all that this process does later.
             ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(reader.ident), ctypes.py_object(SystemExit))
-    if found and isinstance(found[0], meshio.Mesh):
-        return found[0]
-    error = found[0]
+    if result and isinstance(result[0], meshio.Mesh):
+        return result[0]
+    error = result[0]
     if path.suffix.lower() == ".inp" and (blocks := node_blocks(path)) > 1:
         raise InputError(
             f"Its nodes stand in {blocks} blocks *NODE, of which meshio reads the last alone. Put them all under one "

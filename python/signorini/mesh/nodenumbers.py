@@ -34,17 +34,17 @@ def node_numbers(path: Path, count: int) -> Ints:
         case suffix if suffix in _BY_POSITION:
             return np.arange(count)
         case ".inp":
-            found = _abaqus(path)
+            result = _abaqus(path)
         case ".msh":
-            found = _gmsh(path)
+            result = _gmsh(path)
         case suffix:
             raise InputError(
                 f"Nodes by number are found in files .msh, .inp, .vtu and .vtk, not in {suffix}. Give points with at, "
                 "or write the mesh in one of these formats."
             )
-    if len(found) != count:
-        raise InputError(f"The mesh file numbers {len(found)} of its {count} nodes; every node needs a number.")
-    return found
+    if len(result) != count:
+        raise InputError(f"The mesh file numbers {len(result)} of its {count} nodes; every node needs a number.")
+    return result
 
 
 def node_blocks(path: Path) -> int:
@@ -58,13 +58,13 @@ def _heads_nodes(line: str) -> bool:
 
 def _abaqus(path: Path) -> Ints:
     """Numbers under the headings *NODE."""
-    found, reading = [], False
+    result, reading = [], False
     for line in _lines(path):
         if line.startswith("*"):
             reading = _heads_nodes(line)
         elif reading and line:
-            found.append(int(line.partition(",")[0]))
-    return np.array(found, dtype=np.int64)
+            result.append(int(line.partition(",")[0]))
+    return np.array(result, dtype=np.int64)
 
 
 def _gmsh(path: Path) -> Ints:
@@ -83,13 +83,13 @@ def _gmsh(path: Path) -> Ints:
     first = next(lines).split()
     if not version.startswith("4"):
         return np.array([int(next(lines).split()[0]) for _ in range(int(first[0]))], dtype=np.int64)
-    found: list[int] = []
+    result: list[int] = []
     for _ in range(int(first[0])):
         size = int(next(lines).split()[-1])
-        found += [int(next(lines)) for _ in range(size)]
+        result += [int(next(lines)) for _ in range(size)]
         for _ in range(size):
             next(lines)
-    return np.array(found, dtype=np.int64)
+    return np.array(result, dtype=np.int64)
 
 
 def _lines(path: Path) -> Iterator[str]:

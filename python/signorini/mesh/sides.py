@@ -52,11 +52,11 @@ class Sides:
             return places, apart
         boxes = side_boxes(self.nodes) + self.within * np.array([-1.0, -1.0, 1.0, 1.0])
         point, side = BoxTree.build(boxes).pairs(at)
-        found = onto(self.nodes[side], at[point])
-        far = np.hypot(*(found - at[point]).T)
+        result = onto(self.nodes[side], at[point])
+        far = np.hypot(*(result - at[point]).T)
         order = np.lexsort((side, far, point))
         point, first = np.unique(point[order], return_index=True)
-        places[point], apart[point] = found[order[first]], far[order[first]]
+        places[point], apart[point] = result[order[first]], far[order[first]]
         return places, np.where(apart <= self.within, apart, np.inf)
 
 

@@ -35,8 +35,8 @@ class Refinement(Table):
     def _complaints(self) -> Iterator[Complaint]:
         places = self.given(_PLACES)
         if len(places) != 1:
-            found = " and ".join(places) or "none"
-            yield (), f"found {found}; exactly one of {', '.join(_PLACES)} says where elements are smaller."
+            result = " and ".join(places) or "none"
+            yield (), f"found {result}; exactly one of {', '.join(_PLACES)} says where elements are smaller."
         if self.area == "all":
             yield ("area",), 'found "all"; that is what the size of [mesh] is for.'
 
@@ -45,15 +45,15 @@ class Refinement(Table):
         x0, y0, x1, y1 = plate
         sides = {"left": (x0, y0, x0, y1), "right": (x1, y0, x1, y1), "bottom": (x0, y0, x1, y0)}
         sides["top"] = (x0, y1, x1, y1)
-        found = [sides[name] for name in self.edge or ()] + [(x, y, x, y) for x, y in self.at or ()]
+        result = [sides[name] for name in self.edge or ()] + [(x, y, x, y) for x, y in self.at or ()]
         if self.line is not None:
-            found.append(bounds_of(self.line))
+            result.append(bounds_of(self.line))
         if self.circle is not None:
             (x, y), radius = self.circle.center, self.circle.radius
-            found.append((x - radius, y - radius, x + radius, y + radius))
+            result.append((x - radius, y - radius, x + radius, y + radius))
         if isinstance(self.area, Area):
-            found.append(self.area.region.bounds)
-        return found
+            result.append(self.area.region.bounds)
+        return result
 
 
 class MeshOptions(Table):

@@ -67,8 +67,8 @@ def explained(
 ) -> InputError:
     """Put pydantic's error with data for a table in words; the other parameters are those of `validate`."""
     errors = error.errors(include_url=False)
-    found = _problems(errors[:_MOST_READ], data, root)
-    placed = [(line_of(problem.path) if line_of is not None else 0, problem) for problem in found]
+    result = _problems(errors[:_MOST_READ], data, root)
+    placed = [(line_of(problem.path) if line_of is not None else 0, problem) for problem in result]
     placed.sort(key=lambda pair: pair[0])
     return InputError.of(
         [problem.error(source, line) for line, problem in placed], source, untold=len(errors[_MOST_READ:])
@@ -83,7 +83,7 @@ def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> l
         for details, path, table, _ in resolved
         if details["type"] == "extra_forbidden"
     }
-    found = []
+    result = []
     for details, path, table, field in resolved:
         kind = details["type"]
         echo = (kind == "missing" and path in misspelt) or (kind == "too_short" and as_list(details["input"]))
@@ -91,8 +91,8 @@ def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> l
             path = (*path, "shape")
             field = next(iter(BRANCHES["plate"].values())).model_fields["shape"]
         if not echo:
-            found.append(Problem(path, _label(path, data), _message(details, path, table, field)))
-    return list(dict.fromkeys(found))
+            result.append(Problem(path, _label(path, data), _message(details, path, table, field)))
+    return list(dict.fromkeys(result))
 
 
 def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[BaseModel], FieldInfo | None]:
@@ -156,13 +156,13 @@ def _label(path: Place, data: Any) -> str:
 def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: FieldInfo | None) -> str:
     key = next((str(part) for part in reversed(path) if isinstance(part, str)), "")
     context = details.get("ctx", {})
-    found = f"found {describe(as_list(details['input']))}"
+    result = f"found {describe(as_list(details['input']))}"
     about = (field.description or "") if field is not None else ""
     match details["type"]:
         case "complaint":
             return str(context["message"])
         case "area":
-            return f"{found}; {details['msg']}"
+            return f"{result}; {details['msg']}"
         case "value_error":
             return str(context["error"])
         case "extra_forbidden":
@@ -173,17 +173,17 @@ def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: 
             return _unknown_shape(details["input"])
         case "literal_error":
             allowed = re.findall(r"'([^']*)'", str(context["expected"]))
-            return f"{found}; it must be one of {', '.join(allowed)}.{_suggest(details['input'], allowed)}"
+            return f"{result}; it must be one of {', '.join(allowed)}.{_suggest(details['input'], allowed)}"
         case "greater_than":
-            return f"{found}; it must be greater than {context['gt']:g}."
+            return f"{result}; it must be greater than {context['gt']:g}."
         case "greater_than_equal":
-            return f"{found}; it must not be less than {context['ge']:g}."
+            return f"{result}; it must not be less than {context['ge']:g}."
         case "less_than":
-            return f"{found}; it must be less than {context['lt']:g}."
+            return f"{result}; it must be less than {context['lt']:g}."
         case "less_than_equal":
-            return f"{found}; it must not be greater than {context['le']:g}."
+            return f"{result}; it must not be greater than {context['le']:g}."
         case "string_type":
-            return f"{found}; it must be text in quotes."
+            return f"{result}; it must be text in quotes."
         case "string_too_long":
             return f"found text of {len(details['input'])} characters; at most {context['max_length']} are allowed."
         case "too_short" | "string_too_short":
@@ -192,9 +192,9 @@ def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: 
             return f"found one table; this is a list of tables, each under [[{key}]] in double brackets."
         case "model_type" | "model_attributes_type" | "dict_type" | "mapping_type" | "tuple_type":
             kind = "a list" if details["type"] == "tuple_type" else "a table"
-            return f"{found}; it must be {kind}. {about}"
+            return f"{result}; it must be {kind}. {about}"
         case _:
-            return f"{found}; it does not fit here. {about}"
+            return f"{result}; it does not fit here. {about}"
 
 
 def _written_as(path: Place) -> str:
@@ -243,13 +243,13 @@ def _unknown_shape(plate: object) -> str:
     )
 
 
-def _nearest(found: object, allowed: Iterable[str]) -> str:
+def _nearest(result: object, allowed: Iterable[str]) -> str:
     """Find the allowed word nearest to what was found; nothing if none is near."""
     words = {word.casefold(): word for word in allowed}
-    near = difflib.get_close_matches(found[:60].casefold(), words, n=1) if isinstance(found, str) else []
+    near = difflib.get_close_matches(result[:60].casefold(), words, n=1) if isinstance(result, str) else []
     return words[near[0]] if near else ""
 
 
-def _suggest(found: object, allowed: Iterable[str]) -> str:
-    near = _nearest(found, allowed)
+def _suggest(result: object, allowed: Iterable[str]) -> str:
+    near = _nearest(result, allowed)
     return f" Did you mean '{near}'?" if near else ""

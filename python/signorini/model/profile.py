@@ -40,12 +40,12 @@ class Profile(Table):
         >>> along.tolist(), at.tolist()
         ([0.0, 2.5, 5.0], [[0.0, 0.0], [1.5, 2.0], [3.0, 4.0]])
         """
-        found = curve(self)
-        assert found is not None  # it has a line or a circle
-        along = np.linspace(0.0, found.length, self.stations)
-        if isinstance(found, Ring):
-            turned = along / found.radius
-            return along, np.array(found.center) + found.radius * np.column_stack([np.cos(turned), np.sin(turned)])
-        points = np.array(found.points)
+        result = curve(self)
+        assert result is not None  # it has a line or a circle
+        along = np.linspace(0.0, result.length, self.stations)
+        if isinstance(result, Ring):
+            turned = along / result.radius
+            return along, np.array(result.center) + result.radius * np.column_stack([np.cos(turned), np.sin(turned)])
+        points = np.array(result.points)
         ends = np.append(0.0, np.hypot(*np.diff(points, axis=0).T).cumsum())
         return along, np.column_stack([np.interp(along, ends, part) for part in points.T])

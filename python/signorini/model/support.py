@@ -187,8 +187,8 @@ class Support(Table):
     def _complaints(self) -> Iterator[Complaint]:
         places = self.given(_PLACES)
         if len(places) != 1:
-            found = " and ".join(places) or "none"
-            yield (), f"found {found}; exactly one of {', '.join(_PLACES)} says where a support is."
+            result = " and ".join(places) or "none"
+            yield (), f"found {result}; exactly one of {', '.join(_PLACES)} says where a support is."
         if self.at is not None:
             seen: dict[tuple[float, float], int] = {}
             for index, point in enumerate(self.at):

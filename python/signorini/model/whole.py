@@ -140,11 +140,11 @@ class Model(Table):
     @property
     def young(self) -> float:
         """Young's modulus, the largest there is; of sections whose stiffness is given that of solid ones as stiff."""
-        found = [material.young for material in self.materials if material.is_elastic]
+        result = [material.young for material in self.materials if material.is_elastic]
         for part in (self.plate, *self.zone):
             if part.stiffness is not None:
-                found.append(part.stiffness.equivalent[1])
-        return max(found)
+                result.append(part.stiffness.equivalent[1])
+        return max(result)
 
     @property
     def positions(self) -> Positions:

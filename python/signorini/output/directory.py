@@ -47,10 +47,10 @@ def former_path(directory: Path) -> list[str]:
 
 
 def _account(file: Path, keys: set[str]) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(read_regular(file, _LARGEST_ACCOUNT))
-    if not keys <= found.keys():
+    result: dict[str, Any] = json.loads(read_regular(file, _LARGEST_ACCOUNT))
+    if not keys <= result.keys():
         raise KeyError
-    return found
+    return result
 
 
 @contextmanager

@@ -71,8 +71,8 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
         values = np.array([[value for _, value, *_ in one.wholes()] for one in every])[:, :, None]
         named = [(singularities(results.discretisation), np.ones(1, np.bool_))]
         layout = results.combined.layout
-        found, _ = compared(values, numbers, meshes, results.model, layout.probes, named)
-        widths = {one.path: known(width) for one, (width,) in zip(numbers, found.tolist(), strict=True)}
+        result, _ = compared(values, numbers, meshes, results.model, layout.probes, named)
+        widths = {one.path: known(width) for one, (width,) in zip(numbers, result.tolist(), strict=True)}
         for number, path, side, row in own.ends():
             known_row = number.estimated and row != NONE
             widths[*path, side] = estimates.half_width(number.column, row) if known_row else None
@@ -128,7 +128,7 @@ class _Shown:
     def tree(self, results: Results) -> dict[str, Any]:
         """Give extremes by their keys."""
         envelope, layout = self.envelope, self.envelope.layout
-        found: dict[str, Any] = {
+        result: dict[str, Any] = {
             "fields": {name: {} for name in layout.fields},
             "supports": [self._support(index) for index in range(len(layout.supports))],
             "probes": [{"at": at} for at in layout.probes.tolist()],
@@ -141,35 +141,35 @@ class _Shown:
         for one, path, side, row in self.ends():
             if one.what == "gap" and (side == "min" or not envelope.open_in[one.owner][one.part]):
                 continue
-            at, value = _at(found, path), getattr(envelope[one.column], side)
+            at, value = _at(result, path), getattr(envelope[one.column], side)
             at |= {side: None, f"{side}_by": None} if row == NONE else {side: value, f"{side}_by": results.key(row)}
             if one.home == "field":
                 at[f"{side}_at"] = envelope.places[one.owner, SIDES.index(side)].tolist()
         for number, value, row, place in self.wholes():
-            at, side = _at(found, number.path[:-1]), str(number.path[-1])
+            at, side = _at(result, number.path[:-1]), str(number.path[-1])
             at |= {side: value, f"{side}_by": results.key(row), f"{side}_at": place}
             if number.home == "support":
                 at["per"] = "area" if number.owner in layout.at_rest else "length"
-        return found
+        return result
 
     def _support(self, index: int) -> dict[str, Any]:
         layout, open_in = self.envelope.layout, self.envelope.open_in[index]
         support, points = layout.model.support[index], layout.supports[index]
-        found: dict[str, Any] = {"name": support.name, "lifted": int((open_in > 0).sum())}
+        result: dict[str, Any] = {"name": support.name, "lifted": int((open_in > 0).sum())}
         if support.place == "at":
             pairs = zip(points.positions.tolist(), open_in.tolist(), strict=True)
-            found["points"] = [{"at": at, "gap": None, "lifted_in": count} for at, count in pairs]
-        return found
+            result["points"] = [{"at": at, "gap": None, "lifted_in": count} for at, count in pairs]
+        return result
 
 
 def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:
     """The table at some keys."""
-    found: Any = tree
+    result: Any = tree
     for key in path:
-        if isinstance(key, str) and found.get(key) is None:
-            found[key] = {}
-        found = found[key]
-    table: dict[str, Any] = found
+        if isinstance(key, str) and result.get(key) is None:
+            result[key] = {}
+        result = result[key]
+    table: dict[str, Any] = result
     return table
 
 

@@ -42,8 +42,8 @@ def path_json(path: LoadPath, estimate: PathEstimate | None = None) -> dict[str,
     ...     support=[{"name": "feet", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
     ...     load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e3, "at": [4, 2]}],
     ... )
-    >>> found = path_json(signorini.path(model, start="G", add="Q"))
-    >>> found["ending"], round(found["end"], 3), found["events"]
+    >>> result = path_json(signorini.path(model, start="G", add="Q"))
+    >>> result["ending"], round(result["end"], 3), result["events"]
     ('no_equilibrium', 16.0, [])
     """
     model = path.model
@@ -101,19 +101,19 @@ def _half_widths(path: LoadPath, estimate: PathEstimate) -> dict[str, Any]:
 
 
 def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
-    found = path.discretisation
+    discretisation = path.discretisation
     tree: dict[str, Any] = {
         "t": stop.t,
         "deflection": {"max_at": list(stop.largest_at), "min_at": list(stop.smallest_at)},
         "supports": [
             {"name": support.name, "contact_area": None, "max_pressure": None} for support in path.model.support
         ],
-        "probes": [{"at": at} for at in found.probe_positions.tolist()],
-        **line_places(*section_results(found, stop.through)),
+        "probes": [{"at": at} for at in discretisation.probe_positions.tolist()],
+        **line_places(*section_results(discretisation, stop.through)),
     }
     for one in stop.catalogue:
         if one.home == "point" and one.what == "reaction":
-            at = SupportPoints.of(found, one.owner).positions[one.part].tolist()
+            at = SupportPoints.of(discretisation, one.owner).positions[one.part].tolist()
             tree["supports"][one.owner].setdefault("points", []).append({"at": at})
     return put(tree, stop.catalogue, stop.values)
 

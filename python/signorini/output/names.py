@@ -79,8 +79,8 @@ def envelope_files(results: Results) -> dict[str, str]:
     if not (results.model.tabulated and results.envelope.fields):
         return {}
     groups = ("", *_parts(results.model))
-    found = zip(groups, unique_slugs(_envelopes(results.model)), strict=True)
-    return {group: f"{slug}.vtu" for group, slug in found if not group or group in results.groups}
+    result = zip(groups, unique_slugs(_envelopes(results.model)), strict=True)
+    return {group: f"{slug}.vtu" for group, slug in result if not group or group in results.groups}
 
 
 def envelope_file(results: Results, group: str) -> str | None:
@@ -123,8 +123,8 @@ def slugs(results: Results) -> Iterator[tuple[Result, str]]:
     """Solved combinations with file names of their own, on every file system."""
     solved = [result for result in results.full.values() if result.status == "solved"]
     taken = _taken(results.model)
-    found = unique_slugs([*taken, *(result.name for result in solved)])
-    return zip(solved, found[len(taken) :], strict=True)
+    values = unique_slugs([*taken, *(result.name for result in solved)])
+    return zip(solved, values[len(taken) :], strict=True)
 
 
 def pictured(results: Results, pictures: Pictures) -> Iterator[tuple[Result, str]]:
@@ -151,7 +151,7 @@ def unique_slugs(names: Iterable[str]) -> list[str]:
     ['wind', 'wind-pressure-2', 'snow-pressure', 'snow-2']
     """
     taken: set[str] = set()
-    found = []
+    result = []
     for name in names:
         plain = unicodedata.normalize("NFKD", name.replace("−", "-")).encode("ascii", "ignore").decode().lower()
         signed = _MINUS.sub(" minus ", plain)
@@ -162,5 +162,5 @@ def unique_slugs(names: Iterable[str]) -> list[str]:
             count += 1
             slug = f"{base}-{count}"
         taken |= {slug + ending for ending in (*PICTURES, PROFILES)}
-        found.append(slug)
-    return found
+        result.append(slug)
+    return result

@@ -73,19 +73,19 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
 
 def _envelope_sheets(results: Results, estimates: Estimates | None) -> Iterator[Sheet]:
     """Plan the pictures of fields' largest and smallest values, over all combinations and over each group."""
-    found, title = results.discretisation, results.model.title
+    result, title = results.discretisation, results.model.title
     for group, file in envelope_files(results).items():
         what = f"envelope of {group}" if group else f"envelope of {results.combined.solved} combinations"
         words = ", ".join(part for part in (title, what) if part)
-        envelope, marks = results.combined.over(group), support_marks_of(found)
+        envelope, marks = results.combined.over(group), support_marks_of(result)
         for ending, name in envelope_pictures(results, file).items():
             panels = []
             for end, side in enumerate(("largest", "smallest")):
                 for field in enveloped(results, ending):
                     ends, at = envelope.field(field), envelope.places[envelope.layout.fields.index(field), end].tolist()
                     said, above = _end(results, estimates, field, SIDES[end], ends)
-                    shown = found.stress_nodes.spread(getattr(envelope.fields[field], side))
-                    label = f"{side} {quantity(field, found.model.units)}"
+                    shown = result.stress_nodes.spread(getattr(envelope.fields[field], side))
+                    label = f"{side} {quantity(field, result.model.units)}"
                     limits = ends.min, ends.max
                     panels.append(Panel(shown, label, colours(field), limits, [(said, at)], above))
             yield Sheet([name], [Picture(panels, marks, words)], rows=2)

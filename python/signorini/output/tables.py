@@ -59,28 +59,30 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
     ...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [1, 9], [9, 9]], "resists": "down"}],
     ...     load=[{"pressure": 2e3}],
     ... )
-    >>> found = results_json(signorini.solve(model))["combinations"][0]
-    >>> found["name"], found["status"], [point["state"] for point in found["supports"][0]["points"]]
+    >>> result = results_json(signorini.solve(model))["combinations"][0]
+    >>> result["name"], result["status"], [point["state"] for point in result["supports"][0]["points"]]
     ('all', 'solved', ['closed', 'closed', 'closed', 'closed'])
     """
-    found = results.discretisation
+    discretisation = results.discretisation
     of_table: dict[str, Any] = {}
-    if found.model.tabulated:
+    if discretisation.model.tabulated:
         of_table = {"table": table_json(results, estimates), "envelope": envelope_json(results, estimates)}
     return {
         "schema": SCHEMA,
-        "title": found.model.title,
-        "units": {"length": found.model.units.length, "force": found.model.units.force},
+        "title": discretisation.model.title,
+        "units": {"length": discretisation.model.units.length, "force": discretisation.model.units.force},
         "model": {
-            "nodes": found.mesh.node_count,
-            "elements": len(found.mesh.elements),
-            "dofs": found.dof_count,
-            "contact_points": int((~found.points.two_sided).sum()),
+            "nodes": discretisation.mesh.node_count,
+            "elements": len(discretisation.mesh.elements),
+            "dofs": discretisation.dof_count,
+            "contact_points": int((~discretisation.points.two_sided).sum()),
         },
-        "snapped": snapped_json(found.snapped),
+        "snapped": snapped_json(discretisation.snapped),
         "combinations": [_combination(results, result, estimates) for result in results.full.values()],
         "governing_reactions": governing_json(results, estimates),
-        "groups": [_group(results, estimates, *group) for group in found.model.effective_combinations.groups.items()],
+        "groups": [
+            _group(results, estimates, *group) for group in discretisation.model.effective_combinations.groups.items()
+        ],
         **of_table,
         **({"refinement": [asdict(step) for step in results.refinement]} if results.refinement else {}),
         "seconds": {name: float(spent) for name, spent in results.seconds.items()},
@@ -135,8 +137,8 @@ def _combination(results: Results, result: Result, estimates: Estimates | None) 
 
 def _group(results: Results, estimates: Estimates | None, name: str, combinations: int) -> dict[str, Any]:
     governing = governing_json(results, estimates, name)
-    found = {"name": name, "combinations": combinations, "governing_reactions": governing}
-    return found | ({"envelope": envelope_json(results, estimates, name)} if results.model.tabulated else {})
+    result = {"name": name, "combinations": combinations, "governing_reactions": governing}
+    return result | ({"envelope": envelope_json(results, estimates, name)} if results.model.tabulated else {})
 
 
 def snapped_json(snapped: Iterable[Snapped]) -> list[dict[str, Any]]:

@@ -28,11 +28,11 @@ from signorini.output.tables import reactions_csv, results_json
 from signorini.plot.picture import Job
 from signorini.results.load_path import LoadPath
 
-_NOT_ITS = "it must be what signorini.estimate(found) returns."
+_NOT_ITS = "it must be what signorini.estimate(results) returns."
 
 
 def write(
-    found: Results | LoadPath,
+    results: Results | LoadPath,
     directory: str | os.PathLike[str],
     estimate: Estimates | PathEstimate | None = None,
     pictures: Literal["all", "governing", "none"] | None = None,
@@ -45,7 +45,7 @@ def write(
 
     Parameters
     ----------
-    found : Results or LoadPath
+    results : Results or LoadPath
         What `signorini.solve` or `signorini.path` has returned.
     directory : path-like
         Made if need be.
@@ -84,19 +84,19 @@ def write(
     arguments.path(directory, "a directory", "directory")
     if pictures is not None:
         arguments.known(pictures, get_args(Chosen), "choice", "pictures", "This function")
-    if isinstance(found, LoadPath):
-        of_path = estimate_asked(found) if estimate is None else estimate
+    if isinstance(results, LoadPath):
+        of_path = estimate_asked(results) if estimate is None else estimate
         if not isinstance(of_path, PathEstimate | None):
             raise InputError(_NOT_ITS, place="estimate")
-        return write_path(found, directory, of_path)
+        return write_path(results, directory, of_path)
     arguments.made_by(
-        found, Results, "signorini.solve(model) makes them, signorini.path(model, ...) a LoadPath.", "found"
+        results, Results, "signorini.solve(model) makes them, signorini.path(model, ...) a LoadPath.", "results"
     )
-    if estimate is None and found.model.estimated:
-        estimate = estimates_of(found, watching(None, ""))
+    if estimate is None and results.model.estimated:
+        estimate = estimates_of(results, watching(None, ""))
     if not isinstance(estimate, Estimates | None):
         raise InputError(_NOT_ITS, place="estimate")
-    return write_results(found, directory, estimate, pictures=pictures)
+    return write_results(results, directory, estimate, pictures=pictures)
 
 
 def write_results(
@@ -145,7 +145,7 @@ def write_results(
     named = list(slugs(results))
     job = job_of(results, estimates, pictures)
     drawn = (draw or _drawn)(job) if job.sheets else ()
-    found = results_json(results, estimates, pictures)
+    values = results_json(results, estimates, pictures)
     names = [JSON, CSV]
     try:
         with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
@@ -164,10 +164,12 @@ def write_results(
             (beside / CSV).write_text(reactions_csv(results, estimates), encoding="utf-8")
             if len(results) > 1:
                 (beside / GOVERNING).write_text(governing_csv(results, estimates), encoding="utf-8")
-            (beside / JSON).write_text(json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
+            (beside / JSON).write_text(
+                json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8"
+            )
             for name, content in drawn:
                 (beside / name).write_bytes(content)
-            names = [entry["file"] for entry in found["files"]]
+            names = [entry["file"] for entry in values["files"]]
     except OSError as error:
         raise cannot_write(target, error) from None
     return [target / name for name in names]

@@ -150,14 +150,14 @@ def _mark(axes: list[Axes], t: float, words: str, color: str) -> None:
 def _together(curves: Mapping[str, Floats]) -> list[tuple[str, Floats]]:
     """Curves, those that coincide as one with all their names."""
     apart = _ALIKE * max((float(np.abs(values).max()) for values in curves.values()), default=0.0)
-    found: list[tuple[list[str], Floats]] = []
+    result: list[tuple[list[str], Floats]] = []
     for name, values in curves.items():
-        same = next((names for names, of in found if np.abs(of - values).max() <= apart), None)
+        same = next((names for names, of in result if np.abs(of - values).max() <= apart), None)
         if same is None:
-            found.append(([name], values))
+            result.append(([name], values))
         else:
             same.append(name)
-    return [(", ".join(names), values) for names, values in found]
+    return [(", ".join(names), values) for names, values in result]
 
 
 def _draw_curves(

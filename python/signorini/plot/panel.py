@@ -68,7 +68,7 @@ def draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Iterable[
 def remarks(plan: Plan) -> list[Entry]:
     """Give the entries in the legend of dashed lines inside the plate and of what is hatched, if there are any."""
     dashed = Line2D([], [], color=INK, linewidth=0.7, linestyle="dashed")
-    found: list[Entry] = [("moments and shears jump", (dashed,))] * bool(np.size(plan.edges[2].vertices))
+    result: list[Entry] = [("moments and shears jump", (dashed,))] * bool(np.size(plan.edges[2].vertices))
     if plan.left_out is not None and plan.left_out.any():
-        found.append(("left out of the extremes", (Patch(**HATCHED),)))
-    return found
+        result.append(("left out of the extremes", (Patch(**HATCHED),)))
+    return result

@@ -34,14 +34,14 @@ def refinement_picture(dofs: ArrayLike, worst: ArrayLike, asked: float, order: f
     >>> [line.get_label() for line in figure.axes[0].lines]
     ['these meshes', 'asked', 'uniform refinement, expected']
     """
-    at, found = np.asarray(dofs, dtype=float), np.asarray(worst, dtype=float)
+    at, result = np.asarray(dofs, dtype=float), np.asarray(worst, dtype=float)
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
     axes = figure.subplots()
     figure.suptitle(literal(title), fontsize=11, color=INK)
-    axes.loglog(at, found, color=_FOUND, marker="o", markersize=4, label="these meshes")
+    axes.loglog(at, result, color=_FOUND, marker="o", markersize=4, label="these meshes")
     axes.axhline(asked, color=_ASKED, linewidth=1.2, label="asked")
-    far = np.array([at[0], max(at[-1], at[0] * (found[0] / asked) ** (2 / order))])
-    expected = found[0] * (far / at[0]) ** (-order / 2)
+    far = np.array([at[0], max(at[-1], at[0] * (result[0] / asked) ** (2 / order))])
+    expected = result[0] * (far / at[0]) ** (-order / 2)
     axes.loglog(far, expected, color=INK, linewidth=1, linestyle="--", label="uniform refinement, expected")
     axes.set_xlabel("dofs", fontsize=9, color=INK)
     axes.set_ylabel("largest ± over the largest value of its field", fontsize=9, color=INK)

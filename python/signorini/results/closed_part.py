@@ -27,12 +27,12 @@ class Scales:
         return cls(force or 1.0, length or 1.0)
 
 
-def closed_part(found: Discretisation, index: int, answer: Answer, area: float) -> float:
+def closed_part(discretisation: Discretisation, index: int, answer: Answer, area: float) -> float:
     """The part of a support that is closed: of points as many, of lines by length, of areas by contact ``area``.
 
     The edge of contact on a line is between two of its points, where a straight line between them has it.
     """
-    support, points = found.model.support[index], SupportPoints.of(found, index)
+    support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
     whole = float(points.weights.sum())
     if not len(points.weights) or not whole > 0:
         return 1.0
@@ -40,7 +40,9 @@ def closed_part(found: Discretisation, index: int, answer: Answer, area: float) 
         return float(np.clip(area / whole, 0.0, 1.0))
     if support.place == "at":
         return float(points.weights[points.closed(answer.closed)].sum() / whole)
-    values, middles = in_falling_order(closed_by_point(found, points, answer, Scales.of(answer)), points.weights)
+    values, middles = in_falling_order(
+        closed_by_point(discretisation, points, answer, Scales.of(answer)), points.weights
+    )
     if values[0] < 0 or values[-1] >= 0:
         return float(values[0] >= 0)
     last = int(np.flatnonzero(values >= 0)[-1])
@@ -48,9 +50,9 @@ def closed_part(found: Discretisation, index: int, answer: Answer, area: float) 
     return float(middles[last] + share * (middles[last + 1] - middles[last]))
 
 
-def closed_by_point(found: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
+def closed_by_point(discretisation: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
     """How far each point (p,) is closed: overlap where elastic, reaction where rigid; where negative the gap."""
-    contacts = found.contacts
+    contacts = discretisation.contacts
     soft = contacts.compliance > 0
     pressing = np.where(soft, contacts.compliance * answer.reaction / scales.length, answer.reaction / scales.force)
     rows = np.where(answer.closed, np.maximum(pressing, 0.0), np.minimum(-answer.gap / scales.length, -1e-300))

@@ -68,7 +68,7 @@ class Extremes:
 
     def meet(self, other: Extremes) -> tuple[Bools, Bools]:
         """Meet what others have met; return which of the largest and smallest (n,) are theirs."""
-        found = []
+        result = []
         np.maximum(self.size, other.size, out=self.size)
         within = _EQUAL * self.size
         for mine, by, theirs, who, sign in (
@@ -79,8 +79,8 @@ class Extremes:
             better = sign * theirs > sign * mine + np.where(earlier, -within, within)
             better |= earlier & (theirs == mine)
             mine[better], by[better] = theirs[better], who[better]
-            found.append(better)
-        return found[0], found[1]
+            result.append(better)
+        return result[0], result[1]
 
     @property
     def ends(self) -> tuple[int, int]:
@@ -260,14 +260,14 @@ class Envelope:
     @property
     def rows(self) -> list[int]:
         """Numbers of the results with an extreme of some field, reaction or section, in that order, some at most."""
-        found = [self.field(name) for name in self.layout.fields]
+        result = [self.field(name) for name in self.layout.fields]
         if "reaction" in self.fields:
             of = self.fields["reaction"]
             high, low = of.ends
-            found.append(Ends(0.0, int(of.largest_by[high]), 0.0, int(of.smallest_by[low])))
+            result.append(Ends(0.0, int(of.largest_by[high]), 0.0, int(of.smallest_by[low])))
         told = (one for one in self.layout.catalogue if one.home in ("support", "section"))
-        found += [self[one.column] for one in told if one.home == "section" or one.what == "reaction"]
-        return [*dict.fromkeys(by for one in found for by in (one.max_by, one.min_by) if by != NONE)][:_GOVERNING]
+        result += [self[one.column] for one in told if one.home == "section" or one.what == "reaction"]
+        return [*dict.fromkeys(by for one in result for by in (one.max_by, one.min_by) if by != NONE)][:_GOVERNING]
 
 
 def _sizes(values: Floats, kinds: list[tuple[str, str, int]]) -> Floats:

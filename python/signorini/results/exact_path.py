@@ -62,12 +62,12 @@ class ExactPath(LoadPath):
     def segments(self) -> tuple[Segment, ...]:
         """Stretches between neighbouring stops."""
         assert self._first is not None
-        closed, found = self._first, []
+        closed, result = self._first, []
         for begin, end in zip(self.stops[:-1], self.stops[1:], strict=True):
             closed = closed.copy()
             closed[begin.points] ^= True
-            found.append(Segment(begin, end, closed))
-        return tuple(found)
+            result.append(Segment(begin, end, closed))
+        return tuple(result)
 
     @cached_property
     def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
@@ -75,11 +75,11 @@ class ExactPath(LoadPath):
 
         The stops show an answer that leads on, `at` the least one.
         """
-        found, stretches = self.problem.discretisation, list[tuple[float, float, NotUnique]]()
+        result, stretches = self.problem.discretisation, list[tuple[float, float, NotUnique]]()
         for segment in (self.segments[index] for index in self._doubtful):
             load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
-            solution = self.problem.core.solve_on(load.nodal, found.held.values, segment.closed)
-            answer = chosen(found, self.problem.freedom, load.nodal, Answer.of(found, solution))
+            solution = self.problem.core.solve_on(load.nodal, result.held.values, segment.closed)
+            answer = chosen(result, self.problem.freedom, load.nodal, Answer.of(result, solution))
             for one in answer.not_unique:
                 before = [stretch for stretch in stretches if stretch[1:] == (segment.begin.t, one)]
                 begin = before[0][0] if before else segment.begin.t
@@ -117,32 +117,34 @@ class ExactPath(LoadPath):
     def _on(self, t: float, segment: int, leading: bool) -> Result:
         """Every result at some t of a segment: of equal answers the least, or one that leads on."""
         load = self._loads[0] + t * self._loads[1]
-        found = self.problem.discretisation
+        discretisation = self.problem.discretisation
         assert self._first is not None
         closed = self.segments[segment].closed if self.segments else self._first
-        answer = Answer.of(found, self.problem.core.solve_on(load.nodal, found.held.values, closed))
+        answer = Answer.of(discretisation, self.problem.core.solve_on(load.nodal, discretisation.held.values, closed))
         made_of = beside(self._loads, t)
         methods: Sequence[Method] = (self.problem.method,)
-        answer, certificate = certified(found, load, answer, made_of)
+        answer, certificate = certified(discretisation, load, answer, made_of)
         if not certificate.passed:
             # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
             tried = answered(self.problem, load, beside=made_of)
-            answer, certificate = certified(found, load, tried.answer.somehow or tried.answer, made_of)
+            answer, certificate = certified(discretisation, load, tried.answer.somehow or tried.answer, made_of)
             methods = tried.methods
         if not certificate.passed:
             answers: list[_core.ContactSolution] = []
             nodal = self._loads[0].nodal, self._loads[1].nodal
-            self.problem.core.path(*nodal, found.held.values, t, lambda t, points, answer: answers.append(answer))
+            self.problem.core.path(
+                *nodal, discretisation.held.values, t, lambda t, points, answer: answers.append(answer)
+            )
             if answers:
-                answer, certificate = certified(found, load, Answer.of(found, answers[-1]), made_of)
+                answer, certificate = certified(discretisation, load, Answer.of(discretisation, answers[-1]), made_of)
                 methods = (self.problem.method,)
         if not certificate.passed:
-            raise NotCertifiedError(refusal(self.load_at(t).name, found, load, answer, certificate))
+            raise NotCertifiedError(refusal(self.load_at(t).name, discretisation, load, answer, certificate))
         elsewhere = partial(self._beside, t) if leading else None
-        least = chosen(found, self.problem.freedom, load.nodal, answer, elsewhere)
+        least = chosen(discretisation, self.problem.freedom, load.nodal, answer, elsewhere)
         if least is not answer:
-            answer, certificate = certified(found, load, least, made_of)
-        return Result.of(found, self.load_at(t), methods, load, answer, certificate)
+            answer, certificate = certified(discretisation, load, least, made_of)
+        return Result.of(discretisation, self.load_at(t), methods, load, answer, certificate)
 
 
 def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, closed: Bools) -> Iterator[Floats]:

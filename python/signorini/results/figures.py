@@ -19,14 +19,14 @@ def figures(result: Result) -> dict[str, Any]:
     solved = result.status == "solved"
     ends = {name: _places(of) for name, of in result.extremes.items()} if solved else {}
     deflection = ends.pop("deflection", None)
-    found: dict[str, Any] = {
+    values: dict[str, Any] = {
         "deflection": deflection and {key: deflection[key] for key in ("max_at", "min_at")},
         "fields": ends,
         "supports": [_support(support) for support in result.supports],
         "probes": [{"at": list(probe.at), "pressure": None} for probe in result.probes],
         **line_places(result.sections, result.strips),
     }
-    return put(found, result.catalogue, result.numbers) if solved else found
+    return put(values, result.catalogue, result.numbers) if solved else values
 
 
 def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str, Any]:
@@ -68,12 +68,12 @@ def _places(ends: Any) -> dict[str, Any]:
 
 
 def _support(support: SupportResult) -> dict[str, Any]:
-    found: dict[str, Any] = {"name": support.name, "kind": support.kind, **{one.name: None for one in OF_AREAS}}
-    found["max_pressure_at"] = support.max_pressure_at and list(support.max_pressure_at)
-    found["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
+    result: dict[str, Any] = {"name": support.name, "kind": support.kind, **{one.name: None for one in OF_AREAS}}
+    result["max_pressure_at"] = support.max_pressure_at and list(support.max_pressure_at)
+    result["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
     if support.area is not None:
-        return found
-    return found | {"points" if support.place == "at" else "nodes": list(point_figures(support))}
+        return result
+    return result | {"points" if support.place == "at" else "nodes": list(point_figures(support))}
 
 
 def total(support: SupportResult) -> dict[str, Any]:

@@ -117,12 +117,12 @@ class LoadPath(States[float]):
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What of the model, and of the deflections on the way, is seldom meant."""
-        found = self.discretisation
-        thinnest = bending_thickness(found).min()
+        discretisation = self.discretisation
+        thinnest = bending_thickness(discretisation).min()
         for stop in self.stops:
-            for far in too_far(found, self.at(stop.t).deflection) if abs(stop.utmost) > thinnest else ():
-                return (*model_warnings(found), f"At t = {stop.t:.6g}: {far}")
-        return model_warnings(found)
+            for far in too_far(discretisation, self.at(stop.t).deflection) if abs(stop.utmost) > thinnest else ():
+                return (*model_warnings(discretisation), f"At t = {stop.t:.6g}: {far}")
+        return model_warnings(discretisation)
 
     @property
     def events(self) -> tuple[PathStop, ...]:
@@ -132,12 +132,12 @@ class LoadPath(States[float]):
     @property
     def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
         """Where more answers than one are right: from the t of one stop to another's, and what could be otherwise."""
-        found: dict[tuple[NotUnique, int], tuple[float, float]] = {}
+        result: dict[tuple[NotUnique, int], tuple[float, float]] = {}
         for row, stop in enumerate(self.stops):
             for one in stop.not_unique:
-                begun = next((key for key in found if key[0] == one and found[key][1] == self.stops[row - 1].t), None)
-                found[begun or (one, row)] = (found[begun][0] if begun else stop.t, stop.t)
-        return tuple((begin, end, one) for (one, _), (begin, end) in found.items())
+                begun = next((key for key in result if key[0] == one and result[key][1] == self.stops[row - 1].t), None)
+                result[begun or (one, row)] = (result[begun][0] if begun else stop.t, stop.t)
+        return tuple((begin, end, one) for (one, _), (begin, end) in result.items())
 
     def key(self, row: int) -> float:
         """The t of a stop, given its number from 0."""
@@ -155,9 +155,9 @@ class LoadPath(States[float]):
 
     @cached_property
     def _tabulated(self) -> tuple[Mapping[str, Column], Envelope]:
-        found, count = self.discretisation, len(self.stops)
-        layout = Layout.of(found)
-        block, envelope = Block.empty(layout, 0, count), Envelope.none(layout, found.mesh)
+        values, count = self.discretisation, len(self.stops)
+        layout = Layout.of(values)
+        block, envelope = Block.empty(layout, 0, count), Envelope.none(layout, values.mesh)
         for row, result in enumerate(self._of_stops()):
             block.put(row, layout, result)
             envelope.take_fields(result, block.numbers[row : row + 1])
@@ -184,20 +184,20 @@ class LoadPath(States[float]):
     @cached_property
     def events_at(self) -> Mapping[int, Sequence[int]]:
         """Numbers of the named events at a stop, by its number."""
-        found: dict[int, list[int]] = {}
+        result: dict[int, list[int]] = {}
         for number, event in enumerate(self.support_events):
-            found.setdefault(event.row, []).append(number)
-        return found
+            result.setdefault(event.row, []).append(number)
+        return result
 
     @cached_property
     def reached_at(self) -> Mapping[int, Sequence[int]]:
         """Numbers of the thresholds that are reached at a stop, by its number."""
-        found: dict[int, list[int]] = {}
+        result: dict[int, list[int]] = {}
         at = {stop.t: row for row, stop in enumerate(self.stops)}
         for number, one in enumerate(self.thresholds):
             if one.t is not None:
-                found.setdefault(at[one.t], []).append(number)
-        return found
+                result.setdefault(at[one.t], []).append(number)
+        return result
 
     def _repr_html_(self) -> str:
         """Show the events in a notebook."""
@@ -308,13 +308,13 @@ def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, C
     NotCertifiedError
         If the answer fails its certificate.
     """
-    found, load = problem.discretisation, loads[0] + t * loads[1]
+    result, load = problem.discretisation, loads[0] + t * loads[1]
     tried = answered(problem, load, beside=beside(loads, t))
     if tried.certificate is None:
-        raise NotCertifiedError(f"{of.name} has no answer that could be certified. {uncertain(found)}")
+        raise NotCertifiedError(f"{of.name} has no answer that could be certified. {uncertain(result)}")
     if not tried.passed:
-        raise NotCertifiedError(refusal(of.name, found, load, tried.answer, tried.certificate))
-    return Result.of(found, of, tried.methods, load, tried.answer, tried.certificate)
+        raise NotCertifiedError(refusal(of.name, result, load, tried.answer, tried.certificate))
+    return Result.of(result, of, tried.methods, load, tried.answer, tried.certificate)
 
 
 def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> tuple[CaseLoad, CaseLoad]:

@@ -20,21 +20,21 @@ _TOUCHING = 1e-9
 """Part of the largest overlap below which the plate touches and does not part, as for contact areas."""
 
 
-def margins(found: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
+def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
     """How far a support is from each of its events: not negative where it is closed, or its part that is closed enough.
 
     Of a support at points (p,) one a point; of a line or area (5,) one a level. Continuous in t along a load path.
     ``part`` is its `closed_part`.
     """
-    support, points = found.model.support[index], SupportPoints.of(found, index)
-    own = closed_by_point(found, points, answer, scales)
+    support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
+    own = closed_by_point(discretisation, points, answer, scales)
     if support.place == "at":
         return own
-    if support.area is None or (at_rest := area_at_rest(found, index)).on_means:
+    if support.area is None or (at_rest := area_at_rest(discretisation, index)).on_means:
         return _of_parts(own, points.weights, between=support.area is None)
     deflection = (answer.hi + answer.lo)[::3]
     nodes = np.flatnonzero(at_rest.on_nodes)
-    at_nodes = overlap(support, deflection[nodes], free_travel(support, found.mesh.points[nodes]))
+    at_nodes = overlap(support, deflection[nodes], free_travel(support, discretisation.mesh.points[nodes]))
     pressed = np.append(own * scales.length, at_nodes[~np.isnan(at_nodes)])
     touching = _TOUCHING * np.abs(pressed).max(initial=0.0)
     ends = (pressed.min() + touching) / scales.length, (pressed.max() - touching) / scales.length

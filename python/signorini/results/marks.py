@@ -78,7 +78,7 @@ def support_mark(
 
 def _nearest(positions: Floats, places: Floats) -> Ints:
     """Which of positions (k, 2) is nearest to each place (q, 2); any one of a break between pieces."""
-    found, left = np.zeros(len(places), np.int64), np.flatnonzero(np.isfinite(places[:, 0]))
+    result, left = np.zeros(len(places), np.int64), np.flatnonzero(np.isfinite(places[:, 0]))
     reach = max(float(np.ptp(np.concatenate([positions, places[left]]), axis=0).max()), 1e-300) / len(positions) ** 0.5
     while len(left):
         boxes = np.hstack([places[left] - reach, places[left] + reach])
@@ -88,9 +88,9 @@ def _nearest(positions: Floats, places: Floats) -> Ints:
         first = order[np.unique(place[order], return_index=True)[1]]
         # Beyond a box's nearer sides there may be a nearer one than in its corners.
         first = first[away[first] <= reach]
-        found[left[place[first]]] = position[first]
+        result[left[place[first]]] = position[first]
         left, reach = np.delete(left, place[first]), 2.0 * reach
-    return found
+    return result
 
 
 def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged", "symmetry"]:
@@ -111,24 +111,24 @@ def pressure_layer(area: AreaContact) -> PressureLayer:
     return PressureLayer(cut, values, area.bounds, outline, (value, at.tolist()))
 
 
-def support_marks(found: Discretisation) -> list[SupportMark]:
+def support_marks(discretisation: Discretisation) -> list[SupportMark]:
     """Draw the supports of a model that is not solved."""
     marks = []
-    for index, support in enumerate(found.model.support):
-        held = (found.held.support.reshape(-1, 3) == index).any(axis=1)
-        springs, contacts = found.springs, found.contacts
-        positions = [found.mesh.points[held], springs.positions[springs.support == index]]
+    for index, support in enumerate(discretisation.model.support):
+        held = (discretisation.held.support.reshape(-1, 3) == index).any(axis=1)
+        springs, contacts = discretisation.springs, discretisation.contacts
+        positions = [discretisation.mesh.points[held], springs.positions[springs.support == index]]
         positions.append(contacts.positions[contacts.support == index])
-        marks.append(support_mark(found.mesh, support, np.unique(np.concatenate(positions), axis=0)))
+        marks.append(support_mark(discretisation.mesh, support, np.unique(np.concatenate(positions), axis=0)))
     return marks
 
 
-def zone_marks(found: Discretisation) -> list[ZoneMark]:
+def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
     """Draw the zones of a model, with what they change in the legend."""
     from signorini.plot.marks import ZoneMark
 
     marks = []
-    for zone in found.model.zone:
+    for zone in discretisation.model.zone:
         parts = [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
         if zone.material is not None:
             own = zone.material
@@ -155,15 +155,15 @@ def cut_marks(model: Model) -> list[CutMark]:
     return marks
 
 
-def load_marks(found: Discretisation) -> list[LoadMark]:
+def load_marks(discretisation: Discretisation) -> list[LoadMark]:
     """Draw the loads of a model, the case's name and the kind in the legend."""
     from signorini.plot.loads import LoadMark
 
     marks = []
-    for load in found.model.load:
+    for load in discretisation.model.load:
         value = next((given for given in (load.pressure, load.force, load.line_load) if given is not None), 0.0)
         varies = not isinstance(value, float) and not value.is_constant
-        sizes = np.asarray(value if isinstance(value, float) else value(*_under(found.mesh, load).T))
+        sizes = np.asarray(value if isinstance(value, float) else value(*_under(discretisation.mesh, load).T))
         upward = bool(sizes.max() <= 0.0 and sizes.min() < 0.0)
         kind = "couple" if load.couple_about is not None else load.kind.replace("_", " ")
         name = kind + (" by its formula" if varies else "") + (", upward" if upward else "")
@@ -171,14 +171,14 @@ def load_marks(found: Discretisation) -> list[LoadMark]:
         if load.at is not None:
             style, places = "points", np.array(load.at)
         elif load.kind == "line_load":
-            style, places = "line", path(found.mesh, load)
+            style, places = "line", path(discretisation.mesh, load)
         elif isinstance(load.area, Area):
             places = _outline(load.area)
         else:
             places, name = np.zeros((0, 2)), name if varies else f"{name} everywhere"
-        words = _value(load, sizes, found.model.units)
+        words = _value(load, sizes, discretisation.model.units)
         marks.append(LoadMark(load.case, name, places, style, upward, load.couple, words, _prints(load)))
-    for moving in found.model.moving:
+    for moving in discretisation.model.moving:
         marks.append(LoadMark(moving.case, "the way it moves", np.array(moving.line), "line"))
         wheels = moving.wheels(0.5 * moving.length)
         if moving.patch is None:
@@ -222,17 +222,17 @@ def _value(load: Load, sizes: Floats, units: Units) -> str:
     return f"{text} {unit}".rstrip()
 
 
-def case_totals(found: Discretisation) -> dict[str, str]:
+def case_totals(discretisation: Discretisation) -> dict[str, str]:
     """Sums of the forces of load cases that stay where they are, or of their couples as moments if that is all."""
-    unit, sums = found.model.units.force, {}
-    couples = found.model.units.force_by_length(1)
-    for case in dict.fromkeys(load.case for load in found.model.load):
-        forces = found.cases[case].weighing[::3]
+    unit, sums = discretisation.model.units.force, {}
+    couples = discretisation.model.units.force_by_length(1)
+    for case in dict.fromkeys(load.case for load in discretisation.model.load):
+        forces = discretisation.cases[case].weighing[::3]
         total = float(forces.sum())
         if abs(total) > NO_FORCE * float(np.abs(forces).sum()):
             sums[case] = f"{plain(abs(total), 4)} {unit}".rstrip() + (" up" if total < 0 else " down")
             continue
-        weighing, turns = found.cases[case].weighing, found.rigid_motions[:, 1:]
+        weighing, turns = discretisation.cases[case].weighing, discretisation.rigid_motions[:, 1:]
         couple = weighing @ turns
         couple = np.where(np.abs(couple) > NO_FORCE * (np.abs(weighing) @ np.abs(turns)), couple, 0.0)
         if couple.any():

@@ -66,10 +66,12 @@ def event_of(support: Support, number: int, opening: bool) -> tuple[Change, floa
     return "part closed", level
 
 
-def first_place(found: Discretisation, index: int, answer: Answer, opening: bool) -> tuple[float, float] | None:
+def first_place(
+    discretisation: Discretisation, index: int, answer: Answer, opening: bool
+) -> tuple[float, float] | None:
     """Where a line or area begins to open: its point that is closed least; or to close: the one that is least open."""
-    points = SupportPoints.of(found, index)
-    own = closed_by_point(found, points, answer, Scales.of(answer))
+    points = SupportPoints.of(discretisation, index)
+    own = closed_by_point(discretisation, points, answer, Scales.of(answer))
     if not len(own):
         return None
     x, y = points.positions[int(own.argmin() if opening else own.argmax())].tolist()
@@ -78,14 +80,14 @@ def first_place(found: Discretisation, index: int, answer: Answer, opening: bool
 
 def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> tuple[PathEvent, ...]:
     """Find what supports do at the stops of a path that stops at every event, in its order."""
-    found = []
+    result = []
     for index, support in enumerate(supports):
         parts = [float(stop.parts[index]) for stop in stops]
         for row in range(1, len(stops)):
             stop, before, now = stops[row], parts[row - 1], parts[row]
             own = [switch for switch in stop.switched if switch.support == support.name]
             if support.place == "at":
-                found += [PathEvent(row, stop.t, support.name, one.at, one.change, now, not one.closes) for one in own]
+                result += [PathEvent(row, stop.t, support.name, one.at, one.change, now, not one.closes) for one in own]
                 continue
             opening = now < before
             for number, level in enumerate(LEVELS):
@@ -94,8 +96,8 @@ def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> t
                     continue
                 change, part = event_of(support, number, opening)
                 at = own[0].at if own and change in ("begins to open", "begins to close") else None
-                found.append(PathEvent(row, stop.t, support.name, at, change, part or 0.0, opening, number))
-    return tuple(sorted(found, key=lambda event: event.row))
+                result.append(PathEvent(row, stop.t, support.name, at, change, part or 0.0, opening, number))
+    return tuple(sorted(result, key=lambda event: event.row))
 
 
 def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:

@@ -22,7 +22,7 @@ _MOST_POINTS = 20
 
 def supports_table(
     supports: Sequence[Support],
-    found: Sequence[SupportResult],
+    result: Sequence[SupportResult],
     units: Units,
     widths: Sequence[Mapping[str, Any]] | None = None,
 ) -> str:
@@ -37,8 +37,8 @@ def supports_table(
     >>> supports_table([], [], Units(force="kN")).count("reaction [kN]")
     1
     """
-    areas = any(one.area is not None for one in found)
-    gapped = any(support.place == "at" and not one.closed.all() for support, one in zip(supports, found, strict=True))
+    areas = any(one.area is not None for one in result)
+    gapped = any(support.place == "at" and not one.closed.all() for support, one in zip(supports, result, strict=True))
     columns = [f"reaction{_in(units.force)}", *[f"gap{_in(units.length)}"] * gapped, "closed", "open"]
     if areas:
         columns += [
@@ -47,9 +47,9 @@ def supports_table(
         ]
     head = f"<tr><th></th><th {_WORDS}>support</th><th {_WORDS}>kind</th>"
     head += "".join(f"<th {_NUMBER}>{html.escape(title)}</th>" for title in columns) + "</tr>"
-    size = size_of([one.reaction for one in found] + [size_of(one.reactions) for one in found])
+    size = size_of([one.reaction for one in result] + [size_of(one.reactions) for one in result])
     lines = []
-    for index, (support, one) in enumerate(zip(supports, found, strict=True)):
+    for index, (support, one) in enumerate(zip(supports, result, strict=True)):
         width = None if widths is None else widths[index]
         cells = [_written(one.reaction, width, "reaction", size), *[""] * gapped]
         cells += [str(one.closed_count), str(one.open_count)]

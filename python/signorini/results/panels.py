@@ -62,7 +62,7 @@ class Shown(Protocol):
 def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[SupportResult]) -> list[SupportMark]:
     """Marks of the supports, open or closed."""
     pairs = zip(asked, supports, strict=True)
-    return [support_mark(mesh, one, found.positions, found.closed, found.contact_boundary) for one, found in pairs]
+    return [support_mark(mesh, one, result.positions, result.closed, result.contact_boundary) for one, result in pairs]
 
 
 def field_range(field: str, result: Shown) -> tuple[float, float]:
@@ -82,17 +82,17 @@ def panel(
     limits = limits or field_range(field, result)
     if field == PRESSURE:
         areas = [(index, one.area) for index, one in enumerate(result.supports) if one.area is not None]
-        index, most = max(areas, key=lambda found: found[1].largest[0])
+        index, most = max(areas, key=lambda result: result[1].largest[0])
         value, at = most.largest
         width = None if widths is None else widths["supports"][index]["max_pressure"]
         words = extreme("max", value, widths is not None, width)
         layers = [pressure_layer(area) for _, area in areas]
         return Panel(layers, label, map_of, limits, [(words, at.tolist())] if value > 0 else [])
-    ends, found = _ends(field, result), None
+    ends, values = _ends(field, result), None
     if widths is not None and field in result.extremes:
-        found = widths["deflection"] if field == "deflection" else widths["fields"][field]
+        values = widths["deflection"] if field == "deflection" else widths["fields"][field]
     named = [
-        (extreme(name, value, found is not None, found and found[name]), at)
+        (extreme(name, value, values is not None, values and values[name]), at)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at))
     ]
     return Panel(result.stress_nodes.spread(result.fields[field]), label, map_of, limits, named)

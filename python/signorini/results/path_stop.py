@@ -135,12 +135,12 @@ class PathStop(Brief):
         return np.asarray(self.values[self.catalogue.at(home, name)])
 
 
-def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switch, ...]:
+def switches(discretisation: Discretisation, points: Ints, answer: Answer) -> tuple[Switch, ...]:
     """Say which contact points open or close, and where."""
-    contacts, closed = found.contacts, answer.closed
+    contacts, closed = discretisation.contacts, answer.closed
     return tuple(
         Switch(
-            found.model.support[contacts.support[i]].name,
+            discretisation.model.support[contacts.support[i]].name,
             (float(contacts.positions[i, 0]), float(contacts.positions[i, 1])),
             bool(closed[i]),
         )
@@ -148,15 +148,15 @@ def switches(found: Discretisation, points: Ints, answer: Answer) -> tuple[Switc
     )
 
 
-def numbers_at_stops(found: Discretisation) -> Catalogue:
+def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
     """What stops tell; of points of supports at points only where these are not many."""
-    whole = catalogue_of(found, ("deflection",)).along_paths
+    whole = catalogue_of(discretisation, ("deflection",)).along_paths
     many = len(whole.at("point", "reaction")) > _MOST_POINTS
     return Catalogue(tuple(one for one in whole if one.home != "point")) if many else whole
 
 
 def path_stops(
-    found: Discretisation,
+    discretisation: Discretisation,
     at: Sequence[float],
     loads: Sequence[CaseLoad],
     points: Sequence[Ints],
@@ -169,28 +169,30 @@ def path_stops(
     ``imbalance`` (k, 3n) are their residuals, of plate and springs alone, where they are known.
     """
     hi, lo = np.array([answer.hi for answer in answers]), np.array([answer.lo for answer in answers])
-    imbalance = imbalances(found, loads, hi, lo) if imbalance is None else imbalance
-    catalogue, deflection = numbers_at_stops(found), (hi + lo)[:, ::3]
+    imbalance = imbalances(discretisation, loads, hi, lo) if imbalance is None else imbalance
+    catalogue, deflection = numbers_at_stops(discretisation), (hi + lo)[:, ::3]
     works = np.array([load.nodal for load in loads]) * (hi + lo)
-    pull = found.spring_forces(hi, lo)
+    pull = discretisation.spring_forces(hi, lo)
     numbers = np.full((len(answers), len(catalogue)), np.nan)
-    _put_supports(found, catalogue, numbers, imbalance, pull, deflection, answers)
-    values = found.mesh.shape_functions(found.probes.elements, found.probes.xi)
-    at_probes = np.einsum("qi,kqi->kq", values, deflection[:, found.mesh.elements[found.probes.elements]])
+    _put_supports(discretisation, catalogue, numbers, imbalance, pull, deflection, answers)
+    values = discretisation.mesh.shape_functions(discretisation.probes.elements, discretisation.probes.xi)
+    at_probes = np.einsum(
+        "qi,kqi->kq", values, deflection[:, discretisation.mesh.elements[discretisation.probes.elements]]
+    )
     numbers[:, catalogue.at("probe", "deflection")] = at_probes
     numbers[:, catalogue.at("field", *SIDES)] = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)[
         :, None
     ]
     stops = []
     for row, (t, load, answer) in enumerate(zip(at, loads, answers, strict=True)):
-        through = found.through(load, answer.hi, answer.lo, answer.shared, pull[row])
+        through = discretisation.through(load, answer.hi, answer.lo, answer.shared, pull[row])
         catalogue.put_through(numbers[row], through)
-        extremes = [peak(sign * deflection[row], found.mesh.points) for sign in (1.0, -1.0)]
-        most, least = [(float(x), float(y)) for x, y in found.mesh.points[extremes]]
+        extremes = [peak(sign * deflection[row], discretisation.mesh.points) for sign in (1.0, -1.0)]
+        most, least = [(float(x), float(y)) for x, y in discretisation.mesh.points[extremes]]
         stops.append(
             PathStop(
                 t,
-                switches(found, switched[row], answer),
+                switches(discretisation, switched[row], answer),
                 points[row],
                 catalogue,
                 numbers[row],
@@ -205,7 +207,7 @@ def path_stops(
 
 
 def _put_supports(
-    found: Discretisation,
+    discretisation: Discretisation,
     catalogue: Catalogue,
     numbers: Floats,
     imbalance: Floats,
@@ -216,22 +218,24 @@ def _put_supports(
     """Fill in what supports and their points do in every answer (k, n)."""
     shared, all_closed = np.array([one.shared for one in answers]), np.array([one.closed for one in answers])
     gaps = np.array([one.gap for one in answers])
-    held_force = np.where(found.held.dofs, imbalance - (found.point_rows.T @ shared.T).T, 0.0)[:, ::3]
+    held_force = np.where(discretisation.held.dofs, imbalance - (discretisation.point_rows.T @ shared.T).T, 0.0)[:, ::3]
     of_points: list[tuple[Floats, Floats]] = []
-    areas = [index for index, support in enumerate(found.model.support) if support.area is not None]
-    for index, support in enumerate(found.model.support):
-        points = SupportPoints.of(found, index)
+    areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
+    for index, support in enumerate(discretisation.model.support):
+        points = SupportPoints.of(discretisation, index)
         fixed = np.concatenate([held_force[:, points.nodes], pull[:, points.springs]], axis=1)
         reactions, closed = points.forces(fixed, shared), points.closed(all_closed)
         contact = np.full(len(answers), np.nan)
         if support.area is not None:
-            at_rest = area_at_rest(found, index)
+            at_rest = area_at_rest(discretisation, index)
             contact = at_rest.contact_areas(deflection, closed)
             pressures = at_rest.measured(deflection[:, at_rest.on_nodes], reactions)
             most = np.fmax.reduce(pressures, axis=1, initial=0.0)
             for name, values in (("contact_area", contact), ("max_pressure", most)):
                 numbers[:, catalogue.at("support", name)[areas.index(index)]] = values
-        parts = [closed_part(found, index, one, area) for one, area in zip(answers, contact.tolist(), strict=True)]
+        parts = [
+            closed_part(discretisation, index, one, area) for one, area in zip(answers, contact.tolist(), strict=True)
+        ]
         count = closed.sum(axis=1)
         for name, values in (
             ("reaction", reactions.sum(axis=1)),

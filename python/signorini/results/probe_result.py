@@ -124,7 +124,7 @@ def total_pressure(supports: Sequence[SupportResult], where: Location) -> Floats
     areas = [support.area for support in supports if support.area is not None]
     if not areas:
         return np.full(len(where.elements), np.nan)
-    found = np.array([area.pressure(where.elements, where.xi) for area in areas])
+    result = np.array([area.pressure(where.elements, where.xi) for area in areas])
     positions = areas[0].mesh.map(where.elements, where.xi)
-    on = without_shared_borders(areas, positions, ~np.isnan(found))
-    return np.where(on.any(axis=0), np.where(on, found, 0.0).sum(axis=0), np.nan)
+    on = without_shared_borders(areas, positions, ~np.isnan(result))
+    return np.where(on.any(axis=0), np.where(on, result, 0.0).sum(axis=0), np.nan)

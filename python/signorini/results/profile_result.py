@@ -52,15 +52,15 @@ def profile_results(
 ) -> tuple[ProfileResult, ...]:
     """Interpolate fields, (n,) or (s,), to the stations of profiles."""
     table = np.column_stack([nodes.spread(values) for values in fields.values()])
-    found = []
+    result = []
     for profile in profiles:
         distance, at = profile.places
         where, on = stations(nodes.mesh, at)
         values = np.full((len(at), len(fields) + 1), np.nan)
         values[on, :-1] = fields_at(table, nodes, where, at[on])
         values[on, -1] = total_pressure(supports, where)
-        found.append(ProfileResult(profile.name, distance, at, dict(zip((*fields, PRESSURE), values.T, strict=True))))
-    return tuple(found)
+        result.append(ProfileResult(profile.name, distance, at, dict(zip((*fields, PRESSURE), values.T, strict=True))))
+    return tuple(result)
 
 
 def stations(mesh: Mesh, at: Floats) -> tuple[Location, Bools]:

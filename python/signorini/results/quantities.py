@@ -255,13 +255,13 @@ def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness:
     >>> derived(["m1", "von_mises", "tyz"], np.array([3.0, 3.0, 1.0]), np.array([0.0, 4.0]), np.array(2.0)).round(3)
     array([4.   , 5.196, 3.   ])
     """
-    found = np.empty((*moment.shape[:-1], len(quantities)))
+    result = np.empty((*moment.shape[:-1], len(quantities)))
     for of in DERIVED:
         names = [one.name for one in of.quantities]
         if wanted := [place for place, name in enumerate(quantities) if name in names]:
             values = of.formula(moment, shear, thickness)
-            found[..., wanted] = values[..., [names.index(quantities[place]) for place in wanted]]
-    return found
+            result[..., wanted] = values[..., [names.index(quantities[place]) for place in wanted]]
+    return result
 
 
 @dataclass(frozen=True)
@@ -352,41 +352,41 @@ class Catalogue:
         fields : sequence of str
             Those whose extremes are told.
         """
-        found: list[Number] = []
+        result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             of: Path = ("supports", index)
             own = OF_SUPPORTS + (OF_AREAS if support.area is not None else ())
             for one in own:
                 estimated = one.kind != "count" or support.place == "at"
                 path: Path = (*of, *one.path)
-                found.append(Number(one, "support", index, path, support.name, 0, one.tabled, estimated))
+                result.append(Number(one, "support", index, path, support.name, 0, one.tabled, estimated))
             for point in range(count if support.place == "at" else 0):
                 subject, at = f"{support.name}[{point + 1}]", (*of, "points", point)
                 for one in OF_POINTS:
                     tabled = one.tabled and (opens or one.name != "gap")
-                    found.append(Number(one, "point", index, (*at, *one.path), subject, point, tabled))
+                    result.append(Number(one, "point", index, (*at, *one.path), subject, point, tabled))
         touching = any(support.area is not None for support in model.support)
         for index in range(probes):
             own = tuple(one for one in AT_PROBES if one.name != PRESSURE.name or touching)
             for one in own:
                 path = ("probes", index, *one.path)
                 subject, estimated = f"probe[{index + 1}]", one.kind != "angle"
-                found.append(Number(one, "probe", index, path, subject, 0, one.tabled, estimated))
+                result.append(Number(one, "probe", index, path, subject, 0, one.tabled, estimated))
         for index, section in enumerate(model.section):
             for one in THROUGH:
-                found.append(Number(one, "section", index, ("sections", index, *one.path), f"section[{section.name}]"))
+                result.append(Number(one, "section", index, ("sections", index, *one.path), f"section[{section.name}]"))
         for index, strip in enumerate(model.strip):
             of = ("strips", index)
             subject = f"strip[{strip.name}]"
-            found += [Number(one, "strip", index, (*of, *one.path), subject, 0, False) for one in OF_STRIPS]
+            result += [Number(one, "strip", index, (*of, *one.path), subject, 0, False) for one in OF_STRIPS]
             for station in range(strip.stations):
                 at = (*of, "stations", station)
                 subject = f"strip[{strip.name}][{station + 1}]"
-                found += [Number(one, "station", index, (*at, *one.path), subject, station) for one in MEANS]
+                result += [Number(one, "station", index, (*at, *one.path), subject, station) for one in MEANS]
         for index, name in enumerate(fields):
             of = ("deflection",) if name == "deflection" else ("fields", name)
-            found += [Number(FIELDS[name], "field", index, (*of, side), name) for side in SIDES]
-        return cls(tuple(found))
+            result += [Number(FIELDS[name], "field", index, (*of, side), name) for side in SIDES]
+        return cls(tuple(result))
 
     def __len__(self) -> int:
         """Count the numbers."""
@@ -408,8 +408,8 @@ class Catalogue:
 
     def at(self, home: Home, *names: str) -> Ints:
         """Which numbers are of a home and have these names: (q,) of one, else (q, k)."""
-        found = [self._places.get((home, name), np.zeros(0, np.int64)) for name in names]
-        return found[0] if len(names) == 1 else np.stack(found, axis=-1)
+        result = [self._places.get((home, name), np.zeros(0, np.int64)) for name in names]
+        return result[0] if len(names) == 1 else np.stack(result, axis=-1)
 
     @cached_property
     def _places(self) -> Mapping[tuple[str, str], Ints]:

@@ -124,7 +124,7 @@ class Result(Remade):
     @classmethod
     def of(
         cls,
-        found: Discretisation,
+        discretisation: Discretisation,
         load_of: Combination | str,
         methods: Sequence[str],
         load: CaseLoad,
@@ -141,24 +141,25 @@ class Result(Remade):
         begun = time.perf_counter()
         hi, lo = answer.hi, answer.lo
         nodal = (hi + lo).reshape(-1, 3)
-        rotation = found.held.to_global(nodal[:, 1:])
+        rotation = discretisation.held.to_global(nodal[:, 1:])
         if stress is None:
-            stress, _ = found.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
-        spread = found.point_rows.T @ answer.shared
-        held_force = np.zeros(found.dof_count)
-        if found.held.dofs.any():
-            imbalance = found.plate.residual(found.springs.arrays, load.nodal, hi, lo)
-            held_force = np.where(found.held.dofs, imbalance - spread, 0.0)
-        pull = found.spring_forces(hi, lo)
-        points, springs = found.off_areas
-        nodal_reaction = held_force + found.point_rows.T @ (points * answer.shared)
-        nodal_reaction += found.spring_rows.T @ (springs * pull)
+            stress, _ = discretisation.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
+        spread = discretisation.point_rows.T @ answer.shared
+        held_force = np.zeros(discretisation.dof_count)
+        if discretisation.held.dofs.any():
+            imbalance = discretisation.plate.residual(discretisation.springs.arrays, load.nodal, hi, lo)
+            held_force = np.where(discretisation.held.dofs, imbalance - spread, 0.0)
+        pull = discretisation.spring_forces(hi, lo)
+        points, springs = discretisation.off_areas
+        nodal_reaction = held_force + discretisation.point_rows.T @ (points * answer.shared)
+        nodal_reaction += discretisation.spring_rows.T @ (springs * pull)
         supports = tuple(
-            support_result(found, index, held_force[::3], pull, answer) for index in range(len(found.model.support))
+            support_result(discretisation, index, held_force[::3], pull, answer)
+            for index in range(len(discretisation.model.support))
         )
-        nodes, thickness = found.stress_nodes, found.node_thickness
+        nodes, thickness = discretisation.stress_nodes, discretisation.node_thickness
         fields = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(rotation), stress])
-        through = found.through(load, hi, lo, answer.shared, pull)
+        through = discretisation.through(load, hi, lo, answer.shared, pull)
         return cls(
             load_of if isinstance(load_of, str) else load_of.name,
             "solved",
@@ -167,8 +168,8 @@ class Result(Remade):
             tuple(unsettled),
             answer.pivots if method == "lemke" else answer.iterations,
             answer.not_unique,
-            found.mesh,
-            found.model,
+            discretisation.mesh,
+            discretisation.model,
             certificate,
             nodal[:, 0],
             rotation,
@@ -177,13 +178,15 @@ class Result(Remade):
             stress[:, 3:],
             nodal_reaction[::3],
             supports,
-            tuple(probe_results(fields, nodes, thickness, supports, found.probes, found.probe_positions)),
-            *section_results(found, through),
+            tuple(
+                probe_results(fields, nodes, thickness, supports, discretisation.probes, discretisation.probe_positions)
+            ),
+            *section_results(discretisation, through),
             time.perf_counter() - begun,
-            result_warnings(found, load, nodal[:, 0], supports, answer.not_unique),
-            singularities(found, load.acting),
+            result_warnings(discretisation, load, nodal[:, 0], supports, answer.not_unique),
+            singularities(discretisation, load.acting),
             thickness,
-            catalogue_of(found, TOLD),
+            catalogue_of(discretisation, TOLD),
             None if isinstance(load_of, str) else load_of,
         )
 
@@ -240,8 +243,8 @@ class Result(Remade):
         [7.0, 7386.0, 9852.0, 7386.0, 7.0]
         """
         profiles = self.model.profile if self.status == "solved" else ()
-        found = profile_results(profiles, self.fields, self.stress_nodes, self.supports) if profiles else ()
-        return Named({one.name: one for one in found}, "profile", "This result")
+        result = profile_results(profiles, self.fields, self.stress_nodes, self.supports) if profiles else ()
+        return Named({one.name: one for one in result}, "profile", "This result")
 
     @cached_property
     def extremes(self) -> Mapping[str, FieldExtremes]:
@@ -267,36 +270,36 @@ class Result(Remade):
     @cached_property
     def numbers(self) -> Floats:
         """Every number (k,) of its ``catalogue``; NaN where there is none."""
-        found, at = np.full(len(self.catalogue), np.nan), self.catalogue.at
+        result, at = np.full(len(self.catalogue), np.nan), self.catalogue.at
         if self.status != "solved":
-            return found
+            return result
         for name in ("reaction", "closed_part"):
-            found[at("support", name)] = [getattr(one, name) for one in self.supports]
-        found[at("support", "closed", "open")] = [(one.closed_count, one.open_count) for one in self.supports]
+            result[at("support", name)] = [getattr(one, name) for one in self.supports]
+        result[at("support", "closed", "open")] = [(one.closed_count, one.open_count) for one in self.supports]
         areas = [one.area for one in self.supports if one.area is not None]
         for name in ("max_pressure", "contact_area", "max_tension") if areas else ():
-            found[at("support", name)] = [getattr(one, name) for one in areas]
+            result[at("support", name)] = [getattr(one, name) for one in areas]
         points = [one for one in self.supports if one.place == "at"]
         if len(at("point", "reaction")):
-            found[at("point", "reaction")] = np.concatenate([one.reactions for one in points])
-            found[at("point", "gap")] = np.concatenate([one.gaps for one in points])
+            result[at("point", "reaction")] = np.concatenate([one.reactions for one in points])
+            result[at("point", "gap")] = np.concatenate([one.gaps for one in points])
         if self.probes:
             linear = [(one.deflection, *one.rotation, *one.moment, *one.shear) for one in self.probes]
-            found[at("probe", *LINEAR)] = linear
+            result[at("probe", *LINEAR)] = linear
             if areas:
-                found[at("probe", "pressure")] = [np.nan if p.pressure is None else p.pressure for p in self.probes]
-            self.catalogue.derive(found, np.array([one.thickness for one in self.probes]))
+                result[at("probe", "pressure")] = [np.nan if p.pressure is None else p.pressure for p in self.probes]
+            self.catalogue.derive(result, np.array([one.thickness for one in self.probes]))
         lines: list[tuple[Home, Sequence[SectionResult] | Sequence[StationResult]]] = [("section", self.sections)]
         lines.append(("station", [station for strip in self.strips for station in strip.stations]))
         for home, those in lines:
             for name in ("moment", "twist", "shear") if those else ():
-                found[at(home, name)] = [getattr(one, name) for one in those]
+                result[at(home, name)] = [getattr(one, name) for one in those]
         if self.strips:
-            found[at("strip", "max_moment")] = [one.sagging.moment for one in self.strips]
-            found[at("strip", "min_moment")] = [one.hogging.moment for one in self.strips]
+            result[at("strip", "max_moment")] = [one.sagging.moment for one in self.strips]
+            result[at("strip", "min_moment")] = [one.hogging.moment for one in self.strips]
         for side in SIDES:
-            found[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
-        return found
+            result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
+        return result
 
     def probe(self, points: Points) -> list[ProbeResult]:
         """Results at points (q, 2) of the plate.
@@ -488,10 +491,10 @@ def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
     return {name: result.stress_nodes.spread(values) for name, values in data.items()}, of_elements
 
 
-def unsolved_result(found: Discretisation, combination: Combination, message: str) -> Result:
+def unsolved_result(discretisation: Discretisation, combination: Combination, message: str) -> Result:
     """Build the result of a combination without equilibrium: NaN for every number, and the reason."""
     nan = float("nan")
-    count, of_stress = found.mesh.node_count, found.stress_nodes.count
+    count, of_stress = discretisation.mesh.node_count, discretisation.stress_nodes.count
     nothing = np.full(count, nan)
     return Result(
         combination.name,
@@ -501,12 +504,12 @@ def unsolved_result(found: Discretisation, combination: Combination, message: st
         (),
         0,
         (),
-        found.mesh,
-        found.model,
+        discretisation.mesh,
+        discretisation.model,
         Certificate(nan, nan, nan, nan, nan),
         nothing,
         np.full((count, 2), nan),
-        found.stress_nodes,
+        discretisation.stress_nodes,
         np.full((of_stress, 3), nan),
         np.full((of_stress, 2), nan),
         nothing,
@@ -515,9 +518,9 @@ def unsolved_result(found: Discretisation, combination: Combination, message: st
         (),
         (),
         0.0,
-        model_warnings(found),
+        model_warnings(discretisation),
         (),
-        found.node_thickness,
-        catalogue_of(found, TOLD),
+        discretisation.node_thickness,
+        catalogue_of(discretisation, TOLD),
         combination,
     )

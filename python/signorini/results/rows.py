@@ -69,20 +69,20 @@ class Hidden:
         return cls(np.zeros(count, np.int64), np.zeros(1, np.bool_), {})
 
     @classmethod
-    def of(cls, found: Discretisation, number: str) -> Hidden:
+    def of(cls, discretisation: Discretisation, number: str) -> Hidden:
         """Look for the nodes of the fields that singularities call so; none if it is empty."""
         places: dict[str | None, Ints] = {}
-        for case in (None, *found.cases) if number else ():
-            at = np.flatnonzero(at_peaks(found.mesh, singularities_of(found, case), number))
+        for case in (None, *discretisation.cases) if number else ():
+            at = np.flatnonzero(at_peaks(discretisation.mesh, singularities_of(discretisation, case), number))
             places |= {case: at} if len(at) else {}
-        of_mesh = found.stress_nodes.nodes if number else np.arange(found.mesh.node_count)
-        left_out = ~found.stress_nodes.counting(len(of_mesh))
+        of_mesh = discretisation.stress_nodes.nodes if number else np.arange(discretisation.mesh.node_count)
+        left_out = ~discretisation.stress_nodes.counting(len(of_mesh))
         if not places:
             return cls(left_out.astype(np.int64), np.array([False, True]), {})
         nodes = np.unique(np.concatenate(list(places.values())))
         by = np.array([np.isin(nodes, at) for at in places.values()], np.bool_)
         alike, which = np.unique(by, axis=1, return_inverse=True)
-        classes = np.zeros(found.mesh.node_count, np.int64)
+        classes = np.zeros(discretisation.mesh.node_count, np.int64)
         classes[nodes] = 1 + which.ravel()
         hides = {case: np.concatenate([[False], row, [False]]) for case, row in zip(places, alike, strict=True)}
         always = hides.pop(None, np.zeros(2 + alike.shape[1], np.bool_))
@@ -92,12 +92,12 @@ class Hidden:
 
     def under(self, acting: Bools, cases: Sequence[str]) -> Bools:
         """Which classes (k, c) are hidden where load cases act (k, a); where no node would be left, none."""
-        found = np.tile(self.always, (len(acting), 1))
+        result = np.tile(self.always, (len(acting), 1))
         for column, case in enumerate(cases):
             if case in self.by_case:
-                found |= acting[:, column, None] & self.by_case[case]
-        present = np.bincount(self.classes, minlength=found.shape[1]) > 0
-        return np.asarray(found & (~found & present).any(axis=1, keepdims=True))
+                result |= acting[:, column, None] & self.by_case[case]
+        present = np.bincount(self.classes, minlength=result.shape[1]) > 0
+        return np.asarray(result & (~result & present).any(axis=1, keepdims=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,19 +133,19 @@ class Layout:
     hidden: Mapping[str, Hidden]
 
     @classmethod
-    def of(cls, found: Discretisation) -> Layout:
+    def of(cls, discretisation: Discretisation) -> Layout:
         """Lay out the rows of a model, with extremes of the fields that it asks for (``output.envelope``)."""
-        asked: Sequence[str] = found.model.output.envelope
+        asked: Sequence[str] = discretisation.model.output.envelope
         fields = [name for name in FIELDS if name in asked]
-        points = tuple(SupportPoints.of(found, index) for index in range(len(found.model.support)))
-        areas = [index for index, support in enumerate(found.model.support) if support.area is not None]
-        at_rest = {index: area_at_rest(found, index) for index in areas}
+        points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
+        areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
+        at_rest = {index: area_at_rest(discretisation, index) for index in areas}
         number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
-        by_number = {number: Hidden.of(found, number) for number in set(number_of.values())}
+        by_number = {number: Hidden.of(discretisation, number) for number in set(number_of.values())}
         hidden = {name: by_number[number] for name, number in number_of.items()}
-        catalogue, nodes = catalogue_of(found, fields).in_tables, found.stress_nodes.points
-        probes = found.probe_positions, found.probe_thickness
-        return cls(found.model, catalogue, points, at_rest, tuple(fields), *probes, nodes, hidden)
+        catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
+        probes = discretisation.probe_positions, discretisation.probe_thickness
+        return cls(discretisation.model, catalogue, points, at_rest, tuple(fields), *probes, nodes, hidden)
 
     @property
     def point_count(self) -> int:
@@ -167,14 +167,14 @@ class Layout:
     @cached_property
     def bearings(self) -> tuple[Bearing, ...]:
         """Points of supports at points, of which there are not too many, and all other supports."""
-        found = []
+        result = []
         for index, (support, points) in enumerate(zip(self.model.support, self.supports, strict=True)):
             if support.place == "at" and 0 < len(points.positions) <= _MOST_BEARINGS:
                 places = points.positions.tolist()
-                found += [Bearing(index, number, (x, y)) for number, (x, y) in enumerate(places, start=1)]
+                result += [Bearing(index, number, (x, y)) for number, (x, y) in enumerate(places, start=1)]
             else:
-                found.append(Bearing(index, None, None))
-        return tuple(found)
+                result.append(Bearing(index, None, None))
+        return tuple(result)
 
     @cached_property
     def governed(self) -> tuple[tuple[str, Bearing], ...]:
@@ -182,12 +182,12 @@ class Layout:
 
         Then gaps of points that may open and, of areas, the largest pressure and how much is in contact.
         """
-        found = [("reaction", bearing) for bearing in self.bearings]
+        result = [("reaction", bearing) for bearing in self.bearings]
         opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
         areas = [one for one in self.bearings if one.support in self.at_rest]
-        found += [("gap", bearing) for bearing in opening]
+        result += [("gap", bearing) for bearing in opening]
         tabled = [one.name for one in OF_AREAS if one.tabled]
-        return (*found, *((what, bearing) for bearing in areas for what in tabled))
+        return (*result, *((what, bearing) for bearing in areas for what in tabled))
 
     @cached_property
     def governed_places(self) -> Ints:
@@ -327,11 +327,11 @@ class Block:
 
 def together(blocks: Iterable[NamedColumns]) -> Mapping[str, Column]:
     """Join the columns of consecutive blocks, texts as lists, numbers as arrays nobody writes into."""
-    found: dict[str, list[Column]] = {}
+    result: dict[str, list[Column]] = {}
     for block in blocks:
         for name, values in block:
-            found.setdefault(name, []).append(values)
-    return Named({name: _joined(parts) for name, parts in found.items()}, "column", "This table")
+            result.setdefault(name, []).append(values)
+    return Named({name: _joined(parts) for name, parts in result.items()}, "column", "This table")
 
 
 def _joined(parts: Sequence[Column]) -> Column:

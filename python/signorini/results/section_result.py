@@ -103,10 +103,13 @@ class StripResult:
 
 
 def section_results(
-    found: Discretisation, through: Floats
+    discretisation: Discretisation, through: Floats
 ) -> tuple[tuple[SectionResult, ...], tuple[StripResult, ...]]:
     """Give sections and strips what `Discretisation.through` says (3s,)."""
-    model, values = found.model, zip(found.sections.lengths.tolist(), through.reshape(-1, 3).tolist(), strict=True)
+    model, values = (
+        discretisation.model,
+        zip(discretisation.sections.lengths.tolist(), through.reshape(-1, 3).tolist(), strict=True),
+    )
     sections = tuple(SectionResult(section.name, *_next(values)) for section in model.section)
     return sections, tuple(
         StripResult(

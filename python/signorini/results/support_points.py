@@ -53,18 +53,18 @@ class SupportPoints:
     shares: csr_array | None
 
     @classmethod
-    def of(cls, found: Discretisation, index: int) -> SupportPoints:
+    def of(cls, discretisation: Discretisation, index: int) -> SupportPoints:
         """Points of the support at that place in the model, found once."""
-        known = _KNOWN.setdefault(found, {})
+        known = _KNOWN.setdefault(discretisation, {})
         if index not in known:
-            known[index] = cls._found(found, index)
+            known[index] = cls._found(discretisation, index)
         return known[index]
 
     @classmethod
-    def _found(cls, found: Discretisation, index: int) -> SupportPoints:
-        contacts, parts = found.points, found.parts[index]
+    def _found(cls, discretisation: Discretisation, index: int) -> SupportPoints:
+        contacts, parts = discretisation.points, discretisation.parts[index]
         nodes, springs, rows = parts.nodes, parts.springs, parts.rows
-        share = 1.0 / np.bincount(found.held.holders[:, 0], minlength=found.mesh.node_count)[nodes]
+        share = 1.0 / np.bincount(discretisation.held.holders[:, 0], minlength=discretisation.mesh.node_count)[nodes]
         # All there are need not be copied.
         first = slice(None) if len(rows[0]) == len(contacts) else rows[0]
         elements, places, weight = contacts.rows.elements[first], contacts.positions[first], contacts.weights[first]
@@ -74,9 +74,11 @@ class SupportPoints:
             # An element is where its mean is, which comes before points that it shares.
             places = places[shares.indices[shares.indptr[:-1]]]
             weight = shares @ weight
-        positions = np.concatenate([found.mesh.points[nodes], found.springs.positions[springs], places])
-        weights = np.concatenate([np.ones(len(nodes)), found.springs.weights[springs], weight])
-        of_springs = found.springs.rows.elements[springs]
+        positions = np.concatenate(
+            [discretisation.mesh.points[nodes], discretisation.springs.positions[springs], places]
+        )
+        weights = np.concatenate([np.ones(len(nodes)), discretisation.springs.weights[springs], weight])
+        of_springs = discretisation.springs.rows.elements[springs]
         elements = np.concatenate([np.full(len(nodes), -1), of_springs, elements])
         order = parts.order if shares is None else np.arange(len(positions))
         direction, weights = contacts.direction[rows], weights[order]
@@ -100,18 +102,18 @@ class SupportPoints:
             acting = (self.shares @ together.T).T.reshape(*leading, self.shares.shape[0])
         return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
 
-    def centres(self, found: Discretisation, reaction: Floats) -> Floats:
+    def centres(self, discretisation: Discretisation, reaction: Floats) -> Floats:
         """Where the force of every point acts (p, 2), given the contacts' (m,): in an element nearer to what pushes."""
         if self.shares is None:
             return self.positions
         pushing = np.abs(reaction[self.rows]).sum(axis=0)
         force = self.shares @ pushing
-        moment = self.shares @ (pushing[:, None] * found.points.positions[self.rows[0]])
+        moment = self.shares @ (pushing[:, None] * discretisation.points.positions[self.rows[0]])
         own = self.positions[np.argsort(self.order)][self.fixed :]
         acting = np.where(force[:, None] > 0, moment / np.where(force > 0, force, 1.0)[:, None], own)
         inward = own - acting
         way = np.hypot(*inward.T)[:, None]
-        acting += inward * np.minimum(1.0, _INWARD * found.mesh.size / np.where(way > 0, way, 1.0))
+        acting += inward * np.minimum(1.0, _INWARD * discretisation.mesh.size / np.where(way > 0, way, 1.0))
         return np.asarray(np.concatenate([self.positions[np.argsort(self.order)][: self.fixed], acting])[self.order])
 
     def gaps(self, gap: Floats) -> Floats:
@@ -158,14 +160,14 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
     return elements, csr_array((share[order], point[order], start), shape=(len(elements), len(shared)))
 
 
-def catalogue_of(found: Discretisation, fields: Sequence[str]) -> Catalogue:
+def catalogue_of(discretisation: Discretisation, fields: Sequence[str]) -> Catalogue:
     """List the numbers of a model's results."""
     key = tuple(fields)
-    known = _CATALOGUES.setdefault(found, {})
+    known = _CATALOGUES.setdefault(discretisation, {})
     if key not in known:
-        points = [SupportPoints.of(found, index) for index in range(len(found.model.support))]
+        points = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
         counts, opens = [len(of.positions) for of in points], [of.rows.size > 0 for of in points]
-        known[key] = Catalogue.of(found.model, counts, opens, len(found.probe_positions), key)
+        known[key] = Catalogue.of(discretisation.model, counts, opens, len(discretisation.probe_positions), key)
     return known[key]
 
 

@@ -95,7 +95,7 @@ class SupportResult(Remade):
 
 
 def support_result(
-    found: Discretisation,
+    discretisation: Discretisation,
     index: int,
     held_force: Floats,
     pull: Floats,
@@ -105,7 +105,7 @@ def support_result(
 
     Parameters
     ----------
-    found : Discretisation
+    discretisation : Discretisation
     index : int
         Which support of the model.
     held_force : (n,) array
@@ -114,14 +114,14 @@ def support_result(
         Upward force of every spring.
     answer : Answer
     """
-    support = found.model.support[index]
-    points = SupportPoints.of(found, index)
+    support = discretisation.model.support[index]
+    points = SupportPoints.of(discretisation, index)
     reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.shared)
     closed = points.closed(answer.closed)
-    centres, deflection = points.centres(found, answer.shared), (answer.hi + answer.lo)[::3]
+    centres, deflection = points.centres(discretisation, answer.shared), (answer.hi + answer.lo)[::3]
     area = None
     if support.area is not None:
-        area = area_contact(found, index, deflection, centres, closed, reactions)
+        area = area_contact(discretisation, index, deflection, centres, closed, reactions)
     return SupportResult(
         support.name,
         describe(support),
@@ -132,39 +132,41 @@ def support_result(
         closed,
         points.weights,
         support.place,
-        closed_part(found, index, answer, np.nan if area is None else area.contact_area),
+        closed_part(discretisation, index, answer, np.nan if area is None else area.contact_area),
         area,
     )
 
 
 def area_contact(
-    found: Discretisation, index: int, deflection: Floats, positions: Floats, closed: Bools, reactions: Floats
+    discretisation: Discretisation, index: int, deflection: Floats, positions: Floats, closed: Bools, reactions: Floats
 ) -> AreaContact:
     """Contact of an area, from the deflection (n,) and what its points (q,) do."""
-    support, points = found.model.support[index], SupportPoints.of(found, index)
+    support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
     on_means = points.shares is not None or support.stiffness is None
-    stiff = on_means | _stiff(found, support, points)
+    stiff = on_means | _stiff(discretisation, support, points)
     return AreaContact(
-        *(found.mesh, support, deflection, positions, points.elements, points.weights),
+        *(discretisation.mesh, support, deflection, positions, points.elements, points.weights),
         *(closed, reactions, on_means, stiff),
     )
 
 
-def area_at_rest(found: Discretisation, index: int) -> AreaContact:
+def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
     """Contact of an area that nothing presses yet, built once: where it is, and its law."""
-    known = _AT_REST.setdefault(found, {})
+    known = _AT_REST.setdefault(discretisation, {})
     if index not in known:
-        positions = SupportPoints.of(found, index).positions
+        positions = SupportPoints.of(discretisation, index).positions
         nothing = np.zeros(len(positions))
-        known[index] = area_contact(found, index, np.zeros(found.mesh.node_count), positions, nothing > 0, nothing)
+        known[index] = area_contact(
+            discretisation, index, np.zeros(discretisation.mesh.node_count), positions, nothing > 0, nothing
+        )
     return known[index]
 
 
-def _stiff(found: Discretisation, support: Support, points: SupportPoints) -> Bools:
+def _stiff(discretisation: Discretisation, support: Support, points: SupportPoints) -> Bools:
     """Elements (ne,) in which an area is stiffer than the plate, or, if it never lets go, as good as rigid."""
-    stiff = np.zeros(len(found.mesh.elements), np.bool_)
+    stiff = np.zeros(len(discretisation.mesh.elements), np.bool_)
     if support.stiffness is not None:
-        at, of_plate = points.elements, found.plate_stiffness
+        at, of_plate = points.elements, discretisation.plate_stiffness
         stiffness = support.stiffness(*points.positions.T)
         limit = (
             of_plate.in_waves[at] if can_let_go(support) else STIFFEST_SPRING * of_plate.in_shear[at] / points.weights

@@ -39,7 +39,7 @@ class Threshold:
         return self.quantity.rpartition(".")[-1] not in SMOOTH
 
 
-def thresholds(found: Discretisation, when: Sequence[str]) -> tuple[Threshold, ...]:
+def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Threshold, ...]:
     """Read what is asked for.
 
     Raises
@@ -49,7 +49,7 @@ def thresholds(found: Discretisation, when: Sequence[str]) -> tuple[Threshold, .
     """
     if isinstance(when, str) or not isinstance(when, Sequence):
         raise InputError('it must be a list of texts such as ["bolts[1].reaction = 203e3"].', place="when")
-    known, asked = numbers_at_stops(found).by_name, []
+    known, asked = numbers_at_stops(discretisation).by_name, []
     for text in when:
         name, equals, number = text.rpartition("=") if isinstance(text, str) else ("", "", "")
         try:

@@ -33,13 +33,13 @@ soil has 0.001 of the one and 100 of the other, a base plate on grout 1 of the f
 _POWERS = {"area": 4, "edge": 3, "line": 3, "circle": 3, "at": 2}
 
 
-def unit_slips(found: Discretisation) -> Iterator[str]:
+def unit_slips(discretisation: Discretisation) -> Iterator[str]:
     """Ask of lengths, Young's modulus, the weight and stiffnesses whether another unit was meant."""
-    yield from _unknown("length", found.model.units.length, METRES, _LENGTHS)
-    yield from _unknown("force", found.model.units.force, _NEWTONS, _FORCES)
-    yield from _of_lengths(found)
-    yield from _of_material(found)
-    yield from _of_supports(found)
+    yield from _unknown("length", discretisation.model.units.length, METRES, _LENGTHS)
+    yield from _unknown("force", discretisation.model.units.force, _NEWTONS, _FORCES)
+    yield from _of_lengths(discretisation)
+    yield from _of_material(discretisation)
+    yield from _of_supports(discretisation)
 
 
 def _unknown(kind: str, given: str, known: Mapping[str, float], words: Mapping[str, str]) -> Iterator[str]:
@@ -53,42 +53,43 @@ def _unknown(kind: str, given: str, known: Mapping[str, float], words: Mapping[s
         )
 
 
-def _of_lengths(found: Discretisation) -> Iterator[str]:
-    model, thickness = found.model, float(found.thickness.nominal.max())
+def _of_lengths(discretisation: Discretisation) -> Iterator[str]:
+    model, thickness = discretisation.model, float(discretisation.thickness.nominal.max())
     # A zone may be thick to be stiff.
-    thinnest = float(found.thickness.nominal.min())
-    smaller, larger = np.sort(np.ptp(found.mesh.points, axis=0)).tolist()
+    thinnest = float(discretisation.thickness.nominal.min())
+    smaller, larger = np.sort(np.ptp(discretisation.mesh.points, axis=0)).tolist()
     if thinnest > _THICKEST * smaller:
         yield (
-            f"The thickness, {_length(found, thinnest)}, is {plain(thinnest / smaller, 2)} times the plate's smaller "
-            f"extent, {_length(found, smaller)}, and of a plate it is a fifth at most: was another unit meant?"
+            f"The thickness, {_length(discretisation, thinnest)}, is {plain(thinnest / smaller, 2)} times the plate's "
+            f"smaller extent, {_length(discretisation, smaller)}, and of a plate it is a fifth at most: "
+            "was another unit meant?"
         )
     if (size := model.mesh.size) is not None and size > larger:
         yield (
-            f"The size of elements, {_length(found, size)}, is {plain(size / larger, 2)} times the plate's larger "
-            f"extent, {_length(found, larger)}: was another unit meant?"
+            f"The size of elements, {_length(discretisation, size)}, is {plain(size / larger, 2)} times the plate's "
+            f"larger extent, {_length(discretisation, larger)}: was another unit meant?"
         )
-    points = found.points
-    for support, parts in zip(model.support, found.parts, strict=True):
+    points = discretisation.points
+    for support, parts in zip(model.support, discretisation.parts, strict=True):
         rows = parts.rows.ravel()
         settled = points.settlement[rows]
-        moved = found.held.values[3 * parts.nodes], found.springs.base[parts.springs], settled
+        moved = discretisation.held.values[3 * parts.nodes], discretisation.springs.base[parts.springs], settled
         travels = {"gap": points.distance[rows] - settled, "settlement": np.abs(np.concatenate(moved))}
         for what, values in travels.items():
             most = float(values.max(initial=0.0))
             if most > thickness:
                 yield (
-                    f"The {what} of {support.name}, {_length(found, most)}, is {plain(most / thickness, 2)} times the "
-                    "plate's thickness: was another unit meant?"
+                    f"The {what} of {support.name}, {_length(discretisation, most)}, is {plain(most / thickness, 2)} "
+                    "times the plate's thickness: was another unit meant?"
                 )
 
 
-def _length(found: Discretisation, value: float) -> str:
-    return f"{value:.4g} {found.model.units.length}".rstrip()
+def _length(discretisation: Discretisation, value: float) -> str:
+    return f"{value:.4g} {discretisation.model.units.length}".rstrip()
 
 
-def _of_material(found: Discretisation) -> Iterator[str]:
-    model = found.model
+def _of_material(discretisation: Discretisation) -> Iterator[str]:
+    model = discretisation.model
     length, force = model.units.length, model.units.force
     if force not in _NEWTONS or length not in METRES:
         return
@@ -99,7 +100,7 @@ def _of_material(found: Discretisation) -> Iterator[str]:
             f"E = {modulus:.4g} {force}/{length}² is {pascals:.4g} Pa, and what plates are made of has "
             f"{_SOFTEST:.0e} to {_STIFFEST:.0e}: was another unit meant?"
         )
-    for weight in dict.fromkeys(one.unit_weight for one in model.materials) if _weighs(found) else ():
+    for weight in dict.fromkeys(one.unit_weight for one in model.materials) if _weighs(discretisation) else ():
         newtons = (weight or _LIGHTEST) * _NEWTONS[force] / METRES[length] ** 3
         if weight and not _LIGHTEST <= newtons <= _HEAVIEST:
             yield (
@@ -108,18 +109,18 @@ def _of_material(found: Discretisation) -> Iterator[str]:
             )
 
 
-def _weighs(found: Discretisation) -> bool:
-    return any(load.self_weight for load in found.model.load)
+def _weighs(discretisation: Discretisation) -> bool:
+    return any(load.self_weight for load in discretisation.model.load)
 
 
-def _of_supports(found: Discretisation) -> Iterator[str]:
-    model, thickness = found.model, float(found.thickness.at_points.mean())
+def _of_supports(discretisation: Discretisation) -> Iterator[str]:
+    model, thickness = discretisation.model, float(discretisation.thickness.at_points.mean())
     rigidity = model.young * thickness**3 / 12
     for support in model.support:
         if support.stiffness is None or not support.stiffness.is_constant:
             continue
         stiffness, power = support.stiffness.value, _POWERS.get(support.place, 2)
-        within, over = stiffness * thickness**power / rigidity, stiffness * found.mesh.size**power / rigidity
+        within, over = stiffness * thickness**power / rigidity, stiffness * discretisation.mesh.size**power / rigidity
         words = f"The stiffness of {support.name}, {stiffness:.4g}, is "
         if within > _RIGID:
             yield (

@@ -48,7 +48,7 @@ _MOST = 0.75
 Covers of flanges, thick and on many bolts, have half."""
 
 
-def model_warnings(found: Discretisation) -> tuple[str, ...]:
+def model_warnings(discretisation: Discretisation) -> tuple[str, ...]:
     """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place.
 
     Examples
@@ -65,31 +65,42 @@ def model_warnings(found: Discretisation) -> tuple[str, ...]:
     >>> model_warnings(discretise(model))
     ('E = 3e+10 kN/m² is 3e+13 Pa, and what plates are made of has 1e+08 to 1e+12: was another unit meant?',)
     """
-    if found not in _KNOWN:
+    if discretisation not in _KNOWN:
         of_supports = (
-            *_one_place(found),
-            *_overlaps(found),
-            *_never_act(found),
-            *_beds_both_ways(found.model),
-            *_couples(found),
-            *_wheels_off(found),
+            *_one_place(discretisation),
+            *_overlaps(discretisation),
+            *_never_act(discretisation),
+            *_beds_both_ways(discretisation.model),
+            *_couples(discretisation),
+            *_wheels_off(discretisation),
         )
-        of_plate = *_one_element(found), *_unrefined(found), *_unfollowed(found), *_zones(found), *_left_out(found)
-        _KNOWN[found] = (*unit_slips(found), *of_plate, *of_supports)
-    return _KNOWN[found]
+        of_plate = (
+            *_one_element(discretisation),
+            *_unrefined(discretisation),
+            *_unfollowed(discretisation),
+            *_zones(discretisation),
+            *_left_out(discretisation),
+        )
+        _KNOWN[discretisation] = (*unit_slips(discretisation), *of_plate, *of_supports)
+    return _KNOWN[discretisation]
 
 
 def result_warnings(
-    found: Discretisation,
+    discretisation: Discretisation,
     load: CaseLoad,
     deflection: Floats,
     supports: Sequence[SupportResult],
     not_unique: Sequence[NotUnique],
 ) -> tuple[str, ...]:
     """Say what of one combination is seldom meant, behind what is of the model."""
-    warned = [*model_warnings(found), *idle_cases(found.model), *no_resultant(found, load), *too_far(found, deflection)]
-    warned += _beds_that_pull(found.model, supports)
-    warned += _outweighing(found, load, supports)
+    warned = [
+        *model_warnings(discretisation),
+        *idle_cases(discretisation.model),
+        *no_resultant(discretisation, load),
+        *too_far(discretisation, deflection),
+    ]
+    warned += _beds_that_pull(discretisation.model, supports)
+    warned += _outweighing(discretisation, load, supports)
     return (*warned, *(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique))
 
 
@@ -100,27 +111,27 @@ def idle_cases(model: Model) -> Iterator[str]:
             yield f'The load case "{case}" acts in no combination. Is its name the one that is meant?'
 
 
-def no_resultant(found: Discretisation, load: CaseLoad) -> Iterator[str]:
+def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str]:
     """Whether forces act that sum to zero, or nothing acts at all, and no support moves either."""
     if load.curvature.any():
         return
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())
     cancel = total and abs(forces.sum()) <= NO_FORCE * total
-    if cancel and not any(one.couple is not None and one.given(FOOTPRINT) for one in found.model.load):
+    if cancel and not any(one.couple is not None and one.given(FOOTPRINT) for one in discretisation.model.load):
         yield "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
-    elif not load.nodal.any() and not _some_base_moves(found):
+    elif not load.nodal.any() and not _some_base_moves(discretisation):
         yield "No load acts."
 
 
-def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
+def too_far(discretisation: Discretisation, deflection: Floats) -> Iterator[str]:
     """Whether some deflection (n,) is beyond the thickness, where the theory of small deflections ends."""
-    elements, thickness = found.mesh.elements, bending_thickness(found)
+    elements, thickness = discretisation.mesh.elements, bending_thickness(discretisation)
     at = int((np.abs(deflection[elements]).max(axis=1) / thickness).argmax())
     node = elements[at, int(np.abs(deflection[elements[at]]).argmax())]
     if abs(deflection[node]) > thickness[at]:
-        unit = found.model.units.length and f" {found.model.units.length}"
-        where = point(found.mesh.points[node], found.mesh.size)
+        unit = discretisation.model.units.length and f" {discretisation.model.units.length}"
+        where = point(discretisation.mesh.points[node], discretisation.mesh.size)
         yield (
             f"The deflection at {where}, {deflection[node]:.4g}{unit}, is beyond the thickness, "
             f"{thickness[at]:.4g}{unit}: the theory is of small ones. Are E, thickness, loads and "
@@ -128,9 +139,9 @@ def too_far(found: Discretisation, deflection: Floats) -> Iterator[str]:
         )
 
 
-def _left_out(found: Discretisation) -> Iterator[str]:
+def _left_out(discretisation: Discretisation) -> Iterator[str]:
     """Whether most of the plate is so near to where moments or shears have no limit that extremes leave it out."""
-    mesh, named = found.mesh, singularities(found)
+    mesh, named = discretisation.mesh, singularities(discretisation)
     for number in ("moment", "shear"):
         peaks = at_peaks(mesh, named, number)
         part = float(mesh.element_area[peaks[mesh.elements].all(axis=1)].sum() / mesh.element_area.sum())
@@ -141,20 +152,20 @@ def _left_out(found: Discretisation) -> Iterator[str]:
             yield f"{100 * part:.0f} % of the plate {where}, and is left out of the largest {number}s."
 
 
-def bending_thickness(found: Discretisation) -> Floats:
+def bending_thickness(discretisation: Discretisation) -> Floats:
     """Thickness (ne,) with which deflections are compared: that of elements, in thick zones no more than the plate's.
 
     Thick zones move as the plate around them bends.
     """
-    nominal = np.broadcast_to(found.thickness.nominal.min(axis=1), len(found.mesh.elements))
-    own = nominal[found.zones.of_elements.thickness == 0]
+    nominal = np.broadcast_to(discretisation.thickness.nominal.min(axis=1), len(discretisation.mesh.elements))
+    own = nominal[discretisation.zones.of_elements.thickness == 0]
     return np.minimum(nominal, own.max()) if len(own) else nominal
 
 
-def _zones(found: Discretisation) -> Iterator[str]:
+def _zones(discretisation: Discretisation) -> Iterator[str]:
     """Zones that say the same of one place; a later one within an earlier one is meant."""
-    for (one, earlier), (other, later) in combinations(enumerate(found.model.zone, 1), 2):
-        first, second = found.zones.inside[[one - 1, other - 1]]
+    for (one, earlier), (other, later) in combinations(enumerate(discretisation.model.zone, 1), 2):
+        first, second = discretisation.zones.inside[[one - 1, other - 1]]
         both = first & second
         keys = " and ".join(key for key in earlier.given(KEYS) if key in later.given(KEYS))
         if not keys or (both == second).all() or not both.any():
@@ -162,18 +173,18 @@ def _zones(found: Discretisation) -> Iterator[str]:
         if (both == first).all():
             yield f"The {keys} of zone {one} counts nowhere: zone {other}, which comes later, covers it. Put it behind."
         else:
-            at = point(found.mesh.points[found.mesh.elements[np.argmax(both), :4]].mean(axis=0))
+            at = point(discretisation.mesh.points[discretisation.mesh.elements[np.argmax(both), :4]].mean(axis=0))
             yield (
                 f"Zones {one} and {other} overlap, such as at {at}: there the {keys} of zone {other} counts, the later "
                 "one. Is that meant?"
             )
 
 
-def _never_act(found: Discretisation) -> Iterator[str]:
+def _never_act(discretisation: Discretisation) -> Iterator[str]:
     """Points of a support at points that others hold at every dof: they can neither press nor let go."""
-    for index, support in enumerate(found.model.support):
+    for index, support in enumerate(discretisation.model.support):
         count = len(support.at or ())
-        listed = len(SupportPoints.of(found, index).positions)
+        listed = len(SupportPoints.of(discretisation, index).positions)
         if listed < count and support.holds_w:
             which = f"{count - listed} of its {count} points are" if count > 1 else "its point is"
             yield (
@@ -200,24 +211,26 @@ def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator
                 yield f"{support.name} pulls the plate down, with up to {_with_unit(model, pull, -2)}{_UNSAID}"
 
 
-def _outweighing(found: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
+def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
     """Reactions far beyond what loads can ask for: of a thin plate supports may be near, and pry it apart between."""
-    if load.curvature.any() or _some_base_moves(found) or found.points.distance.any():
+    if load.curvature.any() or _some_base_moves(discretisation) or discretisation.points.distance.any():
         return
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0).tolist()
-    acting = forces + sum(couples) / float(found.thickness.min())
+    acting = forces + sum(couples) / float(discretisation.thickness.min())
     sums = {support.name: float(np.abs(support.reactions).sum()) for support in supports}
     if acting and (most := max(sums.values(), default=0.0)) > _OUTWEIGHS * acting:
         names = " and ".join(name for name, value in sums.items() if value > 0.1 * most)
         yield (
-            f"Reactions of {names} add up to {_with_unit(found.model, most, 0)}, {most / acting:.1g} times what acts: "
-            "rigid supports near each other pry the plate apart between them. Let them coincide, move them apart, "
-            "or give them a stiffness."
+            f"Reactions of {names} add up to {_with_unit(discretisation.model, most, 0)}, {most / acting:.1g} times "
+            "what acts: rigid supports near each other pry the plate apart between them. Let them coincide, move them "
+            "apart, or give them a stiffness."
         )
 
 
-def _some_base_moves(found: Discretisation) -> bool:
-    return bool(found.held.values.any() or found.springs.base.any() or found.points.settlement.any())
+def _some_base_moves(discretisation: Discretisation) -> bool:
+    return bool(
+        discretisation.held.values.any() or discretisation.springs.base.any() or discretisation.points.settlement.any()
+    )
 
 
 def _with_unit(model: Model, value: float, power: int) -> str:
@@ -235,10 +248,10 @@ def _beds_unsaid(model: Model) -> Iterator[str]:
             yield support.name
 
 
-def _unrefined(found: Discretisation) -> Iterator[str]:
+def _unrefined(discretisation: Discretisation) -> Iterator[str]:
     """Places at which smaller elements are asked for, and there is no plate."""
-    mesh = found.mesh
-    for index, part in enumerate(found.model.mesh.refine, 1):
+    mesh = discretisation.mesh
+    for index, part in enumerate(discretisation.model.mesh.refine, 1):
         off = [f"point {point(at)}" for at in part.at or () if not mesh.locate(np.array([at])).inside.all()]
         along, area = curve(part), region(part.area)
         if along is not None and not curve_quadrature(mesh, along, order=1).total:
@@ -249,9 +262,9 @@ def _unrefined(found: Discretisation) -> Iterator[str]:
             yield f"The {what} of refinement {index} is not on the plate, and nothing is refined for it."
 
 
-def _unfollowed(found: Discretisation) -> Iterator[str]:
+def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
     """Lines and circles of supports and loads that go through elements."""
-    model, mesh = found.model, found.mesh
+    model, mesh = discretisation.model, discretisation.mesh
     named: list[tuple[str, Support | Load]] = [(support.name, support) for support in model.support]
     named += [(_name(index, load), load) for index, load in enumerate(model.load) if load.line_load is not None]
     for name, item in named:
@@ -273,9 +286,9 @@ def _unfollowed(found: Discretisation) -> Iterator[str]:
             )
 
 
-def _wheels_off(found: Discretisation) -> Iterator[str]:
+def _wheels_off(discretisation: Discretisation) -> Iterator[str]:
     """Name moving loads of which a wheel's print is partly off the plate, where it loses most of its force."""
-    off = list(found.cases.partly_off())
+    off = list(discretisation.cases.partly_off())
     for case in dict.fromkeys(case for case, *_ in off):
         those = [(lost, at, axle) for one, at, axle, lost in off if one == case]
         lost, at, axle = max(those)
@@ -291,8 +304,8 @@ def _name(index: int, load: Load) -> str:
     return f'load[{index + 1}] (case "{load.case}")'
 
 
-def _one_element(found: Discretisation) -> Iterator[str]:
-    mesh = found.mesh
+def _one_element(discretisation: Discretisation) -> Iterator[str]:
+    mesh = discretisation.mesh
     if len(mesh.elements) == 1:
         yield "The mesh is one element, which says little of how the plate bends. Take more."
     elif np.isin(mesh.elements[:, :4], mesh.sides[mesh.on_boundary]).all():
@@ -305,23 +318,23 @@ def _one_element(found: Discretisation) -> Iterator[str]:
         )
 
 
-def _one_place(found: Discretisation) -> Iterator[str]:
-    model = found.model
+def _one_place(discretisation: Discretisation) -> Iterator[str]:
+    model = discretisation.model
     rigid = [i for i, s in enumerate(model.support) if s.place == "at" and s.stiffness is None]
-    places = [SupportPoints.of(found, index).positions for index in rigid]
-    within = found.mesh.near.place
+    places = [SupportPoints.of(discretisation, index).positions for index in rigid]
+    within = discretisation.mesh.near.place
     for (one, here), (other, there) in combinations(zip(rigid, places, strict=True), 2):
         near = (np.abs(here[:, None] - there) <= within).all(axis=-1).any(axis=-1)
-        if near.any() and _alike(model.support[one], model.support[other]) and _as_large(found, one, other):
+        if near.any() and _alike(model.support[one], model.support[other]) and _as_large(discretisation, one, other):
             yield (
                 f"{model.support[one].name} and {model.support[other].name} both hold the plate rigidly at "
-                f"{point(here[near][0], found.mesh.size)}: how they share its reaction is a convention."
+                f"{point(here[near][0], discretisation.mesh.size)}: how they share its reaction is a convention."
             )
 
 
-def _couples(found: Discretisation) -> Iterator[str]:
+def _couples(discretisation: Discretisation) -> Iterator[str]:
     """Couples that an edge of symmetry takes."""
-    model, mesh = found.model, found.mesh
+    model, mesh = discretisation.model, discretisation.mesh
     for holding in model.support:
         for name in holding.edge or ():
             begin, end = mesh.points[mesh.edges[name][:, [0, 2]]].transpose(1, 0, 2)
@@ -339,12 +352,12 @@ def _couples(found: Discretisation) -> Iterator[str]:
                     )
 
 
-def _overlaps(found: Discretisation) -> Iterator[str]:
-    model = found.model
+def _overlaps(discretisation: Discretisation) -> Iterator[str]:
+    model = discretisation.model
     elastic = [i for i, s in enumerate(model.support) if s.area is not None and s.stiffness is not None]
     for one, other in combinations(elastic, 2):
         if _alike(model.support[one], model.support[other]) and (
-            _reaches(found, one, other) or _reaches(found, other, one)
+            _reaches(discretisation, one, other) or _reaches(discretisation, other, one)
         ):
             yield (
                 f"The areas of {model.support[one].name} and {model.support[other].name} overlap: where they do, their "
@@ -357,20 +370,20 @@ def _alike(one: Support, other: Support) -> bool:
     return {one.resists, other.resists} != {"down", "up"}
 
 
-def _as_large(found: Discretisation, one: int, other: int) -> bool:
+def _as_large(discretisation: Discretisation, one: int, other: int) -> bool:
     """Whether the points of two supports have the same footprint, or none."""
-    first, second = found.model.support[one], found.model.support[other]
+    first, second = discretisation.model.support[one], discretisation.model.support[other]
     return (first.patch, first.angle, first.radius) == (second.patch, second.angle, second.radius)
 
 
-def _reaches(found: Discretisation, one: int, other: int) -> bool:
+def _reaches(discretisation: Discretisation, one: int, other: int) -> bool:
     """Whether an area has points inside another."""
-    points, others = SupportPoints.of(found, one), SupportPoints.of(found, other)
+    points, others = SupportPoints.of(discretisation, one), SupportPoints.of(discretisation, other)
     positions = points.positions[np.isin(points.elements, others.elements)]
-    of_other = region(found.model.support[other].area)
+    of_other = region(discretisation.model.support[other].area)
     if of_other is None or not len(positions):
         return len(positions) > 0
-    return bool((depth(of_other, positions) > _INSIDE * found.mesh.size).any())
+    return bool((depth(of_other, positions) > _INSIDE * discretisation.mesh.size).any())
 
 
 _KNOWN: WeakKeyDictionary[Discretisation, tuple[str, ...]] = WeakKeyDictionary()

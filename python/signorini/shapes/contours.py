@@ -54,17 +54,17 @@ class Contour:
     @property
     def edges(self) -> dict[str, list[int]]:
         """The sides of every name."""
-        found: dict[str, list[int]] = {self.whole: list(range(len(self.names)))} if self.whole else {}
+        result: dict[str, list[int]] = {self.whole: list(range(len(self.names)))} if self.whole else {}
         for side, name in enumerate(self.names):
-            found.setdefault(name, []).append(side)
-        return found
+            result.setdefault(name, []).append(side)
+        return result
 
     def points(self, name: str | None = None) -> Floats:
         """Points (k, 2) along the sides of one name, or all: their corners, and of arcs one a degree."""
         sides = self.sides
         chosen = sides if name is None else [sides[side] for side in self.edges[name]]
-        found = [along_side(a, m, b) for a, m, b in chosen]
-        return np.concatenate(found if name is None else [*found, [b for _, _, b in chosen]])
+        result = [along_side(a, m, b) for a, m, b in chosen]
+        return np.concatenate(result if name is None else [*result, [b for _, _, b in chosen]])
 
     @property
     def bounds(self) -> Box:

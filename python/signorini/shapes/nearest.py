@@ -74,13 +74,13 @@ class Targets:
         over = turned > np.abs(sweep)
         angle = np.where(over, np.where(turned - np.abs(sweep) < math.tau - turned, start + sweep, start), angle)
         places.append(np.stack([x + radius * np.cos(angle), y + radius * np.sin(angle)], axis=2))
-        found = np.concatenate(places, axis=1)
-        if not found.shape[1]:
+        result = np.concatenate(places, axis=1)
+        if not result.shape[1]:
             return at, np.full(len(at), np.inf)
-        apart = np.hypot(*np.moveaxis(found - at[:, None], 2, 0))
+        apart = np.hypot(*np.moveaxis(result - at[:, None], 2, 0))
         least = apart.argmin(axis=1)
         each = np.arange(len(at))
-        return found[each, least], apart[each, least]
+        return result[each, least], apart[each, least]
 
 
 def sides_of(
@@ -96,12 +96,12 @@ def sides_of(
 
 def edges_of(contours: Iterable[Contour], names: set[str]) -> dict[str, Targets]:
     """Some edges of contours, each with its sides."""
-    found = dict[str, tuple[list[tuple[Point, Point]], list[tuple[float, ...]]]]()
+    result = dict[str, tuple[list[tuple[Point, Point]], list[tuple[float, ...]]]]()
     for contour in contours:
         for name, sides in contour.edges.items():
             if name in names:
-                _sort((contour.sides[side] for side in sides), *found.setdefault(name, ([], [])))
-    return {name: Targets.of((), *sides) for name, sides in found.items()}
+                _sort((contour.sides[side] for side in sides), *result.setdefault(name, ([], [])))
+    return {name: Targets.of((), *sides) for name, sides in result.items()}
 
 
 def _sort(sides: Iterable[Side], straight: list[tuple[Point, Point]], arcs: list[tuple[float, ...]]) -> None:

@@ -111,13 +111,13 @@ class Rounded(Straight):
     @cached_property
     def _arcs(self) -> list[tuple[Floats, float, float, float]]:
         """Centre, radius, angle of the first end and angle turned through of every arc."""
-        found = [arc_through(*map(tuple, arc)) for arc in self.outline.arcs.tolist()]
-        return [arc for arc in found if arc is not None]
+        result = [arc_through(*map(tuple, arc)) for arc in self.outline.arcs.tolist()]
+        return [arc for arc in result if arc is not None]
 
     @cached_property
     def _monotone(self) -> list[tuple[Floats, float, float, float, float]]:
         """Parts of arcs that rise or fall: centre, radius, ordinates of their ends, and 1 right of the centre or −1."""
-        found = []
+        result = []
         for (begin, _, end), (center, radius, start, sweep) in zip(self.outline.arcs, self._arcs, strict=True):
             low, high = sorted((start, start + sweep))
             first = math.ceil((low - math.pi / 2) / math.pi)
@@ -127,8 +127,8 @@ class Rounded(Straight):
             levels[0], levels[-1] = (begin[1], end[1]) if sweep > 0.0 else (end[1], begin[1])
             for i, (a, b) in enumerate(pairwise(breaks)):
                 side = math.copysign(1.0, math.cos(0.5 * (a + b)))
-                found.append((center, radius, levels[i], levels[i + 1], side))
-        return found
+                result.append((center, radius, levels[i], levels[i + 1], side))
+        return result
 
 
 def _cross(a: Floats, b: Floats) -> Floats:

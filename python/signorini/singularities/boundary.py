@@ -65,15 +65,15 @@ class Boundary:
     poisson: Floats
 
     @classmethod
-    def of(cls, found: Discretisation) -> Boundary:
+    def of(cls, discretisation: Discretisation) -> Boundary:
         """The boundary with what the model's supports hold along it."""
-        mesh, bodies = found.mesh, found.held.bodies
+        mesh, bodies = discretisation.mesh, discretisation.held.bodies
         elastic = np.flatnonzero(~bodies.rigid)
         sides = (mesh.part(elastic) if 0 < len(elastic) < len(bodies.rigid) else mesh).boundary
         tangents = quadratic_tangents(mesh, sides)
         held, always, slope, twist = np.tile(bodies.inside[sides[:, 1]], (4, 1))
         sheared = np.zeros((len(sides), 2), np.bool_)
-        for support in found.model.support:
+        for support in discretisation.model.support:
             on = np.isin(sides[:, 1], middles(mesh, support))
             if support.stiffness is None:
                 held |= on & support.holds_w
@@ -88,7 +88,7 @@ class Boundary:
         turn = _turn(tangents[:, 2], tangents[following, 0])
         slack = np.maximum(_STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
         angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
-        poisson = found.zones.poisson_of(mesh.find_sides(sides)[0])
+        poisson = discretisation.zones.poisson_of(mesh.find_sides(sides)[0])
         return cls(mesh, sides, following, angles, held, held & ~always, slope, twist, sheared, poisson)
 
     def slopes(self, side: int) -> Slopes:
@@ -97,7 +97,7 @@ class Boundary:
 
     def corners(self) -> list[tuple[tuple[float, float], float, tuple[str, ...]]]:
         """Corners without a limit of some number: where, the angle in degrees, and the numbers."""
-        found = []
+        result = []
         keys = np.column_stack([self.held, self.slope, self.twist])
         changes = (keys != keys[self.following]).any(axis=1)
         for side in np.flatnonzero(changes | (self.angles != np.pi)).tolist():
@@ -109,8 +109,8 @@ class Boundary:
                 numbers.append("shear")
             if numbers:
                 x, y = self.mesh.points[self.sides[side, 2]].tolist()
-                found.append(((x, y), float(np.degrees(angle)), tuple(numbers)))
-        return found
+                result.append(((x, y), float(np.degrees(angle)), tuple(numbers)))
+        return result
 
     def loops(self) -> Iterator[Floats]:
         """Closed lines of edges by their corners (m, 2), the first again at the end; where they are round by nodes."""
@@ -152,14 +152,14 @@ class Boundary:
 
     def rays(self, point: Floats) -> list[tuple[int, Floats]]:
         """Sides that go on from a point on the boundary, with their directions (2,) from there; none inside."""
-        found = []
+        result = []
         for side in self.at(point).tolist():
             tangent = self.tangent(side)
             first, last = (np.hypot(*(self.mesh.points[self.sides[side, k]] - point)) for k in (0, 2))
             slack = self.mesh.near.written
-            found += [(side, tangent)] if last > slack else []
-            found += [(side, -tangent)] if first > slack else []
-        return found
+            result += [(side, tangent)] if last > slack else []
+            result += [(side, -tangent)] if first > slack else []
+        return result
 
 
 def middles(mesh: Mesh, item: Load | Support) -> Ints:
@@ -171,11 +171,11 @@ def middles(mesh: Mesh, item: Load | Support) -> Ints:
     return np.zeros(0, np.int64) if sides is None else sides[:, 1]
 
 
-def boundary_of(found: Discretisation) -> Boundary:
+def boundary_of(discretisation: Discretisation) -> Boundary:
     """The boundary of the plate, found once."""
-    if found not in _BOUNDARIES:
-        _BOUNDARIES[found] = Boundary.of(found)
-    return _BOUNDARIES[found]
+    if discretisation not in _BOUNDARIES:
+        _BOUNDARIES[discretisation] = Boundary.of(discretisation)
+    return _BOUNDARIES[discretisation]
 
 
 def shears_along(support: Support, at: Floats, tangents: Floats, size: float) -> Bools:

@@ -23,14 +23,14 @@ _TURN = 72
 """Points of a circle that is named."""
 
 
-def ends_of_load(found: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
+def ends_of_load(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
     """Ends and corners of a line load at which shears grow as the logarithm of the distance."""
     assert load.line_load is not None
-    edge = boundary_of(found)
+    edge = boundary_of(discretisation)
     along = curve(load)
     if along is None:
-        return _ends_on_edges(found, load)
-    points, directions_of = _points_along(found, along)
+        return _ends_on_edges(discretisation, load)
+    points, directions_of = _points_along(discretisation, along)
     value = np.abs(load.line_load(*points.T))
     acts = value > _ENDS * value.max(initial=0.0)
     chosen = []
@@ -65,10 +65,10 @@ def _grows_on_edge(edge: Boundary, mine: int, beside: int) -> bool:
     return bool(angle >= 0.5 * np.pi - _STRAIGHT if edge.held[beside] else abs(angle - np.pi) <= _STRAIGHT)
 
 
-def _ends_on_edges(found: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
+def _ends_on_edges(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
     """Ends of a load on edges where the edge runs on straight, or into one that is held at a right angle."""
     assert load.line_load is not None
-    edge, mesh = boundary_of(found), found.mesh
+    edge, mesh = boundary_of(discretisation), discretisation.mesh
     middles = np.concatenate([mesh.edges[name] for name in load.edge or ()])[:, 1]
     loaded = np.isin(edge.sides[:, 1], middles)
     other = edge.following
@@ -81,15 +81,15 @@ def _ends_on_edges(found: Discretisation, load: Load) -> tuple[tuple[float, floa
 
 
 def ends_of_line(
-    found: Discretisation, along: Curve, support: Support
+    discretisation: Discretisation, along: Curve, support: Support
 ) -> dict[tuple[str, ...], tuple[tuple[float, float], ...]]:
     """Ends and corners of a line that supports the plate, by the numbers that have no limit there."""
-    edge = boundary_of(found)
+    edge = boundary_of(discretisation)
     own = slopes_held("slope" in support.fixed, "twist" in support.fixed)
     rigid, acts = support.is_rigid, support.holds_w
     of_deflection = ("shear", "pressure") if rigid else ("shear",) if acts else ()
     places: dict[tuple[str, ...], list[Floats]] = {}
-    for at, directions in zip(*_points_along(found, along), strict=True):
+    for at, directions in zip(*_points_along(discretisation, along), strict=True):
         rays = edge.rays(at) if len(directions) == 1 else []
         within = [float(np.arccos(np.clip(ray @ directions[0], -1.0, 1.0))) for _, ray in rays]
         if any(min(angle, np.pi - angle) <= _STRAIGHT for angle in within) or not (
@@ -110,7 +110,7 @@ def ends_of_line(
             # A rigid line and an edge are a corner; an elastic one acts as a line load does.
             strained = (
                 "twist" not in support.fixed
-                or shears_along(support, at[None], np.array(directions), found.mesh.size).any()
+                or shears_along(support, at[None], np.array(directions), discretisation.mesh.size).any()
             )
             grows = not held.all() and (askew or strained) if rigid else held.any() or askew
             numbers = (("moment",) if own != "free" and bends else ()) + (of_deflection if grows else ())
@@ -119,11 +119,11 @@ def ends_of_line(
     return {numbers: as_places(np.array(those)) for numbers, those in places.items()}
 
 
-def _points_along(found: Discretisation, along: Curve) -> tuple[Floats, list[list[Floats]]]:
+def _points_along(discretisation: Discretisation, along: Curve) -> tuple[Floats, list[list[Floats]]]:
     """Points (n, 2) of a line, and its directions (2,) from each: one at an end; of a circle those on the plate."""
     if isinstance(along, Polyline):
         return np.array(along.points), _directions(along)
-    plate = found.model.plate
+    plate = discretisation.model.plate
     sector = 360.0
     if isinstance(plate, DiscPlate | AnnulusPlate) and along.center == plate.center:
         sector = plate.sector
@@ -138,10 +138,10 @@ def _points_along(found: Discretisation, along: Curve) -> tuple[Floats, list[lis
 def _directions(along: Polyline) -> list[list[Floats]]:
     """Directions from every point of a polyline along it; both sides' where it begins and ends if it is closed."""
     tangents = [side.at(np.array([0.0, side.length]))[1] for side in map(arc_of, along.sides)]
-    found = [[tangents[0][0]], *([-before[1], after[0]] for before, after in pairwise(tangents)), [-tangents[-1][1]]]
+    result = [[tangents[0][0]], *([-before[1], after[0]] for before, after in pairwise(tangents)), [-tangents[-1][1]]]
     if along.points[0] == along.points[-1]:
-        found[0] = found[-1] = [-tangents[-1][1], tangents[0][0]]
-    return found
+        result[0] = result[-1] = [-tangents[-1][1], tangents[0][0]]
+    return result
 
 
 def _bends(back: Floats, on: Floats) -> bool:

@@ -35,7 +35,7 @@ _MOST_PLACES = 6
 """Places that a sentence names; results.json has all."""
 
 
-def singularities(found: Discretisation, cases: Collection[str] | None = None) -> tuple[Singularity, ...]:
+def singularities(discretisation: Discretisation, cases: Collection[str] | None = None) -> tuple[Singularity, ...]:
     """Name the singularities under some load cases, under all if none are given.
 
     Supports are there whether they act or not: that is known only when it is solved.
@@ -54,31 +54,37 @@ def singularities(found: Discretisation, cases: Collection[str] | None = None) -
     ...     print(one.where, one)
     ((2.0, 1.5),) Force at a point of load[1]: deflection, moment and shear have no limit as the mesh is refined. ...
     """
-    acting = [case for case in found.cases if cases is None or case in cases]
-    return (*(one for case in acting for one in singularities_of(found, case)), *singularities_of(found))
+    acting = [case for case in discretisation.cases if cases is None or case in cases]
+    return (
+        *(one for case in acting for one in singularities_of(discretisation, case)),
+        *singularities_of(discretisation),
+    )
 
 
-def singularities_of(found: Discretisation, case: str | None = None) -> tuple[Singularity, ...]:
+def singularities_of(discretisation: Discretisation, case: str | None = None) -> tuple[Singularity, ...]:
     """Name those of one load case alone; of none those that are always there."""
-    known = _KNOWN.setdefault(found, {})
+    known = _KNOWN.setdefault(discretisation, {})
     if case not in known:
         if case is None:
-            measured = _measured(found, (*_of_supports(found), *_of_corners(found), *_of_zones(found)))
-            known[case] = (*measured, *of_cut_elements(found), *of_held_slopes(found))
+            measured = _measured(
+                discretisation,
+                (*_of_supports(discretisation), *_of_corners(discretisation), *_of_zones(discretisation)),
+            )
+            known[case] = (*measured, *of_cut_elements(discretisation), *of_held_slopes(discretisation))
         else:
-            known[case] = _measured(found, _of_loads(found, case))
+            known[case] = _measured(discretisation, _of_loads(discretisation, case))
     return known[case]
 
 
-def _measured(found: Discretisation, named: Iterable[Singularity]) -> tuple[Singularity, ...]:
+def _measured(discretisation: Discretisation, named: Iterable[Singularity]) -> tuple[Singularity, ...]:
     def within(one: Singularity) -> float:
-        return found.thickness.least_at(found.mesh, np.array(one.where).reshape(-1, 2))
+        return discretisation.thickness.least_at(discretisation.mesh, np.array(one.where).reshape(-1, 2))
 
     return tuple(replace(one, within=within(one)) for one in named)
 
 
-def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:
-    for index, load in enumerate(found.model.load):
+def _of_loads(discretisation: Discretisation, case: str) -> Iterator[Singularity]:
+    for index, load in enumerate(discretisation.model.load):
         if load.case != case:
             continue
         place = f"load[{index + 1}]"
@@ -88,32 +94,34 @@ def _of_loads(found: Discretisation, case: str) -> Iterator[Singularity]:
                 kind = "Couple" if couple else "Force"
                 numbers = ("deflection", *(("rotation",) if couple else ()), "moment", "shear")
                 yield Singularity(load.at, f"{kind} at a point of {place}", numbers, _FOOTPRINT, case)
-                yield from _on_rigid_areas(found, load.at, f"{kind} at a point of {place}")
+                yield from _on_rigid_areas(discretisation, load.at, f"{kind} at a point of {place}")
         elif load.at is not None:
-            yield from _unresolved(found, load.at, _width(load), f"footprint of {place}", case)
+            yield from _unresolved(discretisation, load.at, _width(load), f"footprint of {place}", case)
         elif load.line_load is not None:
             if (along := curve(load)) is not None:
-                yield from _unresolved_line(found, along, place, case)
-            if ends := ends_of_load(found, load):
+                yield from _unresolved_line(discretisation, along, place, case)
+            if ends := ends_of_load(discretisation, load):
                 what = f"End or corner of the line load of {place}"
                 yield Singularity(ends, what, ("shear",), "Take shears from beside it.", case)
-    for moving in found.model.moving:
+    for moving in discretisation.model.moving:
         travelled = moving.positions.get(case)
         if travelled is not None:
             wheels = np.array([at for at, _, _ in moving.wheels(travelled)])
-            on = found.mesh.locate(wheels).inside
+            on = discretisation.mesh.locate(wheels).inside
             if moving.patch is not None:
-                yield from _unresolved(found, wheels, max(moving.patch), f"footprint of wheels of {moving.case}", case)
+                yield from _unresolved(
+                    discretisation, wheels, max(moving.patch), f"footprint of wheels of {moving.case}", case
+                )
             elif on.any():
                 places = as_places(wheels[on])
                 numbers = ("deflection", "moment", "shear")
                 yield Singularity(places, f"Wheels of {moving.case}", numbers, "Give them a patch.", case)
-                yield from _on_rigid_areas(found, places, f"Wheels of {moving.case}")
+                yield from _on_rigid_areas(discretisation, places, f"Wheels of {moving.case}")
 
 
-def _of_supports(found: Discretisation) -> Iterator[Singularity]:
-    determinate = _determinate(found)
-    for support in found.model.support:
+def _of_supports(discretisation: Discretisation) -> Iterator[Singularity]:
+    determinate = _determinate(discretisation)
+    for support in discretisation.model.support:
         if support.at is not None:
             if not support.given(FOOTPRINT):
                 slopes = "slope" in support.fixed
@@ -121,11 +129,13 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
                 numbers += () if determinate else ("reaction",)
                 advice = "Clamp an edge or a line." if slopes else _FOOTPRINT
                 yield Singularity(support.at, f"{support.name} at a point", numbers, advice, support.name)
-                yield from _on_rigid_areas(found, support.at, f"{support.name} at a point")
+                yield from _on_rigid_areas(discretisation, support.at, f"{support.name} at a point")
             else:
-                yield from _unresolved(found, support.at, _width(support), f"footprint of {support.name}", support.name)
+                yield from _unresolved(
+                    discretisation, support.at, _width(support), f"footprint of {support.name}", support.name
+                )
             continue
-        yield from _of_outline(found, support)
+        yield from _of_outline(discretisation, support)
         steps = any(level.jumps for one in (support.settlement, support.gap) for level in one.levels)
         if steps and support.is_rigid:
             what = f"Step of the settlement or gap of {support.name}"
@@ -133,9 +143,11 @@ def _of_supports(found: Discretisation) -> Iterator[Singularity]:
             yield Singularity((), what, numbers, "Give it a ramp, or the support a stiffness.", support.name)
 
 
-def _on_rigid_areas(found: Discretisation, at: tuple[tuple[float, float], ...], what: str) -> Iterator[Singularity]:
+def _on_rigid_areas(
+    discretisation: Discretisation, at: tuple[tuple[float, float], ...], what: str
+) -> Iterator[Singularity]:
     """What acts at points on rigid areas, which take it within a thickness."""
-    for support in found.model.support:
+    for support in discretisation.model.support:
         if support.area is None or not support.is_rigid:
             continue
         shape, points = region(support.area), np.array(at).reshape(-1, 2)
@@ -152,12 +164,12 @@ def _on_rigid_areas(found: Discretisation, at: tuple[tuple[float, float], ...], 
 
 
 def _unresolved(
-    found: Discretisation, at: Sequence[tuple[float, float]] | Floats, size: float, name: str, source: str
+    discretisation: Discretisation, at: Sequence[tuple[float, float]] | Floats, size: float, name: str, source: str
 ) -> Iterator[Singularity]:
     """Footprints, circles, lines and areas of supports that are much smaller than the elements that they are in."""
     places = np.array(at).reshape(-1, 2)
-    here = found.mesh.locate(places)
-    coarse = here.inside & (size < _RESOLVED * np.sqrt(found.mesh.element_area[here.elements]))
+    here = discretisation.mesh.locate(places)
+    coarse = here.inside & (size < _RESOLVED * np.sqrt(discretisation.mesh.element_area[here.elements]))
     if coarse.any():
         what, advice = (
             f"The {name}, {size:.3g} wide,",
@@ -166,37 +178,37 @@ def _unresolved(
         yield Singularity(as_places(places[coarse]), what, ("moment", "shear"), advice, source, limited=True)
 
 
-def _unresolved_line(found: Discretisation, along: Curve, name: str, source: str) -> Iterator[Singularity]:
+def _unresolved_line(discretisation: Discretisation, along: Curve, name: str, source: str) -> Iterator[Singularity]:
     if isinstance(along, Ring):
-        yield from _unresolved(found, [along.center], 2.0 * along.radius, f"circle of {name}", source)
+        yield from _unresolved(discretisation, [along.center], 2.0 * along.radius, f"circle of {name}", source)
     else:
-        yield from _unresolved_within(found, np.array(along.points), f"line of {name}", source)
+        yield from _unresolved_within(discretisation, np.array(along.points), f"line of {name}", source)
 
 
-def _unresolved_within(found: Discretisation, points: Floats, name: str, source: str) -> Iterator[Singularity]:
+def _unresolved_within(discretisation: Discretisation, points: Floats, name: str, source: str) -> Iterator[Singularity]:
     low, high = points.min(axis=0), points.max(axis=0)
-    yield from _unresolved(found, 0.5 * (low + high), float((high - low).max()), name, source)
+    yield from _unresolved(discretisation, 0.5 * (low + high), float((high - low).max()), name, source)
 
 
-def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity]:
+def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Singularity]:
     """Ends and corners of lines, and outlines of rigid areas."""
     rigid = support.is_rigid
     along, shape = curve(support), region(support.area)
     if along is not None:
-        yield from _unresolved_line(found, along, support.name, support.name)
-        for numbers, ends in ends_of_line(found, along, support).items():
+        yield from _unresolved_line(discretisation, along, support.name, support.name)
+        for numbers, ends in ends_of_line(discretisation, along, support).items():
             advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
     if support.area is None:
         return
     if shape is not None:
         name = support.name
-        yield from _unresolved_within(found, np.concatenate(shape.loops), f"area of {name}", name)
+        yield from _unresolved_within(discretisation, np.concatenate(shape.loops), f"area of {name}", name)
     if not rigid:
         return
     advice = "Give the area a stiffness."
-    if shape is None or shape.contains(found.mesh.points).all():
-        yield from _of_edges_on(found, support, advice)
+    if shape is None or shape.contains(discretisation.mesh.points).all():
+        yield from _of_edges_on(discretisation, support, advice)
     else:
         for drawn in shape.loops:
             closed = as_places(np.concatenate([drawn, drawn[:1]]))
@@ -207,16 +219,16 @@ def _of_outline(found: Discretisation, support: Support) -> Iterator[Singularity
             corners = [
                 at
                 for at in shape.corners
-                if found.mesh.locate(at[None]).inside[0] and not len(boundary_of(found).at(at))
+                if discretisation.mesh.locate(at[None]).inside[0] and not len(boundary_of(discretisation).at(at))
             ]
             if corners:
                 what = f"Corner of the rigid area of {support.name}"
                 yield Singularity(as_places(np.array(corners)), what, ("shear",), advice, support.name)
 
 
-def _of_edges_on(found: Discretisation, support: Support, advice: str) -> Iterator[Singularity]:
+def _of_edges_on(discretisation: Discretisation, support: Support, advice: str) -> Iterator[Singularity]:
     """Edges that a bent plate stands on where it is all on a rigid area; one that is only pressed lies flat."""
-    model, edge = found.model, boundary_of(found)
+    model, edge = discretisation.model, boundary_of(discretisation)
     flat = len(model.support) == 1 and (support.gap is None or support.gap.is_constant)
     if flat and all(load.kind in ("pressure", "self_weight") for load in model.load):
         return
@@ -224,7 +236,7 @@ def _of_edges_on(found: Discretisation, support: Support, advice: str) -> Iterat
         what = f"Edge of the plate on the rigid area of {support.name}"
         yield Singularity(as_places(loop), what, ("pressure",), advice, support.name, True)
     corners = [
-        found.mesh.points[edge.sides[side, 2]]
+        discretisation.mesh.points[edge.sides[side, 2]]
         for side in np.flatnonzero(edge.angles != np.pi).tolist()
         if shears_grow(float(edge.angles[side]), True, False, along=False)
     ]
@@ -233,17 +245,17 @@ def _of_edges_on(found: Discretisation, support: Support, advice: str) -> Iterat
         yield Singularity(as_places(np.array(corners)), what, ("shear",), advice, support.name)
 
 
-def _of_corners(found: Discretisation) -> Iterator[Singularity]:
+def _of_corners(discretisation: Discretisation) -> Iterator[Singularity]:
     """Corners that are alike in what has no limit there are one; an outline of chords has many."""
     alike: dict[tuple[bool, tuple[str, ...]], list[tuple[tuple[float, float], float]]] = {}
-    for at, degrees, numbers in boundary_of(found).corners():
+    for at, degrees, numbers in boundary_of(discretisation).corners():
         alike.setdefault((abs(degrees - 180) < 1, numbers), []).append((at, degrees))
     for (straight, numbers), those in alike.items():
         where = tuple(at for at, _ in those)
         angles = sorted(degrees for _, degrees in those)
         of = " to ".join(dict.fromkeys(f"{angle:.4g}°" for angle in (angles[0], angles[-1])))
         what = "Change of the edge's support" if straight else f"Corner of {of} of the plate"
-        places = _listed_places(where, found.mesh.size)
+        places = _listed_places(where, discretisation.mesh.size)
         yield Singularity(where, f"{what} at {places}", numbers, "Take values from beside it.", "plate")
 
 
@@ -252,17 +264,17 @@ def _listed_places(where: Sequence[tuple[float, float]], size: float) -> str:
     return places + (f" and {len(where) - _MOST_PLACES} more" if len(where) > _MOST_PLACES else "")
 
 
-def _of_zones(found: Discretisation) -> Iterator[Singularity]:
+def _of_zones(discretisation: Discretisation) -> Iterator[Singularity]:
     """Corners of borders inside the plate, at which thickness or stiffness jump."""
-    edge, mesh = boundary_of(found), found.mesh
-    for number, zone in enumerate(found.model.zone, 1):
+    edge, mesh = boundary_of(discretisation), discretisation.mesh
+    for number, zone in enumerate(discretisation.model.zone, 1):
         corners = np.zeros((0, 2)) if isinstance(zone.region, Circle) else zone.region.corners
         around = corners[:, None] + _AROUND * mesh.size * _EIGHT
         elements = mesh.locate(around.reshape(-1, 2)).elements.reshape(-1, len(_EIGHT))
         inside = (elements >= 0).all(axis=1)
         points = around[inside].reshape(-1, 2)
-        made = found.zones.at(elements[inside].ravel(), points)
-        thickness = found.zones.thickness(made, points).reshape(-1, len(_EIGHT))
+        made = discretisation.zones.at(elements[inside].ravel(), points)
+        thickness = discretisation.zones.thickness(made, points).reshape(-1, len(_EIGHT))
         jumps = (np.ptp(thickness, axis=1) > _ALIKE * thickness.max(axis=1)) | (
             np.ptp(made.rigidity.reshape(-1, len(_EIGHT)), axis=1) > 0
         )
@@ -272,10 +284,10 @@ def _of_zones(found: Discretisation) -> Iterator[Singularity]:
             yield Singularity(as_places(at), what, ("moment", "shear"), "Take values from beside it.", "plate")
 
 
-def _determinate(found: Discretisation) -> bool:
+def _determinate(discretisation: Discretisation) -> bool:
     """Whether three points are all that holds the deflection, so that reactions follow from equilibrium."""
-    holding = [support for support in found.model.support if support.holds_w]
-    slopes = any({"slope", "twist"} & set(support.fixed) for support in found.model.support)
+    holding = [support for support in discretisation.model.support if support.holds_w]
+    slopes = any({"slope", "twist"} & set(support.fixed) for support in discretisation.model.support)
     return not slopes and all(s.at is not None for s in holding) and sum(len(s.at or ()) for s in holding) == 3
 
 

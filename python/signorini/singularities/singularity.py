@@ -71,10 +71,10 @@ def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
 
 def at_peaks(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     """Which nodes (n,) are part of the peak of a number without a limit."""
-    found = np.zeros(mesh.node_count, np.bool_)
+    result = np.zeros(mesh.node_count, np.bool_)
     peaks = [one for one in named if number in one.numbers and not (one.line or one.limited)]
     if not peaks:
-        return found
+        return result
     order = np.argsort(mesh.points[:, 0])
     x, y = mesh.points[order].T
     for one in peaks:
@@ -82,8 +82,8 @@ def at_peaks(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
         for at in one.where:
             # Only nodes of a strip about it may be so near.
             near = slice(np.searchsorted(x, at[0] - reach), np.searchsorted(x, at[0] + reach, side="right"))
-            found[order[near]] |= np.hypot(x[near] - at[0], y[near] - at[1]) <= reach
-    return found
+            result[order[near]] |= np.hypot(x[near] - at[0], y[near] - at[1]) <= reach
+    return result
 
 
 def _listed(words: tuple[str, ...]) -> str:

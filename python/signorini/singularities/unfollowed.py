@@ -20,39 +20,41 @@ _ON_SIDE = 1e-6
 """Part of an element within which a line is on its side."""
 
 
-def of_cut_elements(found: Discretisation) -> Iterator[Singularity]:
+def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:
     """Nodes of elements inside which thickness or stiffness jump: their moments are of neither side."""
-    zones = found.zones
-    cut = found.thickness.layered[0] if found.thickness.layered is not None else np.zeros(0, np.int64)
+    zones = discretisation.zones
+    cut = discretisation.thickness.layered[0] if discretisation.thickness.layered is not None else np.zeros(0, np.int64)
     parted = zones.parted[:, cut]
     borders = {f"Border of zone {number}": mine for number, mine in enumerate(parted, 1)}
     for what, mine in (borders | {"Jump of the thickness": ~parted.any(axis=0)}).items():
         advice = f"They are those of a laminate of both sides there; {_BESIDE} "
-        advice += to_follow(found.model) if what in borders else _AS_ZONE
-        yield from _within(found, cut[mine], what, advice, "plate")
+        advice += to_follow(discretisation.model) if what in borders else _AS_ZONE
+        yield from _within(discretisation, cut[mine], what, advice, "plate")
 
 
-def of_held_slopes(found: Discretisation) -> Iterator[Singularity]:
+def of_held_slopes(discretisation: Discretisation) -> Iterator[Singularity]:
     """Nodes of elements through which a line runs that holds slopes: moments jump there."""
-    for support in found.model.support:
+    for support in discretisation.model.support:
         along = curve(support)
         if along is None or not {"slope", "twist"} & set(support.fixed):
             continue
         what = f"The {'circle' if isinstance(along, Ring) else 'line'} of {support.name}"
-        advice = f"They are means of both sides there; {_BESIDE} {to_follow(found.model)}"
-        yield from _within(found, _crossed(found, along), what, advice, support.name)
+        advice = f"They are means of both sides there; {_BESIDE} {to_follow(discretisation.model)}"
+        yield from _within(discretisation, _crossed(discretisation, along), what, advice, support.name)
 
 
-def _within(found: Discretisation, elements: Ints, what: str, advice: str, source: str) -> Iterator[Singularity]:
+def _within(
+    discretisation: Discretisation, elements: Ints, what: str, advice: str, source: str
+) -> Iterator[Singularity]:
     if len(elements):
         count = f"{len(elements)} element{'s' if len(elements) > 1 else ''}"
-        where = as_places(found.mesh.points[np.unique(found.mesh.elements[elements])])
+        where = as_places(discretisation.mesh.points[np.unique(discretisation.mesh.elements[elements])])
         yield Singularity(where, f"{what} within {count}", ("moment", "shear"), advice, source)
 
 
-def _crossed(found: Discretisation, along: Curve) -> Ints:
+def _crossed(discretisation: Discretisation, along: Curve) -> Ints:
     """Elements (k,) through which a line runs, not along their sides."""
-    mesh = found.mesh
+    mesh = discretisation.mesh
     if mesh.edges_along(along) is not None:
         return np.zeros(0, np.int64)
     pieces = curve_quadrature(mesh, along, order=1)

@@ -29,12 +29,12 @@ class Watch:
     dofs: Ints
 
     @classmethod
-    def of(cls, found: Discretisation, cases: Sequence[str]) -> Watch:
+    def of(cls, discretisation: Discretisation, cases: Sequence[str]) -> Watch:
         """Choose them; of many load cases some."""
-        unit = np.tile(_units(found), found.mesh.node_count)
+        unit = np.tile(_units(discretisation), discretisation.mesh.node_count)
         some = cases[:: max(1, len(cases) // _WATCHED)]
-        dofs = {int(np.abs(found.cases[case].nodal / unit).argmax()) for case in some}
-        nodes = np.unique(np.linspace(0, found.mesh.node_count - 1, _WATCHED).astype(np.int64))
+        dofs = {int(np.abs(discretisation.cases[case].nodal / unit).argmax()) for case in some}
+        nodes = np.unique(np.linspace(0, discretisation.mesh.node_count - 1, _WATCHED).astype(np.int64))
         return cls(nodes, np.array(sorted(dofs), dtype=np.int64))
 
 
@@ -68,7 +68,7 @@ class Sizes:
     @classmethod
     def of(
         cls,
-        found: Discretisation,
+        discretisation: Discretisation,
         watch: Watch,
         load: CaseLoad,
         hi: Floats,
@@ -79,15 +79,15 @@ class Sizes:
         at_rest: bool,
     ) -> Sizes:
         """Measure a term: displacements ``hi + lo``, what is out of balance, and the supports' forces (3n,) each."""
-        rows, held = found.contacts.rows, found.held
+        rows, held = discretisation.contacts.rows, discretisation.held
         exact = hi.astype(np.longdouble) + lo
-        moved = rows.dot(found.mesh.elements, exact)
-        unit = _units(found)
+        moved = rows.dot(discretisation.mesh.elements, exact)
+        unit = _units(discretisation)
         free = np.abs(np.where(held.dofs, 0.0, imbalance).reshape(-1, 3)) / unit
         values = held.values if at_rest else np.zeros_like(held.values)
-        lengths = np.array([1.0, found.mesh.size, found.mesh.size])
+        lengths = np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
         slip = np.abs(np.where(held.dofs, hi + lo - values, 0.0)).reshape(-1, 3) * lengths
-        motions = found.rigid_motions / lengths
+        motions = discretisation.rigid_motions / lengths
         return cls(
             moved.astype(np.float64),
             reaction,
@@ -100,9 +100,9 @@ class Sizes:
         )
 
 
-def _units(found: Discretisation) -> Floats:
+def _units(discretisation: Discretisation) -> Floats:
     """What turns the three dofs' forces into forces: couples count by the force at an element's size."""
-    across = float(np.sqrt(found.mesh.element_area.mean()))
+    across = float(np.sqrt(discretisation.mesh.element_area.mean()))
     return np.array([1.0, across, across])
 
 
@@ -110,7 +110,7 @@ def _units(found: Discretisation) -> Floats:
 class Proof:
     """What was measured of all terms (b,), see `Sizes`; how points (m,) move with rigid motions, and how they grip."""
 
-    found: Discretisation
+    discretisation: Discretisation
     moved: Floats
     reaction: Floats
     error: Floats
@@ -122,17 +122,17 @@ class Proof:
     grip: Floats
 
     @classmethod
-    def of(cls, found: Discretisation, sizes: Sequence[Sizes]) -> Proof:
+    def of(cls, discretisation: Discretisation, sizes: Sequence[Sizes]) -> Proof:
         """Put the terms together."""
 
         def table(name: str) -> Floats:
             return np.ascontiguousarray(np.array([getattr(size, name) for size in sizes]))
 
-        rows = abs(found.contact_rows)
-        rows.data /= _units(found)[rows.indices % 3]
-        motions = found.rigid_motions / np.array([1.0, found.mesh.size, found.mesh.size])
+        rows = abs(discretisation.contact_rows)
+        rows.data /= _units(discretisation)[rows.indices % 3]
+        motions = discretisation.rigid_motions / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
         return cls(
-            found,
+            discretisation,
             table("moved"),
             table("reaction"),
             np.array([[size.error, size.slip] for size in sizes]),
@@ -140,13 +140,13 @@ class Proof:
             table("resultant"),
             table("deflection"),
             table("load"),
-            np.ascontiguousarray(found.contact_rows @ motions),
+            np.ascontiguousarray(discretisation.contact_rows @ motions),
             np.ascontiguousarray(rows.max(axis=1).toarray().reshape(-1, 1)),
         )
 
     def figures(self, coefficients: Floats, reaction: Floats) -> Floats:
         """Bounds (k, 5) of the certificates' figures of sums with coefficients (k, b) and reactions (k, m)."""
-        contacts, size = self.found.contacts, self.found.mesh.size
+        contacts, size = self.discretisation.contacts, self.discretisation.mesh.size
         carried = _core.superpose(coefficients, self.reaction) - reaction
         errors = _core.superpose(np.abs(coefficients), self.error)
         gap = contacts.distance - _core.superpose(coefficients, self.moved) + contacts.compliance * reaction
@@ -157,7 +157,7 @@ class Proof:
 
         force = np.where(contacts.slope, reaction / size, reaction)
         largest = np.abs(force).max(axis=1, initial=0.0)
-        length = np.maximum(deflection, np.abs(self.found.held.values[::3]).max(initial=0.0))
+        length = np.maximum(deflection, np.abs(self.discretisation.held.values[::3]).max(initial=0.0))
         lengths = np.where(contacts.slope, length[:, None] / size, length[:, None])
         scale = np.where(load > 0, load, largest)
         pressing = np.maximum(scale, largest)

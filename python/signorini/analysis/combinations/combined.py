@@ -111,10 +111,10 @@ def combine(
     sink : callable, optional
         Takes the columns of each block, see `Block.columns`.
     """
-    found = problem.discretisation
-    layout = Layout.of(found)
+    discretisation = problem.discretisation
+    layout = Layout.of(discretisation)
     run = _Run(problem, layout, single, several)
-    combinations = found.model.effective_combinations
+    combinations = discretisation.model.effective_combinations
     width = layout.point_count * 2 + len(layout.catalogue) + len(run.cases) + len(layout.around_areas) + 20
     most = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
     kept: list[list[tuple[str, Column]]] = []
@@ -125,13 +125,13 @@ def combine(
         block = Block.empty(layout, first, len(rowed))
         run.solve(block, rowed)
         keys = [("combination", [combination.name for combination in rowed])]
-        columns = list(block.columns(layout, keys, _loads(found.model, rowed)))
+        columns = list(block.columns(layout, keys, _loads(discretisation.model, rowed)))
         few = few and len(columns) * len(combinations) <= _MOST_NUMBERS
         kept += [columns] if few else []
         if sink is not None:
             sink(columns)
     worst = {name: float(value) for name, value in zip(FIGURES, run.worst, strict=True)}
-    envelope = Envelope.none(layout, found.mesh)
+    envelope = Envelope.none(layout, discretisation.mesh)
     for of_group in run.envelopes.values():
         envelope.meet(of_group)
     groups = {name: run.envelopes[name] for name in combinations.groups if name in run.envelopes}
@@ -144,14 +144,14 @@ class _Run:
     """What grows from block to block."""
 
     def __init__(self, problem: ContactProblem, layout: Layout, single: Single, several: Several | None) -> None:
-        found = problem.discretisation
+        discretisation = problem.discretisation
         self.problem, self.layout, self.single, self.several = problem, layout, single, several
-        used = found.model.effective_combinations.cases
-        self.cases = tuple(case for case in found.cases if case in used)
+        used = discretisation.model.effective_combinations.cases
+        self.cases = tuple(case for case in discretisation.cases if case in used)
         self.terms: Terms | None = None
         # Where nodes are held together their forces are shared alike in every combination.
-        self._always = "reactions" if found.held_together else ""
-        count = len(found.model.effective_combinations)
+        self._always = "reactions" if discretisation.held_together else ""
+        count = len(discretisation.model.effective_combinations)
         if several is not None and problem.method == "lemke" and _worth_while(problem, count):
             self.terms = terms_of(problem, self.cases, layout.fields, layout.around_areas)
         self.envelopes: dict[str, Envelope] = {}
@@ -275,7 +275,7 @@ class _Run:
 
     def _put_areas(self, block: Block, rows: Ints) -> None:
         """Largest pressures and areas in contact of rows of which the deflections around areas are known."""
-        found, layout = self.problem.discretisation, self.layout
+        result, layout = self.problem.discretisation, self.layout
         for at, (index, at_rest) in enumerate(layout.at_rest.items()):
             where, (most, area) = (
                 layout.slices[index],
@@ -283,9 +283,9 @@ class _Run:
             )
             pressures = at_rest.measured(block.around(at_rest, layout, rows), block.reaction[rows, where])
             block.values[rows, most] = pressures.max(axis=1, initial=0.0)
-            step = max(1, _DEFLECTIONS // found.mesh.node_count)
+            step = max(1, _DEFLECTIONS // result.mesh.node_count)
             for some in (rows[first : first + step] for first in range(0, len(rows), step)):
-                deflection = np.zeros((len(some), found.mesh.node_count))
+                deflection = np.zeros((len(some), result.mesh.node_count))
                 deflection[:, layout.around_areas] = block.on_areas[some]
                 block.values[some, area] = at_rest.contact_areas(deflection, block.closed[some, where])
 
@@ -303,9 +303,9 @@ def _by_group(groups: Sequence[str], rows: Ints) -> Iterator[tuple[str, Ints]]:
 
 def _worth_while(problem: ContactProblem, count: int) -> bool:
     """Whether so many combinations are worth a response of every contact point, and memory holds these."""
-    found = problem.discretisation
-    points = len(found.contacts)
-    return not len(found.repeated) and points <= min(_MOST_POINTS, max(_FEW_POINTS, 2 * count))
+    discretisation = problem.discretisation
+    points = len(discretisation.contacts)
+    return not len(discretisation.repeated) and points <= min(_MOST_POINTS, max(_FEW_POINTS, 2 * count))
 
 
 def _certain(figures: Floats) -> Bools:

@@ -71,20 +71,20 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
     nodes : (k,) array
         Around elastic areas.
     """
-    found, core = problem.discretisation, problem.core
+    result, core = problem.discretisation, problem.core
     names = summed(enveloped)
-    measured = _Measured(problem, names, Watch.of(found, cases), nodes)
-    rest = _core.rest_response(core, found.held.values)
+    measured = _Measured(problem, names, Watch.of(result, cases), nodes)
+    rest = _core.rest_response(core, result.held.values)
     measured.add([rest], None, at_rest=True)
     responses: list[_core.Response] = []
     for first in range(0, len(cases), _TOGETHER):
-        loads = [found.cases[case] for case in cases[first : first + _TOGETHER]]
+        loads = [result.cases[case] for case in cases[first : first + _TOGETHER]]
         solved = _core.load_responses(core, np.array([load.nodal for load in loads]))
         measured.add(solved, loads)
         responses += [response.at_points() for response in solved]
     points: list[_core.Response] = []
-    for first in range(0, len(found.contacts), _TOGETHER):
-        solved = _core.point_responses(core, first, min(first + _TOGETHER, len(found.contacts)))
+    for first in range(0, len(result.contacts), _TOGETHER):
+        solved = _core.point_responses(core, first, min(first + _TOGETHER, len(result.contacts)))
         measured.add(solved, None)
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
@@ -102,13 +102,13 @@ class _Measured:
 
     def __init__(self, problem: ContactProblem, names: list[str], watch: Watch, nodes: Ints) -> None:
         self._names, self._watch = names, watch
-        found = self._found = problem.discretisation
-        self._springs = found.springs.arrays
+        discretisation = self._found = problem.discretisation
+        self._springs = discretisation.springs.arrays
         elements, rows, further, stiffness, base = self._springs
         self._still = (elements, rows, further, stiffness, np.zeros_like(base))
-        self._supports = [SupportPoints.of(found, index) for index in range(len(found.model.support))]
-        self._at = found.probe_sides.where
-        self._values: Floats = found.mesh.shape_functions(self._at.elements, self._at.xi)
+        self._supports = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
+        self._at = discretisation.probe_sides.where
+        self._values: Floats = discretisation.mesh.shape_functions(self._at.elements, self._at.xi)
         self._fields: list[list[Floats]] = []
         self._nodes = nodes
         self._on_areas: list[Floats] = []
@@ -119,31 +119,31 @@ class _Measured:
 
     def add(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> None:
         """Read some terms."""
-        found = self._found
+        result = self._found
         if loads is None:
-            nothing = CaseLoad.none(found.mesh.node_count, len(found.mesh.elements))
+            nothing = CaseLoad.none(result.mesh.node_count, len(result.mesh.elements))
             loads = [nothing] * len(responses)
-        stresses = np.zeros((len(responses), found.stress_nodes.count, 5))
+        stresses = np.zeros((len(responses), result.stress_nodes.count, 5))
         if len(self._values) or set(self._names) - {"deflection"}:
             curvatures, couples = (
                 np.array([getattr(load, part) for load in loads]) for part in ("curvature", "couples")
             )
-            stresses = _core.response_stresses(found.plate, responses, curvatures, couples)
+            stresses = _core.response_stresses(result.plate, responses, curvatures, couples)
         for response, load, stress in zip(responses, loads, stresses, strict=True):
             self._add(response, load, stress, at_rest)
 
     def _add(self, response: _core.Response, load: CaseLoad, stress: Floats, at_rest: bool) -> None:
-        found, hi, lo, reaction = self._found, response.hi, response.lo, response.reaction
+        result, hi, lo, reaction = self._found, response.hi, response.lo, response.reaction
         springs = self._springs if at_rest else self._still
         displacement = hi + lo
         nodal = displacement.reshape(-1, 3)
-        nodes = found.stress_nodes
-        every = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(found.held.to_global(nodal[:, 1:])), stress])
-        spread = found.contact_rows.T @ reaction
-        imbalance = found.plate.residual(springs, load.nodal, hi, lo) - spread
-        at_holds = np.where(found.held.dofs, imbalance, 0.0)
-        pull = found.spring_forces(hi, lo, springs[4])
-        on_plate = at_holds + spread + found.spring_rows.T @ pull
+        nodes = result.stress_nodes
+        every = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(result.held.to_global(nodal[:, 1:])), stress])
+        spread = result.contact_rows.T @ reaction
+        imbalance = result.plate.residual(springs, load.nodal, hi, lo) - spread
+        at_holds = np.where(result.held.dofs, imbalance, 0.0)
+        pull = result.spring_forces(hi, lo, springs[4])
+        on_plate = at_holds + spread + result.spring_rows.T @ pull
         self._on_areas.append(nodal[self._nodes, 0])
         kept = [
             every[: nodes.count if name in PEAKING else len(nodal), place]
@@ -151,16 +151,16 @@ class _Measured:
             if name in self._names
         ]
         if self._names:
-            points, off = found.off_areas
-            at_nodes = at_holds + found.contact_rows.T @ (points[: len(reaction)] * reaction)
-            kept.append((at_nodes + found.spring_rows.T @ (off * pull))[::3])
+            points, off = result.off_areas
+            at_nodes = at_holds + result.contact_rows.T @ (points[: len(reaction)] * reaction)
+            kept.append((at_nodes + result.spring_rows.T @ (off * pull))[::3])
         self._fields.append(kept)
         at_probes = np.einsum("qi,qif->qf", self._values, every[nodes.elements[self._at.elements]])
         self._probes.append(at_probes.ravel())
-        self._through.append(found.through(load, hi, lo, reaction, pull))
+        self._through.append(result.through(load, hi, lo, reaction, pull))
         forces = [np.concatenate([at_holds[::3][points.nodes], pull[points.springs]]) for points in self._supports]
         self._fixed.append(np.concatenate([np.zeros(0), *forces]))
-        self._sizes.append(Sizes.of(found, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest))
+        self._sizes.append(Sizes.of(result, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest))
 
     def terms(self, cases: tuple[str, ...], shared: _core.CombinedCases) -> Terms:
         """Put the terms together."""

@@ -169,8 +169,8 @@ def arcs_of_outline(outline: Outline) -> list[Arc]:
 def arc_of(side: Side) -> Arc:
     """Take a side by its length, straight or an arc."""
     begin, through, end = side
-    found = None if through is None else arc_through(begin, through, end)
-    return Segment(np.array(begin), np.array(end)) if found is None else PartOfCircle(*found)
+    result = None if through is None else arc_through(begin, through, end)
+    return Segment(np.array(begin), np.array(end)) if result is None else PartOfCircle(*result)
 
 
 def _margin(sides: Floats) -> float:

@@ -113,22 +113,22 @@ def area_quadrature(
     if region is not None:
         outline = sides_of(region)
         levels += _those(crossed(mesh, elements, outline), outline)
-    found = cut_by(mesh, elements, levels, order, off)
-    inside = np.ones(len(found.weights), dtype=bool) if region is None else region.contains(found.positions)
+    result = cut_by(mesh, elements, levels, order, off)
+    inside = np.ones(len(result.weights), dtype=bool) if region is None else region.contains(result.positions)
     # On curved outlines the cuts are not exact; the area of the part on the region is known.
     count = len(mesh.elements)
     area = np.bincount(smooth.elements, smooth.weights, count)
-    cut_area = np.bincount(found.elements[inside], found.weights[inside], count)
+    cut_area = np.bincount(result.elements[inside], result.weights[inside], count)
     done = np.isin(np.arange(count), elements) & (cut_area > 0.0)
-    keep, inside = ~done[smooth.elements], inside & done[found.elements]
-    elements = np.concatenate([smooth.elements[keep], found.elements[inside]])
+    keep, inside = ~done[smooth.elements], inside & done[result.elements]
+    elements = np.concatenate([smooth.elements[keep], result.elements[inside]])
     by_element = np.argsort(elements, kind="stable")
-    weights = found.weights * (area / np.where(done, cut_area, 1.0))[found.elements]
+    weights = result.weights * (area / np.where(done, cut_area, 1.0))[result.elements]
     return Quadrature(
         elements[by_element],
-        np.vstack([smooth.xi[keep], found.xi[inside]])[by_element],
+        np.vstack([smooth.xi[keep], result.xi[inside]])[by_element],
         np.concatenate([smooth.weights[keep], weights[inside]])[by_element],
-        np.vstack([smooth.positions[keep], found.positions[inside]])[by_element],
+        np.vstack([smooth.positions[keep], result.positions[inside]])[by_element],
     )
 
 
@@ -141,18 +141,18 @@ def _smooth(mesh: Mesh, region: Part | None, order: int, to_outline: Bools | Non
     marked = np.zeros(len(mesh.elements), np.bool_) if to_outline is None else to_outline
     if region is None:
         return _by_element(_whole(mesh, np.arange(len(mesh.elements)), order, mesh.on_boundary & marked[:, None]))
-    found = cut(mesh, region, order, lobatto if marked.any() else gauss, follow)
-    xi = mesh.invert(found.elements, found.positions)
-    covered = np.union1d(found.whole, found.elements)
+    result = cut(mesh, region, order, lobatto if marked.any() else gauss, follow)
+    xi = mesh.invert(result.elements, result.positions)
+    covered = np.union1d(result.whole, result.elements)
     real = real_sides(mesh.elements)
     times = np.bincount(mesh.elements[covered, 4:][real[covered]], minlength=mesh.node_count)
-    outer = (times[mesh.elements[found.whole, 4:]] == 1) & real[found.whole] & marked[found.whole, None]
+    outer = (times[mesh.elements[result.whole, 4:]] == 1) & real[result.whole] & marked[result.whole, None]
     factors = np.ones(len(mesh.elements))
-    factors[found.whole] = found.factors
+    factors[result.whole] = result.factors
     whole = [
-        replace(one, weights=factors[one.elements] * one.weights) for one in _whole(mesh, found.whole, order, outer)
+        replace(one, weights=factors[one.elements] * one.weights) for one in _whole(mesh, result.whole, order, outer)
     ]
-    return _by_element([*whole, Quadrature(found.elements, xi, found.weights, found.positions)])
+    return _by_element([*whole, Quadrature(result.elements, xi, result.weights, result.positions)])
 
 
 def _by_element(parts: list[Quadrature]) -> Quadrature:

@@ -102,5 +102,5 @@ def touched(boxes: Floats, outline: Outline, margin: float) -> tuple[Ints, Ints,
 
 
 def _pairs(boxes: list[Ints]) -> tuple[Ints, Ints]:
-    what = np.repeat(np.arange(len(boxes)), [len(found) for found in boxes])
+    what = np.repeat(np.arange(len(boxes)), [len(result) for result in boxes])
     return np.concatenate([np.empty(0, dtype=np.int64), *boxes]), what

@@ -61,7 +61,7 @@ def _value(coefficients: Floats, t: Floats) -> Floats:
 def _bisect(coefficients: Floats, lower: Floats, upper: Floats) -> Floats:
     """Halve to the change of sign; without one it is the end where the value is smaller."""
     start, stop = _value(coefficients, lower), _value(coefficients, upper)
-    found = np.where(np.abs(stop) > np.abs(start), lower, upper)
+    result = np.where(np.abs(stop) > np.abs(start), lower, upper)
     which, at = np.nonzero((start < 0.0) != (stop < 0.0))
     low, high, own = lower[which, at][:, None], upper[which, at][:, None], coefficients[which]
     rising = (stop > start)[which, at][:, None]
@@ -69,5 +69,5 @@ def _bisect(coefficients: Floats, lower: Floats, upper: Floats) -> Floats:
         middle = 0.5 * (low + high)
         right = (_value(own, middle) < 0.0) == rising
         low, high = np.where(right, middle, low), np.where(right, high, middle)
-    found[which, at] = 0.5 * (low + high)[:, 0]
-    return found
+    result[which, at] = 0.5 * (low + high)[:, 0]
+    return result

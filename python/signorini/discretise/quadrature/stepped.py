@@ -81,7 +81,7 @@ def _beyond(circle: Floats, points: Floats) -> Floats:
 
 def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
     """Which of the elements (k,) each of the levels changes its sign in: (levels, k)."""
-    found = np.zeros((len(levels), len(elements)), dtype=bool)
+    result = np.zeros((len(levels), len(elements)), dtype=bool)
     stations = _square(_SEEN)
     step = _CHUNK // len(stations)
     for start in range(0, len(elements) if len(levels) else 0, step):
@@ -89,8 +89,8 @@ def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
         points = mesh.spread(part, stations, INSIDE).reshape(-1, 2)
         for i, level in enumerate(levels):
             above = (level(points) > 0.0).reshape(len(part), -1)
-            found[i, start : start + step] = above.any(axis=1) & ~above.all(axis=1)
-    return found
+            result[i, start : start + step] = above.any(axis=1) & ~above.all(axis=1)
+    return result
 
 
 def cut_by(
@@ -125,9 +125,9 @@ def cut_by(
     --------
     >>> from signorini.mesh.meshers import rectangle
     >>> mesh = rectangle((0.0, 0.0), (3.0, 1.0), (1, 1))
-    >>> found = cut_by(mesh, np.array([0]), [lambda points: points[:, 0] - points[:, 1]], 3)
-    >>> left = found.positions[:, 0] < found.positions[:, 1]
-    >>> [round(float(part.sum()), 12) for part in (found.weights, found.weights[left])]
+    >>> result = cut_by(mesh, np.array([0]), [lambda points: points[:, 0] - points[:, 1]], 3)
+    >>> left = result.positions[:, 0] < result.positions[:, 1]
+    >>> [round(float(part.sum()), 12) for part in (result.weights, result.weights[left])]
     [3.0, 0.5]
     """
     # Of a triangle the box has another half, which is cut off.

@@ -77,11 +77,11 @@ def of_line(cut: Cut, mesh: Mesh, whole: Push, divided: Push) -> Floats:
         return np.zeros(3)
     nodal = _deflections(mesh, whole.elements[some], whole.xi[some], whole.force[some])
     left = np.where(cut.divided()[place], 0.0, cut.lefts(whole.positions[some]))
-    found = cut.work(place, nodal, left).sum(axis=0)
+    result = cut.work(place, nodal, left).sum(axis=0)
     place, some = placed(cut.elements, divided.elements)
     force = cut.lefts(divided.positions[some]) * divided.force[some]
     rows = _deflections(mesh, divided.elements[some], divided.xi[some], force)
-    return np.asarray(found - np.einsum("qcd,qd->c", cut.motion[place], rows))
+    return np.asarray(result - np.einsum("qcd,qd->c", cut.motion[place], rows))
 
 
 def of_couples(cut: Cut, elements: Ints, positions: Floats, rows: Floats) -> Floats:
@@ -105,13 +105,13 @@ def of_spread(cut: Cut, mesh: Mesh, elements: Ints, xi: Floats, force: Floats, s
 
 def footprints_of(mesh: Mesh, supports: Sequence[Support], acting: Acting) -> dict[int, tuple[Part, Quadrature]]:
     """Footprints of the rows that have one, and points all over them."""
-    found = {}
+    result = {}
     for index, support in enumerate(supports):
         shapes = footprints(support)
         for row in np.flatnonzero(acting.support == index).tolist() if shapes else ():
             shape = shapes[acting.numbers[row]]
-            found[row] = shape, area_quadrature(mesh, shape, _ORDER)
-    return found
+            result[row] = shape, area_quadrature(mesh, shape, _ORDER)
+    return result
 
 
 def of_supports(
@@ -122,34 +122,34 @@ def of_supports(
     prints: Mapping[int, tuple[Part, Quadrature]],
 ) -> Floats:
     """What a reaction of 1 along each row (m,), up, adds to moment, twist and shear (m, 3)."""
-    found = np.zeros((len(acting.rows), 3))
+    result = np.zeros((len(acting.rows), 3))
     place, rows = placed(cut.elements, acting.rows.elements)
     areas = [index for index, support in enumerate(supports) if support.area is not None]
     spread = np.isin(acting.support[rows], areas) & ~_on_outline(mesh, acting, rows)
     left = np.where(spread, 0.0, cut.lefts(acting.positions[rows]))
-    found[rows] = -cut.work(place, acting.rows.coefficients[rows], left)
+    result[rows] = -cut.work(place, acting.rows.coefficients[rows], left)
     for row, (shape, over) in prints.items():
         pressure = -acting.direction[row] / over.total
         even = Spread.even(shape, pressure)
-        found[row] = of_spread(cut, mesh, over.elements, over.xi, pressure * over.weights, even)
+        result[row] = of_spread(cut, mesh, over.elements, over.xi, pressure * over.weights, even)
     rows = rows[spread]
     for index in np.unique(acting.support[rows]).tolist() if cut.divided().any() else ():
         for own, shares in _shares(cut, mesh, supports[index], acting, rows[acting.support[rows] == index]):
-            found[own] += shares
-    return found
+            result[own] += shares
+    return result
 
 
 def _on_outline(mesh: Mesh, acting: Acting, rows: Ints) -> Bools:
     """Which of some rows (q,) stand for points on the outline of an area that acts on means of elements."""
     # Others, footprints among them, need not be in their first element.
-    found = acting.averaged[rows]
-    rows = rows[found]
+    result = acting.averaged[rows]
+    rows = rows[result]
     elements = acting.rows.elements[rows]
     x, y = mesh.invert(elements, acting.positions[rows]).T
     in_triangles = np.minimum(np.minimum(x, y), 1.0 - x - y)
     inside = np.where(mesh.triangles[elements], in_triangles, 1.0 - np.maximum(np.abs(x), np.abs(y)))
-    found[found] = inside < _AT_SIDE
-    return found
+    result[result] = inside < _AT_SIDE
+    return result
 
 
 def _shares(cut: Cut, mesh: Mesh, support: Support, acting: Acting, own: Ints) -> Iterator[tuple[Ints, Floats]]:

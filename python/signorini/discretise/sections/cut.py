@@ -246,8 +246,8 @@ def _on_left(part: Mesh, line: CutLine, divided: Bools, region: Part | None, ord
         return Quadrature(which, np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)))
     some = part.part(which)
     (x0, y0), (x1, y1) = some.boxes[:, :2].min(axis=0).tolist(), some.boxes[:, 2:].max(axis=0).tolist()
-    found = area_quadrature(some, LeftOf(line, (x0, y0, x1, y1), region), order, levels=levels)
-    return Quadrature(which[found.elements], found.xi, found.weights, found.positions)
+    result = area_quadrature(some, LeftOf(line, (x0, y0, x1, y1), region), order, levels=levels)
+    return Quadrature(which[result.elements], result.xi, result.weights, result.positions)
 
 
 def _between(mesh: Mesh, kind: str, elements: Ints, xi: Floats) -> Floats:
@@ -256,7 +256,7 @@ def _between(mesh: Mesh, kind: str, elements: Ints, xi: Floats) -> Floats:
     Of triangles, whose last two places are empty, least squares by quadratics through seven points.
     """
     count = _POINTS[kind]
-    found = np.zeros((len(xi), count))
+    result = np.zeros((len(xi), count))
     triangles = mesh.triangles[elements]
     for some, degrees, points in (
         (~triangles, _square(round(np.sqrt(count))), _core.section_points(kind)[:count]),
@@ -264,8 +264,8 @@ def _between(mesh: Mesh, kind: str, elements: Ints, xi: Floats) -> Floats:
     ):
         if not some.any():
             continue
-        found[some, : len(points)] = _monomials(xi[some], degrees) @ np.linalg.pinv(_monomials(points, degrees))
-    return found
+        result[some, : len(points)] = _monomials(xi[some], degrees) @ np.linalg.pinv(_monomials(points, degrees))
+    return result
 
 
 def _square(count: int) -> Ints:

@@ -55,13 +55,13 @@ class Sections(Brief):
     @classmethod
     def of(cls, model: Model, mesh: Mesh, plate: _core.Plate, held: Held, problems: Problems) -> Sections:
         """Cut the plate; lines that cannot be are among the problems."""
-        found: list[Cut] = []
+        result: list[Cut] = []
         for points, place in _lines(model):
             with problems.collected():
                 _require_on_plate(mesh, points, place)
-                found.append(_cut(mesh, plate, model, held, points, place))
-        lengths = np.array([one.length for one in found])
-        return cls(mesh, tuple(found), np.where(np.arange(len(found)) < len(model.section), 1.0, lengths))
+                result.append(_cut(mesh, plate, model, held, points, place))
+        lengths = np.array([one.length for one in result])
+        return cls(mesh, tuple(result), np.where(np.arange(len(result)) < len(model.section), 1.0, lengths))
 
     def __len__(self) -> int:
         """Count the lines."""

@@ -73,7 +73,7 @@ def chained(segments: Segments) -> list[Floats]:
     for begin, end in segments.pairs.tolist():
         onward.setdefault(begin, []).append(end)
     arrivals = set(segments.pairs[:, 1].tolist())
-    found = []
+    result = []
     for start in [*(begin for begin in onward if begin not in arrivals), *onward]:
         while onward[start]:
             line = [start]
@@ -82,8 +82,8 @@ def chained(segments: Segments) -> list[Floats]:
             points = segments.points[line]
             moved = np.append(True, (np.diff(points, axis=0) != 0).any(axis=1))
             if moved.sum() > 1:
-                found.append(points[moved])
-    return found
+                result.append(points[moved])
+    return result
 
 
 def thinned(line: Floats, tolerance: float) -> Floats:
