@@ -101,8 +101,8 @@ pub fn load_responses(
         return Err(invalid(format!("loads must have {} columns", problem.inner.plate.dof_count())));
     }
     let loads = rows(&loads);
-    let found = interruptible(py, |watch| problem.inner.load_responses(&loads, watch))?.map_err(failed)?;
-    Ok(found.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
+    let result = interruptible(py, |watch| problem.inner.load_responses(&loads, watch))?.map_err(failed)?;
+    Ok(result.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
 
 /// The responses to one unit of the own action of contact points `first` to `end`, the last excluded.
@@ -112,8 +112,8 @@ pub fn point_responses(problem: &ContactProblem, py: Python<'_>, first: usize, e
     if end > count {
         return Err(invalid(format!("there are {count} contact points, not {end}")));
     }
-    let found = interruptible(py, |watch| problem.inner.point_responses(first..end, watch))?.map_err(failed)?;
-    Ok(found.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
+    let result = interruptible(py, |watch| problem.inner.point_responses(first..end, watch))?.map_err(failed)?;
+    Ok(result.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
 
 /// Condenses load cases for `combine`, from the responses at rest, of the cases and of the points.
@@ -139,8 +139,8 @@ pub fn combined_cases(
     let cases: Vec<_> = cases.iter().map(|case| at_points(case)).collect();
     let points: Vec<_> = points.iter().map(|point| at_points(point)).collect();
     let number = cases.len();
-    let found = interruptible(py, |watch| problem.inner.combined_cases(rest, cases, &points, watch))?;
-    let inner = found.map_err(failed)?.expect("a watch that says no raises");
+    let result = interruptible(py, |watch| problem.inner.combined_cases(rest, cases, &points, watch))?;
+    let inner = result.map_err(failed)?.expect("a watch that says no raises");
     Ok(CombinedCases { inner, of: problem.inner.clone(), cases: number })
 }
 
@@ -161,7 +161,7 @@ pub fn combine<'py>(
     }
     let factors = rows(&factors);
     let shared = &cases.inner;
-    let found = interruptible(py, |watch| problem.inner.combine(shared, &factors, watch))?.map_err(failed)?;
+    let result = interruptible(py, |watch| problem.inner.combine(shared, &factors, watch))?.map_err(failed)?;
     let count = problem.inner.points.len();
     let verdict = |outcome: Outcome| match outcome {
         Outcome::Solved => 0,
@@ -169,17 +169,17 @@ pub fn combine<'py>(
         Outcome::Unsolved | Outcome::Interrupted => 2,
     };
     let table = |of: fn(&contact::Combined) -> &[f64]| {
-        let values = found.iter().flat_map(|combined| of(combined).iter().copied()).collect();
-        PyArray1::from_vec(py, values).reshape([found.len(), count])
+        let values = result.iter().flat_map(|combined| of(combined).iter().copied()).collect();
+        PyArray1::from_vec(py, values).reshape([result.len(), count])
     };
-    let closed = found.iter().flat_map(|combined| problem.inner.points.holding(&combined.piece)).collect();
+    let closed = result.iter().flat_map(|combined| problem.inner.points.holding(&combined.piece)).collect();
     Ok((
-        PyArray1::from_vec(py, found.iter().map(|combined| verdict(combined.outcome)).collect()),
+        PyArray1::from_vec(py, result.iter().map(|combined| verdict(combined.outcome)).collect()),
         table(|combined| &combined.factor)?,
         table(|combined| &combined.reaction)?,
         table(|combined| &combined.gap)?,
-        PyArray1::from_vec(py, closed).reshape([found.len(), count])?,
-        PyArray1::from_vec(py, found.iter().map(|combined| combined.pivots as i64).collect()),
+        PyArray1::from_vec(py, closed).reshape([result.len(), count])?,
+        PyArray1::from_vec(py, result.iter().map(|combined| combined.pivots as i64).collect()),
     ))
 }
 
@@ -195,8 +195,8 @@ pub fn response_stresses<'py>(
     if responses.iter().any(|response| response.inner.displacement.hi.is_empty()) {
         return Err(invalid("a response at points has no displacements"));
     }
-    let found = responses.iter().map(|r| (&*r.of.plate, &r.inner.displacement)).collect();
-    stresses(py, plate, found, &curvatures, &couples)
+    let result = responses.iter().map(|r| (&*r.of.plate, &r.inner.displacement)).collect();
+    stresses(py, plate, result, &curvatures, &couples)
 }
 
 /// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several displacements, each with the plate that is displaced.

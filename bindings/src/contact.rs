@@ -214,8 +214,8 @@ impl ContactProblem {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Option<ContactSolution>> {
         let (load, held_value) = self.load_and_held(&load, &held_value)?;
-        let found = watched(py, progress, |watch| self.inner.solve_and_factor(&load, &held_value, watch))?;
-        Ok(found.map(|inner| self.solution(inner)))
+        let result = watched(py, progress, |watch| self.inner.solve_and_factor(&load, &held_value, watch))?;
+        Ok(result.map(|inner| self.solution(inner)))
     }
 
     /// Solves one load by an interior point method, from whose contact set the exact solution is found; `progress` as

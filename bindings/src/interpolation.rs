@@ -44,9 +44,9 @@ pub fn shape_values<'py>(
     of: PyReadonlyArray1<'py, i64>,
     xi: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let mut found = room(8 * of.len())?;
-    each_point(&elements, &of, &xi, usize::MAX, |_, values| found.extend_from_slice(&values))?;
-    matrix(py, found, 8)
+    let mut result = room(8 * of.len())?;
+    each_point(&elements, &of, &xi, usize::MAX, |_, values| result.extend_from_slice(&values))?;
+    matrix(py, result, 8)
 }
 
 /// Positions (q, 2) of reference points (q, 2) of elements `of` (q,), with nodes at `points` (n, 2).
@@ -58,13 +58,13 @@ pub fn map_points<'py>(
     of: PyReadonlyArray1<'py, i64>,
     xi: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let mut found = room(2 * of.len())?;
+    let mut result = room(2 * of.len())?;
     let points = points.as_array();
     each_point(&elements, &of, &xi, points.nrows(), |nodes, values| {
         let along = |axis: usize| nodes.iter().zip(values).map(|(&node, value)| value * points[[node, axis]]).sum();
-        found.extend::<[f64; 2]>([along(0), along(1)]);
+        result.extend::<[f64; 2]>([along(0), along(1)]);
     })?;
-    matrix(py, found, 2)
+    matrix(py, result, 2)
 }
 
 /// Forces (n,) at the nodes that are worth forces (q,) at reference points (q, 2) of elements `of` (q,).

@@ -47,12 +47,12 @@ pub fn lemke(
         let options = LemkeOptions { covering: covering.as_deref(), max_pivots };
         lcp::lemke_watched(&Lcp::new(&matrix, &q)?, &options, start.as_deref(), &mut |_, _| watch())
     };
-    let found = if rows < dense::PARALLEL_ORDER { interruptible_alone(py, solve) } else { interruptible(py, solve) }?;
+    let result = if rows < dense::PARALLEL_ORDER { interruptible_alone(py, solve) } else { interruptible(py, solve) }?;
     let failed = |error| match error {
         LcpError::OutOfMemory => out_of_memory(),
         _ => invalid(error),
     };
-    Ok(LcpSolution { inner: found.map_err(failed)? })
+    Ok(LcpSolution { inner: result.map_err(failed)? })
 }
 
 #[pymethods]

@@ -66,9 +66,9 @@ pub fn told<N: Send, T: Send>(
     let pool = pool()?;
     let (news, heard) = mpsc::channel::<N>();
     let (answer, answered) = mpsc::channel::<()>();
-    let mut found = None;
+    let mut output = None;
     let mut raised = None;
-    let result = &mut found;
+    let result = &mut output;
     let error = &mut raised;
     py.detach(move || {
         pool.in_place_scope(move |scope| {
@@ -79,8 +79,8 @@ pub fn told<N: Send, T: Send>(
             for now in heard {
                 match Python::attach(|py| in_callback(|| tell(py, now))) {
                     Ok(()) => drop(answer.send(())),
-                    Err(found) => {
-                        *error = Some(found);
+                    Err(output) => {
+                        *error = Some(output);
                         break;
                     }
                 }
@@ -89,7 +89,7 @@ pub fn told<N: Send, T: Send>(
     });
     match raised {
         Some(error) => Err(error),
-        None => Ok(found.expect("work that did not panic has come to its end")),
+        None => Ok(output.expect("work that did not panic has come to its end")),
     }
 }
 
@@ -107,13 +107,13 @@ pub fn interruptible_alone<T: Send>(
     let error = &mut raised;
     let mut watch = move || match Python::attach(|py| py.check_signals()) {
         Ok(()) => true,
-        Err(found) => {
-            *error = Some(found);
+        Err(output) => {
+            *error = Some(output);
             false
         }
     };
-    let found = py.detach(move || work(&mut watch));
-    raised.map_or(Ok(found), Err)
+    let output = py.detach(move || work(&mut watch));
+    raised.map_or(Ok(output), Err)
 }
 
 /// Runs a callback, in which calls of the core go to a pool that nobody waits in.

@@ -49,6 +49,6 @@ pub fn solution_stresses<'py>(
     curvatures: PyReadonlyArray2<'_, f64>,
     couples: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let found = solutions.iter().map(|s| (&*s.of.plate, &s.inner.displacement)).collect();
-    stresses(py, plate, found, &curvatures, &couples)
+    let result = solutions.iter().map(|s| (&*s.of.plate, &s.inner.displacement)).collect();
+    stresses(py, plate, result, &curvatures, &couples)
 }

@@ -82,7 +82,7 @@ pub fn circumcentre(a: Point, b: Point, c: Point) -> Point {
 
 /// The lexicographic order of coordinates.
 pub fn order(one: &[f64], other: &[f64]) -> Ordering {
-    let unequal = one.iter().zip(other).map(|(a, b)| a.total_cmp(b)).find(|found| found.is_ne());
+    let unequal = one.iter().zip(other).map(|(a, b)| a.total_cmp(b)).find(|result| result.is_ne());
     unequal.unwrap_or(Ordering::Equal)
 }
 
@@ -213,18 +213,18 @@ impl Curve {
             return Vec::new();
         }
         let half = (round.radius * round.radius - height * height).sqrt();
-        let mut found = Vec::new();
+        let mut result = Vec::new();
         for s in [foot - half, foot + half] {
             if (0.0..=norm(along)).contains(&s) {
                 let p = add(a, scale(unit, s));
                 let t = self.nearest(p);
                 if distance(self.at(t), p) <= 1e-9 * round.radius {
-                    found.push(t);
+                    result.push(t);
                 }
             }
         }
-        found.sort_by(f64::total_cmp);
-        found
+        result.sort_by(f64::total_cmp);
+        result
     }
 
     /// The shares of its length at which this curve meets another, with the points; none of lines parallel to it.

@@ -280,23 +280,23 @@ impl Task<'_> {
         let chords = Chords::new(&seeds.chords, &pieces);
         let before = seeds.points.clone();
         let many = paired.len() > MANY;
-        let mut found = Err(Vec::new());
+        let mut result = Err(Vec::new());
         for led in if paired.len() < FEW { &[false][..] } else { &[true, false] } {
             let mut elements = paired.clone();
             if *led {
                 tunnels::join(&mut elements, &before, &chords, self.sizes, if many { CAUTIOUS } else { BOLD });
             }
             seeds.points.copy_from_slice(&before);
-            found = match (found, self.shaped(&mut seeds, &pieces, &elements)) {
+            result = match (result, self.shaped(&mut seeds, &pieces, &elements)) {
                 (Ok(one), Err(_)) => Ok(one),
                 (Ok(one), Ok(other)) => Ok(better(one, other)),
                 (Err(_), made) => made,
             };
-            if found.as_ref().is_ok_and(|mesh| many || mesh.measures().1 >= self.sharp) {
+            if result.as_ref().is_ok_and(|mesh| many || mesh.measures().1 >= self.sharp) {
                 break;
             }
         }
-        found
+        result
     }
 
     /// Elements with their nodes moved to better places.

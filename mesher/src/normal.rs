@@ -129,7 +129,7 @@ impl Normal {
 
     /// Lines to follow, and whether in part, by rank, and those of a rank by their places; arcs that are none are left out.
     pub fn lines(&self, lines: &[Line]) -> (Vec<(Curve, bool)>, Vec<Curve>) {
-        let mut found: Vec<(usize, [f64; 6], bool, Curve)> = Vec::new();
+        let mut result: Vec<(usize, [f64; 6], bool, Curve)> = Vec::new();
         for &Line { mut ends, through, rank, in_part } in lines {
             if order(&self.point(ends[1]), &self.point(ends[0])).is_lt() {
                 ends.reverse();
@@ -137,32 +137,32 @@ impl Normal {
             let [from, to] = ends;
             let curve = through.map_or(Some(Curve::straight(from, to)), |p| Curve::arc(from, p, to));
             let [a, b, c] = [from, to, through.unwrap_or(from)].map(|p| self.point(p));
-            found.extend(curve.map(|curve| (rank, [a[0], a[1], b[0], b[1], c[0], c[1]], in_part, curve)));
+            result.extend(curve.map(|curve| (rank, [a[0], a[1], b[0], b[1], c[0], c[1]], in_part, curve)));
         }
-        found.sort_by(|s, t| s.0.cmp(&t.0).then(order(&s.1, &t.1)));
+        result.sort_by(|s, t| s.0.cmp(&t.0).then(order(&s.1, &t.1)));
         let normal = |([a, b, c, d, e, f], in_part, round): ([f64; 6], bool, bool)| {
             let arc = if round { Curve::arc([a, b], [e, f], [c, d]) } else { None };
             (arc.unwrap_or(Curve::straight([a, b], [c, d])), in_part)
         };
-        let own = found.iter().map(|&(_, places, in_part, curve)| normal((places, in_part, !curve.is_straight())));
-        (own.collect(), found.iter().map(|line| line.3).collect())
+        let own = result.iter().map(|&(_, places, in_part, curve)| normal((places, in_part, !curve.is_straight())));
+        (own.collect(), result.iter().map(|line| line.3).collect())
     }
 
     pub fn points(&self, points: &[Point]) -> Vec<Point> {
-        let mut found: Vec<Point> = points.iter().map(|&p| self.point(p)).collect();
-        found.sort_by(|one, other| order(one, other));
-        found
+        let mut result: Vec<Point> = points.iter().map(|&p| self.point(p)).collect();
+        result.sort_by(|one, other| order(one, other));
+        result
     }
 
     pub fn refinements(&self, refinements: &[Refinement]) -> Vec<Refinement> {
-        let mut found: Vec<[f64; 5]> = Vec::with_capacity(refinements.len());
+        let mut result: Vec<[f64; 5]> = Vec::with_capacity(refinements.len());
         for &Refinement { from, to, size } in refinements {
             let mut ends = [from, to].map(|p| self.along(self.rounded(p, COARSE)));
             ends.sort_by(|one, other| order(one, other));
             let [[a, b], [c, d]] = ends;
-            found.push([a, b, c, d, self.size(size)]);
+            result.push([a, b, c, d, self.size(size)]);
         }
-        found.sort_by(|one, other| order(one, other));
-        found.into_iter().map(|[a, b, c, d, size]| Refinement { from: [a, b], to: [c, d], size }).collect()
+        result.sort_by(|one, other| order(one, other));
+        result.into_iter().map(|[a, b, c, d, size]| Refinement { from: [a, b], to: [c, d], size }).collect()
     }
 }

@@ -287,19 +287,19 @@ pub fn directions(sides: &[Side]) -> (f64, Option<f64>) {
     const FLATTEST: f64 = 0.766;
     const SQUARE: f64 = 0.01;
     let longest = |period: f64, wanted: &dyn Fn(f64) -> bool| {
-        let mut found: Vec<(f64, f64)> = Vec::new();
+        let mut result: Vec<(f64, f64)> = Vec::new();
         for side in sides.iter().filter(|side| side.curve.is_straight()) {
             let [x, y] = side.curve.direction(0.5);
             let angle = y.atan2(x).rem_euclid(period);
             let apart = |a: f64| (a - angle).rem_euclid(period).min((angle - a).rem_euclid(period));
-            match found.iter_mut().find(|(other, _)| apart(*other) < SAME) {
+            match result.iter_mut().find(|(other, _)| apart(*other) < SAME) {
                 Some((_, length)) => *length += side.curve.length(),
-                None if wanted(angle) => found.push((angle, side.curve.length())),
+                None if wanted(angle) => result.push((angle, side.curve.length())),
                 None => {}
             }
         }
         let mut best: Option<(f64, f64)> = None;
-        for (angle, length) in found {
+        for (angle, length) in result {
             if best.is_none_or(|(_, most)| length > most * (1.0 + SAME)) {
                 best = Some((angle, length));
             }

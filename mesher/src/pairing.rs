@@ -78,7 +78,7 @@ fn joined(triangles: &Triangles, t: usize, i: usize) -> Corners {
 /// Finds a partner for triangle t, exchanging at most `depth` pairs on the way.
 fn augment(t: usize, depth: usize, partners: &[[usize; 3]], mate: &mut [usize], on_path: &mut [bool]) -> bool {
     on_path[t] = true;
-    let mut found = false;
+    let mut result = false;
     for n in partners[t].into_iter().filter(|&n| n != NONE) {
         if on_path[n] {
             continue;
@@ -93,10 +93,10 @@ fn augment(t: usize, depth: usize, partners: &[[usize; 3]], mate: &mut [usize], 
             })
         {
             (mate[t], mate[n]) = (n, t);
-            found = true;
+            result = true;
             break;
         }
     }
     on_path[t] = false;
-    found
+    result
 }

@@ -113,11 +113,11 @@ impl<'a> Planar<'a> {
     pub fn finish(mut self) -> (Vec<Point>, Vec<Piece>) {
         // Numbers are by places, not by what was followed before what.
         let sides = self.outline.sides.len();
-        let mut found: Vec<usize> = (0..self.vertices.len()).collect();
-        found[sides..].sort_by(|&one, &other| order(&self.vertices[one], &self.vertices[other]));
-        let mut number = vec![0; found.len()];
-        found.iter().enumerate().for_each(|(new, &old)| number[old] = new);
-        let vertices = found.iter().map(|&old| self.vertices[old]).collect();
+        let mut result: Vec<usize> = (0..self.vertices.len()).collect();
+        result[sides..].sort_by(|&one, &other| order(&self.vertices[one], &self.vertices[other]));
+        let mut number = vec![0; result.len()];
+        result.iter().enumerate().for_each(|(new, &old)| number[old] = new);
+        let vertices = result.iter().map(|&old| self.vertices[old]).collect();
         let places = |Track { curve, .. }: &Track| [curve.from, curve.at(0.5), curve.to];
         self.tracks[sides..].sort_by(|one, other| order(places(one).as_flattened(), places(other).as_flattened()));
         let mut pieces = Vec::new();

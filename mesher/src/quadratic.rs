@@ -77,10 +77,10 @@ impl Quadratic {
             if !of.is_side() && curve.is_straight() {
                 continue;
             }
-            let found = middles
+            let result = middles
                 .binary_search_by(|middle| middle.0.cmp(&[a.min(b), a.max(b)]))
                 .expect("chords are sides of elements");
-            let (ends, middle) = middles[found];
+            let (ends, middle) = middles[result];
             if !curve.is_straight() {
                 let [from, to] = [0, 1].map(|end| share(chord.ends[end], chord.span[end]));
                 points[middle] = curve.at(0.5 * (from + to));
@@ -103,15 +103,15 @@ impl Quadratic {
     pub fn folded(&self) -> Vec<Point> {
         // Share of the straight-sided element's Jacobian that bending a side must leave.
         const LEFT: f64 = 0.2;
-        let mut found = Vec::new();
+        let mut result = Vec::new();
         let flat = (0..self.corners.len()).filter(|&e| !(quality(&self.corners[e], |n| self.points[n]) > 1e-3));
         let bent = self.curved.iter().copied().filter(|&e| !(self.least_share(e) > LEFT));
         for e in flat.chain(bent) {
             let n = count(&self.corners[e]);
             let sum = self.corners[e][..n].iter().fold([0.0; 2], |s, &node| add(s, self.points[node]));
-            found.push(scale(sum, 1.0 / n as f64));
+            result.push(scale(sum, 1.0 / n as f64));
         }
-        found
+        result
     }
 
     /// The least Jacobian of an element over that of its corners' alone, at corners, middles of sides and between.

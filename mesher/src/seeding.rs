@@ -242,13 +242,13 @@ impl Grid {
 }
 
 /// Halves an interval down to the sizes; adds where each part begins.
-fn halve(low: f64, high: f64, size: &impl Fn(f64) -> f64, found: &mut Vec<f64>) {
+fn halve(low: f64, high: f64, size: &impl Fn(f64) -> f64, result: &mut Vec<f64>) {
     let middle = 0.5 * (low + high);
     if high - low > LONG * size(middle) {
-        halve(low, middle, size, found);
-        halve(middle, high, size, found);
+        halve(low, middle, size, result);
+        halve(middle, high, size, result);
     } else {
-        found.push(low);
+        result.push(low);
     }
 }
 

@@ -19,14 +19,14 @@ pub struct Box2 {
 
 impl Box2 {
     pub fn around(points: impl IntoIterator<Item = Point>) -> Box2 {
-        let mut found = Box2 { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
+        let mut result = Box2 { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
         for p in points {
             for axis in 0..2 {
-                found.low[axis] = found.low[axis].min(p[axis]);
-                found.high[axis] = found.high[axis].max(p[axis]);
+                result.low[axis] = result.low[axis].min(p[axis]);
+                result.high[axis] = result.high[axis].max(p[axis]);
             }
         }
-        found
+        result
     }
 
     pub fn grown(&self, by: f64) -> Box2 {

@@ -137,7 +137,7 @@ impl Search<'_> {
         let mut seen = HashSet::default();
         let mut best: Option<(f64, usize, usize, Corners)> = None;
         while let Some(Reverse(Next(cost, at))) = queue.pop() {
-            if best.as_ref().is_some_and(|found| found.0 <= cost) || stops.len() > LOOKS {
+            if best.as_ref().is_some_and(|result| result.0 <= cost) || stops.len() > LOOKS {
                 break;
             }
             let mut name = stops[at].triangle;
@@ -167,7 +167,7 @@ impl Search<'_> {
                     let made = [ring[0], ring[1], ring[2], ring[3]];
                     let shape = self.shape(&made);
                     let sum = cost + price(shape);
-                    if shape >= self.least && best.as_ref().is_none_or(|found| sum < found.0) {
+                    if shape >= self.least && best.as_ref().is_none_or(|result| sum < result.0) {
                         best = Some((sum, at, n, made));
                     }
                 } else if stops[at].steps < FAR {

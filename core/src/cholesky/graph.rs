@@ -24,11 +24,11 @@ impl Graph {
         let mut met = vec![NONE; count];
         let mut start = vec![0];
         let mut below = Vec::new();
-        let mut found = Vec::new();
+        let mut result = Vec::new();
         for block in 0..count {
-            found.clear();
-            rows(first[block], &mut found);
-            for &row in &found {
+            result.clear();
+            rows(first[block], &mut result);
+            for &row in &result {
                 let other = block_of[row];
                 if other as usize > block && met[other as usize] != block as u32 {
                     met[other as usize] = block as u32;

@@ -74,7 +74,7 @@ impl Schedule {
             vector.extend(tree.column[share.own.clone()].iter().map(|&column| given[column as usize]));
             vector.resize(share.rows, E::ZERO);
             for &child in &parts.0[index].children {
-                let (child, other) = (&self.0[child], done[child].get().map_or(&[][..], |found| found));
+                let (child, other) = (&self.0[child], done[child].get().map_or(&[][..], |result| result));
                 for (&row, &value) in child.above.iter().zip(other.get(child.own.len()..).unwrap_or_default()) {
                     vector[row as usize].add(value);
                 }
@@ -103,8 +103,8 @@ impl Schedule {
     }
 
     fn put<E: Entry>(&self, tree: &Tree, done: &[OnceLock<Vec<E>>], rhs: &mut [E]) {
-        for (share, found) in self.0.iter().zip(done) {
-            for (&column, &value) in tree.column[share.own.clone()].iter().zip(found.get().into_iter().flatten()) {
+        for (share, result) in self.0.iter().zip(done) {
+            for (&column, &value) in tree.column[share.own.clone()].iter().zip(result.get().into_iter().flatten()) {
                 rhs[column as usize] = value;
             }
         }

@@ -244,14 +244,14 @@ fn places(graph: &Graph, blocks: &[usize], first_block: &[usize], parent: Vec<u3
     let mut ranks: Vec<u32> = Vec::new();
     let mut rank_start = vec![0];
     let (mut below, mut start) = (Vec::new(), vec![0]);
-    let mut found = Vec::new();
+    let mut result = Vec::new();
     for s in 0..parent.len() {
         let end = first_block[s + 1] as u32;
-        found.clear();
+        result.clear();
         let mut meet = |row: u32| {
             if row >= end && met[row as usize] != s as u32 {
                 met[row as usize] = s as u32;
-                found.push(row);
+                result.push(row);
             }
         };
         for &block in &blocks[first_block[s]..first_block[s + 1]] {
@@ -260,10 +260,10 @@ fn places(graph: &Graph, blocks: &[usize], first_block: &[usize], parent: Vec<u3
         for child in siblings(&head, &next, s) {
             ranks[rank_start[child]..rank_start[child + 1]].iter().for_each(|&row| meet(row));
         }
-        found.sort_unstable();
-        ranks.extend_from_slice(&found);
+        result.sort_unstable();
+        ranks.extend_from_slice(&result);
         rank_start.push(ranks.len());
-        for &row in &found {
+        for &row in &result {
             below.extend((first_place[row as usize]..first_place[row as usize + 1]).map(|at| at as u32));
         }
         start.push(below.len());

@@ -165,8 +165,8 @@ mod tests {
             [(-1.0, 0, 0.0, 0.0), (0.6, 1, 1.0, 1.0 / 0.6), (1.3, 2, 3.0, 10.0), (9.0, 3, 5.0, 0.0)]
         {
             assert_eq!(graph.piece_at(compliance, stretch), number);
-            let found = graph.force_at(compliance, stretch);
-            assert!((found.0 - force).abs() < 1e-12 && (found.1 - slope).abs() < 1e-12, "{stretch}: {found:?}");
+            let result = graph.force_at(compliance, stretch);
+            assert!((result.0 - force).abs() < 1e-12 && (result.1 - slope).abs() < 1e-12, "{stretch}: {result:?}");
         }
     }
 

@@ -125,14 +125,14 @@ impl ContactProblem {
             begin(i, &mut draft);
             draft
         };
-        let mut found = Vec::with_capacity(count);
-        while found.len() < count && watch() {
-            let last = count.min(found.len() + TOGETHER * rayon::current_num_threads());
-            let blocks = (found.len()..last).into_par_iter().chunks(TOGETHER);
+        let mut result = Vec::with_capacity(count);
+        while result.len() < count && watch() {
+            let last = count.min(result.len() + TOGETHER * rayon::current_num_threads());
+            let blocks = (result.len()..last).into_par_iter().chunks(TOGETHER);
             let refined = |block: Vec<usize>| self.refined(block.into_iter().map(&draft).collect());
-            found.extend(blocks.map(refined).collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
+            result.extend(blocks.map(refined).collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
         }
-        Ok(found)
+        Ok(result)
     }
 
     fn refined(&self, mut drafts: Vec<Draft>) -> Result<Vec<Response>, FactorError> {

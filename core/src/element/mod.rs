@@ -193,7 +193,7 @@ mod tests {
                 })
                 .collect();
             let mut met = vec![0; elements.len()];
-            stiffness(kind, &elements, |at, found| {
+            stiffness(kind, &elements, |at, result| {
                 met[at] += 1;
                 let (geometry, material, sections) = &elements[at];
                 let section = |point| sections.at(point, material);
@@ -202,9 +202,9 @@ mod tests {
                     Kind::Mitc9 if geometry.triangle => mitc9::stiffness(&mitc7::apart(geometry, section)),
                     Kind::Mitc9 => mitc9::stiffness(&Apart::of(geometry, section)),
                 };
-                assert_eq!(alone.packed, found.packed);
-                assert_eq!(alone.centre.coupling, found.centre.coupling);
-                assert_eq!(alone.centre.compliance, found.centre.compliance);
+                assert_eq!(alone.packed, result.packed);
+                assert_eq!(alone.centre.coupling, result.centre.coupling);
+                assert_eq!(alone.centre.compliance, result.centre.compliance);
             });
             assert_eq!(met, vec![1; elements.len()]);
         }

@@ -101,14 +101,14 @@ fn solve(
     let scaling = Scaling::of(lcp);
     let problem = scaling.scale(lcp, options.covering);
     let solved = |basis: Vec<bool>, pivots: usize| {
-        let Some(found) = problem.basic_solution(&basis)? else { return Ok(None) };
-        let BasicValues { mut z, mut w, .. } = found;
+        let Some(result) = problem.basic_solution(&basis)? else { return Ok(None) };
+        let BasicValues { mut z, mut w, .. } = result;
         scaling.unscale_z(&mut z);
         scaling.unscale_w(&mut w);
         // Numbers near the largest of f64 overflow.
         let finite = z.iter().chain(&w).all(|x| x.is_finite());
-        let found = LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None };
-        Ok::<_, OutOfMemory>(finite.then_some(found))
+        let result = LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None };
+        Ok::<_, OutOfMemory>(finite.then_some(result))
     };
 
     let slacks = vec![false; lcp.order()];

@@ -30,9 +30,9 @@ impl CoveredLcp<'_> {
     /// z and w at a complementary basis; None if it is singular or infeasible. What is negative by rounding becomes zero.
     pub(super) fn basic_solution(&self, basis: &[bool]) -> Result<Option<BasicValues>, OutOfMemory> {
         let Some(basis) = Basis::of(self, basis)? else { return Ok(None) };
-        let Some(mut found) = basis.values(self)?.filter(|found| found.feasible) else { return Ok(None) };
-        found.z.iter_mut().chain(&mut found.w).for_each(|x| *x = x.max(0.0));
-        Ok(Some(found))
+        let Some(mut result) = basis.values(self)?.filter(|result| result.feasible) else { return Ok(None) };
+        result.z.iter_mut().chain(&mut result.w).for_each(|x| *x = x.max(0.0));
+        Ok(Some(result))
     }
 
     /// M′_αα for the indices α; by eight rows at a time, because M lies by rows and the block by columns.

@@ -102,16 +102,16 @@ impl ContactProblem {
         factors: &[Vec<f64>],
         watch: &mut dyn FnMut() -> bool,
     ) -> Result<Vec<Combined>, FactorError> {
-        let mut found = Vec::with_capacity(factors.len());
+        let mut result = Vec::with_capacity(factors.len());
         for rows in factors.chunks(TOGETHER) {
             if !watch() {
                 break;
             }
             let some: Result<Vec<_>, _> =
                 rows.par_iter().with_min_len(16).map(|row| self.combine_one(shared, row)).collect();
-            found.extend(some?);
+            result.extend(some?);
         }
-        Ok(found)
+        Ok(result)
     }
 
     fn combine_one(&self, shared: &CombinedCases, factors: &[f64]) -> Result<Combined, FactorError> {

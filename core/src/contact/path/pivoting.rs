@@ -19,11 +19,11 @@ impl Follower<'_> {
     /// As [`ContactProblem::path`], from the solution at t = 0 on. Where rounding stops the pivots it goes on in steps.
     pub(super) fn pivot_along(&mut self, trail: &mut Trail) -> Result<PathEnd, FactorError> {
         let load = self.load;
-        let Some((found, sets)) = self.pivoted(&trail.here().piece)? else {
+        let Some((result, sets)) = self.pivoted(&trail.here().piece)? else {
             return self.step_along(0.0, trail);
         };
         let mut t = 0.0;
-        for (k, segment) in found.segments.iter().enumerate() {
+        for (k, segment) in result.segments.iter().enumerate() {
             let far = match segment.to.min(load.end.max(segment.from)) {
                 far if far.is_finite() => far,
                 _ => segment.from + self.span(segment.from),
@@ -61,7 +61,7 @@ impl Follower<'_> {
             trail.arrive(&line, t);
         }
         let end = self.step_along(t, trail)?;
-        let infeasible = found.end == ParametricEnd::Infeasible && end == PathEnd::Unsolved;
+        let infeasible = result.end == ParametricEnd::Infeasible && end == PathEnd::Unsolved;
         Ok(if infeasible { PathEnd::NoEquilibrium } else { end })
     }
 
