@@ -39,6 +39,6 @@ def draw_profiles(results: Results, directory: Path) -> None:
         rows = []
         for one in result.profiles.values():
             shown = [[(name, one.values[name]) for name in names] for names in _PANELS]
-            labels = [quantity(names[0], units) for names in _PANELS]
+            labels = [quantity(names[0], units).replace(f" {names[0]}", "") for names in _PANELS]
             rows.append((one.name, one.distance, list(zip(labels, shown, strict=True))))
         save(profiles_picture(rows, units.length, result.heading), directory / f"{slug}{PROFILES}.png")

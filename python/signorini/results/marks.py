@@ -129,7 +129,7 @@ def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
 
     marks = []
     for zone in discretisation.model.zone:
-        parts = [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
+        parts = ["rigid"] if zone.rigid else [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
         if zone.material is not None:
             own = zone.material
             if own.is_elastic:

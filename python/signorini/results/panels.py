@@ -17,22 +17,11 @@ from signorini.model.whole import Units
 from signorini.plot.picture import Panel, SupportMark
 from signorini.results.extremes import FieldExtremes
 from signorini.results.marks import pressure_layer, support_mark
+from signorini.results.quantities import FIELDS, KINDS, Quantity
+from signorini.results.quantities import PRESSURE as AT_PRESSURE
 from signorini.results.support_result import SupportResult
 
 PRESSURE = "pressure"
-_WORDS = {
-    "deflection": "deflection{unit}, positive down",
-    "rotation_x": "rotation θx",
-    "rotation_y": "rotation θy",
-    "mx": "moment mx{unit}",
-    "my": "moment my{unit}",
-    "mxy": "moment mxy{unit}",
-    "qx": "shear qx{unit}",
-    "qy": "shear qy{unit}",
-    PRESSURE: "contact pressure{unit}, positive up",
-}
-_COLOURS = {"d": "RdBu", "r": "PiYG", "m": "BrBG", "q": "PRGn", "p": "PuOr"}
-"""Maps whose middle is zero, by the first letter of the quantity."""
 
 
 class Shown(Protocol):
@@ -116,9 +105,14 @@ def _ends(field: str, result: Shown) -> FieldExtremes:
     return result.extremes.get(field) or FieldExtremes.of(result.fields[field], nodes, everywhere)
 
 
+def shown(field: str) -> Quantity:
+    """What a picture shows: a field, or the contact pressure."""
+    return AT_PRESSURE if field == PRESSURE else FIELDS[field]
+
+
 def colours(field: str) -> str:
     """Name the colours of a field, a map whose middle is zero."""
-    return _COLOURS[field[0]]
+    return KINDS[shown(field).kind].colours
 
 
 def quantity(field: str, units: Units) -> str:
@@ -130,13 +124,4 @@ def quantity(field: str, units: Units) -> str:
     >>> quantity("mx", units), quantity("qx", units), quantity("mx", Units())
     ('moment mx [kN m/m]', 'shear qx [kN/m]', 'moment mx')
     """
-    unit = unit_of(field, units)
-    return _WORDS[field].format(unit=f" [{unit}]" if unit else "")
-
-
-def unit_of(field: str, units: Units) -> str:
-    """Unit of a field; empty where the model has none."""
-    length, force = units.length, units.force
-    if field[0] == "m":
-        return f"{force} {length}/{length}" if length and force else ""
-    return {"d": length, "q": units.force_by_length(-1), "p": units.force_by_length(-2)}.get(field[0], "")
+    return shown(field).label(units)
