@@ -93,7 +93,6 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         ],
         "sections": None,
         "strips": None,
-        "profiles": None,
     }
     assert keys(found) == {
         "schema": None,

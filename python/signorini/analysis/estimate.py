@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import overload
 
 import numpy as np
@@ -69,15 +70,20 @@ class Estimates(Brief, Mapping[str, Estimate]):
         catalogue = self.results.combined.layout.catalogue
         if not any(one.elements for one in self.full.values()):
             return {}
-        widths = np.array([self._row(name) for name in self.results])
         return {
-            one.column + ENDING: of for one, of in zip(catalogue, widths.T, strict=True) if one.quantity.kind != "count"
+            one.column + ENDING: widths
+            for one, widths in zip(catalogue, self._listed.T, strict=True)
+            if one.quantity.kind != "count"
         }
 
-    def _row(self, name: str) -> Floats:
-        layout, one = self.results.combined.layout, self.full[name]
-        by_path = one.result.catalogue.by_path
-        return one.widths[[by_path[number.path] for number in layout.catalogue]]
+    @cached_property
+    def _listed(self) -> Floats:
+        """Half-widths (k, n) of the numbers of the table, of combinations that all have an estimate."""
+        catalogue, rows = self.results.combined.layout.catalogue, []
+        for name in self.results:
+            by_path = self.full[name].result.catalogue.by_path
+            rows.append(self.full[name].widths[[by_path[one.path] for one in catalogue]])
+        return np.array(rows)
 
     def half_width(self, column: str, row: int | str) -> float | None:
         """The half-width of a number of the table; None without.
@@ -102,7 +108,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
         row = results.number_of(row) if isinstance(row, str) else index(row, len(results), "combination", "row")
         if self.of_table is not None:
             return self.of_table.width(column, row)
-        return known(float(self._row(results.key(row))[by_column[column]]))
+        return known(float(self._listed[row, by_column[column]]))
 
     @property
     def no_others(self) -> str:

@@ -26,7 +26,7 @@ THICKEST = 10.0
 """Thickness over a plate's width: of a wall on its edge bending across is rounding beside shear."""
 FLOATING = 1e-10
 """Least stiffness λL⁴/D of elastic supports that alone hold the plate: its rigid motions are then free of strain."""
-THIN = 1e-20
+THIN = 1e-19
 """The same over (L/h)²·L²/A: beside the plate's stiffness in shear, which rounds what strains it. Found by trial."""
 TURNING = 1e-6
 """The same where rigid supports hold the plate against some motions: rounding strains the plate in the others."""

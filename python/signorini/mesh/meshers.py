@@ -100,21 +100,29 @@ def _joints(
     axes: Axes,
 ) -> Floats:
     """Joints of a rectangle's elements along an axis."""
-    sense = axes[0][axis] + axes[1][axis]
     start, length, across = origin[axis], size[axis], size[1 - axis]
     caps = []
     for box, most in refined:
         low, high, below, above = box[axis], box[2 + axis], box[1 - axis], box[3 - axis]
         spans = high - low >= length * (1 - _SAME)
         if not spans or above - below >= across * (1 - _SAME):
-            caps.append((min(sense * low, sense * high), max(sense * low, sense * high), most))
-    begin, end = sorted((sense * start, sense * (start + length)))
-    wanted = [[sense * line for line in group] for group in lines]
-    if caps:
-        joints = graded(begin, end, length / divisions[axis], caps, *wanted)
-    else:
-        joints = subdivide(begin, end, divisions[axis], *wanted)
-    return np.sort(sense * joints)
+            caps.append((low, high, most))
+
+    def along(sense: float) -> Floats:
+        begin, end = sorted((sense * start, sense * (start + length)))
+        wanted = [[sense * line for line in group] for group in lines]
+        if not caps:
+            return np.sort(sense * subdivide(begin, end, divisions[axis], *wanted))
+        within = [(min(sense * low, sense * high), max(sense * low, sense * high), most) for low, high, most in caps]
+        return np.sort(sense * graded(begin, end, length / divisions[axis], within, *wanted))
+
+    # Which end it begins from matters for pieces that are alike alone; else coordinates keep their digits.
+    forward = along(1.0)
+    if axes[0][axis] + axes[1][axis] > 0:
+        return forward
+    backward = along(-1.0)
+    alike = len(forward) == len(backward) and np.abs(forward - backward).max() <= _SAME * length
+    return forward if alike else backward
 
 
 def annulus(
