@@ -358,7 +358,5 @@ def test_threads_are_bounded_those_of_numpy_too(slab: Path) -> None:
         counts[bound] = int(out.splitlines()[-1].split()[1])
     # The one that waits, and those that work; of three one more may wait for pictures.
     assert counts["1"] == 1 + 1 and counts["3"] in (1 + 3, 1 + 3 + 1)
-        "the one that waits, those that work, and one that waits for pictures"
-    )
     assert CliRunner().invoke(app, ["solve", str(slab), "--threads", "0"]).exit_code == 2
     assert signorini.solve(signorini.load(slab))["all"].certificate.passed
