@@ -143,6 +143,20 @@ def test_a_deflection_beyond_the_thickness() -> None:
     assert warned(load=[{"pressure": 5e2}]) == ()
 
 
+@pytest.mark.parametrize(("wide", "told"), [(25.0, True), (75.0, False)])
+def test_a_gasket_one_element_wide_is_told(wide: float, told: bool) -> None:
+    gasket = {"name": "gasket", "area": {"annulus": {"inner": 300, "outer": 300 + wide}}, "resists": "down"}
+    warnings = warned(
+        units={"length": "mm", "force": "N"},
+        material={"E": 2e5, "nu": 0.3},
+        plate={"shape": "annulus", "inner": 200, "outer": 390, "thickness": 30},
+        mesh={"size": 25},
+        support=[gasket | {"stiffness": 200.0}],
+        load=[{"pressure": 1}],
+    )
+    assert ["gasket is one element wide" in one for one in warnings] == [True] * told
+
+
 @pytest.mark.parametrize(
     ("divisions", "words"), [([1, 1], "one element,"), ([1, 6], "one element wide,"), ([2, 2], "")]
 )

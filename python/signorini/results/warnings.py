@@ -17,7 +17,7 @@ from signorini.discretise.quadrature import area_quadrature, curve_quadrature
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.errors import point
-from signorini.model import Load, Model, Support
+from signorini.model import Load, MeshPlate, Model, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.model.zone import KEYS
@@ -33,6 +33,8 @@ _FOLLOWED = 0.5
 """Part of a line on the plate that is on sides of elements, from which on a mesh follows it."""
 _SMALLER = 0.5
 """Part of an element that a line cuts, of which a mesh may follow it."""
+_STRIP = 4
+"""Elements in a row from which on they are a strip; fewer are a pad, of which the force matters."""
 _INSIDE = 1e-6
 """Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
 _NOTHING = 1e-9
@@ -76,6 +78,7 @@ def model_warnings(discretisation: Discretisation) -> tuple[str, ...]:
         )
         of_plate = (
             *_one_element(discretisation),
+            *_one_across(discretisation),
             *_unrefined(discretisation),
             *_unfollowed(discretisation),
             *_zones(discretisation),
@@ -316,6 +319,23 @@ def _one_element(discretisation: Discretisation) -> Iterator[str]:
             f"{int(mesh.spanning.sum())} elements reach from edge to edge, one of them at {point(first)}, which says "
             "little of how the plate bends there. Take smaller ones, by size or refine."
         )
+
+
+def _one_across(discretisation: Discretisation) -> Iterator[str]:
+    """Name elastic strips and rings that are one element wide, such as gaskets: every node of theirs is on the rim."""
+    mesh = discretisation.mesh
+    for index, support in enumerate(discretisation.model.support):
+        if support.area is None or support.stiffness is None:
+            continue
+        mine = np.isin(np.arange(len(mesh.elements)), SupportPoints.of(discretisation, index).elements)
+        rim = np.isin(
+            np.arange(len(mesh.points)), np.r_[mesh.elements[~mine].ravel(), mesh.sides[mesh.on_boundary].ravel()]
+        )
+        if mine.sum() >= _STRIP and rim[mesh.elements[mine, :4]].all():
+            size = _SMALLER * math.sqrt(mesh.element_area[mine].min())
+            own = isinstance(discretisation.model.plate, MeshPlate)
+            helps = "Make the mesh finer there." if own else f"Take elements of {size:.2g} or less there (mesh.refine)."
+            yield f"{support.name} is one element wide: how its pressure varies across it is left open. {helps}"
 
 
 def _one_place(discretisation: Discretisation) -> Iterator[str]:

@@ -41,6 +41,8 @@ class Boundary:
         The next side.
     angles : (k,) array
         Angle of the plate between each side and the next; π where they run on smoothly.
+    rigid : (k,) array
+        Whether the side is a rigid zone's.
     held : (k,) array
         Whether the deflection is held, or may be: by a rigid support of any kind.
     lets_go : (k,) array
@@ -57,6 +59,7 @@ class Boundary:
     sides: Ints
     following: Ints
     angles: Floats
+    rigid: Bools
     held: Bools
     lets_go: Bools
     slope: Bools
@@ -71,7 +74,8 @@ class Boundary:
         elastic = np.flatnonzero(~bodies.rigid)
         sides = (mesh.part(elastic) if 0 < len(elastic) < len(bodies.rigid) else mesh).boundary
         tangents = quadratic_tangents(mesh, sides)
-        held, always, slope, twist = np.tile(bodies.inside[sides[:, 1]], (4, 1))
+        rigid = bodies.inside[sides[:, 1]]
+        held, always, slope, twist = np.tile(rigid, (4, 1))
         sheared = np.zeros((len(sides), 2), np.bool_)
         for support in discretisation.model.support:
             on = np.isin(sides[:, 1], middles(mesh, support))
@@ -89,14 +93,14 @@ class Boundary:
         slack = np.maximum(_STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
         angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
         poisson = discretisation.zones.poisson_of(mesh.find_sides(sides)[0])
-        return cls(mesh, sides, following, angles, held, held & ~always, slope, twist, sheared, poisson)
+        return cls(mesh, sides, following, angles, rigid, held, held & ~always, slope, twist, sheared, poisson)
 
     def slopes(self, side: int) -> Slopes:
         """What a side holds of the slopes."""
         return slopes_held(bool(self.slope[side]), bool(self.twist[side]))
 
-    def corners(self) -> list[tuple[tuple[float, float], float, tuple[str, ...]]]:
-        """Corners without a limit of some number: where, the angle in degrees, and the numbers."""
+    def corners(self) -> list[tuple[tuple[float, float], float, bool, tuple[str, ...]]]:
+        """Corners without a limit of some number: where, the angle in degrees, if of a rigid zone, and the numbers."""
         result = []
         keys = np.column_stack([self.held, self.slope, self.twist])
         changes = (keys != keys[self.following]).any(axis=1)
@@ -109,7 +113,7 @@ class Boundary:
                 numbers.append("shear")
             if numbers:
                 x, y = self.mesh.points[self.sides[side, 2]].tolist()
-                result.append(((x, y), float(np.degrees(angle)), tuple(numbers)))
+                result.append(((x, y), float(np.degrees(angle)), bool(self.rigid[side]), tuple(numbers)))
         return result
 
     def loops(self) -> Iterator[Floats]:

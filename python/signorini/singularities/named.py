@@ -247,14 +247,15 @@ def _of_edges_on(discretisation: Discretisation, support: Support, advice: str) 
 
 def _of_corners(discretisation: Discretisation) -> Iterator[Singularity]:
     """Corners that are alike in what has no limit there are one; an outline of chords has many."""
-    alike: dict[tuple[bool, tuple[str, ...]], list[tuple[tuple[float, float], float]]] = {}
-    for at, degrees, numbers in boundary_of(discretisation).corners():
-        alike.setdefault((abs(degrees - 180) < 1, numbers), []).append((at, degrees))
-    for (straight, numbers), those in alike.items():
+    alike: dict[tuple[bool, bool, tuple[str, ...]], list[tuple[tuple[float, float], float]]] = {}
+    for at, degrees, rigid, numbers in boundary_of(discretisation).corners():
+        alike.setdefault((rigid, abs(degrees - 180) < 1, numbers), []).append((at, degrees))
+    for (rigid, straight, numbers), those in alike.items():
         where = tuple(at for at, _ in those)
         angles = sorted(degrees for _, degrees in those)
         of = " to ".join(dict.fromkeys(f"{angle:.4g}°" for angle in (angles[0], angles[-1])))
         what = "Change of the edge's support" if straight else f"Corner of {of} of the plate"
+        what = "Corner of a rigid zone" if rigid else what
         places = _listed_places(where, discretisation.mesh.size)
         yield Singularity(where, f"{what} at {places}", numbers, "Take values from beside it.", "plate")
 
