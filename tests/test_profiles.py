@@ -63,7 +63,7 @@ def test_stations_off_the_plate_have_no_values(tmp_path):
     results = solve(model)
     mx = results["all"].profiles["along"].values["mx"]
     assert np.flatnonzero(np.isnan(mx)).tolist() == [5]
-    assert "all-profiles.png" in [file.name for file in write(results, tmp_path)]
+    assert "profile-along.png" in [file.name for file in write(results, tmp_path)]
     told = json.loads((tmp_path / "results.json").read_text())
     assert told["combinations"][0]["profiles"][0]["stations"][5]["mx"] is None
     assert {"profiles", "profile table"} <= {entry["kind"] for entry in told["files"]}

@@ -17,7 +17,7 @@ GOVERNING = "governing.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PROFILES_CSV = "profiles.csv"
-PRESSURE, MOMENTS, SHEARS, PROFILES = "-pressure", "-moments", "-shears", "-profiles"
+PRESSURE, MOMENTS, SHEARS = "-pressure", "-moments", "-shears"
 """End the names of pictures other than that of the deflection."""
 PICTURES = {"": ("deflection",), MOMENTS: ("mx", "my", "mxy"), SHEARS: ("qx", "qy"), PRESSURE: ("pressure",)}
 """Fields of a picture, by the ending of its name."""
@@ -26,6 +26,8 @@ Chosen = Literal["all", "governing", "none"]
 Pictures = Chosen | None
 """Combinations that have pictures; None: all of a few, beyond that those that govern."""
 _FEW = 4
+_CURVES = 10
+"""Combinations that have a curve each in a picture of a profile: the colours of curves repeat beyond."""
 _LONGEST_NAME = 80
 _MINUS = re.compile(r"(?<![a-z0-9_.)\]-])-(?!-)|(?<!-)-(?![a-z0-9_.(\[-])")
 """A dash that a name has as a sign; one between words or numbers is a hyphen, several are a rule."""
@@ -38,11 +40,13 @@ def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | N
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
     if results.model.profile:
-        endings["profiles"] = f"{PROFILES}.png"
         together["profile table"] = PROFILES_CSV
     together |= {"table": TABLE} if results.model.tabulated else {}
     together |= {"refinement": REFINEMENT} if results.refinement else {}
     named: list[tuple[str | None, str, str]] = [(None, kind, name) for kind, name in together.items()]
+    named += (
+        [(None, "profiles", name) for name in profile_pictures(results.model)] if profiled(results, pictures) else []
+    )
     for name in envelope_files(results).values():
         named.append((None, "envelope", name))
         shown = envelope_pictures(results, name) if pictures != "none" else {}
@@ -61,6 +65,7 @@ def expected_names(model: Model) -> Iterator[str]:
         yield GOVERNING
     if model.profile:
         yield PROFILES_CSV
+        yield from profile_pictures(model)
     taken = _taken(model)
     if model.mesh.accuracy is not None:
         yield REFINEMENT
@@ -69,9 +74,8 @@ def expected_names(model: Model) -> Iterator[str]:
         yield TABLE
         fields = model.output.fields
         names = names if fields == "all" else () if isinstance(fields, str) else fields
-    endings = [*PICTURES, *([PROFILES] if model.profile else [])]
     for slug in unique_slugs([*taken, *names]):
-        yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in endings)))
+        yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in PICTURES)))
 
 
 def envelope_files(results: Results) -> dict[str, str]:
@@ -98,6 +102,19 @@ def enveloped(results: Results, ending: str) -> tuple[str, ...]:
     return tuple(field for field in PICTURES[ending] if field in results.combined.layout.fields)
 
 
+def profile_pictures(model: Model) -> list[str]:
+    """Name the pictures of profiles, in their order."""
+    return [f"{slug}.png" for slug in unique_slugs(f"profile {profile.name}" for profile in model.profile)]
+
+
+def profiled(results: Results, pictures: Pictures) -> list[Result]:
+    """Solved combinations that have a curve in pictures of profiles."""
+    named = list(slugs(results))
+    if pictures is None and len(named) <= _CURVES:
+        pictures = "all"
+    return [one for one, _ in pictured(results, pictures)]
+
+
 def has_areas(results: Results) -> bool:
     """Whether the plate rests on an area."""
     return any(support.area is not None for support in results.discretisation.model.support)
@@ -106,6 +123,7 @@ def has_areas(results: Results) -> bool:
 def _taken(model: Model) -> list[str]:
     """Names without endings that pictures of all combinations have, and so none of one."""
     taken = _envelopes(model) if model.tabulated else []
+    taken += [Path(name).stem for name in profile_pictures(model)]
     return taken + [Path(REFINEMENT).stem] * (model.mesh.accuracy is not None)
 
 
@@ -158,9 +176,9 @@ def unique_slugs(names: Iterable[str]) -> list[str]:
         short = re.sub(r"-*\+-*", "+", re.sub(r"[^a-z0-9_.+]+", "-", signed))[:_LONGEST_NAME]
         base = short.strip("-.") or "combination"
         slug, count = base, 1
-        while {slug + ending for ending in (*PICTURES, PROFILES)} & taken or _RESERVED.fullmatch(slug):
+        while {slug + ending for ending in PICTURES} & taken or _RESERVED.fullmatch(slug):
             count += 1
             slug = f"{base}-{count}"
-        taken |= {slug + ending for ending in (*PICTURES, PROFILES)}
+        taken |= {slug + ending for ending in PICTURES}
         result.append(slug)
     return result

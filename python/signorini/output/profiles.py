@@ -8,12 +8,12 @@ from pathlib import Path
 
 from signorini.analysis.results import Results
 from signorini.output.cells import name_cell
-from signorini.output.names import PROFILES, slugs
+from signorini.output.names import Pictures, profile_pictures, profiled
 from signorini.results.panels import quantity
 from signorini.results.profile_result import PRESSURE
-from signorini.results.quantities import FIELDS
+from signorini.results.quantities import FIELDS, RESULTANTS
 
-_PANELS = (("deflection",), ("mx", "my", "mxy"), ("qx", "qy"), (PRESSURE,))
+_SHOWN = ("deflection", *RESULTANTS, PRESSURE)
 
 
 def profiles_csv(results: Results) -> str:
@@ -29,16 +29,15 @@ def profiles_csv(results: Results) -> str:
     return text.getvalue()
 
 
-def draw_profiles(results: Results, directory: Path) -> None:
-    """Draw the profiles of every solved combination, a picture each."""
+def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) -> None:
+    """Draw every profile, a picture each, with a curve for each combination."""
     # Only this function needs matplotlib.
-    from signorini.plot import profiles_picture, save
+    from signorini.plot import profile_picture, save
 
-    units = results.model.units
-    for result, slug in slugs(results):
-        rows = []
-        for one in result.profiles.values():
-            shown = [[(name, one.values[name]) for name in names] for names in _PANELS]
-            labels = [quantity(names[0], units).replace(f" {names[0]}", "") for names in _PANELS]
-            rows.append((one.name, one.distance, list(zip(labels, shown, strict=True))))
-        save(profiles_picture(rows, units.length, result.heading), directory / f"{slug}{PROFILES}.png")
+    units, shown = results.model.units, profiled(results, pictures)
+    for profile, file in zip(results.model.profile, profile_pictures(results.model), strict=True) if shown else ():
+        curves = {one.name: one.profiles[profile.name] for one in shown}
+        panels = {quantity(name, units): {key: one.values[name] for key, one in curves.items()} for name in _SHOWN}
+        distance = next(iter(curves.values())).distance
+        along = f"{profile.name} [{units.length}]" if units.length else profile.name
+        save(profile_picture(distance, panels, along, results.model.title), directory / file)

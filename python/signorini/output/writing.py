@@ -154,7 +154,7 @@ def write_results(
             write_refinement(results, beside)
             if results.model.profile:
                 (beside / PROFILES_CSV).write_text(profiles_csv(results), encoding="utf-8")
-                draw_profiles(results, beside)
+                draw_profiles(results, beside, pictures)
             for group, name in envelope_files(results).items():
                 write_envelope(results.discretisation.stress_nodes, results.combined.over(group), beside / name)
             if table is not None:

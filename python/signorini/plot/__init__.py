@@ -22,7 +22,7 @@ __getattr__ = lazily(
         "places": ("EdgeMark", "SingularMark"),
         "plan": ("Plan",),
         "layers": ("pressure",),
-        "profiles": ("profiles_picture",),
+        "profiles": ("profile_picture",),
         "refinement": ("refinement_picture",),
     },
 )
