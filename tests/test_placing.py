@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from models import rectangular
 
-from signorini import Model, estimate, solve
+from signorini import Model, solve
 from signorini.discretise import discretise
-from signorini.discretise.places import region
 from signorini.errors import InputError
 from signorini.formats.vtk import as_meshio, write_vtu
 from signorini.mesh import Mesh, meshers
@@ -26,36 +25,6 @@ def test_points_keep_the_order_of_the_input(how):
     other = {"at": [2.1, 2.2], "stiffness": 1e6}
     (result,) = solve(rectangular(**PLATE, support=[other, {"at": at, **how}])).values()
     np.testing.assert_allclose(result.supports[1].positions, at, rtol=0, atol=1e-12)
-
-
-def test_every_spring_and_contact_point_is_one_supports():
-    supports = [
-        {"at": [[1, 1], [1.3, 3]], "resists": "down"},
-        {"edge": "left", "fix": "hard"},
-        {"line": [[3, 0], [3, 4]], "gap": 0.001},
-        {"area": {"circle": {"center": [2, 2], "radius": 0.7}}, "resists": "down", "stiffness": 1e7},
-        {"at": [[2.2, 0.3]], "stiffness": 1e6},
-    ]
-    found = discretise(rectangular(**PLATE, support=supports))
-    for index, parts in enumerate(found.parts):
-        assert (found.points.support[parts.rows] == index).all() and (
-            found.springs.support[parts.springs] == index
-        ).all()
-    rows = np.concatenate([parts.rows.ravel() for parts in found.parts])
-    assert sorted(rows) == np.flatnonzero(~found.points.slope).tolist()
-    assert found.parts[2].rows.shape == (2, 9)
-    assert sum(len(parts.springs) for parts in found.parts) == len(found.springs) == 1
-    assert found.mesh.points[found.parts[1].nodes, 0].tolist() == [0.0] * 9
-
-
-@pytest.mark.parametrize("how", [{"fix": "clamped"}, {"resists": "down"}, {"stiffness": 1e6}, {"gap": 0.01}])
-def test_a_line_is_looked_for_once(monkeypatch, how):
-    asked = []
-    along = Mesh.edges_along
-    monkeypatch.setattr(Mesh, "edges_along", lambda mesh, curve: asked.append(curve) or along(mesh, curve))
-    line = {"line": [[2, 0], [2, 4]]}
-    discretise(rectangular(**PLATE, support=[line | how, {"edge": "left", "fix": "simple"}]))
-    assert len(asked) == 1
 
 
 @pytest.mark.parametrize("apart", [0.0, 1e-11, 1e-10, 1e-9, 5e-9, 2e-8])
@@ -112,41 +81,6 @@ def test_lines_and_circles_of_supports_and_loads_are_followed_where_the_elements
 
 
 BESIDE = {"edge": "left", "fix": "clamped"}
-ARC = [[1.74, 1.11], [2.26, 1.11], {"through": [2.0, 1.42], "to": [1.74, 1.11]}]
-TURN = np.linspace(0, 2 * np.pi, 400, endpoint=False)
-ROUND = (np.array([2.3, 1.3]) + 0.2 * np.column_stack([np.cos(TURN), np.sin(TURN)])).tolist()
-
-
-@pytest.mark.parametrize("polygon", [ARC, ROUND], ids=["arc", "400 corners"])
-@pytest.mark.parametrize("stiffness", [1.0, 1e12])
-def test_an_outline_of_many_points_in_an_element_leaves_it_an_area(polygon, stiffness):
-    support = {"area": {"polygon": polygon}, "resists": "down", "stiffness": stiffness}
-    model = rectangular(size=(4, 2), divisions=(8, 4), support=[support], load=[{"pressure": 1}])
-    weights = discretise(model).contacts.weights
-    assert weights.min() > 0
-    assert weights.sum() == pytest.approx(region(model.support[0].area).area, rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("area", "exact"),
-    [
-        ({"circle": {"center": [0, 0], "radius": 1.6}}, np.pi * 1.6**2),
-        ({"annulus": {"center": [0, 0], "inner": 0.8, "outer": 1.6}}, np.pi * (1.6**2 - 0.8**2)),
-    ],
-    ids=["circle", "ring"],
-)
-def test_arcs_that_the_mesh_follows_leave_no_slivers(area, exact):
-    # Between a parabola and its arc there were thousands of points of 1e-20 of the others.
-    model = Model(
-        material={"E": 30e9, "nu": 0.2, "unit_weight": 25e3},
-        plate={"shape": "disc", "radius": 2, "thickness": 0.3},
-        mesh={"size": 0.4},
-        support=[{"area": area, "resists": "down", "stiffness": 5e7}],
-        load=[{"self_weight": True}],
-    )
-    weights = discretise(model).contacts.weights
-    assert weights.sum() == pytest.approx(exact, rel=1e-12)
-    assert weights.min() > 1e-2 * weights.max()
 
 
 SNAP = 2e-3
@@ -319,14 +253,6 @@ def test_what_all_but_is_on_a_round_edge_of_a_mesh_from_a_file_is_there(tmp_path
         assert found.deflection.max() == pytest.approx(wanted.deflection.max(), rel=1e-3)
 
 
-def test_small_circles_are_not_followed_with_many_small_elements() -> None:
-    columns = [{"circle": {"center": [x, y], "radius": 0.02}, "resists": "down"} for x in (2, 5, 8) for y in (2, 6)]
-    plate = {"shape": "rectangle", "size": [10, 8], "thickness": 0.3}
-    model = rectangular(plate=plate, mesh={"size": 0.8333}, support=columns, load=[{"pressure": 1e4}])
-    assert model.divisions is not None
-    assert estimate(solve(model)["all"]).plus_minus is not None
-
-
 @pytest.mark.parametrize("size", [5e-8, 1e-12])
 @pytest.mark.parametrize("place", [{"line": [[1, 1], [3, 2]]}, {"circle": {"center": [2, 1.5], "radius": 1}}])
 @pytest.mark.parametrize("shape", ["rectangle", "disc"])
@@ -373,16 +299,6 @@ def test_elements_that_rounding_would_shape_are_refused(shape, away, size) -> No
         discretise(_refined_at_a_point(shape, away, size))
 
 
-def test_elements_that_there_is_no_memory_for_are_not_made(monkeypatch) -> None:
-    """Four million of them took four minutes before they were refused."""
-    monkeypatch.setattr("signorini.base.memory.available", lambda: 1e9)
-    disc = {"shape": "disc", "radius": 3, "thickness": 0.2}
-    refine = [{"circle": {"center": [0, 0], "radius": 1}, "size": 1e-5}]
-    model = rectangular(plate=disc, mesh={"refine": refine}, support=[{"edge": "rim"}], load=[{"pressure": 1e3}])
-    with pytest.raises(InputError, match=r"would be more than the 3\d000 that there is room for"):
-        discretise(model)
-
-
 def test_far_too_small_elements_in_an_area_are_refused_before_they_take_memory() -> None:
     disc = {"shape": "disc", "radius": 3, "thickness": 0.2}
     refine = [{"area": {"rectangle": [0, 0, 1, 1]}, "size": 1e-7}]
@@ -398,17 +314,6 @@ def test_what_is_drawn_far_beyond_the_plate_is_refused_before_it_is_divided(plac
     model = rectangular(plate=disc, mesh={"size": 1.0}, support=[{"edge": "rim", "fix": "simple"}], load=load)
     with pytest.raises(InputError, match="is not on the plate"):
         discretise(model)
-
-
-def test_a_circle_within_one_element_loads_it_as_symmetrically_as_it_is() -> None:
-    """On thirds of a circle few Gauss points take what turns three times around for a force."""
-    load = [{"line_load": 1.0, "circle": {"center": [2.0, 2.0], "radius": 1.8}}]
-    found = discretise(rectangular(divisions=[1, 1], support=[{"edge": "left", "fix": "clamped"}], load=load))
-    (case,) = found.cases.values()
-    forces, apart = case.nodal[::3], np.abs(found.mesh.points - 2.0).sum(axis=1)
-    assert forces.sum() == pytest.approx(3.6 * math.pi)
-    for alike in (forces[apart > 3.0], forces[apart < 3.0]):
-        assert len(alike) == 4 and np.ptp(alike) < 3e-5 * forces.max()
 
 
 def test_a_small_circle_in_a_large_element_holds_the_plate() -> None:

@@ -372,13 +372,6 @@ def test_lines_that_hold_slopes_within_elements_are_named_unless_the_mesh_follow
     assert not [one for one in singularities(discretise(loose)) if "within" in one.what]
 
 
-def test_a_line_along_sides_but_for_a_piece_is_named_for_the_elements_of_that_piece_alone():
-    held = {"line": [[1, 0], [1, 3], [1.7, 4]], "fix": "clamped"}
-    found = discretise(rectangular(divisions=[8, 8], support=[held], load=[PRESSURE]))
-    (one,) = (one for one in singularities(found) if "within" in one.what)
-    assert min(y for _, y in one.where) == 3 and max(x for x, _ in one.where) == 2
-
-
 def test_wheels_with_small_prints_are_named_as_unresolved():
     truck = {"case": "truck", "line": [[0.5, 2], [3.5, 2]], "step": 1.0, "axles": [[0, 1e4]], "patch": [0.05, 0.1]}
     combination = [{"name": "traffic", "generate": "positions", "factors": {"truck": 1}}]
@@ -443,24 +436,6 @@ def test_peaks_of_rows_leave_out_what_acts_in_them_alone(solver):
                 assert value == pytest.approx(getattr(ends, side), rel=1e-6, abs=1e-9 * abs(ends.max)), (name, field)
     rows_of_mx = table["max:mx"]
     assert results_json(results)["envelope"]["fields"]["mx"]["max"] == max(rows_of_mx)
-
-
-@pytest.mark.parametrize("at", [[1.6, 1.2], [2.4, 1.2], [1.6, 1.6], [0.4 * 3, 1.2]])
-def test_rounding_does_not_tell_which_nodes_a_peak_has(at):
-    # A thickness of half an element: nodes lie exactly that far away, in metres and in millimetres.
-    found = []
-    for length, force in ((1.0, 1.0), (1000.0, 1.0)):
-        model = rectangular(
-            size=[4.8 * length, 4.8 * length],
-            thickness=0.2 * length,
-            divisions=[12, 12],
-            material={"E": 30e9 / length**2, "nu": 0.2},
-            support=[{**HARD, "fix": "simple"}],
-            load=[{"force": force, "at": [x * length for x in at]}],
-        )
-        extremes = solve(model)["all"].extremes
-        found.append([extremes[name].max * (length if name[0] == "q" else 1.0) for name in ("mx", "my", "qx")])
-    assert found[0] == pytest.approx(found[1], rel=1e-6)
 
 
 def test_extremes_name_the_singular_place_that_they_leave_out():
