@@ -145,46 +145,6 @@ def test_imports_run_one_way() -> None:
     assert faults(PACKAGE) == []
 
 
-@pytest.mark.parametrize(
-    ("files", "fault"),
-    [
-        (
-            {"mesh.py": "def f():\n    from signorini.analysis.solve import solve"},
-            "mesh imports analysis, which stands above",
-        ),
-        ({"mesh.py": "from signorini import cli", "cli.py": ""}, "mesh imports cli, which stands above it"),
-        ({"mesh.py": "from . import cli", "cli.py": ""}, "mesh imports cli, which stands above it"),
-        ({"mesh.py": "from .analysis.solve import solve"}, "mesh imports analysis, which stands above it"),
-        ({"mesh.py": "import signorini.analysis.solve as s"}, "mesh imports analysis, which stands above it"),
-        ({"contact/a.py": "from signorini import load"}, "contact imports __init__, which stands above it"),
-        ({"plot/a.py": "from ..expression import Expression"}, "plot imports expression, but it takes arrays"),
-        ({"mesh.py": "import signorini.model", "model.py": "import signorini.mesh"}, "in a circle"),
-        ({"mesh/a.py": "import signorini.mesh.b", "mesh/b.py": "from signorini.mesh.a import c"}, "in a circle"),
-        ({"mesh/__init__.py": "from signorini.mesh.a import b", "mesh/a.py": "from . import b"}, "in a circle"),
-        ({"helpers.py": ""}, "helpers has no layer: place it in LAYERS"),
-        (
-            {"results.py": "def f():\n    import matplotlib.pyplot"},
-            "results.py imports matplotlib, which belongs in plot",
-        ),
-        ({"model.py": "from rich.table import Table"}, "model.py imports rich, which belongs in cli alone"),
-        ({"contact.py": "def f():\n    print(1)"}, "contact.py:2 prints"),
-        ({"mesh/__init__.py": "class Mesh: ..."}, "mesh/__init__.py holds code"),
-    ],
-)
-def test_a_broken_rule_is_named(tmp_path: Path, files: dict[str, str], fault: str) -> None:
-    for place, text in files.items():
-        (tmp_path / place).parent.mkdir(exist_ok=True)
-        (tmp_path / place).write_text(text)
-    (found,) = faults(tmp_path)
-    assert fault in found
-
-
-def test_parts_of_one_package_may_know_each_other(tmp_path: Path) -> None:
-    (tmp_path / "plot").mkdir()
-    (tmp_path / "plot" / "a.py").write_text("from signorini.plot.b import c\nfrom signorini.errors import InputError")
-    assert faults(tmp_path) == []
-
-
 # The same of the core's files, from the ground up; a file's arrows within a group are free, but never in a circle.
 CORE_LAYERS = (
     ("dense", "double_double", "bodies", "superposition", "vectorized"),
@@ -283,34 +243,6 @@ def rust_faults(source: Path) -> list[str]:
 
 def test_uses_of_the_core_run_one_way() -> None:
     assert rust_faults(ROOT / "core" / "src") == []
-
-
-@pytest.mark.parametrize(
-    ("files", "fault"),
-    [
-        (
-            {"plate.rs": "use crate::assembly::assemble;", "assembly.rs": ""},
-            "plate uses assembly, which stands above it",
-        ),
-        ({"plate.rs": "fn f() { crate::stress::g() }", "stress.rs": ""}, "plate uses stress, which stands above it"),
-        (
-            {
-                "lcp/mod.rs": "mod a; mod b;",
-                "lcp/a.rs": "use super::b::{self, c};",
-                "lcp/b.rs": "use crate::lcp::a::D;",
-            },
-            "in a circle",
-        ),
-        ({"lcp/mod.rs": "mod a; fn f() { a::g() }", "lcp/a.rs": "use super::{H, I as J};"}, "in a circle"),
-        ({"helpers.rs": ""}, "helpers has no layer: place it in CORE_LAYERS"),
-    ],
-)
-def test_a_broken_rule_of_the_core_is_named(tmp_path: Path, files: dict[str, str], fault: str) -> None:
-    for place, text in files.items():
-        (tmp_path / place).parent.mkdir(exist_ok=True)
-        (tmp_path / place).write_text(text)
-    (found,) = rust_faults(tmp_path)
-    assert fault in found
 
 
 def rust(crate: str) -> dict[str, str]:

@@ -1,7 +1,6 @@
 """Combinations: generated, solved together, and held to what each gives when it is solved by itself."""
 
 import io
-import json
 import os
 import subprocess
 import sys
@@ -17,7 +16,6 @@ import signorini
 from signorini import InputError, Model, NoEquilibriumError, validate
 from signorini.analysis.single import solve_one
 from signorini.cli.tables import print_results
-from signorini.model import Combination
 from signorini.output import results_json, write
 from signorini.results.quantities import LINEAR
 from signorini.results.warnings import model_warnings
@@ -383,11 +381,6 @@ def test_twelve_combinations_and_thirteen_are_one_api(count):
         results.table["reaction:legs"][0] = 0
 
 
-def test_a_kept_result_holds_no_factor():
-    results = signorini.solve(Model(**tables(combination=[{"name": "G", "factors": {"G": 1}}])))
-    assert not results.problem.is_factored
-
-
 def test_fields_may_be_asked_for_by_name_or_not_at_all():
     chosen = signorini.solve(Model(**tables(output={"fields": ["ULS: G"]})))
     assert list(chosen.full) == ["ULS: G"] and chosen["ULS: G"].certificate.passed
@@ -456,39 +449,11 @@ def test_nothing_half_written_is_left(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_combinations_are_made_when_asked_for():
-    cases = [{"case": f"c{i}", "pressure": 1} for i in range(16)]
-    many = [{"name": "m", "generate": "patterns", "variable": {case["case"]: 1 for case in cases}}]
-    combinations = Model(**tables(load=cases, combination=many)).effective_combinations
-    assert len(combinations) == 2**16
-    assert isinstance(combinations[-1], Combination) and dict(combinations[-1].factors) == {
-        f"c{i}": 1 for i in range(16)
-    }
-    assert [c.name for c in combinations[:3]] == ["m", "m: c15", "m: c14"]
-
-
-def test_results_json_of_a_table_is_valid_json(solved):
-    results, _ = solved
-    assert json.loads(json.dumps(results_json(results), allow_nan=False))["table"]["combinations"] == 36
-
-
 def test_a_table_of_combinations_without_load_is_solved() -> None:
     rows = [{"generate": "table", "columns": ["G"], "rows": {"before": [0.0], "after": [0.0]}}]
     results = signorini.solve(Model(**tables(combination=rows, output={"combinations": "table", "fields": "all"})))
     for name in ("before", "after"):
         assert list(results[name].reactions.values()) == pytest.approx([0.0, 0.0], abs=1e-12)
-
-
-def test_a_row_is_computed_when_it_is_asked_for():
-    data = tables()
-    data["output"] = {"combinations": "table", "fields": "none"}
-    results = signorini.solve(Model(**data))
-    combination = results.model.effective_combinations[0]
-    assert not results.full
-    alone = solve_one(signorini.contact_problem(results.discretisation), combination)
-    assert np.array_equal(results[combination.name].deflection, alone.deflection)
-    with pytest.raises(KeyError, match=r"Unknown combination 'none'. This mapping of results has"):
-        results["none"]
 
 
 def test_a_table_of_a_plate_without_contact_points_is_solved():

@@ -10,8 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import signorini
-from signorini import Model, _core, contact_problem
-from signorini.analysis.batch import mean_load, solve_several
+from signorini import Model, contact_problem
 from signorini.analysis.single import solve_one
 
 SUPPORTS = {
@@ -99,74 +98,6 @@ def test_a_batch_of_which_none_has_equilibrium_stands_before_one_that_has() -> N
     rows = {f"c{i}": [0.0, 0.0, 0.0, 1.0 + i] for i in range(70)} | {"rests": [1.0, 0.0, 0.0, 0.0]}
     combined = signorini.solve(Model(**tables("soil", rows))).combined
     assert combined is not None and (combined.solved, len(combined.combinations)) == (1, 71)
-
-
-def test_without_a_solution_in_common_the_answers_are_the_same():
-    model = Model(**tables("soil and rigid points", random_rows(11)))
-    problem = contact_problem(model)
-    found, held = problem.discretisation, problem.discretisation.held.values
-    loads = np.array([found.load(c).nodal for c in model.effective_combinations])
-    reference = problem.core.solve_and_factor(mean_load(found), held)
-    for start in (None, reference):
-        for load, answer in zip(loads, _core.solve_together(problem.core, start, loads, held), strict=True):
-            single = problem.core.solve(load, held)
-            assert (answer.status, answer.closed.tolist()) == ("solved", single.closed.tolist())
-            assert np.abs(answer.hi - single.hi).max() < 1e-10 * np.abs(single.hi).max()
-
-
-def test_what_is_not_certified_is_solved_by_itself(monkeypatch):
-    model = Model(**tables("soil", random_rows(3)))
-    problem = contact_problem(model)
-    solve = _core.solve_together
-    monkeypatch.setattr(
-        "signorini.analysis.batch._core.solve_together",
-        lambda core, start, loads, held, watch: solve(core, start, 1.01 * loads, held),
-    )
-    begun, alone = [], []
-
-    def single(combination):
-        alone.append(combination.name)
-        return solve_one(problem, combination)
-
-    found = list(solve_several(problem, model.effective_combinations[:], single, begun.append))
-    assert alone == [result.name for result in found] == ["c0", "c1", "c2"] and begun == ["c0"]
-    assert all(result.certificate.passed for result in found)
-
-
-def test_without_a_load_nothing_moves():
-    model = Model(**tables("soil", random_rows(3)))
-    problem = contact_problem(model)
-    found, held = problem.discretisation, problem.discretisation.held.values
-    reference = problem.core.solve_and_factor(mean_load(found), held)
-    load = found.load(model.effective_combinations[0]).nodal
-    still, pressed = _core.solve_together(problem.core, reference, np.array([0 * load, load]), held)
-    assert not still.hi.any() and not still.reaction.any() and pressed.reaction.sum() > 0
-
-
-def test_what_progress_raises_ends_them_all():
-    model = Model(**tables("soil", random_rows(3)))
-    problem = contact_problem(model)
-    loads = np.array([problem.discretisation.load(c).nodal for c in model.effective_combinations])
-
-    def stop():
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        _core.solve_together(problem.core, None, loads, problem.discretisation.held.values, stop)
-
-
-def test_combinations_side_by_side_are_watched():
-    model = Model(**tables("soil", random_rows(3)))
-    begun = []
-
-    def stop(name):
-        begun.append(name)
-        if len(begun) > 1:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        list(solve_several(contact_problem(model), model.effective_combinations[:], pytest.fail, stop))
-    assert begun == ["c0", "c0"]
 
 
 SCRIPT = """

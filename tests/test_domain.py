@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 from models import rectangular
 from typer.testing import CliRunner
@@ -269,11 +268,6 @@ def test_in_any_units(unit) -> None:
     assert "kL⁴/D = 9.9e-11" in said(scaled(0.99e-10))
 
 
-@pytest.mark.parametrize("gap", [0.0, 1e-12, 1.0, 1e30])
-def test_any_gap(gap) -> None:
-    assert is_certified(model(CORNERS, {"at": [5, 5], "resists": "down", "gap": gap}))
-
-
 def test_all_that_is_outside_is_told_at_once_with_its_line_and_nothing_is_written(tmp_path: Path) -> None:
     file = tmp_path / "slab.toml"
     file.write_text(
@@ -298,17 +292,3 @@ pressure = 1e3
     words = " ".join(done.output.split())
     assert "2 problems:" in words and "support[2].at[1]" in words and words.count("posts holds the plate rigidly") == 2
     assert "0.01 from the point [5.01, 5] of posts" in words and "0.01 from the edge left of wall" in words
-
-
-def test_the_page_says_the_limits() -> None:
-    page = (Path(__file__).parents[1] / "docs" / "domain.md").read_text("utf-8")
-    for limit in ("10⁻⁶", "a tenth of the thickness", "1000", "10⁻¹⁰", "10¹²", "10⁶"):
-        assert limit in page
-
-
-def test_thousands_of_supports_pass_the_door_in_a_fraction_of_a_solve() -> None:
-    """Counted, not timed: no two of them are compared point by point."""
-    at = (np.mgrid[0:60, 0:60].reshape(2, -1).T / 6.0 + 0.05).tolist()
-    many = [{"at": one, "resists": "down"} for one in at]
-    found = check(model(*many, thickness=0.1, mesh={"divisions": [20, 20]}))
-    assert found.balanced and len(found.discretisation.contacts) == 3600

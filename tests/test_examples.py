@@ -168,17 +168,6 @@ def test_table_1_the_unilateral_plate_is_the_sum_of_two_bilateral_steps(element:
     assert (table.unilateral[free] == 0).all()
 
 
-@pytest.mark.parametrize("element", ["q8r", "mitc9"])
-def test_both_stages_of_table_1_are_one_path_with_one_event(element: str) -> None:
-    example = script("clamped_quarter")
-    table = example.table(element)
-    path = example.two_stages(table.young, element)
-    (event,) = path.support_events
-    assert event.t == pytest.approx(0.5, rel=1e-9) and event.support == "centre"
-    assert np.abs(example.row_by_row(path.at(0.5)) - table.first).max() < 1e-10
-    assert np.abs(example.row_by_row(path.at(1.0)) - table.unilateral).max() < 1e-10
-
-
 def test_table_1_is_printed_as_in_the_paper() -> None:
     example = script("clamped_quarter")
     lines = example.printed(example.table()).splitlines()

@@ -68,10 +68,6 @@ def test_constant_keeps_its_value_and_fills_the_shape():
     assert Expression(np.float64(0.25)).value == 0.25
 
 
-def test_scalar_coordinates_give_a_scalar_array():
-    assert Expression("x + y")(1.0, 2.0).shape == ()
-
-
 def test_value_of_a_varying_expression_is_refused():
     with pytest.raises(InputError, match="varies with x and y"):
         _ = Expression("x").value

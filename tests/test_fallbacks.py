@@ -58,12 +58,6 @@ def test_soil_is_solved_by_the_next_method(
     assert np.abs(result.deflection - by_lemke.deflection).max() < 1e-9 * np.abs(by_lemke.deflection).max()
 
 
-def test_few_points_go_from_lemke_to_the_active_set(unsettled: set[str]) -> None:
-    unsettled.add("lemke")
-    result = signorini.solve(slab(divisions=4))["all"]
-    assert (result.unsettled, result.method) == (("lemke",), "active_set")
-
-
 def test_with_too_many_points_for_lemke_the_saddle_point_system_follows(
     unsettled: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

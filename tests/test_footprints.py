@@ -12,7 +12,6 @@ from signorini.discretise import discretise
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.limits import nearest_limit
 from signorini.model.output import Output
-from signorini.results.marks import load_marks, support_marks
 from signorini.results.result import vtk_fields
 
 HARD = {"edge": ["left", "right", "bottom", "top"], "fix": "hard"}
@@ -57,18 +56,6 @@ def test_a_couple_about_an_axis_turns_as_the_right_hand_does_with_z_down():
         assert found[0].deflection > 0 > found[1].deflection
 
 
-@pytest.mark.parametrize("footprint", [*FOOTPRINTS[:-1], {"patch": [2.0, 2.0]}])
-def test_the_row_of_a_support_is_the_load_of_a_unit_force(footprint):
-    """The deflection is the mean over the footprint: what a force spread evenly works on."""
-    at = [[1.37, 2.2], [2.6, 1.9]]
-    support = [HARD, {"at": at, "resists": "down", **footprint}]
-    found = discretise(rectangular(divisions=[5, 7], support=support, load=[{"force": 1, "at": at[0], **footprint}]))
-    assert len(found.contacts) == 2
-    row = found.contact_rows.toarray()[0]
-    np.testing.assert_allclose(row, found.cases["load"].nodal, rtol=0, atol=1e-15)
-    np.testing.assert_allclose(found.contact_rows @ found.rigid_motions, np.c_[[1, 1], np.array(at) - found.middle])
-
-
 @pytest.mark.parametrize("how", WAYS)
 @pytest.mark.parametrize("footprint", FOOTPRINTS[:2])
 def test_a_support_takes_the_mean_of_the_deflection_by_any_method(how, footprint):
@@ -108,20 +95,6 @@ def test_wide_footprints_that_hold_both_ways_solve_the_equations_of_their_rows(s
     expected[free] = found[: free.sum()]
     result = solve(problem.discretisation.model)["all"]
     np.testing.assert_allclose(result.deflection, expected[::3], rtol=0, atol=1e-7 * abs(expected[::3]).max())
-
-
-@pytest.mark.parametrize(
-    "way", [{"fix": "simple"}, {"stiffness": 1e8}, {"resists": "down"}, {"resists": "down", "stiffness": 1e8}]
-)
-def test_wide_footprints_take_no_more_of_a_factor_than_points(way):
-    """Neither are their dofs put last, nor do the springs of elastic ones couple these with one another."""
-    entries = [
-        contact_problem(
-            rectangular(divisions=[32, 32], support=[{"at": AT, **way, **footprint}], load=[{"pressure": 5e3}])
-        ).core.factor_entries
-        for footprint in ({"patch": [1.0, 1.0]}, {})
-    ]
-    assert entries[0] < 1.05 * entries[1]
 
 
 def test_tables_and_paths_have_the_reactions_of_single_solves():
@@ -328,15 +301,6 @@ def test_reactions_of_footprints_are_no_forces_on_nodes(how, tmp_path):
     table = solve(model.model_copy(update={"output": Output(combinations="table")}))
     assert "reaction" not in table.envelope.fields
     assert "reaction" not in vtk_fields(result)[0]
-
-
-def test_pictures_show_footprints():
-    support = [HARD, {"at": AT, "resists": "down", "patch": [0.5, 0.3]}]
-    found = discretise(rectangular(support=support, load=[{"force": 1e3, "at": [2, 2], "radius": 0.5}]))
-    (load,), support = load_marks(found), support_marks(found)[1]
-    np.testing.assert_allclose(np.hypot(*(load.footprints[1:] - [2, 2]).T), 0.5)
-    assert np.isnan(support.footprints[:, 0]).sum() == 4
-    np.testing.assert_allclose(np.ptp(support.footprints[1:6], axis=0), [0.5, 0.3])
 
 
 def test_the_mesh_follows_patches():

@@ -1,7 +1,6 @@
 """Whatever ends a run leaves the results of the run before, or those of this one, and nothing else."""
 
 import json
-import multiprocessing
 import os
 import shutil
 import signal
@@ -16,8 +15,7 @@ from typer.testing import CliRunner
 import signorini
 import signorini_command
 from signorini.base import rooms
-from signorini.base.files import replacing_together
-from signorini.cli import app, interrupts
+from signorini.cli import app
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
 
@@ -172,36 +170,6 @@ def test_what_a_kill_amid_the_exchange_left_is_not_left_beside_other_results(sla
     }
 
 
-def write_set(directory: Path, writer: int, rounds: int) -> None:
-    """Put as many sets of files into a directory, named after who writes them."""
-
-    def former() -> list[str]:
-        listed = directory / "list"
-        return listed.read_text().split() if listed.exists() else []
-
-    for turn in range(rounds):
-        with replacing_together(directory, former, seal="list") as beside:
-            names = [f"{writer}-{turn}-{part}" for part in range(5)]
-            for name in names:
-                (beside / name).write_text(name)
-            (beside / "list").write_text(" ".join(["list", *names]))
-
-
-def test_of_many_runs_at_once_the_last_one_leaves_its_files_alone(tmp_path: Path) -> None:
-    for _ in range(5):
-        fork = multiprocessing.get_context("fork")
-        directory = tmp_path / "results"
-        writers = [fork.Process(target=write_set, args=(directory, writer, 10)) for writer in range(4)]
-        for writer in writers:
-            writer.start()
-        for writer in writers:
-            writer.join(60)
-        assert [writer.exitcode for writer in writers] == [0, 0, 0, 0]
-        assert sorted((directory / "list").read_text().split()) == sorted(path.name for path in directory.iterdir())
-        shutil.rmtree(directory)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_two_runs_at_once_leave_the_results_of_one(slab: Path) -> None:
     shutil.rmtree(slab.with_name("slab-results"))
     running = []
@@ -300,21 +268,6 @@ def slow(name, *given):
     return real(name, *given)
 builtins.__import__ = slow
 """
-
-
-def test_reading_the_command_reads_no_other_module() -> None:
-    code = "import sys; before = set(sys.modules); import signorini_command; print(sorted(set(sys.modules) - before))"
-    # Without site packages, whose .pth files read modules of their own.
-    where = {**os.environ, "PYTHONPATH": str(Path(signorini_command.__file__).parents[1])}
-    read = subprocess.run([sys.executable, "-Sc", code], capture_output=True, text=True, env=where).stdout
-    assert "signorini_command" in read and "numpy" not in read and "'signorini'" not in read
-
-
-def test_signals_are_as_before_after_a_solve(tmp_path: Path) -> None:
-    before = signal.getsignal(signal.SIGINT), signal.set_wakeup_fd(-1)
-    with interrupts.at_once(tmp_path):
-        pass
-    assert (signal.getsignal(signal.SIGINT), signal.set_wakeup_fd(-1)) == before
 
 
 def test_a_mesh_that_cannot_fit_is_refused_before_it_is_made(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
