@@ -10,7 +10,6 @@ from signorini import InputError, Model, load, solve
 from signorini.discretise import discretise
 from signorini.formats.inputfile import with_line
 from signorini.mesh import Mesh
-from signorini.model import Area
 
 HEAD = """[material]
 E = 30e9
@@ -157,16 +156,6 @@ def test_what_is_wrong_with_a_mesh_file_has_the_line_that_names_it(tmp_path):
     text = HEAD[: HEAD.index("[mesh]")].replace('"rectangle"\nsize = [10, 10]', '"mesh"\nfile = "plate.msh"')
     found = told(tmp_path, text + SUPPORT.replace("9", "5") + LOAD)
     assert found == f"slab.toml:6: plate.file: {tmp_path / 'plate.msh'}: There is no such mesh file."
-
-
-def test_a_polygon_that_is_none_has_its_own_place():
-    with pytest.raises(InputError, match=r"^support\[1\].area.polygon: The polygon crosses or touches itself"):
-        Model(**MODEL | {"support": [{"area": {"polygon": [[0, 0], [4, 0], [4, 2], [2, 0], [0, 2]]}}]})
-
-
-def test_a_polygon_is_made_once():
-    area = Area(polygon=[[0, 0], [1, 0], [0, 1]])
-    assert area.region is area.region
 
 
 def test_no_load_is_a_combination():

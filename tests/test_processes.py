@@ -112,17 +112,3 @@ def test_a_callback_runs_on_the_thread_that_asked_and_may_solve_itself(threads: 
     code = IN_CALLBACKS.format(folder=os.path.dirname(__file__))
     environment = {**os.environ, "RAYON_NUM_THREADS": threads}
     subprocess.run([sys.executable, "-c", code], env=environment, timeout=SECONDS, check=True)
-
-
-class Stopped(Exception):
-    pass
-
-
-def test_what_a_callback_raises_ends_the_solve() -> None:
-    def stop(progress: signorini.Progress) -> None:
-        if progress.step:
-            raise Stopped
-
-    with pytest.raises(Stopped):
-        signorini.solve(on_soil(5.0), progress=stop)
-    assert signorini.solve(model())["all"].certificate.passed
