@@ -123,9 +123,7 @@ def faults(package: Path) -> list[str]:
             if LAYER_OF[target] > LAYER_OF[module]:
                 found.append(f"{module} imports {target}, which stands above it: the arrow runs back.")
             elif module in ALONE and target not in ALONE[module]:
-                found.append(
-                    f"{module} imports {target}, but it takes arrays and may know no module except {ALONE[module]}."
-                )
+                found.append(f"{module} imports {target}, but it takes arrays and may know only {ALONE[module]}.")
     for circle in filter(None, (circle_of(graph), circle_of(arrows_between_files(package)))):
         found.append(f"These modules import each other in a circle: {' <- '.join(circle)}.")
         break
@@ -219,10 +217,8 @@ def rust_arrows(source: Path) -> dict[str, set[str]]:
 def rust_faults(source: Path) -> list[str]:
     """Say every circle of a crate's files, and every arrow that runs back."""
     graph, found = rust_arrows(source), []
-    try:
-        TopologicalSorter(graph).prepare()
-    except CycleError as error:
-        found.append(f"These files use each other in a circle: {' <- '.join(error.args[1])}.")
+    if circle := circle_of(graph):
+        found.append(f"These files use each other in a circle: {' <- '.join(circle)}.")
 
     def layer(place: str) -> int:
         of = [

@@ -3,8 +3,8 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
+import models
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
@@ -33,10 +33,9 @@ SUPPORTS = {
 
 
 def tables(support, rows, **changes):
-    return {
+    given = {
         "material": {"E": 30e6, "nu": 0.2},
-        "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-        "mesh": {"divisions": [6, 6]},
+        "divisions": [6, 6],
         "support": SUPPORTS[support],
         "load": [
             {"case": "G", "pressure": 5},
@@ -48,7 +47,8 @@ def tables(support, rows, **changes):
         "probe": [{"at": [[1, 1], [3.3, 2.2]]}],
         "solver": {"method": "active_set"},
         "output": {"combinations": "table", "fields": "none"},
-    } | changes
+    }
+    return models.tables(**given | changes)
 
 
 def random_rows(count):
@@ -100,27 +100,9 @@ def test_a_batch_of_which_none_has_equilibrium_stands_before_one_that_has() -> N
     assert combined is not None and (combined.solved, len(combined.combinations)) == (1, 71)
 
 
-SCRIPT = """
-import sys, signorini
-sys.path.insert(0, sys.argv[1])
-from test_combinations_on_areas import random_rows, tables
-rows = random_rows(40)
-order = list(rows) if sys.argv[3] == "forward" else list(rows)[::-1]
-data = tables("soil and rigid points", {n: rows[n] for n in order})
-signorini.solve(signorini.Model(**data), table=sys.argv[2])
-"""
-
-
-def test_neither_order_nor_number_of_threads_changes_a_bit(tmp_path):
-    found = []
-    for threads, order in (("1", "forward"), ("3", "backward")):
-        path = tmp_path / f"{threads}.parquet"
-        command = [sys.executable, "-c", SCRIPT, str(Path(__file__).parent), str(path), order]
-        subprocess.run(command, check=True, env={**os.environ, "RAYON_NUM_THREADS": threads})
-        table = pq.read_table(path).to_pydict()
-        rows = zip(*table.values(), strict=True)
-        found.append(dict(zip(table["combination"], rows, strict=True)))
-    assert len(found[0]) == 40 and found[0] == found[1]
+def in_order(forward):
+    rows = random_rows(40)
+    return tables("soil and rigid points", {name: rows[name] for name in (rows if forward else reversed(rows))})
 
 
 BITS = """

@@ -327,17 +327,15 @@ probe = [{ at = [2, 3] }]
 """
 
 
-def followed(monkeypatch, at_once: int, until: float = 0.5):
-    monkeypatch.setattr(path_judge, "_AT_ONCE", at_once)
-    return exact(signorini.validate(tomllib.loads(LIFTING)), "G", "Q", until)
+def lifting():
+    return exact(signorini.validate(tomllib.loads(LIFTING)), "G", "Q", 0.5)
 
 
-def test_areas_in_contact_of_many_stops_are_those_of_each_result(monkeypatch) -> None:
-    found = followed(monkeypatch, 64)
-    name = found.model.support[0].name
+def test_areas_in_contact_of_many_stops_are_those_of_each_result() -> None:
+    found = lifting()
     for stop in found.stops[10:60:10]:
         area = found.at(stop.t).supports[0].contact_area
-        assert stop.number(f"{name}.contact_area") == pytest.approx(area, rel=1e-9) and 1 < area < np.pi * 4.3**2 - 1
+        assert stop.number("bed.contact_area") == pytest.approx(area, rel=1e-9) and 1 < area < np.pi * 4.3**2 - 1
 
 
 @pytest.mark.parametrize("wrong", [5, 64])
@@ -352,10 +350,10 @@ def test_a_stop_that_is_not_certified_ends_the_path_wherever_it_stands_among_oth
         seen[0] += len(found)
         return found
 
-    whole = followed(monkeypatch, 64)
+    whole = lifting()
     monkeypatch.setattr(path_judge, "certify_each", failing)
     monkeypatch.setattr("signorini.analysis.exact_path.methods_along", lambda problem: [problem])
-    cut = followed(monkeypatch, 64)
+    cut = lifting()
     assert cut.ending == "stopped" and cut.certificate.passed
     assert [stop.t for stop in cut.stops] == [stop.t for stop in whole.stops[:wrong]]
 

@@ -189,31 +189,15 @@ def test_a_sector_has_its_part_of_a_disc_about_its_middle():
 
 
 @pytest.mark.parametrize("item", ["support", "load"])
-@pytest.mark.parametrize(
-    ("at", "others"),
-    [
-        ([[2, 2], [0.2, 2]], []),
-        ([[2, 2], [0, 2]], []),
-        ([[2, 2], [0.2, 2]], [{"edge": "left", "fix": "symmetry"}]),
-        ([[2, 2], [0, 4]], [{"edge": "left", "fix": "symmetry"}]),
-    ],
-)
-def test_a_footprint_beyond_the_plate_is_refused_with_its_place(item, at, others):
-    spread = {"at": at, "patch": [0.5, 0.5]}
+@pytest.mark.parametrize(("at", "mirror"), [([0.2, 2], False), ([0, 2], False), ([0.2, 2], True), ([0, 4], True)])
+def test_a_footprint_beyond_the_plate_is_refused_with_its_place(item, at, mirror):
+    others = [{"edge": "left", "fix": "symmetry"}] if mirror else []
+    spread = {"at": [[2, 2], at], "patch": [0.5, 0.5]}
     support = [*others, spread] if item == "support" else [HARD, *others]
     load = [{"force": 1e3, **spread}] if item == "load" else [{"pressure": 1e3}]
     place = rf"{item}\[{len(others) + 1 if item == 'support' else 1}\]\.at\[2\]"
-    with pytest.raises(
-        InputError, match=place + r".*The footprint of the point \[0, 2|" + place + r".*\[0\.2, 2|" + place
-    ):
+    with pytest.raises(InputError, match=place):
         discretise(rectangular(support=support, load=load))
-
-
-def test_points_off_the_plate_and_footprints_beyond_it_are_told_together():
-    pads = {"at": [[9, 2], [2, 2], [0.1, 2]], "patch": [0.5, 0.5], "resists": "down"}
-    with pytest.raises(InputError) as told:
-        discretise(rectangular(support=[HARD, pads], load=[{"pressure": 1e3}]))
-    assert [part.place for part in told.value.parts] == ["support[2].at[1]", "support[2].at[3]"]
 
 
 @pytest.mark.parametrize("given", [{"radius": 1e-13}, {"patch": [0.5, 1e-13]}])
@@ -223,34 +207,30 @@ def test_footprints_too_small_to_be_told_from_points_are_refused(given):
             discretise(rectangular(**{"support": [HARD], "load": [{"pressure": 1}]} | table))
 
 
+BOTH = [
+    ({"patch": [0, 1]}, "greater than 0"),
+    ({"patch": 1}, "length along x"),
+    ({"radius": -1}, "greater than 0"),
+    ({"radius": 1, "patch": [1, 1]}, "found both patch and radius"),
+    ({"angle": 30}, "angle turns a patch, and there is none"),
+]
+
+
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("wrong", "message"),
     [
-        ({"patch": [0, 1]}, "greater than 0"),
-        ({"patch": [1, -1]}, "greater than 0"),
-        ({"patch": 1}, "length along x"),
-        ({"radius": 0}, "greater than 0"),
-        ({"radius": -1}, "greater than 0"),
-        ({"radius": 1, "patch": [1, 1]}, "found both patch and radius"),
-        ({"angle": 30}, "angle turns a patch, and there is none"),
-    ],
-)
-def test_sizes_that_are_none_are_refused(given, message):
-    for table in ({"load": [{"force": 1, "at": [2, 2], **given}]}, {"support": [HARD, {"at": [2, 2], **given}]}):
-        with pytest.raises(InputError, match=message):
-            rectangular(**{"support": [HARD], "load": [{"pressure": 1}]} | table)
-
-
-def test_footprints_are_those_of_points():
-    for wrong, message in (
+        *(({"load": [{"force": 1, "at": [2, 2], **given}]}, message) for given, message in BOTH),
+        *(({"support": [HARD, {"at": [2, 2], **given}]}, message) for given, message in BOTH),
         ({"load": [{"pressure": 1, "patch": [1, 1]}]}, "patch does not go with pressure"),
         ({"load": [{"line_load": 1, "edge": "left", "radius": 1}]}, "radius does not go with line_load"),
         ({"support": [{"edge": "left", "fix": "simple", "radius": 1}]}, "it goes with at or nodes"),
         ({"support": [{"at": [2, 2], "fix": "clamped", "radius": 1}]}, "holds slopes"),
         ({"load": [{"couple_about": {}, "at": [1, 1]}]}, "found neither x nor y"),
-    ):
-        with pytest.raises(InputError, match=message):
-            rectangular(**{"support": [HARD], "load": [{"pressure": 1}]} | wrong)
+    ],
+)
+def test_footprints_have_a_size_and_are_those_of_points(wrong, message):
+    with pytest.raises(InputError, match=message):
+        rectangular(**{"support": [HARD], "load": [{"pressure": 1}]} | wrong)
 
 
 def test_a_footprint_bears_at_its_middle():

@@ -124,9 +124,8 @@ pathlib.Path.rename = rename
 """
 
 
-@pytest.mark.parametrize("kill_at", [1, 2, 5, 8])
-def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) -> None:
-    """results.json goes first and comes last of the eight, so what is found without it is not taken for results."""
+def kill_amid_the_exchange(slab: Path, kill_at: int) -> None:
+    """Kill a run that writes other results before it moves so many files."""
     slab.write_text(SLAB.format(title="second", along=4))
     running = started(slab, STEPPING)
     assert running.stdout is not None and running.stdin is not None
@@ -137,6 +136,12 @@ def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) ->
             running.stdin.flush()
     running.kill()
     running.communicate()
+
+
+@pytest.mark.parametrize("kill_at", [1, 2, 5, 8])
+def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) -> None:
+    """results.json goes first and comes last of the eight, so what is found without it is not taken for results."""
+    kill_amid_the_exchange(slab, kill_at)
     results = slab.with_name("slab-results") / "results.json"
     assert results.exists() == (kill_at == 1)
     if kill_at == 1:
@@ -149,15 +154,7 @@ def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) ->
 
 def test_what_a_kill_amid_the_exchange_left_is_not_left_beside_other_results(slab: Path) -> None:
     """Files that no results.json names any more go with the next success, whatever its combinations are called."""
-    slab.write_text(SLAB.format(title="second", along=4))
-    running = started(slab, STEPPING)
-    assert running.stdout is not None and running.stdin is not None
-    for step in range(1, 4):
-        assert running.stdout.readline() == f"{step}\n"
-        running.stdin.write("go\n" if step < 3 else "")
-        running.stdin.flush()
-    running.kill()
-    running.communicate()
+    kill_amid_the_exchange(slab, 3)
     results = slab.with_name("slab-results")
     assert (results / "all.vtu").exists() and not (results / "results.json").exists()
     (results / "all.png").write_text("put there since by someone else")
