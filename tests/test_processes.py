@@ -4,7 +4,6 @@ import multiprocessing
 import os
 import subprocess
 import sys
-import threading
 
 import numpy as np
 import pytest
@@ -57,26 +56,6 @@ def test_a_forked_process_solves_what_its_parent_solves(answer) -> None:
     here = [answer(load) for load in loads]
     with multiprocessing.get_context("fork").Pool(2) as pool:
         assert pool.map_async(answer, loads).get(timeout=SECONDS) == here
-
-
-@pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")
-def test_so_does_a_fork_of_a_fork() -> None:
-    here = solved(5.0)
-    child = os.fork()
-    if child == 0:
-        code = 1
-        try:
-            grandchild = os.fork() if solved(5.0) == here else -1
-            if grandchild == 0:
-                os._exit(0 if solved(5.0) == here else 1)
-            code = os.waitstatus_to_exitcode(os.waitpid(grandchild, 0)[1])
-        finally:
-            os._exit(code)
-    waiting = threading.Timer(SECONDS, os.kill, (child, 9))
-    waiting.start()
-    ended = os.waitpid(child, 0)[1]
-    waiting.cancel()
-    assert os.waitstatus_to_exitcode(ended) == 0
 
 
 IN_CALLBACKS = """

@@ -134,26 +134,6 @@ def test_a_mesh_is_refined_until_it_is_as_near_as_asked(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "place",
-    [
-        {"at": [[2, 2], [8, 2], [5, 8]]},
-        {"at": [[2, 2], [8, 2], [5, 8]], "patch": [0.8, 0.8]},
-        {"edge": ["left", "right"]},
-        {"line": [[1, 1], [9, 1], [5, 9]]},
-        {"circle": {"center": [5, 5], "radius": 3}},
-        {"area": {"rectangle": [1, 1, 9, 9]}},
-    ],
-    ids=lambda place: next(iter(place)) + " patch" * ("patch" in place),
-)
-def test_supports_of_every_kind_may_be_there(place: dict[str, object]) -> None:
-    """The part of points in contact, a count, had no size to be judged by."""
-    for stiffness in ({}, {"stiffness": 1e7}):
-        props = {**place, **stiffness, "resists": "down"}
-        results = solve(asked(0.9, support=[props], load=[{"pressure": 2e3}]))
-        assert 0 < results.refinement[-1].worst <= 0.9 and not results.accuracy_warning
-
-
-@pytest.mark.parametrize(
     "given",
     [
         {"support": [{"edge": ["left", "right"], "fix": "simple"}], "load": [{"curvature": [1e-4, 0, 0]}]},
@@ -194,19 +174,6 @@ def test_a_polygon_is_refined_where_the_numbers_are() -> None:
         assert abs(mine - true) <= 0.03 * np.abs(finest.moment).max()
 
 
-def test_shears_on_a_line_that_loads_the_plate_are_not_chased() -> None:
-    model = Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate=L_SHAPE,
-        mesh={"size": 0.5, "accuracy": 0.3},
-        support=[{"area": "all", "resists": "down", "stiffness": 50e6}],
-        load=[{"pressure": 5e3}, {"line_load": 1e5, "circle": {"center": [1.5, 1.5], "radius": 1}}],
-        probe=[{"at": [[2.5, 1.5]]}],
-    )
-    (only,) = solve(model).refinement
-    assert not only.what.endswith("qx")
-
-
 def test_a_disc_is_refined_where_the_numbers_are() -> None:
     model = Model(
         material={"E": 30e9, "nu": 0.2},
@@ -244,13 +211,6 @@ def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.Mon
     assert "of all: the probe at [1, 1]" in results.accuracy_warning
     assert "GB of memory" in results.accuracy_warning
     assert results.accuracy_warning in results_json(results)["combinations"][0]["warnings"]
-
-
-def test_what_does_not_come_nearer_is_given_up() -> None:
-    steps = [refinement.Refined(100 * n, 1000 * n, 0.5, "all: mx", 10_000) for n in range(1, 5)]
-    finer, why = refinement.refined(asked(0.01), {}, steps)
-    assert finer is None
-    assert "finer meshes do not bring it much nearer" in why
 
 
 def test_an_accuracy_needs_half_widths() -> None:
