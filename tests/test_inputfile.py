@@ -129,12 +129,17 @@ def written(tmp_path):
     return write
 
 
-def message(path, lines=None):
-    """What is said of a file, of so many lines."""
+def message(path):
     with pytest.raises(InputError) as caught:
         load(path)
-    assert lines in (None, len(str(caught.value).splitlines()))
     return str(caught.value)
+
+
+def one_line(path):
+    """What is said of a file in one line, behind its name."""
+    said = message(path)
+    assert said.startswith("slab.toml:") and len(said.splitlines()) == 1
+    return said
 
 
 def test_the_example_of_the_contract_is_read_key_by_key(written):
@@ -175,61 +180,34 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
 
 WRONG = {
     "": [
-        ("[suport]", "slab.toml:10: suport: unknown key 'suport'. Did you mean [[support]]?"),
-        (
-            "[support]\nat = [1, 2]",
-            "slab.toml:10: support: found one table; this is a list of tables, each under [[sup",
-        ),
-        (
-            "[solver]\nthickness = 3",
-            "slab.toml:11: solver.thickness: unknown key 'thickness'. It belongs in [plate] or [[zone]].",
-        ),
-        ("[solver]\ntitle = 'x'", "unknown key 'title'. It belongs above the first table."),
+        ("[suport]", ":10: suport: unknown key 'suport'. Did you mean [[support]]?"),
         ("mesh = 3", "load[1].mesh: unknown key 'mesh'. It is a table of its own: [mesh], or above the f"),
-        ("[units]\nlength = 3", "slab.toml:11: units.length: found 3; it must be text in quotes."),
-        (
-            "[[support]]",
-            "slab.toml:10: support[1]: found none; exactly one of at, nodes, edge, line, circle, area says",
-        ),
-        ("[[support]]\nat = [[1, 1], [2, 2], [1, 1.0]]", "support[1].at[3]: point 3 repeats point 1."),
-        ("[[support]]\nline = [[0, 0]]", "support[1].line: found [[0, 0]]; it must be a list of at least 2 points"),
-        ("[[support]]\nline = [[0, 0], [0, 0]]", "support[1].line: point 1 and the one after it are the same."),
-        (
-            "[[support]]\narea.polygon = [[0,0],[1,1],[1,0],[0,1]]",
-            "support[1].area.polygon: The polygon crosses or touches itself",
-        ),
+        ("[[support]]", ":10: support[1]: found none; exactly one of at, nodes, edge, line, circle, area says"),
         (f"[[support]]\nat = [1, 1]\nname = '{'a' * 201}'", "found text of 201 characters; at most 200 are allowed."),
-        (
-            "[[support]]\nat = [1, 1]\nname = 'a'\n" * 2,
-            'slab.toml:15: support[2].name ("a"): the name "a" is taken by s',
-        ),
-        ("[[load]]", "slab.toml:10: load[2]: found none; a load is exactly one of pressure, force, line_load, moment"),
-        (
-            "[[combination]]\nfactors = { load = 1, Q = 2 }",
-            "slab.toml:11: combination[1].factors.Q: Unknown case 'Q'. This",
-        ),
-        ("[[combination]]\nname = 'a'", "combination[1].factors (\"a\"): 'factors' is missing."),
-        (
-            "[[combination]]\nname = 'a'\nfactors.load = 1\n" * 2,
-            'slab.toml:14: combination[2].name ("a"): the name "a" is',
-        ),
+        ("[[support]]\nat = [1, 1]\nname = 'a'\n" * 2, ':15: support[2].name ("a"): the name "a" is taken by s'),
+        ("[[load]]", ":10: load[2]: found none; a load is exactly one of pressure, force, line_load, moment"),
+        ("[[combination]]\nname = 'a'\nfactors.load = 1\n" * 2, ':14: combination[2].name ("a"): the name "a" is'),
         ("[[probe]]", "probe[1].at: 'at' is missing."),
-        ("[mesh]\nsize = -1", "mesh.size: found -1; it must be greater than 0."),
-        ("[mesh]\nsize = 1\ndivisions = [1, 1]", "mesh.size: found both divisions and size; give one of them."),
-        ("[mesh]\ndivisions = [1, 1.5]", "mesh.divisions[2]: found 1.5; it must be a whole number."),
-        ("[mesh]\ndivisions = [0, 1]", "mesh.divisions[1]: found 0; it must not be less than 1."),
-        ("[mesh]\nsize = 1e-9", "mesh.size: found 1e+09 by 1e+09 elements; at most 1e+07 are allowed."),
-        (
-            "[solver]\nmethod = 'lemk'",
-            'solver.method: found "lemk"; it must be one of auto, lemke, active_set, interior_poin',
-        ),
+        ("[support]\nat = [1, 2]", ":10: support: found one table; this is a list of tables, each under [[sup"),
+        ("[units]\nlength = 3", ":11: units.length: found 3; it must be text in quotes."),
+        ("[[combination]]\nfactors = { load = 1, Q = 2 }", ":11: combination[1].factors.Q: Unknown case 'Q'. This"),
+        ("[[combination]]\nname = 'a'", "combination[1].factors (\"a\"): 'factors' is missing."),
+    ],
+    "[solver]\n": [
+        ("thickness = 3", ":11: solver.thickness: unknown key 'thickness'. It belongs in [plate] or [[zone]]."),
+        ("title = 'x'", "unknown key 'title'. It belongs above the first table."),
+        ("method = 'lemk'", 'solver.method: found "lemk"; it must be one of auto, lemke, active_set, interior_poin'),
     ],
     "[[support]]\n": [
-        ("at = [0, 0]\nname = 'soil'\nstifness = 3", 'slab.toml:13: support[1].stifness ("soil"): unknown'),
+        ("at = [[1, 1], [2, 2], [1, 1.0]]", "support[1].at[3]: point 3 repeats point 1."),
+        ("line = [[0, 0]]", "support[1].line: found [[0, 0]]; it must be a list of at least 2 points"),
+        ("line = [[0, 0], [0, 0]]", "support[1].line: point 1 and the one after it are the same."),
+        ("area.polygon = [[0,0],[1,1],[1,0],[0,1]]", "support[1].area.polygon: The polygon crosses or touches itself"),
+        ("at = [0, 0]\nname = 'soil'\nstifness = 3", ':13: support[1].stifness ("soil"): unknown'),
         ("at = [1, 1]\nedge = 'left'", "support[1]: found at and edge; exactly one of"),
-        ("at = 3", "slab.toml:11: support[1].at: found 3; it must be a point [x, y] or a list of points."),
-        ("at = [\n[1, 2],\n[3]]", "slab.toml:13: support[1].at[2]: found [3]; it must be a point [x, y]."),
-        ("at = [\n[1, 2],\n[3,\nnan]]", "slab.toml:14: support[1].at[2][2]: found nan; it must be finite"),
+        ("at = 3", ":11: support[1].at: found 3; it must be a point [x, y] or a list of points."),
+        ("at = [\n[1, 2],\n[3]]", ":13: support[1].at[2]: found [3]; it must be a point [x, y]."),
+        ("at = [\n[1, 2],\n[3,\nnan]]", ":14: support[1].at[2][2]: found nan; it must be finite"),
         ("edge = 'lft'", "support[1].edge: Unknown edge 'lft'. This rectangle has: bottom, left, right, t"),
         ("edge = ['left', 'left']", 'support[1].edge: "left" is listed twice.'),
         ("edge = 3", "it must be the name of an edge or a list of names."),
@@ -252,6 +230,13 @@ WRONG = {
         ("at = [1, 1]\nstiffness = [1]", "found [1]; it must be a number or an expression in x and y."),
         ("at = [1, 1]\nsettlement = inf", "support[1].settlement: found inf; it must be finite"),
         ("at = [1, 1]\nname = 'a\tb'", "line breaks and control characters are not allowed."),
+    ],
+    "[mesh]\n": [
+        ("size = -1", "mesh.size: found -1; it must be greater than 0."),
+        ("size = 1\ndivisions = [1, 1]", "mesh.size: found both divisions and size; give one of them."),
+        ("divisions = [1, 1.5]", "mesh.divisions[2]: found 1.5; it must be a whole number."),
+        ("divisions = [0, 1]", "mesh.divisions[1]: found 0; it must not be less than 1."),
+        ("size = 1e-9", "mesh.size: found 1e+09 by 1e+09 elements; at most 1e+07 are allowed."),
     ],
     "[[load]]\n": [
         ("force = 1\npressure = 1", "load[2]: found pressure and force; a load is exactly one of"),
@@ -278,24 +263,18 @@ WRONG = {
     ("text", "says"), [(table + keys, says) for table, rows in WRONG.items() for keys, says in rows]
 )
 def test_bad_input_gives_one_message_with_its_place(written, text, says):
-    assert says in message(written(BASE + text), lines=1)
+    assert says in one_line(written(BASE + text))
 
 
 PLATES = {
     "": [
         (
             "shape = 'ellipse'",
-            'slab.toml:5: plate.shape: found "ellipse"; this version has rectangle, disc, annulus, polygon, mesh.',
+            ':5: plate.shape: found "ellipse"; this version has rectangle, disc, annulus, polygon, mesh.',
         ),
         ("shape = 'disk'", "Did you mean 'disc'?"),
-        (
-            "size = [1, 1]",
-            "slab.toml:4: plate.shape: 'shape' is missing. One of rectangle, disc, annulus, polygon, mesh.",
-        ),
-        (
-            "shape = 'rectangle'\nsize = [1, 1]",
-            "slab.toml:4: plate.thickness: 'thickness' is missing. Thickness: a number",
-        ),
+        ("size = [1, 1]", ":4: plate.shape: 'shape' is missing. One of rectangle, disc, annulus, polygon, mesh."),
+        ("shape = 'rectangle'\nsize = [1, 1]", ":4: plate.thickness: 'thickness' is missing. Thickness: a number"),
         ("shape = 'rectangle'\nsize = [1, 0]\nthickness = 1", "plate.size[2]: found 0; it must be greater than 0."),
         (
             "shape = 'rectangle'\nsize = 3\nthickness = 1",
@@ -331,13 +310,13 @@ PLATES = {
     ("plate", "says"), [(head + keys, says) for head, rows in PLATES.items() for keys, says in rows]
 )
 def test_bad_plate_gives_one_message_with_its_place(written, plate, says):
-    assert says in message(written(f"{MATERIAL}[plate]\n{plate}\n{LOAD}"), lines=1)
+    assert says in one_line(written(f"{MATERIAL}[plate]\n{plate}\n{LOAD}"))
 
 
 @pytest.mark.parametrize(
     ("material", "says"),
     [
-        ("E = 0\nnu = 0.3", "slab.toml:2: material.E: found 0; it must be greater than 0."),
+        ("E = 0\nnu = 0.3", ":2: material.E: found 0; it must be greater than 0."),
         ("E = 1", "material.nu: 'nu' is missing. Poisson's ratio"),
         ("Ex = 1\nE = 1", "material.E: found E beside Ex; a material is isotropic (E, nu) or orthotropic (Ex, Ey,"),
         ("Ex = 1\nEy = 2\nnu_xy = 0", "material.Gxy: 'Gxy' is missing; it goes with Ex."),
@@ -345,7 +324,7 @@ def test_bad_plate_gives_one_message_with_its_place(written, plate, says):
             "Ex = 1\nEy = 4\nnu_xy = 0.5\nGxy = 1",
             "material.nu_xy: found 0.5; its size must be less than the root of Ex/Ey, 0.5.",
         ),
-        ("E = 1\nnu = 0.5", "slab.toml:3: material.nu: found 0.5; it must be less than 0.5."),
+        ("E = 1\nnu = 0.5", ":3: material.nu: found 0.5; it must be less than 0.5."),
         ("E = 1\nnu = -1", "material.nu: found -1; it must be greater than -1."),
         ("E = 1e-99\nnu = 0", "material.E: found 1e-99; it must be at least 1e-60. Choose other units."),
         (f"E = 1{'0' * 99}\nnu = 0", "material.E: found an integer of more than 20 digits; it must be finite"),
@@ -353,7 +332,7 @@ def test_bad_plate_gives_one_message_with_its_place(written, plate, says):
     ],
 )
 def test_bad_material_gives_one_message_with_its_place(written, material, says):
-    assert says in message(written(f"[material]\n{material}\n{PLATE}{LOAD}"), lines=1)
+    assert says in one_line(written(f"[material]\n{material}\n{PLATE}{LOAD}"))
 
 
 def test_several_problems_are_one_error_in_the_order_of_the_file(written):
