@@ -71,7 +71,7 @@ def test_a_plate_that_is_lifted_has_the_way_and_what_holds_it():
 
 @pytest.mark.parametrize("divisions", [[3, 2], [7, 5], [12, 8], [25, 17]])
 @pytest.mark.parametrize("footprints", [True, False])
-def test_the_limit_of_a_base_plate_is_the_same_on_any_mesh(divisions, footprints):
+def test_the_limit_of_a_base_plate_is_the_same_on_any_mesh_and_its_path_ends_there(divisions, footprints):
     tables = tomllib.loads((EXAMPLES / "base_plate.toml").read_text())
     tables |= {"mesh": {"divisions": divisions}, "zone": []}
     if not footprints:
@@ -79,19 +79,11 @@ def test_the_limit_of_a_base_plate_is_the_same_on_any_mesh(divisions, footprints
             table.pop("patch", None)
             table.pop("radius", None)
     left = check(validate(tables)).resultants[1]
-    case, factor = left.limit
-    assert case == "wind"
-    assert factor == pytest.approx(0.75, rel=1e-12)
+    assert left.limit == ("wind", pytest.approx(0.75, rel=1e-12))
     np.testing.assert_allclose([x for x, _ in left.axis], 0.5, rtol=1e-12)
-
-
-@pytest.mark.parametrize("divisions", [[7, 5], [12, 8]])
-def test_the_path_of_a_base_plate_ends_at_the_same_wind_on_any_mesh(divisions):
-    tables = tomllib.loads((EXAMPLES / "base_plate.toml").read_text())
-    tables |= {"mesh": {"divisions": divisions}, "zone": []}
-    found = path(validate(tables), start="column", add="wind")
-    assert found.ending == "no_equilibrium"
-    assert found.limit == pytest.approx(0.75, rel=1e-9)
+    if footprints and divisions in ([7, 5], [12, 8]):
+        found = path(validate(tables), start="column", add="wind")
+        assert found.ending == "no_equilibrium" and found.limit == pytest.approx(0.75, rel=1e-9)
 
 
 @pytest.mark.parametrize("before", ["", "others = highspy.Highs(); others.setOptionValue('threads', 2); others.run()"])

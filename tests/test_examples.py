@@ -14,14 +14,7 @@ import signorini
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 # MITC4, 160 x 160, in kN; rows from y = 0.5.
-SLAB_B = np.array(
-    [
-        [333.96, 93.67, 0.0, 5.85],
-        [93.67, 71.92, 7.92, 14.01],
-        [0.0, 7.92, 21.46, 11.79],
-        [5.85, 14.01, 11.79, 6.17],
-    ]
-)
+SLAB_B = np.array([333.96, 93.67, 0, 5.85, 93.67, 71.92, 7.92, 14.01, 0, 7.92, 21.46, 11.79, 5.85, 14.01, 11.79, 6.17])
 
 
 def script(name: str) -> ModuleType:
@@ -62,7 +55,7 @@ def test_slab_b_lifts_off_exactly_two_of_its_bearings(slab: signorini.Results) -
 
 def test_slab_b_has_the_reactions_of_the_reference(slab: signorini.Results) -> None:
     # The coarser mesh moves the small reactions more, by up to 1.9 % of themselves and 0.1 % of the largest.
-    reactions = slab["service"].supports[0].reactions.reshape(4, 4) / 1e3
+    reactions = slab["service"].supports[0].reactions / 1e3
     assert np.abs(reactions - SLAB_B).max() < 1e-3 * SLAB_B.max()
     large = SLAB_B > 10
     assert np.abs(reactions[large] / SLAB_B[large] - 1).max() < 0.015

@@ -58,8 +58,6 @@ def test_soil_is_solved_by_the_next_method(
     assert np.abs(result.deflection - by_lemke.deflection).max() < 1e-9 * np.abs(by_lemke.deflection).max()
 
 
-
-
 @pytest.mark.parametrize(
     ("method", "next_one"), [("lemke", "active_set"), ("active_set", "lemke"), ("interior_point", "active_set")]
 )
