@@ -47,29 +47,13 @@ def said(asked: Model) -> str:
 
 
 NEAR = {
-    "two points": lambda d: [CORNERS, {"name": "near", "at": [[1 + d, 1], [5, 5]], "fix": "simple"}],
     "two points of one support": lambda d: [{"name": "near", "at": [[5, 5], [5 + d, 5], [2, 2]], "resists": "down"}],
-    "points that let go the same way": lambda d: [CORNERS, {"name": "near", "at": [1 + d, 1], "resists": "down"}],
-    "points that hold from both sides": lambda d: [CORNERS, {"name": "near", "at": [1 + d, 1], "resists": "up"}],
     "footprints": lambda d: [CORNERS, {"name": "near", "at": [[5, 5], [5 + d, 5]], "radius": 0.3, "fix": "simple"}],
     "a point and an edge": lambda d: [WALL, {"name": "near", "at": [d, 4.3], "resists": "down"}],
-    "a point and a line": lambda d: [WALL, BEAM, {"name": "near", "at": [4.1, 3 + d], "resists": "down"}],
-    "a point and a circle": lambda d: [WALL, RING, {"name": "near", "at": [5, 7.5 + d], "resists": "down"}],
-    "a point and an area": lambda d: [WALL, PAD, {"name": "near", "at": [5, 7 + d], "fix": "simple"}],
-    "lines side by side": lambda d: [WALL, BEAM, {"name": "near", "line": [[1, 3 + d], [9, 3 + d]], "resists": "down"}],
     "the end of a line": lambda d: [WALL, BEAM, {"name": "near", "line": [[5, 3 + d], [5, 8]], "fix": "simple"}],
     "a line and an edge": lambda d: [WALL, {"name": "near", "line": [[d, 2], [d, 6]], "resists": "down"}],
-    "a circle and a line": lambda d: [RING, {"name": "near", "line": [[2, 4.5 - d], [8, 4.5 - d]], "fix": "simple"}],
-    "circles in one another": lambda d: [
-        RING,
-        {"name": "near", "circle": {"center": [5, 6], "radius": 1.5 + d}, "resists": "down"},
-    ],
-    "an area and a line": lambda d: [WALL, PAD, {"name": "near", "line": [[3, 7 + d], [7, 7 + d]], "fix": "simple"}],
-    "areas": lambda d: [
-        WALL,
-        PAD,
-        {"name": "near", "area": {"rectangle": [6 + d, 5, 8, 7]}, "resists": "down"},
-    ],
+    "circles": lambda d: [RING, {"name": "near", "circle": {"center": [5, 6], "radius": 1.5 + d}, "resists": "down"}],
+    "areas": lambda d: [WALL, PAD, {"name": "near", "area": {"rectangle": [6 + d, 5, 8, 7]}, "resists": "down"}],
 }
 
 
