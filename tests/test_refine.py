@@ -174,6 +174,19 @@ def test_a_polygon_is_refined_where_the_numbers_are() -> None:
         assert abs(mine - true) <= 0.03 * np.abs(finest.moment).max()
 
 
+def test_shears_on_a_line_that_loads_the_plate_are_not_chased() -> None:
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate=L_SHAPE,
+        mesh={"size": 0.5, "accuracy": 0.3},
+        support=[{"area": "all", "resists": "down", "stiffness": 50e6}],
+        load=[{"pressure": 5e3}, {"line_load": 1e5, "circle": {"center": [1.5, 1.5], "radius": 1}}],
+        probe=[{"at": [[2.5, 1.5]]}],
+    )
+    (only,) = solve(model).refinement
+    assert not only.what.endswith("qx")
+
+
 def test_a_disc_is_refined_where_the_numbers_are() -> None:
     model = Model(
         material={"E": 30e9, "nu": 0.2},
@@ -211,6 +224,13 @@ def test_where_memory_ends_it_is_said_what_it_would_take(monkeypatch: pytest.Mon
     assert "of all: the probe at [1, 1]" in results.accuracy_warning
     assert "GB of memory" in results.accuracy_warning
     assert results.accuracy_warning in results_json(results)["combinations"][0]["warnings"]
+
+
+def test_what_does_not_come_nearer_is_given_up() -> None:
+    steps = [refinement.Refined(100 * n, 1000 * n, 0.5, "all: mx", 10_000) for n in range(1, 5)]
+    finer, why = refinement.refined(asked(0.01), {}, steps)
+    assert finer is None
+    assert "finer meshes do not bring it much nearer" in why
 
 
 def test_an_accuracy_needs_half_widths() -> None:
