@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from models import tables
 
 import signorini
 from signorini import InputError, Model, load, solve
@@ -23,13 +24,9 @@ divisions = [4, 4]
 """
 SUPPORT = '[[support]]\nat = [[1, 1], [9, 1], [1, 9], [9, 9]]\nresists = "down"\n'
 LOAD = "[[load]]\npressure = 2e3\n"
-MODEL = {
-    "material": {"E": 30e9, "nu": 0.2},
-    "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    "mesh": {"divisions": [4, 4]},
-    "support": [{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
-    "load": [{"case": "G", "pressure": 5e3}],
-}
+MODEL = tables(
+    support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}], load=[{"case": "G", "pressure": 5e3}]
+)
 
 
 def told(tmp_path, text):
