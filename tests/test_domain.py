@@ -259,20 +259,19 @@ def test_all_that_is_outside_is_told_at_once_with_its_line_and_nothing_is_writte
 material = { E = 30e9, nu = 0.2 }
 plate = { shape = "rectangle", size = [10, 10], thickness = 0.4 }
 mesh = { divisions = [4, 4] }
-[[support]]
-name = "wall"
-edge = "left"
-fix = "simple"
-[[support]]
-name = "posts"
-at = [[5, 5], [5.01, 5], [0.01, 3]]
-resists = "down"
-[[load]]
-pressure = 1e3
+load = [{ pressure = 1e3 }]
+support = [
+  { name = "wall", edge = "left", fix = "simple" },
+  { name = "posts", at = [[5, 5], [5.01, 5], [0.01, 3]], resists = "down" },
+]
 """
     )
     done = CliRunner().invoke(app, ["solve", str(file)])
     assert done.exit_code == 2 and [one.name for one in tmp_path.iterdir()] == ["slab.toml"]
     words = " ".join(done.output.split())
-    assert "2 problems:" in words and "support[2].at[1]" in words and words.count("posts holds the plate rigidly") == 2
+    assert (
+        "2 problems:" in words
+        and "slab.toml:8: support[2].at[1]" in words
+        and words.count("posts holds the plate rigidly") == 2
+    )
     assert "0.01 from the point [5.01, 5] of posts" in words and "0.01 from the edge left of wall" in words

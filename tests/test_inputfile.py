@@ -69,10 +69,22 @@ method = "auto"
 """
 
 OTHER_FORMS = """\
-[material]
-E = 1
-nu = 0
-unit_weight = 1
+material = { E = 1, nu = 0, unit_weight = 1 }
+mesh = { size = 0.25 }
+support = [
+  { edge = "start", fix = ["w", "slope"] },
+  { line = [[0.0, 1.0], [0.5, 1.0]], resists = "up", settlement = "0.001*x" },
+  { circle = { center = [1, 1], radius = 1.5 }, resists = "both", gap = "0.01*x**2", stiffness = "1e6*(1 + y**2)" },
+  { area = { circle = { center = [0, 0], radius = 0.5 } } },
+  { area = { polygon = [[0, 0], [1, 0], [0, 1]] } },
+]
+load = [
+  { pressure = "5*(y-2)**2", area = { rectangle = [0, 0, 1, 1] } },
+  { line_load = 1e3, edge = ["outer", "end"] },
+  { moment = [1, 2], at = [[0, 0], [1, 1]] },
+  { self_weight = true },
+  { curvature = [1e-3, 0, 0] },
+]
 [plate]
 shape = "annulus"
 inner = 1
@@ -80,37 +92,6 @@ outer = 2
 center = [1, 1]
 sector = 135.5
 thickness = "0.1 + x*x"
-[mesh]
-size = 0.25
-[[support]]
-edge = "start"
-fix = ["w", "slope"]
-[[support]]
-line = [[0.0, 1.0], [0.5, 1.0]]
-resists = "up"
-settlement = "0.001*x"
-[[support]]
-circle = { center = [1, 1], radius = 1.5 }
-resists = "both"
-gap = "0.01*x**2"
-stiffness = "1e6*(1 + y**2)"
-[[support]]
-area = { circle = { center = [0, 0], radius = 0.5 } }
-[[support]]
-area = { polygon = [[0, 0], [1, 0], [0, 1]] }
-[[load]]
-pressure = "5*(y-2)**2"
-area = { rectangle = [0, 0, 1, 1] }
-[[load]]
-line_load = 1e3
-edge = ["outer", "end"]
-[[load]]
-moment = [1, 2]
-at = [[0, 0], [1, 1]]
-[[load]]
-self_weight = true
-[[load]]
-curvature = [1e-3, 0, 0]
 """
 
 MATERIAL = "[material]\nE = 1\nnu = 0.3\n"
