@@ -252,6 +252,11 @@ def test_in_any_units(unit) -> None:
     assert "kL⁴/D = 9.9e-11" in said(scaled(0.99e-10))
 
 
+@pytest.mark.parametrize("gap", [0.0, 1e-12, 1.0, 1e30])
+def test_any_gap(gap) -> None:
+    assert is_certified(model(CORNERS, {"at": [5, 5], "resists": "down", "gap": gap}))
+
+
 def test_all_that_is_outside_is_told_at_once_with_its_line_and_nothing_is_written(tmp_path: Path) -> None:
     file = tmp_path / "slab.toml"
     file.write_text(
