@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 from models import rectangular
+from tensionless import slab_a
 
-from signorini import Model, solve
+from signorini import Model, estimate, solve
 from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.formats.vtk import as_meshio, write_vtu
@@ -253,6 +254,14 @@ def test_what_all_but_is_on_a_round_edge_of_a_mesh_from_a_file_is_there(tmp_path
         assert found.deflection.max() == pytest.approx(wanted.deflection.max(), rel=1e-3)
 
 
+def test_small_circles_are_not_followed_with_many_small_elements() -> None:
+    columns = [{"circle": {"center": [x, y], "radius": 0.02}, "resists": "down"} for x in (2, 5, 8) for y in (2, 6)]
+    plate = {"shape": "rectangle", "size": [10, 8], "thickness": 0.3}
+    model = rectangular(plate=plate, mesh={"size": 0.8333}, support=columns, load=[{"pressure": 1e4}])
+    assert model.divisions is not None
+    assert estimate(solve(model)["all"]).plus_minus is not None
+
+
 @pytest.mark.parametrize("size", [5e-8, 1e-12])
 @pytest.mark.parametrize("place", [{"line": [[1, 1], [3, 2]]}, {"circle": {"center": [2, 1.5], "radius": 1}}])
 @pytest.mark.parametrize("shape", ["rectangle", "disc"])
@@ -322,3 +331,15 @@ def test_a_small_circle_in_a_large_element_holds_the_plate() -> None:
         model = rectangular(divisions=[1, 1], support=[support], load=[{"force": 1e3, "at": [2.32, 1.7]}])
         (held,) = solve(model)["all"].supports
         assert held.reaction == pytest.approx(1e3)
+
+
+def test_where_nothing_is_held_every_contact_point_stays() -> None:
+    tables = slab_a(4).model_dump(exclude_unset=True)
+    wall = {"name": "wall", "edge": "left", "fix": "clamped"}
+    free, held = (
+        discretise(Model.model_validate({**tables, "support": support}))
+        for support in (tables["support"], [*tables["support"], wall])
+    )
+    # Four points across a side on the outline, three elsewhere and beside nodes that are held.
+    assert len(free.contacts) == 4 * 9 + 8 * 12 + 4 * 16
+    assert len(held.contacts) < len(free.contacts)

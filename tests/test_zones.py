@@ -83,23 +83,16 @@ def test_zones_have_their_weight_cut_elements_too():
         assert sum(result.reactions.values()) == approx(total, rel=1e-5)
 
 
-@pytest.mark.parametrize("inside", [{"radius": 0.7}, {"radius": 0.4}, {"radius": 0.4, "center": [4.3, 3]}])
-def test_a_ring_and_what_is_in_it_are_circles_one_over_another(inside):
-    """The inner zone fills the ring, is apart from it, or touches it."""
-
-    def circle(**round_):
-        return {"circle": {"center": [4, 3]} | round_}
-
-    ring = {"annulus": {"center": [4, 3], "inner": 0.7, "outer": 1.4}}
-    coarse = {"mesh": {"size": 0.5, "error": False}}
-    core = {"area": circle(**inside), "thickness": 0.5}
-    one = solved({"area": ring, "thickness": 0.4}, core, **coarse)
-    plain = {"area": circle(radius=0.7), "thickness": 0.2}
-    other = solved({"area": circle(radius=1.4), "thickness": 0.4}, plain, core, **coarse)
-    assert one.certificate.passed and len(one.deflection) == len(other.deflection)
-    assert one.deflection == approx(other.deflection, rel=1e-9, abs=1e-9 * one.deflection.max())
-    fine = solved({"area": ring, "thickness": 0.4}, core, mesh={"size": 0.2, "error": False})
-    assert one.deflection.max() == approx(fine.deflection.max(), rel=5e-3)
+@pytest.mark.parametrize("width", [1e-3, 1e-4])
+def test_a_slot_between_two_zones_is_found_as_a_thin_zone_is(width):
+    left, slot, right = (
+        {"rectangle": [x0, 0, x1, 6]} for x0, x1 in ((0, 3.23), (3.23, 3.23 + width), (3.23 + width, 8))
+    )
+    between = solved({"area": left, "thickness": 0.2}, {"area": right, "thickness": 0.2}, plate={"thickness": 0.01})
+    thin, whole = solved({"area": slot, "thickness": 0.01}), solved()
+    assert between.deflection == approx(thin.deflection, rel=1e-9, abs=1e-12)
+    assert between.deflection.max() > (1 + 100 * width) * whole.deflection.max()
+    assert any(one.what.startswith("Border of zone 2 within") for one in between.singular)
 
 
 def test_where_zones_overlap_later_ones_win_key_by_key():
@@ -176,18 +169,6 @@ def test_sections_cut_areas_with_arcs():
     segment = np.arccos(0.2) - 0.2 * np.sqrt(1 - 0.04)
     right = result.reactions["right"] - 5e3 * segment
     assert abs(section.shear) == approx(abs(right), rel=1e-9)
-
-
-def test_a_zone_of_arcs_is_the_circle():
-    arcs = [[5.3, 3], {"through": [4, 4.3], "to": [2.7, 3]}, {"through": [4, 1.7], "to": [5.3, 3]}]
-    given = {"mesh": {"size": 0.4, "error": False}, "plate": {"holes": [{"rectangle": [0.4, 0.6, 1.2, 1.4]}]}}
-    for rest in (given, {"mesh": {"divisions": [16, 12]}}):
-        circle, other = (
-            solved({"area": area, "thickness": 0.4}, **rest)
-            for area in ({"circle": {"center": [4, 3], "radius": 1.3}}, {"polygon": arcs})
-        )
-        assert other.deflection.max() == approx(circle.deflection.max(), rel=1e-3 if rest is given else 1e-6)
-        assert [one.what for one in other.singular] == [one.what for one in circle.singular]
 
 
 def test_arcs_that_cross_a_side_are_refused():
@@ -376,6 +357,23 @@ def test_a_load_path_and_its_states_know_zones():
     assert found.support_events
     again = solve(slab(THICK, support=points, load=loads, combination=[{"factors": {"G": 1, "Q": 0.02}}]))
     assert found.at(0.02).deflection == approx(again["combination 1"].deflection, rel=1e-8, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "area",
+    [
+        {"circle": {"center": [1.23, 1.3], "radius": 1e-3}},
+        {"rectangle": [1.23, 0, 1.23 + 1e-8, 4]},
+    ],
+)
+def test_a_zone_too_small_to_be_seen_changes_nothing(area):
+    plate = {"shape": "rectangle", "size": [6, 4], "thickness": 0.2}
+    rest = {"mesh": {"divisions": [12, 8], "error": False}, "support": [{"edge": ["left", "right"], "fix": "simple"}]}
+    rest |= {"material": {"E": 30e9, "nu": 0.2}, "plate": plate, "load": [{"pressure": 5e3}]}
+    (bare,) = solve(Model(**rest)).values()
+    (found,) = solve(Model(**rest, zone=[{"area": area, "thickness": 0.1}])).values()
+    # The mesh follows the strip.
+    assert found.deflection.max() == approx(bare.deflection.max(), rel=2e-3)
 
 
 def test_rows_that_cannot_follow_a_border_give_way_to_elements_that_do():
