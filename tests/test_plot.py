@@ -58,7 +58,6 @@ POINTS = np.array(
     ]
 )
 ELEMENTS = np.array([[0, 1, 2, 3, 6, 7, 8, 9], [3, 5, 4, 0, 12, 11, 10, 9]])
-RING = {"center": [2.0, 2.0], "radius": 1.0}
 PLAN = Plan.of(POINTS, ELEMENTS)
 PADS = SupportMark("pads", "down", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), np.array([True, False, True]))
 
@@ -78,13 +77,6 @@ def test_zero_is_the_middle_of_the_colours_of_both_signs_and_a_field_of_one_sign
 
 def test_rounding_below_zero_is_not_uplift() -> None:
     assert colour_limits(POINTS[:, 0] + 1 - 1e-15) == ("RdBu", -2.2, 2.2)
-
-
-def test_pictures_that_are_compared_have_one_scale() -> None:
-    for part in (1.0, 0.1):
-        figure = field_picture(PLAN, [Panel(part * POINTS[:, 0], "w [m]", limits=(-1.0, 1.2))])
-        assert figure.axes[1].get_ylim() == pytest.approx((-1.0, 1.2))
-        assert figure.axes[1].get_ylabel() == "w [m]"
 
 
 def test_contours_have_their_values_written_on_them() -> None:
@@ -166,28 +158,6 @@ def test_the_legend_counts_closed_and_open_below_the_axes() -> None:
     assert words == legend_words([PADS, wall])
     assert legend.get_window_extent().y1 < axes.xaxis.label.get_window_extent().y0
     assert axes.get_xlabel() == "x [m]"
-
-
-def test_the_legend_counts_nothing_where_a_support_never_lets_go() -> None:
-    """Pieces of a line by which it is drawn are not its points."""
-    fixed = [{"name": "wall", "edge": "left", "fix": "simple"}, {"name": "ring", "circle": RING, "fix": "simple"}]
-    prop = {"name": "prop", "at": [3.5, 2.0], "resists": "down"}
-    result = solve(rectangular(support=[*fixed, prop], load=[{"pressure": 1e3}]))["all"]
-    marks = support_marks(result.mesh, result.model.support, result.supports)
-    assert [mark.label for mark in marks[:2]] == ["wall: edge, simple", "ring: circle, simple"]
-    assert marks[2].label.endswith((", 1 closed, 0 open", ", 0 closed, 1 open"))
-
-
-def test_a_support_that_acts_nowhere_is_in_the_legend() -> None:
-    idle = SupportMark("idle", "down", np.zeros((0, 2)), np.zeros(0, bool), "area")
-    axes = supports([idle], Figure().add_subplot())
-    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == ["idle: pushes up only, 0 closed, 0 open"]
-
-
-def test_the_extremes_of_the_deflection_are_named() -> None:
-    ends = [("max 0.0012", (1.2, 0.5)), ("min −0.001", (-1.0, 0.5))]
-    figure = field_picture(PLAN, [Panel(POINTS[:, 0] * 1e-3, extremes=ends)])
-    assert {"max 0.0012", "min −0.001"} < {text.get_text() for text in figure.axes[0].texts}
 
 
 def test_names_of_extremes_beside_each_other_stand_at_their_own() -> None:

@@ -10,9 +10,9 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from signorini.discretise.borders import arcs_of
-from signorini.discretise.quadrature import area_quadrature, curve_quadrature, edge_quadrature, off_plate
+from signorini.discretise.quadrature import area_quadrature, curve_quadrature, off_plate
 from signorini.mesh import Mesh
-from signorini.mesh.meshers import annulus, disc, rectangle
+from signorini.mesh.meshers import disc, rectangle
 from signorini.mesh.outlined import outlined
 from signorini.shapes import Circle, Hollow, Polygon, Polyline, Rectangle, Ring
 from signorini.shapes.contours import straight
@@ -158,12 +158,6 @@ def test_a_circle_that_elements_follow_is_exact_far_from_the_origin(far, radius)
     assert found.total == pytest.approx(round_.area, rel=1e-12 + 1e-14 * far)
 
 
-def test_polynomials_are_integrated_over_cut_cells():
-    q = area_quadrature(SQUARE, Circle((0.3, 0.2), 1.0))
-    x, y = (q.positions - (0.3, 0.2)).T
-    assert q.weights @ (x**2 * y**2) == pytest.approx(math.pi / 24, rel=1e-9)
-
-
 # Off the plate
 
 
@@ -185,13 +179,6 @@ def test_the_circle_that_an_elements_rim_stands_for_is_on_the_plate_but_no_large
         for radius, on in ((1.0, True), (1.02, False)):
             region = Circle((0.0, 0.0), radius)
             assert (off_plate(mesh, region, area_quadrature(mesh, region)) == 0.0) is on
-
-
-def test_a_hole_is_off_the_plate():
-    mesh = annulus((0.0, 0.0), 1.0, 2.0, (3, 32))
-    region = Circle((0.0, 0.0), 1.5)
-    missing = off_plate(mesh, region, area_quadrature(mesh, region))
-    assert missing == pytest.approx(math.pi, rel=1e-5)
 
 
 # Curves
@@ -246,39 +233,7 @@ def test_what_touches_mesh_lines_far_from_the_origin_keeps_its_area(away, shape)
         assert np.abs(middle).max() <= rounding * radius + 10 * np.finfo(float).eps * np.abs(origin).max()
 
 
-def test_of_a_line_past_the_edge_the_part_on_the_plate_counts():
-    line = Polyline(((0.0, 0.0), (3.0, 4.0)))
-    q = curve_quadrature(SQUARE, line)
-    assert q.total == pytest.approx(2.5, rel=1e-12) and off_plate(SQUARE, line, q) == pytest.approx(2.5, rel=1e-12)
-    away = Polyline(((3.0, 0.0), (4.0, 0.0)))
-    assert off_plate(SQUARE, away, curve_quadrature(SQUARE, away)) == 1.0
-
-
-def test_the_true_rim_is_on_the_plate_whole():
-    rim = Ring((0.0, 0.0), 2.0)
-    q = curve_quadrature(ROUND, rim)
-    assert q.total == pytest.approx(rim.length, rel=1e-13) and off_plate(ROUND, rim, q) == 0.0
-    assert ROUND.map(q.elements, q.xi) == pytest.approx(q.positions, abs=1e-10)
-
-
 # Edges
-
-
-def test_edges_have_their_length_and_outward_normals():
-    for name, normal in {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}.items():
-        q = edge_quadrature(SQUARE, SQUARE.edges[name])
-        assert q.total == pytest.approx(4.0, rel=1e-14)
-        assert q.normals == pytest.approx(np.tile(normal, (len(q.weights), 1)), abs=1e-14)
-        assert SQUARE.map(q.elements, q.xi) == pytest.approx(q.positions)
-
-
-def test_curved_edges_have_the_length_of_their_parabolas_and_turn_once_around():
-    mesh = annulus((0.0, 0.0), 1.0, 2.0, (2, 24))
-    for name, radius, sign in (("outer", 2.0, 1.0), ("inner", 1.0, -1.0)):
-        q = edge_quadrature(mesh, mesh.edges[name])
-        assert q.total == pytest.approx(2.0 * math.pi * radius, rel=1e-5)
-        assert np.einsum("qd,qd->q", q.normals, q.positions) == pytest.approx(sign * radius, rel=1e-3)
-        assert q.weights @ q.normals == pytest.approx(np.zeros(2), abs=1e-12)
 
 
 # Regions and curves themselves, and roots
