@@ -77,22 +77,41 @@ def test_a_right_answer_passes(right: Answer) -> None:
     assert right.judged().passed
 
 
-def test_a_sign_flipped_in_a_reaction(right: Answer) -> None:
+def flip(right: Answer) -> None:
     right.reaction[largest(right.reaction)] *= -1
-    judged = right.judged()
-    assert not judged.passed and judged.tension > 1e-5 and judged.equilibrium > 1e-5
 
 
-def test_a_support_dropped(right: Answer) -> None:
+def drop(right: Answer) -> None:
     right.reaction[largest(right.reaction)] = 0.0
-    judged = right.judged()
-    assert not judged.passed and judged.balance > 1e-4
 
 
-def test_two_reactions_exchanged(right: Answer) -> None:
+def exchange(right: Answer) -> None:
     order = np.argsort(right.reaction)
     right.reaction[order[[-1, 0]]] = right.reaction[order[[0, -1]]]
-    assert not right.judged().passed
+
+
+def round_to_single_precision(right: Answer) -> None:
+    right.hi, right.lo = right.hi.astype(np.float32).astype(float), np.zeros_like(right.lo)
+
+
+def load_more(right: Answer) -> None:
+    right.load = (1 + 1e-6) * right.load
+
+
+@pytest.mark.parametrize(
+    ("spoil", "least"),
+    [
+        (flip, {"tension": 1e-5, "equilibrium": 1e-5}),
+        (drop, {"balance": 1e-4}),
+        (exchange, {}),
+        (round_to_single_precision, {}),
+        (load_more, {"equilibrium": 1e-8, "balance": 1e-8}),
+    ],
+)
+def test_a_fault_planted_in_a_right_answer_is_found(right: Answer, spoil, least) -> None:
+    spoil(right)
+    judged = right.judged()
+    assert not judged.passed and all(getattr(judged, name) > value for name, value in least.items())
 
 
 @pytest.mark.parametrize("dof", [0, 1, 2])
@@ -111,17 +130,6 @@ def test_a_rigid_motion_added(right: Answer, motion: int) -> None:
     right.hi += 1e-6 * np.abs(right.hi[::3]).max() / np.abs(moved[::3]).max() * moved
     judged = right.judged()
     assert not judged.passed and max(judged.penetration, judged.complementarity) > 1e-8
-
-
-def test_a_solver_with_a_tolerance_of_single_precision(right: Answer) -> None:
-    right.hi, right.lo = right.hi.astype(np.float32).astype(float), np.zeros_like(right.lo)
-    assert not right.judged().passed
-
-
-def test_an_answer_to_another_load(right: Answer) -> None:
-    right.load = (1 + 1e-6) * right.load
-    judged = right.judged()
-    assert not judged.passed and judged.equilibrium > 1e-8 and judged.balance > 1e-8
 
 
 @pytest.mark.parametrize("where", ["hi", "lo", "reaction"])
@@ -212,26 +220,6 @@ def test_where_nothing_pushes_rounding_is_no_fault(supports) -> None:
     assert answer(supports, [{"pressure": 0.0}]).judged().passed
 
 
-@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
-@pytest.mark.parametrize("pressure", [0.0, 1e-2])
-def test_where_slopes_alone_are_held_elsewhere_their_rounding_is_no_penetration(method, pressure) -> None:
-    """Every node is on an edge that stays where it is; only slopes turn."""
-    model = rectangular(
-        size=[1.0, 0.5],
-        divisions=[1, 3],
-        support=[
-            {"edge": ["top", "left", "right"], "fix": ["slope", "w"], "rotation": [0.001, 0.0]},
-            {"at": [[0.3, 0.375], [0.5, 0.05], [0.67, 0.24]], "resists": "both"},
-            {"at": [[0.15, 0.44], [0.5, 0.0], [0.12, 0.375]], "resists": "down"},
-            {"at": [[0.07, 0.3], [0.5, 0.125], [0.75, 0.4], [0.93, 0.2]], "resists": "up", "stiffness": 1e8},
-        ],
-        load=[{"pressure": pressure}],
-        solver={"method": method},
-    )
-    result = solve(model)["all"]
-    assert result.certificate.passed and np.abs(result.deflection).max() < 1e-12
-
-
 def test_supports_that_push_against_each_other_are_judged_by_the_rounding_of_their_forces() -> None:
     near = [{"at": [[2.0, 2.0]], "resists": "both"}, {"at": [[2.021, 2.0]], "resists": "both", "settlement": 0.02}]
     right = answer([*MODELS["wall and prop"], *near], loads=[{"pressure": 1e-6}])
@@ -251,40 +239,28 @@ STIFF_BED = [{"name": "bed", "at": CORNERS, "resists": "both", "stiffness": 1.5e
 """Each spring gives by less than the rounding of the nodes around it."""
 
 
-def test_forces_of_stiff_springs_between_nodes_are_reported_as_certified() -> None:
+def test_forces_of_stiff_springs_between_nodes_are_reported_as_certified(tmp_path: Path) -> None:
     result = solve(model(STIFF_BED))["all"]
-    assert result.reactions["bed"] == pytest.approx(110.0, rel=1e-10)
-    assert result.supports[0].reactions.sum() == pytest.approx(110.0, rel=1e-10)
-
-
-def test_so_are_those_of_many_combinations(tmp_path: Path) -> None:
+    assert [result.reactions["bed"], result.supports[0].reactions.sum()] == pytest.approx([110.0] * 2, rel=1e-10)
     many = [{"name": f"c{k}", "factors": {"load": 1.0 + k}} for k in range(20)]
     solve(model(STIFF_BED, combination=many), table=tmp_path / "t.parquet")
     reactions = pq.read_table(tmp_path / "t.parquet").to_pydict()["reaction:bed"]
     assert reactions == pytest.approx([110.0 * (1 + k) for k in range(20)], rel=1e-10)
-
-
-def test_so_are_those_of_a_path() -> None:
-    stops = follow(model(STIFF_BED), None, "load", until=1.0)
-    assert stops.at(1.0).reactions["bed"] == pytest.approx(110.0, rel=1e-10)
-    assert stops.stops[-1].reactions == pytest.approx([110.0], rel=1e-10)
+    followed = follow(model(STIFF_BED), None, "load", until=1.0)
+    shown = [followed.at(1.0).reactions["bed"], *followed.stops[-1].reactions]
+    assert shown == pytest.approx([110.0, 110.0], rel=1e-10)
 
 
 @pytest.mark.parametrize("thickness", [1.0, 0.1, 0.01, 0.002])
 @pytest.mark.parametrize("fix", ["edges", "corners"])
 def test_a_mechanism_of_q8r_that_no_support_holds_has_no_answer(thickness: float, fix: str) -> None:
     # Alone, its factor may have a pivot of rounding, of either sign; the load need not work on the mechanism.
-    corners = [[0, 0], [10, 0], [0, 10], [10, 10]]
-    support = (
-        {"edge": ["left", "right", "top", "bottom"], "fix": "simple"}
-        if fix == "edges"
-        else {"at": corners, "resists": "down"}
-    )
-    plate = Model(
-        material={"E": 30e6, "nu": 0.2},
+    corners = {"at": [[0, 0], [10, 0], [0, 10], [10, 10]], "resists": "down"}
+    edges = {"edge": ["left", "right", "top", "bottom"], "fix": "simple"}
+    plate = rectangular(
         plate={"shape": "rectangle", "size": [10, 10], "thickness": thickness, "element": "q8r"},
-        mesh={"divisions": [1, 1]},
-        support=[support],
+        divisions=[1, 1],
+        support=[edges if fix == "edges" else corners],
         load=[{"pressure": 1.0}],
     )
     with pytest.raises(InputError, match=r'bends in some shapes without resistance.*"mitc9"'):
@@ -304,12 +280,7 @@ def plate_of(support, loads, **more):
 
 @pytest.mark.parametrize("hiding", [BIG, WAVE], ids=["a curvature", "a pressure that balances itself"])
 @pytest.mark.parametrize(
-    "supports",
-    [
-        [PADS],
-        [{"edge": ["left", "right"], "fix": "simple"}],
-        [{"area": "all", "stiffness": 1e7}],
-    ],
+    "supports", [[PADS], [{"edge": ["left", "right"], "fix": "simple"}], [{"area": "all", "stiffness": 1e7}]]
 )
 def test_a_weight_lost_in_what_has_no_resultant_is_refused(supports, hiding) -> None:
     with pytest.raises(signorini.NotCertifiedError, match=r"reactions miss the load by .* lost in its rounding"):

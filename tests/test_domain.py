@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 from models import rectangular
 from typer.testing import CliRunner
@@ -48,29 +47,13 @@ def said(asked: Model) -> str:
 
 
 NEAR = {
-    "two points": lambda d: [CORNERS, {"name": "near", "at": [[1 + d, 1], [5, 5]], "fix": "simple"}],
     "two points of one support": lambda d: [{"name": "near", "at": [[5, 5], [5 + d, 5], [2, 2]], "resists": "down"}],
-    "points that let go the same way": lambda d: [CORNERS, {"name": "near", "at": [1 + d, 1], "resists": "down"}],
-    "points that hold from both sides": lambda d: [CORNERS, {"name": "near", "at": [1 + d, 1], "resists": "up"}],
     "footprints": lambda d: [CORNERS, {"name": "near", "at": [[5, 5], [5 + d, 5]], "radius": 0.3, "fix": "simple"}],
     "a point and an edge": lambda d: [WALL, {"name": "near", "at": [d, 4.3], "resists": "down"}],
-    "a point and a line": lambda d: [WALL, BEAM, {"name": "near", "at": [4.1, 3 + d], "resists": "down"}],
-    "a point and a circle": lambda d: [WALL, RING, {"name": "near", "at": [5, 7.5 + d], "resists": "down"}],
-    "a point and an area": lambda d: [WALL, PAD, {"name": "near", "at": [5, 7 + d], "fix": "simple"}],
-    "lines side by side": lambda d: [WALL, BEAM, {"name": "near", "line": [[1, 3 + d], [9, 3 + d]], "resists": "down"}],
     "the end of a line": lambda d: [WALL, BEAM, {"name": "near", "line": [[5, 3 + d], [5, 8]], "fix": "simple"}],
     "a line and an edge": lambda d: [WALL, {"name": "near", "line": [[d, 2], [d, 6]], "resists": "down"}],
-    "a circle and a line": lambda d: [RING, {"name": "near", "line": [[2, 4.5 - d], [8, 4.5 - d]], "fix": "simple"}],
-    "circles in one another": lambda d: [
-        RING,
-        {"name": "near", "circle": {"center": [5, 6], "radius": 1.5 + d}, "resists": "down"},
-    ],
-    "an area and a line": lambda d: [WALL, PAD, {"name": "near", "line": [[3, 7 + d], [7, 7 + d]], "fix": "simple"}],
-    "areas": lambda d: [
-        WALL,
-        PAD,
-        {"name": "near", "area": {"rectangle": [6 + d, 5, 8, 7]}, "resists": "down"},
-    ],
+    "circles": lambda d: [RING, {"name": "near", "circle": {"center": [5, 6], "radius": 1.5 + d}, "resists": "down"}],
+    "areas": lambda d: [WALL, PAD, {"name": "near", "area": {"rectangle": [6 + d, 5, 8, 7]}, "resists": "down"}],
 }
 
 
@@ -281,34 +264,19 @@ def test_all_that_is_outside_is_told_at_once_with_its_line_and_nothing_is_writte
 material = { E = 30e9, nu = 0.2 }
 plate = { shape = "rectangle", size = [10, 10], thickness = 0.4 }
 mesh = { divisions = [4, 4] }
-[[support]]
-name = "wall"
-edge = "left"
-fix = "simple"
-[[support]]
-name = "posts"
-at = [[5, 5], [5.01, 5], [0.01, 3]]
-resists = "down"
-[[load]]
-pressure = 1e3
+load = [{ pressure = 1e3 }]
+support = [
+  { name = "wall", edge = "left", fix = "simple" },
+  { name = "posts", at = [[5, 5], [5.01, 5], [0.01, 3]], resists = "down" },
+]
 """
     )
     done = CliRunner().invoke(app, ["solve", str(file)])
     assert done.exit_code == 2 and [one.name for one in tmp_path.iterdir()] == ["slab.toml"]
     words = " ".join(done.output.split())
-    assert "2 problems:" in words and "support[2].at[1]" in words and words.count("posts holds the plate rigidly") == 2
+    assert (
+        "2 problems:" in words
+        and "slab.toml:8: support[2].at[1]" in words
+        and words.count("posts holds the plate rigidly") == 2
+    )
     assert "0.01 from the point [5.01, 5] of posts" in words and "0.01 from the edge left of wall" in words
-
-
-def test_the_page_says_the_limits() -> None:
-    page = (Path(__file__).parents[1] / "docs" / "domain.md").read_text("utf-8")
-    for limit in ("10⁻⁶", "a tenth of the thickness", "1000", "10⁻¹⁰", "10¹²", "10⁶"):
-        assert limit in page
-
-
-def test_thousands_of_supports_pass_the_door_in_a_fraction_of_a_solve() -> None:
-    """Counted, not timed: no two of them are compared point by point."""
-    at = (np.mgrid[0:60, 0:60].reshape(2, -1).T / 6.0 + 0.05).tolist()
-    many = [{"at": one, "resists": "down"} for one in at]
-    found = check(model(*many, thickness=0.1, mesh={"divisions": [20, 20]}))
-    assert found.balanced and len(found.discretisation.contacts) == 3600

@@ -14,14 +14,7 @@ import signorini
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 # MITC4, 160 x 160, in kN; rows from y = 0.5.
-SLAB_B = np.array(
-    [
-        [333.96, 93.67, 0.0, 5.85],
-        [93.67, 71.92, 7.92, 14.01],
-        [0.0, 7.92, 21.46, 11.79],
-        [5.85, 14.01, 11.79, 6.17],
-    ]
-)
+SLAB_B = np.array([333.96, 93.67, 0, 5.85, 93.67, 71.92, 7.92, 14.01, 0, 7.92, 21.46, 11.79, 5.85, 14.01, 11.79, 6.17])
 
 
 def script(name: str) -> ModuleType:
@@ -62,7 +55,7 @@ def test_slab_b_lifts_off_exactly_two_of_its_bearings(slab: signorini.Results) -
 
 def test_slab_b_has_the_reactions_of_the_reference(slab: signorini.Results) -> None:
     # The coarser mesh moves the small reactions more, by up to 1.9 % of themselves and 0.1 % of the largest.
-    reactions = slab["service"].supports[0].reactions.reshape(4, 4) / 1e3
+    reactions = slab["service"].supports[0].reactions / 1e3
     assert np.abs(reactions - SLAB_B).max() < 1e-3 * SLAB_B.max()
     large = SLAB_B > 10
     assert np.abs(reactions[large] / SLAB_B[large] - 1).max() < 0.015
@@ -166,17 +159,6 @@ def test_table_1_the_unilateral_plate_is_the_sum_of_two_bilateral_steps(element:
     assert table.unilateral[20] > 0
     free = np.array([7, 8, 10, 11, 12, 13, 15, 16, 18, 19, 20]) - 1
     assert (table.unilateral[free] == 0).all()
-
-
-@pytest.mark.parametrize("element", ["q8r", "mitc9"])
-def test_both_stages_of_table_1_are_one_path_with_one_event(element: str) -> None:
-    example = script("clamped_quarter")
-    table = example.table(element)
-    path = example.two_stages(table.young, element)
-    (event,) = path.support_events
-    assert event.t == pytest.approx(0.5, rel=1e-9) and event.support == "centre"
-    assert np.abs(example.row_by_row(path.at(0.5)) - table.first).max() < 1e-10
-    assert np.abs(example.row_by_row(path.at(1.0)) - table.unilateral).max() < 1e-10
 
 
 def test_table_1_is_printed_as_in_the_paper() -> None:

@@ -58,23 +58,6 @@ def test_soil_is_solved_by_the_next_method(
     assert np.abs(result.deflection - by_lemke.deflection).max() < 1e-9 * np.abs(by_lemke.deflection).max()
 
 
-def test_few_points_go_from_lemke_to_the_active_set(unsettled: set[str]) -> None:
-    unsettled.add("lemke")
-    result = signorini.solve(slab(divisions=4))["all"]
-    assert (result.unsettled, result.method) == (("lemke",), "active_set")
-
-
-def test_with_too_many_points_for_lemke_the_saddle_point_system_follows(
-    unsettled: set[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("signorini.contact.factoring.MOST_POINTS", 20)
-    by_active_set = signorini.solve(slab("active_set"))["all"]
-    unsettled.add("active_set")
-    result = signorini.solve(slab())["all"]
-    assert (result.unsettled, result.method) == (("active_set",), "saddle")
-    assert np.abs(result.deflection - by_active_set.deflection).max() < 1e-9 * np.abs(result.deflection).max()
-
-
 @pytest.mark.parametrize(
     ("method", "next_one"), [("lemke", "active_set"), ("active_set", "lemke"), ("interior_point", "active_set")]
 )

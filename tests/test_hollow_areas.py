@@ -15,6 +15,7 @@ ROUND = {"circle": {"center": [2, 2.1], "radius": 0.7}}
 OUTER = {"circle": {"center": [2, 2.1], "radius": 1.3}}
 RING = {"annulus": {"center": [2, 2.1], "inner": 0.7, "outer": 1.3}}
 SMALL = {"circle": {"center": [2, 3.1], "radius": 0.2}}
+BOX = {"rectangle": [1.7, 1.7, 2.2, 2.4]}
 PANEL = {"rectangle": [0.8, 0.9, 3.4, 3.2]}
 ARCHED = {"polygon": [[1.2, 1.2], [2.6, 1.2], {"through": [1.9, 1.9], "to": [1.2, 1.2]}]}
 
@@ -29,12 +30,8 @@ def model(**changes: object) -> Model:
     [
         (RING, OUTER, [ROUND]),
         ({**PANEL, "holes": [ROUND]}, PANEL, [ROUND]),
-        ({**OUTER, "holes": [{"rectangle": [1.7, 1.7, 2.2, 2.4]}]}, OUTER, [{"rectangle": [1.7, 1.7, 2.2, 2.4]}]),
-        (
-            {**RING, "holes": [{"circle": {"center": [2, 3.1], "radius": 0.2}}]},
-            RING,
-            [{"circle": {"center": [2, 3.1], "radius": 0.2}}],
-        ),
+        ({**OUTER, "holes": [BOX]}, OUTER, [BOX]),
+        ({**RING, "holes": [SMALL]}, RING, [SMALL]),
     ],
 )
 def test_loads_and_beds_of_the_parts_add_up(hollow: dict, whole: dict, holes: list[dict]) -> None:

@@ -1,7 +1,6 @@
 """Whatever ends a run leaves the results of the run before, or those of this one, and nothing else."""
 
 import json
-import multiprocessing
 import os
 import shutil
 import signal
@@ -16,8 +15,7 @@ from typer.testing import CliRunner
 import signorini
 import signorini_command
 from signorini.base import rooms
-from signorini.base.files import replacing_together
-from signorini.cli import app, interrupts
+from signorini.cli import app
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
 
@@ -126,9 +124,8 @@ pathlib.Path.rename = rename
 """
 
 
-@pytest.mark.parametrize("kill_at", [1, 2, 5, 8])
-def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) -> None:
-    """results.json goes first and comes last of the eight, so what is found without it is not taken for results."""
+def kill_amid_the_exchange(slab: Path, kill_at: int) -> None:
+    """Kill a run that writes other results before it moves so many files."""
     slab.write_text(SLAB.format(title="second", along=4))
     running = started(slab, STEPPING)
     assert running.stdout is not None and running.stdin is not None
@@ -139,6 +136,12 @@ def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) ->
             running.stdin.flush()
     running.kill()
     running.communicate()
+
+
+@pytest.mark.parametrize("kill_at", [1, 2, 5, 8])
+def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) -> None:
+    """results.json goes first and comes last of the eight, so what is found without it is not taken for results."""
+    kill_amid_the_exchange(slab, kill_at)
     results = slab.with_name("slab-results") / "results.json"
     assert results.exists() == (kill_at == 1)
     if kill_at == 1:
@@ -151,15 +154,7 @@ def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) ->
 
 def test_what_a_kill_amid_the_exchange_left_is_not_left_beside_other_results(slab: Path) -> None:
     """Files that no results.json names any more go with the next success, whatever its combinations are called."""
-    slab.write_text(SLAB.format(title="second", along=4))
-    running = started(slab, STEPPING)
-    assert running.stdout is not None and running.stdin is not None
-    for step in range(1, 4):
-        assert running.stdout.readline() == f"{step}\n"
-        running.stdin.write("go\n" if step < 3 else "")
-        running.stdin.flush()
-    running.kill()
-    running.communicate()
+    kill_amid_the_exchange(slab, 3)
     results = slab.with_name("slab-results")
     assert (results / "all.vtu").exists() and not (results / "results.json").exists()
     (results / "all.png").write_text("put there since by someone else")
@@ -170,36 +165,6 @@ def test_what_a_kill_amid_the_exchange_left_is_not_left_beside_other_results(sla
         *("all.png", "other.png", "other-moments.png", "other-shears.png", "other.vtu"),
         *("reactions.csv", "results.json"),
     }
-
-
-def write_set(directory: Path, writer: int, rounds: int) -> None:
-    """Put as many sets of files into a directory, named after who writes them."""
-
-    def former() -> list[str]:
-        listed = directory / "list"
-        return listed.read_text().split() if listed.exists() else []
-
-    for turn in range(rounds):
-        with replacing_together(directory, former, seal="list") as beside:
-            names = [f"{writer}-{turn}-{part}" for part in range(5)]
-            for name in names:
-                (beside / name).write_text(name)
-            (beside / "list").write_text(" ".join(["list", *names]))
-
-
-def test_of_many_runs_at_once_the_last_one_leaves_its_files_alone(tmp_path: Path) -> None:
-    for _ in range(5):
-        fork = multiprocessing.get_context("fork")
-        directory = tmp_path / "results"
-        writers = [fork.Process(target=write_set, args=(directory, writer, 10)) for writer in range(4)]
-        for writer in writers:
-            writer.start()
-        for writer in writers:
-            writer.join(60)
-        assert [writer.exitcode for writer in writers] == [0, 0, 0, 0]
-        assert sorted((directory / "list").read_text().split()) == sorted(path.name for path in directory.iterdir())
-        shutil.rmtree(directory)
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_two_runs_at_once_leave_the_results_of_one(slab: Path) -> None:
@@ -300,21 +265,6 @@ def slow(name, *given):
     return real(name, *given)
 builtins.__import__ = slow
 """
-
-
-def test_reading_the_command_reads_no_other_module() -> None:
-    code = "import sys; before = set(sys.modules); import signorini_command; print(sorted(set(sys.modules) - before))"
-    # Without site packages, whose .pth files read modules of their own.
-    where = {**os.environ, "PYTHONPATH": str(Path(signorini_command.__file__).parents[1])}
-    read = subprocess.run([sys.executable, "-Sc", code], capture_output=True, text=True, env=where).stdout
-    assert "signorini_command" in read and "numpy" not in read and "'signorini'" not in read
-
-
-def test_signals_are_as_before_after_a_solve(tmp_path: Path) -> None:
-    before = signal.getsignal(signal.SIGINT), signal.set_wakeup_fd(-1)
-    with interrupts.at_once(tmp_path):
-        pass
-    assert (signal.getsignal(signal.SIGINT), signal.set_wakeup_fd(-1)) == before
 
 
 def test_a_mesh_that_cannot_fit_is_refused_before_it_is_made(slab: Path, monkeypatch: pytest.MonkeyPatch) -> None:

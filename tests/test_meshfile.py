@@ -1,8 +1,6 @@
 """Mesh files: what is read from each format, and what is refused."""
 
 import json
-import threading
-import time
 
 import meshio
 import numpy as np
@@ -98,18 +96,6 @@ def test_a_plate_of_triangles_is_solved_by_the_command(tmp_path):
     assert back.point_data["deflection"] == pytest.approx(alone.deflection, abs=1e-12)
 
 
-def test_triangles_of_q8r_are_refused(tmp_path):
-    path = write(tmp_path / "plate.vtu", mixed(0.5)[1])
-    model = Model(
-        material={"E": 1, "nu": 0},
-        plate={"shape": "mesh", "file": path, "thickness": 1, "element": "q8r"},
-        support=[{"edge": "boundary", "fix": "clamped"}],
-        load=[{"pressure": 1}],
-    )
-    with pytest.raises(InputError, match=r'triangles, and q8r is a quadrilateral alone.* "mitc9" has both\. Or mesh'):
-        discretise(model)
-
-
 @pytest.mark.parametrize(
     ("name", "file_format"),
     [("plate.vtu", "vtu"), ("plate.vtk", "vtk"), ("plate.inp", "abaqus"), ("a.msh", "gmsh"), ("b.msh", "gmsh22")],
@@ -123,6 +109,11 @@ def test_a_plate_is_the_same_in_every_format(tmp_path, capsys, name, file_format
     assert np.array_equal(mesh.elements, PLATE.elements)
     assert same_edge(mesh.edges["boundary"], PLATE.boundary)
     assert capsys.readouterr() == ("", "")
+
+
+def gmsh(**sections):
+    """Text of a file of Gmsh."""
+    return "".join(f"${name}\n" + "\n".join(map(str, body)) + f"\n$End{name}\n" for name, body in sections.items())
 
 
 def msh41(mesh, edges):
@@ -139,14 +130,13 @@ def msh41(mesh, edges):
         for cell in (cells + 1).tolist():
             tag += 1
             blocks.append(" ".join(map(str, [tag, *cell])))
-    sections = {
-        "MeshFormat": ["4.1 0 8"],
-        "PhysicalNames": [len(groups), *groups],
-        "Entities": [f"0 {len(edges)} 1 0", *curves, f"1 {box} 1 10 0"],
-        "Nodes": [f"1 {count} 1 {count}", f"2 1 0 {count}", *nodes[0], *nodes[1]],
-        "Elements": [f"{len(edges) + 1} {tag} 1 {tag}", *blocks],
-    }
-    return "".join(f"${name}\n" + "\n".join(map(str, body)) + f"\n$End{name}\n" for name, body in sections.items())
+    return gmsh(
+        MeshFormat=["4.1 0 8"],
+        PhysicalNames=[len(groups), *groups],
+        Entities=[f"0 {len(edges)} 1 0", *curves, f"1 {box} 1 10 0"],
+        Nodes=[f"1 {count} 1 {count}", f"2 1 0 {count}", *nodes[0], *nodes[1]],
+        Elements=[f"{len(edges) + 1} {tag} 1 {tag}", *blocks],
+    )
 
 
 def test_physical_groups_of_gmsh_2_are_edges(tmp_path):
@@ -164,27 +154,6 @@ def test_physical_groups_of_gmsh_4_are_edges_and_a_line_may_be_in_two(tmp_path):
     for name, edge in PLATE.edges.items():
         assert same_edge(mesh.edges[name], edge)
     assert same_edge(mesh.edges["sides"], np.vstack([PLATE.edges["left"], PLATE.edges["right"]]))
-
-
-def test_lines_that_run_the_wrong_way_are_turned(tmp_path):
-    data = tagged()
-    for block in data.cells[:4]:
-        block.data[:] = block.data[:, [1, 0, 2]]
-    mesh = read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
-    assert same_edge(mesh.edges["top"], PLATE.edges["top"])
-
-
-def test_an_inner_group_of_lines_keeps_its_direction(tmp_path):
-    plate = annulus((0.0, 0.0), 1.0, 3.0, (2, 8))
-    middle = np.array([s for s in plate.unique_sides if np.allclose(np.hypot(*plate.points[s].T), 2.0)])
-    data = meshio.Mesh(
-        in_space(plate.points),
-        [("line3", lines(middle)), ("quad8", plate.elements)],
-        cell_data={"gmsh:physical": [np.ones(8, int), np.full(16, 2)]},
-        field_data={"ring": np.array([1, 1])},
-    )
-    mesh = read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
-    assert same_edge(mesh.edges["ring"], middle)
 
 
 def test_node_and_line_sets_of_abaqus_are_edges(tmp_path):
@@ -314,38 +283,6 @@ def test_a_file_that_cannot_be_read_is_refused_quietly(tmp_path, capsys, name, c
     assert capsys.readouterr() == ("", "")
 
 
-def test_a_parser_that_reads_for_ever_is_left(tmp_path, monkeypatch):
-    path = write(tmp_path / "plate.vtu", meshio.Mesh(in_space(PLATE.points), [("quad8", PLATE.elements)]))
-    monkeypatch.setattr("signorini.mesh.meshfile._SECONDS", 0.1)
-
-    def read_on(path):
-        while True:
-            time.sleep(0.01)
-
-    monkeypatch.setattr("meshio.read", read_on)
-    before = set(threading.enumerate())
-    with pytest.raises(InputError, match="it is read without end"):
-        read(path)
-    for thread in set(threading.enumerate()) - before:
-        thread.join(5)
-        assert not thread.is_alive()
-
-
-@pytest.mark.parametrize(
-    ("error", "says"),
-    [(KeyError("x"), "it refers to 'x', which it has not"), (ValueError("x" * 500), "x" * 200 + "...")],
-)
-def test_a_damaged_file_is_refused_in_few_words(tmp_path, monkeypatch, error, says):
-    def fails(path):
-        raise error
-
-    path = write(tmp_path / "plate.vtu", meshio.Mesh(in_space(PLATE.points), [("quad8", PLATE.elements)]))
-    monkeypatch.setattr("meshio.read", fails)
-    with pytest.raises(InputError) as caught:
-        read(path)
-    assert f"cannot be read as a mesh ({says}). Check" in str(caught.value)
-
-
 def test_a_missing_file_and_a_directory_are_refused(tmp_path):
     for path in (tmp_path / "no.msh", tmp_path):
         with pytest.raises(InputError, match="There is no such mesh file"):
@@ -362,14 +299,6 @@ def test_a_node_without_a_finite_place_is_named(tmp_path, axis, wrong):
         read(path)
 
 
-def test_a_node_that_a_mesh_file_has_not_is_named_by_its_index(tmp_path):
-    elements = PLATE.elements.copy()
-    elements[0, 0] = 999
-    path = write(tmp_path / "plate.vtu", meshio.Mesh(in_space(PLATE.points), [("quad8", elements)]))
-    with pytest.raises(InputError, match=r"a node of index 999, where the first has 0; it has 37 nodes"):
-        read(path)
-
-
 def test_nodes_of_abaqus_in_several_blocks_are_refused_by_that_name(tmp_path):
     path = tmp_path / "plate.inp"
     path.write_text(NUMBERED[".inp"].replace("11, 0.5, 0\n", "*NODE\n11, 0.5, 0\n"))
@@ -377,94 +306,35 @@ def test_nodes_of_abaqus_in_several_blocks_are_refused_by_that_name(tmp_path):
         read(path)
 
 
-# Four nodes of two elements, numbered as no position in the file would number them.
+# Two elements, their nodes numbered as no position in the file would number them.
+CORNERS_AT = ["10 0 0", "20 1 0", "30 2 0", "40 0 1", "50 1 1", "60 2 1"]
+MIDDLES_AT = ["11 0.5 0", "21 1.5 0", "31 0 0.5", "41 1 0.5", "51 2 0.5", "61 0.5 1", "71 1.5 1"]
+CELLS = ["1 {}10 20 50 40 11 41 61 31", "2 {}20 30 60 50 21 51 71 41"]
+
+
+def numbered_block(entity, nodes):
+    """Nodes as Gmsh's format 4.1 has those of an entity: their numbers, then their places."""
+    split = [node.split(" ", 1) for node in nodes]
+    return [f"2 {entity} 0 {len(nodes)}", *(number for number, _ in split), *(f"{at} 0" for _, at in split)]
+
+
 NUMBERED = {
-    ".inp": """*HEADING
-two plates
-*NODE
-10, 0, 0
-20, 1, 0
-30, 2, 0
-40, 0, 1
-50, 1, 1
-60, 2, 1
-11, 0.5, 0
-21, 1.5, 0
-31, 0, 0.5
-41, 1, 0.5
-51, 2, 0.5
-61, 0.5, 1
-71, 1.5, 1
-*ELEMENT, TYPE=S8R
-1, 10, 20, 50, 40, 11, 41, 61, 31
-2, 20, 30, 60, 50, 21, 51, 71, 41
-""",
-    ".msh": """$MeshFormat
-2.2 0 8
-$EndMeshFormat
-$Nodes
-13
-10 0 0 0
-20 1 0 0
-30 2 0 0
-40 0 1 0
-50 1 1 0
-60 2 1 0
-11 0.5 0 0
-21 1.5 0 0
-31 0 0.5 0
-41 1 0.5 0
-51 2 0.5 0
-61 0.5 1 0
-71 1.5 1 0
-$EndNodes
-$Elements
-2
-1 16 2 0 1 10 20 50 40 11 41 61 31
-2 16 2 0 1 20 30 60 50 21 51 71 41
-$EndElements
-""",
-    "4.msh": """$MeshFormat
-4.1 0 8
-$EndMeshFormat
-$Nodes
-2 13 10 71
-2 1 0 6
-10
-20
-30
-40
-50
-60
-0 0 0
-1 0 0
-2 0 0
-0 1 0
-1 1 0
-2 1 0
-2 2 0 7
-11
-21
-31
-41
-51
-61
-71
-0.5 0 0
-1.5 0 0
-0 0.5 0
-1 0.5 0
-2 0.5 0
-0.5 1 0
-1.5 1 0
-$EndNodes
-$Elements
-1 2 1 2
-2 1 16 2
-1 10 20 50 40 11 41 61 31
-2 20 30 60 50 21 51 71 41
-$EndElements
-""",
+    ".inp": "\n".join(
+        [
+            *("*HEADING", "two plates", "*NODE", *(node.replace(" ", ", ") for node in CORNERS_AT + MIDDLES_AT)),
+            *("*ELEMENT, TYPE=S8R", *(cell.format("").replace(" ", ", ") for cell in CELLS), ""),
+        ]
+    ),
+    ".msh": gmsh(
+        MeshFormat=["2.2 0 8"],
+        Nodes=[13, *(f"{node} 0" for node in CORNERS_AT + MIDDLES_AT)],
+        Elements=[2, *(cell.format("16 2 0 1 ") for cell in CELLS)],
+    ),
+    "4.msh": gmsh(
+        MeshFormat=["4.1 0 8"],
+        Nodes=["2 13 10 71", *numbered_block(1, CORNERS_AT), *numbered_block(2, MIDDLES_AT)],
+        Elements=["1 2 1 2", "2 1 16 2", *(cell.format("") for cell in CELLS)],
+    ),
 }
 
 
@@ -570,15 +440,3 @@ def test_areas_pass_over_the_holes_of_a_mesh_and_not_beyond_its_outline(tmp_path
     inside = {"rectangle": [2.8, 1.8, 3.2, 2.2]}
     with pytest.raises(InputError, match="The area is not on the plate"):
         discretise(Model(**on_nodes(file, edge, {"pressure": 4.0, "area": inside})))
-
-
-def test_holes_that_meet_in_a_node_are_holes():
-    grid = rectangle((0.0, 0.0), (4.0, 4.0), (4, 4))
-    elements = {
-        tuple(np.floor(grid.points[e[:4]].mean(axis=0)).astype(int).tolist()): i for i, e in enumerate(grid.elements)
-    }
-    for gone, of in (([(1, 1), (2, 2)], 2), ([(0, 0), (1, 1)], 1), ([(1, 1), (2, 1)], 1), ([(0, 0)], 0)):
-        mesh = grid.part(np.array([i for at, i in elements.items() if at not in gone]))
-        areas = [0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)) for x, y in (hole.T for hole in mesh.holes)]
-        assert len(areas) == of
-        assert sum(areas) == pytest.approx(-len([at for at in gone if at != (0, 0)]))

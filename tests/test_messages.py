@@ -4,13 +4,13 @@ import re
 
 import numpy as np
 import pytest
+from models import tables
 
 import signorini
 from signorini import InputError, Model, load, solve
 from signorini.discretise import discretise
 from signorini.formats.inputfile import with_line
 from signorini.mesh import Mesh
-from signorini.model import Area
 
 HEAD = """[material]
 E = 30e9
@@ -24,13 +24,9 @@ divisions = [4, 4]
 """
 SUPPORT = '[[support]]\nat = [[1, 1], [9, 1], [1, 9], [9, 9]]\nresists = "down"\n'
 LOAD = "[[load]]\npressure = 2e3\n"
-MODEL = {
-    "material": {"E": 30e9, "nu": 0.2},
-    "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    "mesh": {"divisions": [4, 4]},
-    "support": [{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
-    "load": [{"case": "G", "pressure": 5e3}],
-}
+MODEL = tables(
+    support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}], load=[{"case": "G", "pressure": 5e3}]
+)
 
 
 def told(tmp_path, text):
@@ -157,16 +153,6 @@ def test_what_is_wrong_with_a_mesh_file_has_the_line_that_names_it(tmp_path):
     text = HEAD[: HEAD.index("[mesh]")].replace('"rectangle"\nsize = [10, 10]', '"mesh"\nfile = "plate.msh"')
     found = told(tmp_path, text + SUPPORT.replace("9", "5") + LOAD)
     assert found == f"slab.toml:6: plate.file: {tmp_path / 'plate.msh'}: There is no such mesh file."
-
-
-def test_a_polygon_that_is_none_has_its_own_place():
-    with pytest.raises(InputError, match=r"^support\[1\].area.polygon: The polygon crosses or touches itself"):
-        Model(**MODEL | {"support": [{"area": {"polygon": [[0, 0], [4, 0], [4, 2], [2, 0], [0, 2]]}}]})
-
-
-def test_a_polygon_is_made_once():
-    area = Area(polygon=[[0, 0], [1, 0], [0, 1]])
-    assert area.region is area.region
 
 
 def test_no_load_is_a_combination():

@@ -114,11 +114,6 @@ def test_a_plate_has_the_edges_of_its_shape(plate, edges):
         validate(slab(plate=plate, support=[{"edge": "middle"}]))
 
 
-def test_edges_of_a_mesh_file_are_not_checked_before_it_is_read():
-    plate = {"shape": "mesh", "file": "plate.msh", "thickness": 0.1}
-    assert validate(slab(plate=plate, mesh={}, support=[{"edge": "anything"}])).plate.edge_names is None
-
-
 @pytest.mark.parametrize(
     ("plate", "mesh", "divisions"),
     [
@@ -163,12 +158,6 @@ def test_a_model_made_in_python_is_refused_in_the_words_of_an_input_file():
         ]
     with pytest.raises(InputError, match=r"^stiffness: found 0; it must be greater than 0.$"):
         Support(at=[1, 1], stiffness=0)
-
-
-def test_polygon_may_be_concave_and_run_either_way():
-    corners = [[0, 0], [2, 0], [2, 2], [1, 0.5], [0, 2]]
-    assert Area(polygon=corners).polygon == tuple(map(tuple, corners))
-    assert Area(polygon=corners[::-1]).polygon is not None
 
 
 def test_one_problem_is_one_line_with_its_place():

@@ -6,12 +6,10 @@ from models import rectangular
 
 from signorini import InputError, Model
 from signorini.analysis.check import check
-from signorini.discretise.meshing import to_follow
 from signorini.mesh.outlined import outlined
 from signorini.mesh.quality import Quality
 from signorini.shapes import Polyline
-from signorini.shapes.contours import circle, sector, straight
-from signorini.shapes.overlap import overlap
+from signorini.shapes.contours import circle, straight
 
 L = [[0, 0], [8, 0], [8, 4], [4, 4], [4, 8], [0, 8]]
 
@@ -158,13 +156,6 @@ def test_q8r_takes_quadrilaterals_alone():
         meshed(rectangular(plate=disc, mesh={"refine": refine}, support=support, load=load))
 
 
-def test_q8r_is_told_to_be_left_out_where_its_rows_do_not_follow_alone():
-    disc = {"shape": "disc", "radius": 3, "thickness": 0.2, "element": "q8r"}
-    in_rows = rectangular(plate=disc, mesh={}, support=[{"edge": "rim"}], load=[{"pressure": 1e3}])
-    assert to_follow(in_rows) == "Leave element out: q8r has rows alone."
-    assert to_follow(model(plate={"element": "q8r"})) == "Take smaller elements there."
-
-
 def test_areas_pass_over_holes_and_lines_do_not():
     holes = [{"circle": {"center": [2, 2], "radius": 0.5}}]
     load = [{"pressure": 3.0, "area": {"rectangle": [1, 1, 3, 3]}}]
@@ -252,22 +243,6 @@ def test_elements_are_smaller_where_that_is_asked_for(where):
     assert Quality.of(mesh).angle > 30
 
 
-def test_a_rectangle_with_a_hole_may_be_refined():
-    holes = [{"circle": {"center": [2, 1.5], "radius": 0.5}}]
-    plate = {"shape": "rectangle", "size": [4, 3], "thickness": 0.2, "holes": holes}
-    refined = {"size": 0.5, "refine": [{"edge": "left", "size": 0.1}]}
-    mesh = meshed(
-        Model(
-            material={"E": 1.0, "nu": 0.0},
-            plate=plate,
-            mesh=refined,
-            support=[{"edge": "left", "fix": "clamped"}],
-            load=[{"pressure": 1.0}],
-        )
-    )
-    assert len(mesh.edges["left"]) >= 3 / 0.142 > 2 * len(mesh.edges["right"])
-
-
 @pytest.mark.parametrize(
     "plate", [{"shape": "disc", "radius": 2.0}, {"shape": "annulus", "inner": 0.5, "outer": 2.0, "sector": 90}]
 )
@@ -294,21 +269,3 @@ def test_supports_along_arcs_reach_as_far_as_the_arcs():
     for y, balanced in ((2.99, True), (2.01, True), (1.99, False)):
         load = [{"force": 1.0, "at": [2, y]}]
         assert check(model(0.5, plate={"points": points}, support=support, load=load)).balanced is balanced
-
-
-def test_contours_know_their_points_and_bounds():
-    half = sector((1.0, 1.0), 1.0, 2.0, 180.0, ("start", "outer", "end", "inner"))
-    assert half.bounds == pytest.approx((-1.0, 1.0, 3.0, 3.0))
-    assert np.hypot(*(half.points("inner") - 1.0).T) == pytest.approx(np.ones(len(half.points("inner"))))
-    assert half.points("outer")[[0, -1]] == pytest.approx(np.array([[3.0, 1.0], [-1.0, 1.0]]))
-    assert half.points("start").tolist() == [[2.0, 1.0], [3.0, 1.0]]
-
-
-def test_the_overlap_of_polygons_is_that_of_their_inner_parts():
-    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-    star = np.array([[2.0, -2.0], [3.0, 1.0], [6.0, 2.0], [3.0, 3.0], [2.0, 6.0], [1.0, 3.0], [-2.0, 2.0], [1.0, 1.0]])
-    tips = 4 * 0.5 * 2 * (2 / 3) * 2
-    assert overlap(square, star) == pytest.approx(4 * 3 + 4 - tips)
-    assert overlap(square, star[::-1]) == pytest.approx(overlap(star, square))
-    disc = circle((0.0, 0.0), 1.0, "").points()
-    assert overlap(square, disc) == pytest.approx(np.pi / 4, rel=1e-4)

@@ -128,14 +128,6 @@ def test_what_is_asked_of_copies_is_answered_alike(things: dict[str, object], ho
                 array[0] = 0.0
 
 
-def test_what_things_say_of_themselves_is_short(things: dict[str, object]) -> None:
-    for name in ("result", "path", "problem"):
-        said = repr(things[name])
-        assert said.startswith(f"{type(things[name]).__name__}(") and len(said) < 1000, name
-        assert "partial" not in said
-    assert "deflection=array(" in repr(things["result"])
-
-
 def test_a_pickled_result_holds_its_fields_and_no_factor() -> None:
     result = signorini.solve(model(mesh={"divisions": [40, 40]}))["all"]
     problem = signorini.contact_problem(model(mesh={"divisions": [40, 40]}))

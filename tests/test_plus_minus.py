@@ -8,14 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from halving import halved
 from models import rectangular, tables
 
 import signorini
 from signorini import Estimate, Model, Result, estimate, solve
-from signorini.accuracy.half_width import half_widths
 from signorini.accuracy.meshes import meshes_beside
-from signorini.accuracy.sizes import beside
 from signorini.analysis import other_meshes
 from signorini.analysis.estimate import estimates_of
 from signorini.base.numbers import estimated
@@ -23,11 +20,9 @@ from signorini.base.plain import plain
 from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import disc
-from signorini.mesh.refined import refined
-from signorini.output import path_json, results_json, write
+from signorini.output import results_json, write
 from signorini.results.figures import figures
 from signorini.results.panels import panel
-from signorini.results.quantities import Catalogue
 
 POINTS = [[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]]
 EDGES = ["left", "right", "bottom", "top"]
@@ -119,35 +114,6 @@ def test_the_edge_of_contact_has_half_widths_along_both_axes() -> None:
     assert np.shape(widths) == line.shape
     assert 0 < np.max(widths) < 0.1
     assert 0 < own["contact_area"] < 0.3
-
-
-@pytest.mark.parametrize("divisions", [(4, 4), (12, 12), (20, 20), (40, 40)])
-def test_half_widths_cover_the_plate(divisions: tuple[int, int]) -> None:
-    """Hard simply supported, h/a = 0.1: the series of DESIGN's reference, w D/qa⁴ = 0.00427284."""
-    model = Model(
-        material={"E": 12 * 0.91 / 1e-3, "nu": 0.3},
-        plate={"shape": "rectangle", "size": [1, 1], "thickness": 0.1},
-        mesh={"divisions": divisions},
-        support=[{"name": "edges", "edge": EDGES, "fix": "hard"}],
-        load=[{"pressure": 1.0}],
-    )
-    solved = solve(model)["all"]
-    widths = widths_of(solved)
-    width, error = widths["deflection"]["max"], abs(solved.deflection.max() - 0.00427284)
-    assert error <= width <= 0.02 * 0.00427284 * (20 / divisions[0]) ** 2
-    assert widths["supports"][0]["reaction"] < 1e-8
-
-
-def test_half_widths_of_the_largest_moments_cover_those_of_a_finer_mesh() -> None:
-    walls = [{"edge": EDGES, "resists": "down"}]
-    load = [{"pressure": 5e3, "area": {"rectangle": [0, 0, 2, 3]}}]
-    coarse, fine = (solve(slab(mesh={"divisions": [n, n]}, support=walls, load=load))["all"] for n in (16, 64))
-    widths = widths_of(coarse)["fields"]
-    for name in ("mx", "my", "mxy"):
-        for side in ("max", "min"):
-            width = widths[name][side]
-            change = abs(getattr(coarse.extremes[name], side) - getattr(fine.extremes[name], side))
-            assert change <= width < 10 * max(change, 1e-2 * np.abs(fine.moment).max()), (name, side)
 
 
 def test_half_widths_at_free_edges_of_thin_plates_know_the_layer_that_no_mesh_shows() -> None:
@@ -286,19 +252,6 @@ def test_an_accuracy_that_no_other_mesh_can_judge_is_said_to_be_unknown(monkeypa
     assert "The accuracy of 0.1 that was asked for is not known to be reached" in found.accuracy_warning
 
 
-def test_who_watches_can_end_what_other_meshes_take() -> None:
-    seen = []
-
-    def watch(now: signorini.Progress) -> None:
-        seen.append(str(now))
-        raise KeyboardInterrupt
-
-    result = solve(slab())["all"]
-    with pytest.raises(KeyboardInterrupt):
-        estimate(result, watch)
-    assert seen[-1] == "meshing, on a mesh of half its size"
-
-
 def test_a_combination_without_equilibrium_has_none() -> None:
     model = slab(
         support=[{"at": POINTS, "resists": "down"}],
@@ -344,45 +297,6 @@ def test_plates_read_from_a_file_are_divided_on_request(tmp_path: Path) -> None:
     assert compared.elements == tuple(len(mesh.elements) * factor for factor in (16, 4, 1))
 
 
-@pytest.mark.parametrize("part", [0.0, 0.5, 1.0])
-def test_a_divided_mesh_keeps_its_shape_and_its_edges(part: float) -> None:
-    mesh = halved(disc((0.0, 0.0), 1.0, (4, 8), sector=180), part)
-    fine = refined(mesh, 2)
-    assert fine.triangles.sum() == 16 * mesh.triangles.sum()
-    assert len(fine.elements) == 16 * len(mesh.elements)
-    assert fine.element_area.sum() == pytest.approx(mesh.element_area.sum(), rel=1e-12)
-    for name, triples in mesh.edges.items():
-        divided = fine.edges[name]
-        assert len(divided) == 4 * len(triples)
-        assert (divided[1:, 0] == divided[:-1, 2]).all()
-
-
-def test_changes_that_do_not_shrink_widen_a_half_width() -> None:
-    values = np.array([[1.0, 1.0], [1.1, 1.1], [1.5, 1.2]])
-    widths, _ = half_widths(values, [1, 2, 4], 0, 0.9, np.zeros(2), np.ones(2), np.ones(2, bool))
-    assert 0.1 < widths[0] < 0.5 * widths[1]
-
-
-def test_what_is_known_by_two_meshes_or_beside_nodes_left_out_is_trusted_less() -> None:
-    values, none = np.array([[1.0], [1.01], [1.1]]), np.zeros(1)
-
-    def width(values: np.ndarray[Any, Any], fringe: bool = False) -> float:
-        sizes = [1.0, 2.0, 4.0][: len(values)]
-        return float(half_widths(values, sizes, 1, 0.9, none, np.ones(1), none == 0, fringe)[0][0])
-
-    assert width(values) < 0.5 * width(values, fringe=True)
-    assert width(values[:2]) == pytest.approx(0.01 + 0.01 / (2**0.5 - 1))
-
-
-def test_principal_and_design_moments_change_with_the_moments_they_are_of() -> None:
-    every = Catalogue.of(slab(), (4, 0, 0), (True, True, True), 1, ()).by_name
-    numbers = Catalogue.of(slab(), (4, 0, 0), (True, True, True), 1, ()).numbers
-    of = [numbers[every[f"probe[1].{name}"]] for name in ("mx", "my", "mxy", "mx_bottom")]
-    changes = np.array([[8.0], [1.0], [0.0], [0.5]])
-    assert beside(of, changes).ravel().tolist() == [4.0, 4.0, 4.0, 4.0]
-    assert beside(of, np.array([[0.0], [0.0], [0.0], [2.0]])).ravel().tolist() == [0.0, 0.0, 0.0, 1.0]
-
-
 def test_a_design_moment_of_zero_has_a_half_width_where_the_moments_reach_beyond_it() -> None:
     model = Model(
         material={"E": 30e9, "nu": 0.2},
@@ -398,53 +312,6 @@ def test_a_design_moment_of_zero_has_a_half_width_where_the_moments_reach_beyond
     assert -far.moment[0] > of_far["moment"][0] + of_far["moment"][2] > of_far["design_moment"]["bottom"][0] * 1e3
     reach = near.moment[0] + of_near["moment"][0] + of_near["moment"][2]
     assert of_near["design_moment"]["bottom"][0] == pytest.approx(reach, rel=0.01)
-
-
-def test_a_mesh_that_is_no_other_gives_way_to_a_third(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = other_meshes.discretise
-
-    def finer_only(model: Model, mesh: object) -> object:
-        if model.mesh.divisions is not None and model.mesh.divisions < (20, 20):
-            raise InputError("hardly other ones")
-        return whole(model, mesh)
-
-    monkeypatch.setattr(other_meshes, "discretise", finer_only)
-    plain = {"support": [{"edge": EDGES, "fix": "simple"}], "load": [{"pressure": 1.0}]}
-    assert estimate(solve(rectangular(divisions=[20, 20], **plain))["all"]).elements == (6400, 1600, 400)
-
-
-def test_where_a_slot_says_how_large_elements_are_a_third_mesh_is_divided_once_more() -> None:
-    slot = {"area": {"rectangle": [0.2995, 0.037, 0.3005, 0.041]}, "thickness": 0.0005}
-    model = Model(
-        material={"E": 30e9, "nu": 0.2},
-        plate={"shape": "polygon", "points": [[0, 0], [1, 0], [1, 0.02], [0, 0.13]], "thickness": 0.001},
-        zone=[slot],
-        mesh={"size": 0.036},
-        support=[{"edge": ["edge 1", "edge 3"], "fix": "simple"}],
-        load=[{"pressure": 1.0}],
-    )
-    mesh = discretise(model).mesh
-    assert 312 < len(mesh.elements) <= 625
-    first = next(meshes_beside(model, mesh))
-    assert [other.words for other in first] == [
-        "half its size, divided",
-        "twice its size",
-        "a quarter of its size, divided",
-    ]
-
-
-def test_the_terminal_prints_half_widths_and_what_they_are_of(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    from rich.console import Console
-
-    from signorini.cli.tables import print_results
-
-    found = solve(slab())
-    print_results(Console(width=100), found, estimate(found))
-    shown = capsys.readouterr().out
-    assert "±" in shown
-    assert "of the equations; of the mesh: ± by 256, 64 and 16 elements" in shown
 
 
 def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> None:
@@ -526,22 +393,6 @@ def test_governing_reactions_have_half_widths() -> None:
     assert none["governing_reactions"][0]["plus_minus"] is None
 
 
-def test_rows_of_a_table_whose_lines_leave_no_coarser_mesh_are_compared_with_a_finer_one() -> None:
-    pads = [[x, y] for x in (0.5, 1.5, 2.5, 3.5) for y in (0.5, 1.5, 2.5, 3.5)]
-    results = signorini.solve(
-        rectangular(
-            mesh={"size": 0.5},
-            support=[{"edge": EDGES, "fix": "simple"}],
-            load=[{"case": "Q", "force": 1e3, "at": pads, "patch": [0.5, 0.5]}],
-            combination=[{"name": "Q", "factors": {"Q": 1.0}}],
-            output={"combinations": "table"},
-        )
-    )
-    estimates = estimate(results)
-    assert estimates.no_others == "" and estimates.table
-    assert results_json(results, estimates)["table"]["warnings"] == []
-
-
 def failing_on(*sides: int) -> Any:
     """Discretises, but not with elements of some sizes."""
 
@@ -581,31 +432,6 @@ def test_a_mesh_that_cannot_be_solved_is_told_and_half_widths_are_wider(
     assert told(alone)[0].startswith("Half-widths (±) are widened, they come from one other mesh alone; on a mesh of ")
     fine, coarse = (solve(slab(mesh={"divisions": [n, n], "error": False}))["all"].extremes["mx"].max for n in (8, 4))
     assert widened > 6 * abs(fine - coarse) > 0
-
-
-def test_every_event_of_a_path_and_its_end_have_half_widths() -> None:
-    def propped(along: int) -> Model:
-        return rectangular(
-            divisions=(along, along),
-            support=[
-                {"edge": EDGES, "fix": "clamped"},
-                {"name": "prop", "at": [2, 2], "resists": "down", "gap": 1e-4},
-                {"name": "bolt", "at": [1, 2], "resists": "up", "gap": 1e-5},
-            ],
-            load=[{"case": "Q", "pressure": 10e3}],
-        )
-
-    found = signorini.path(propped(8), None, "Q", until=20.0)
-    written = path_json(found, estimate(found))
-    fine = path_json(signorini.path(propped(24), None, "Q", until=20.0))
-    widths = [event["t"] for event in written["plus_minus"]["support_events"]]
-    both = zip(written["support_events"], fine["support_events"], strict=True)
-    changes = [abs(one["t"] - other["t"]) for one, other in both]
-    assert len(widths) > 0
-    assert all(0 < change <= width < 0.5 for change, width in zip(changes, widths, strict=True))
-    assert written["plus_minus"]["end"] == 0.0
-    at = found.at(10.0)
-    assert 0 < widths_of(at)["supports"][1]["reaction"] < 0.1 * at.reactions["prop"]
 
 
 def test_extremes_in_pictures_have_their_half_widths(estimated_result: Estimate) -> None:

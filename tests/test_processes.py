@@ -4,7 +4,6 @@ import multiprocessing
 import os
 import subprocess
 import sys
-import threading
 
 import numpy as np
 import pytest
@@ -59,26 +58,6 @@ def test_a_forked_process_solves_what_its_parent_solves(answer) -> None:
         assert pool.map_async(answer, loads).get(timeout=SECONDS) == here
 
 
-@pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")
-def test_so_does_a_fork_of_a_fork() -> None:
-    here = solved(5.0)
-    child = os.fork()
-    if child == 0:
-        code = 1
-        try:
-            grandchild = os.fork() if solved(5.0) == here else -1
-            if grandchild == 0:
-                os._exit(0 if solved(5.0) == here else 1)
-            code = os.waitstatus_to_exitcode(os.waitpid(grandchild, 0)[1])
-        finally:
-            os._exit(code)
-    waiting = threading.Timer(SECONDS, os.kill, (child, 9))
-    waiting.start()
-    ended = os.waitpid(child, 0)[1]
-    waiting.cancel()
-    assert os.waitstatus_to_exitcode(ended) == 0
-
-
 IN_CALLBACKS = """
 import sys, threading
 sys.path.insert(0, {folder!r})
@@ -112,17 +91,3 @@ def test_a_callback_runs_on_the_thread_that_asked_and_may_solve_itself(threads: 
     code = IN_CALLBACKS.format(folder=os.path.dirname(__file__))
     environment = {**os.environ, "RAYON_NUM_THREADS": threads}
     subprocess.run([sys.executable, "-c", code], env=environment, timeout=SECONDS, check=True)
-
-
-class Stopped(Exception):
-    pass
-
-
-def test_what_a_callback_raises_ends_the_solve() -> None:
-    def stop(progress: signorini.Progress) -> None:
-        if progress.step:
-            raise Stopped
-
-    with pytest.raises(Stopped):
-        signorini.solve(on_soil(5.0), progress=stop)
-    assert signorini.solve(model())["all"].certificate.passed

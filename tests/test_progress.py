@@ -3,26 +3,20 @@
 import os
 import pty
 import re
-import signal
 import subprocess
 import sys
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from itertools import groupby
 from pathlib import Path
 from threading import Thread
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from models import rectangular
 
 import signorini
-from signorini import Progress, _core
+from signorini import Progress
 from signorini.cli import progress
-from signorini.contact import strategy
-from signorini.contact.certificate import certified
 
 SLAB = """
 material = { E = 30e9, nu = 0.2 }
@@ -105,38 +99,6 @@ def on_a_terminal(command: list[str]) -> tuple[str, str]:
     return printed.decode(), shown.decode()
 
 
-@pytest.mark.parametrize("method", ["active_set", "interior_point"])
-def test_a_combination_without_load_is_out_of_balance_by_a_number(method: str) -> None:
-    """Also with soil all over, of which the active set closes points with nothing to press them."""
-    model = rectangular(
-        support=[{"area": "all", "resists": "down", "stiffness": 3e7}, {"at": [2, 2], "resists": "up", "gap": 1e-3}],
-        load=[{"case": "G", "pressure": 1e3}],
-        combination=[{"name": "none", "factors": {"G": 0.0}}, {"name": "all", "factors": {"G": 1.0}}],
-        solver={"method": method},
-        output={"combinations": "table"},
-    )
-    told: list[Progress] = []
-    signorini.solve(model, told.append)
-    assert any(now.step for now in told) and np.isfinite([now.residual for now in told]).all()
-
-
-def test_methods_that_take_over_say_their_names(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every answer is judged by a larger load, so that none is certified."""
-    problem = signorini.contact_problem(props("active_set"))
-    told: list[tuple[str, int]] = []
-    monkeypatch.setattr(strategy, "certified", lambda found, load, *others: certified(found, 1.01 * load, *others))
-    tried = strategy.answered(problem, problem.discretisation.cases["Q"], lambda *now: told.append(now[:2]))
-    assert not tried.passed
-    every = [list(part) for _, part in groupby(told, lambda now: now[0])]
-    assert list(dict.fromkeys(now[0] for now in told)) == [
-        "the active set",
-        "Lemke's algorithm",
-        "the saddle-point system",
-        "the interior point method",
-    ]
-    assert all(part[0][1] == 0 for part in every[1:]) and every[0][0][1] == 1
-
-
 @pytest.mark.parametrize("method", ["lemke", "interior_point"])
 def test_methods_without_newton_steps_are_told_of_and_stopped_too(method: str) -> None:
     # Of 365 rigid points half open, a pivot each.
@@ -184,51 +146,6 @@ def test_what_is_no_terminal_shows_nothing(slab: Path, environment: dict[str, st
     assert done.stderr == b""
 
 
-def test_a_combination_without_steps_is_told_once() -> None:
-    model = signorini.validate(
-        {
-            "material": {"E": 30e9, "nu": 0.2},
-            "plate": {"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-            "mesh": {"divisions": [2, 2]},
-            "support": [{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
-            "load": [{"pressure": 1e3}],
-        }
-    )
-    told: list[Progress] = []
-    signorini.solve(model, progress=told.append)
-    assert [str(now) for now in told] == ["meshing", "assembling and factoring", "all: solving"]
-
-
-class Late(Exception):
-    """Raised by a signal."""
-
-
-@contextmanager
-def interrupted_after(seconds: float) -> Iterator[None]:
-    """Raise `Late` in what runs inside, as Ctrl-C raises `KeyboardInterrupt`; it must come to an end soon after."""
-
-    def raise_late(*_: object) -> None:
-        raise Late
-
-    before = signal.signal(signal.SIGALRM, raise_late)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    begun = time.monotonic()
-    try:
-        with pytest.raises(Late):
-            yield
-        assert time.monotonic() - begun < seconds + 5.0
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
-
-
-def test_a_signal_ends_lemkes_pivots() -> None:
-    # Murty's problem, which takes 2⁴⁰ of them.
-    matrix = np.eye(40) + 2.0 * np.tri(40, k=-1)
-    with interrupted_after(0.3):
-        _core.lemke(matrix, 2.0 ** np.arange(40, 0, -1) - 2.0**41, max_pivots=10**15)
-
-
 def props(method: str) -> signorini.Model:
     """A plate on many props, which close and open one by one as the load grows."""
     return rectangular(
@@ -257,27 +174,6 @@ def test_a_watcher_sees_the_solves_of_a_path_and_ends_them(method: str, events: 
     assert any(now.combination == "t = 0" for now in told)
 
 
-def test_a_watcher_ends_the_solution_that_others_begin_with() -> None:
-    def enough(step: int, changing: int, residual: float) -> None:
-        raise Enough
-
-    problem = signorini.contact_problem(props("active_set"))
-    with pytest.raises(Enough):
-        problem.near(problem.discretisation.cases["G"].nodal, enough)
-
-
-def test_a_signal_ends_sums_of_responses() -> None:
-    problem = signorini.contact_problem(props("lemke"))
-    found, core = problem.discretisation, problem.core
-    rest = _core.rest_response(core, found.held.values)
-    cases = _core.load_responses(core, np.array([found.cases[case].nodal for case in ("G", "Q")]))
-    points = _core.point_responses(core, 0, len(found.contacts))
-    shared = _core.combined_cases(core, rest, cases, points)
-    factors = np.column_stack([np.ones(300_000), np.linspace(0.0, 5.0, 300_000)])
-    with interrupted_after(0.5):
-        _core.combine(core, shared, factors)
-
-
 def test_a_log_gets_a_plain_line_now_and_then(monkeypatch, capsys) -> None:
     clock = iter([0.0, 1.0, 59.0, 61.0, 62.0, 120.0, 125.0])
     monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: next(clock)))
@@ -288,8 +184,3 @@ def test_a_log_gets_a_plain_line_now_and_then(monkeypatch, capsys) -> None:
         f"after {after} s: a\\x1b[31m: step {step}, 1 contact point changing, imbalance 5.0e-01"
         for after, step in ((61, 2), (125, 5))
     ]
-
-
-def test_a_log_of_a_short_run_stays_empty(slab: Path) -> None:
-    done = subprocess.run([sys.executable, "-m", "signorini", "solve", slab], capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")

@@ -134,26 +134,6 @@ def test_a_mesh_is_refined_until_it_is_as_near_as_asked(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "place",
-    [
-        {"at": [[2, 2], [8, 2], [5, 8]]},
-        {"at": [[2, 2], [8, 2], [5, 8]], "patch": [0.8, 0.8]},
-        {"edge": ["left", "right"]},
-        {"line": [[1, 1], [9, 1], [5, 9]]},
-        {"circle": {"center": [5, 5], "radius": 3}},
-        {"area": {"rectangle": [1, 1, 9, 9]}},
-    ],
-    ids=lambda place: next(iter(place)) + " patch" * ("patch" in place),
-)
-def test_supports_of_every_kind_may_be_there(place: dict[str, object]) -> None:
-    """The part of points in contact, a count, had no size to be judged by."""
-    for stiffness in ({}, {"stiffness": 1e7}):
-        props = {**place, **stiffness, "resists": "down"}
-        results = solve(asked(0.9, support=[props], load=[{"pressure": 2e3}]))
-        assert 0 < results.refinement[-1].worst <= 0.9 and not results.accuracy_warning
-
-
-@pytest.mark.parametrize(
     "given",
     [
         {"support": [{"edge": ["left", "right"], "fix": "simple"}], "load": [{"curvature": [1e-4, 0, 0]}]},

@@ -2,13 +2,11 @@
 
 import os
 import re
-import sys
 from pathlib import Path
 
 import pytest
 
 import signorini
-from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.mesh.meshfile import read as read_mesh
 
@@ -51,10 +49,3 @@ def test_a_link_to_a_file_is_read(tmp_path: Path) -> None:
     (tmp_path / "slab.toml").write_text("\ufeff" + SLAB, "utf-8")
     (tmp_path / "link.toml").symlink_to("slab.toml")
     assert signorini.load(tmp_path / "link.toml") == signorini.load(tmp_path / "slab.toml")
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="a file that says its size is 0")
-def test_a_file_that_does_not_tell_its_size_is_read_up_to_the_most_there_may_be() -> None:
-    assert b"Name:" in read_regular("/proc/self/status", 10**5)
-    with pytest.raises(OSError, match="larger than"):
-        read_regular("/proc/self/status", 100)

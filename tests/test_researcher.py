@@ -86,13 +86,6 @@ def test_travel_and_settlement_and_points_that_hold_both_ways_are_told_apart() -
     assert problem.positions[3].tolist() == [3.9, 0.3]
 
 
-def test_nobody_writes_into_the_arrays_of_a_problem() -> None:
-    problem = contact_problem(model(CLAMPED, PROPS))
-    for name in ("gaps", "settlements", "compliance", "two_sided", "positions", "held", "held_values", "frames"):
-        with pytest.raises(ValueError, match="read-only"):
-            getattr(problem, name)[0] = 1
-
-
 def test_dofs_are_ordered_as_documented() -> None:
     problem = contact_problem(model({**CLAMPED, "settlement": 1e-3, "rotation": [2e-3, "3e-3*y"]}, PROPS))
     x, y = problem.mesh.points.T
@@ -124,18 +117,6 @@ def test_frames_of_an_edge_askew_have_their_first_slope_across_it() -> None:
     assert np.abs(slopes[end, 0]).max() < 1e-12 * np.abs(result.rotation).max()
 
 
-def test_frames_of_rows_are_those_of_the_nodes() -> None:
-    sector = {"shape": "annulus", "inner": 1, "outer": 2, "sector": 60, "thickness": 0.2}
-    supports = [{"edge": ["start", "end"], "fix": "symmetry"}, {"edge": "inner", "fix": "simple"}]
-    problem = contact_problem(model(*supports, plate=sector, load=[{"pressure": 5e3}]))
-    result = solve(problem.discretisation.model)["all"]
-    node = int(np.argmax(np.hypot(*problem.mesh.points.T) + problem.mesh.points[:, 1]))
-    u = problem.free(problem.load("all"))
-    for of, value in zip(("w", "θx", "θy"), (result.deflection[node], *result.rotation[node]), strict=True):
-        found = problem.rows_at(problem.mesh.points[node], of) @ u
-        assert found == pytest.approx(value, abs=1e-9 * np.abs(result.rotation).max())
-
-
 def test_a_sweep_keeps_the_mesh_and_is_the_same_as_each_of_its_models_alone() -> None:
     first = contact_problem(model(CLAMPED, PROPS))
     for changes in (
@@ -149,13 +130,6 @@ def test_a_sweep_keeps_the_mesh_and_is_the_same_as_each_of_its_models_alone() ->
         assert (swept.G != first.G).nnz == 0
         assert np.array_equal(swept.dual(swept.load("all"))[0], alone.dual(alone.load("all"))[0])
         assert np.array_equal(swept.dual(swept.load("all"))[1], alone.dual(alone.load("all"))[1])
-
-
-def test_a_sweep_keeps_the_mesh_where_another_model_would_have_it_follow_its_lines() -> None:
-    first = contact_problem(model(CLAMPED, PROPS))
-    other = model(CLAMPED, {"line": [[3.1, 0], [3.1, 3]], "resists": "down", "stiffness": 1e8})
-    assert not np.array_equal(contact_problem(other).mesh.points, first.mesh.points)
-    assert first.with_model(other).mesh is first.mesh
 
 
 def test_a_sweep_to_another_outline_is_refused() -> None:
@@ -260,18 +234,6 @@ def test_rows_of_ones_own_have_the_answer_that_supports_have(both: tuple) -> Non
     assert found.deflection == pytest.approx(wanted.deflection, abs=1e-10 * wanted.deflection.max())
     assert found.moment == pytest.approx(wanted.moment, abs=1e-9 * np.abs(wanted.moment).max())
     assert found.certificate.passed
-
-
-def test_a_problem_with_rows_of_ones_own_says_what_it_is(both: tuple) -> None:
-    for problem in both:
-        assert repr(problem).startswith(f"{type(problem).__name__}(")
-
-
-@pytest.mark.parametrize("wrong", WRONG)
-def test_wrong_reactions_of_ones_own_rows_are_refused(wrong: str, both: tuple) -> None:
-    whole, own = both
-    with pytest.raises(NotCertifiedError, match="These reactions are not the answer"):
-        recover(own, "all", WRONG[wrong](answered(whole)))
 
 
 def test_a_row_may_couple_dofs_far_apart() -> None:

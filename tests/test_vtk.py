@@ -4,7 +4,6 @@ from pathlib import Path
 
 import meshio
 import numpy as np
-import pytest
 from halving import halved
 from models import rectangular
 
@@ -26,22 +25,6 @@ def test_quadrilaterals_and_triangles_come_back_from_a_file_to_the_last_bit(tmp_
     np.testing.assert_array_equal(triangles.data, mesh.elements[mesh.triangles][:, [0, 1, 2, 4, 5, 7]])
     for name, values in fields.items():
         np.testing.assert_array_equal(back.point_data[name], values)
-
-
-def test_a_failure_leaves_the_old_file_and_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    target = tmp_path / "a.vtu"
-    target.write_text("old")
-
-    def fail(path: Path, mesh: meshio.Mesh) -> None:
-        Path(path).write_text("half")
-        raise OSError("the disk is full")
-
-    monkeypatch.setattr(meshio.vtu, "write", fail)
-    mesh = rectangle((0.0, 0.0), (2.0, 1.0), (3, 2))
-    with pytest.raises(OSError, match="full"):
-        write_vtu(target, as_meshio(mesh.points, mesh.elements, {}))
-    assert [path.name for path in tmp_path.iterdir()] == ["a.vtu"]
-    assert target.read_text() == "old"
 
 
 def test_results_are_tables_datasets_and_grids_of_other_packages() -> None:

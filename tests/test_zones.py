@@ -5,7 +5,6 @@ import pickle
 import meshio
 import numpy as np
 import pytest
-from models import rectangular
 from pytest import approx
 
 from signorini import InputError, Model, estimate, path, solve
@@ -13,7 +12,6 @@ from signorini.analysis.check import check
 from signorini.discretise import discretise
 from signorini.formats.vtk import as_meshio, write_vtu
 from signorini.output import write
-from signorini.shapes import Polyline
 
 CONCRETE = {"E": 30e9, "nu": 0.2, "unit_weight": 25e3}
 MIDDLE = {"rectangle": [3, 2, 5, 4]}
@@ -35,13 +33,6 @@ def slab(*zones, plate=None, **given):
 
 def solved(*zones, **given):
     return solve(slab(*zones, **given))["all"]
-
-
-def test_a_zone_like_the_plate_changes_no_bit():
-    plain = solved()
-    for zone in ({"thickness": 0.2}, {"material": CONCRETE}, {"modifiers": {}}):
-        alike = solved({"area": MIDDLE, **zone})
-        assert (alike.deflection == plain.deflection).all() and (alike.moment == plain.moment).all()
 
 
 @pytest.mark.parametrize(
@@ -102,41 +93,6 @@ def test_a_slot_between_two_zones_is_found_as_a_thin_zone_is(width):
     assert between.deflection == approx(thin.deflection, rel=1e-9, abs=1e-12)
     assert between.deflection.max() > (1 + 100 * width) * whole.deflection.max()
     assert any(one.what.startswith("Border of zone 2 within") for one in between.singular)
-
-
-def test_a_border_a_little_beside_lines_of_the_mesh_cuts_no_element():
-    found = discretise(slab({"area": {"rectangle": [3, 2, 5, 4.0001]}, "thickness": 0.4}, mesh={"divisions": [8, 6]}))
-    mesh = discretise(slab(mesh={"divisions": [8, 6]})).mesh
-    beside = discretise(found.model, mesh)
-    assert not beside.zones.parted.any() and beside.thickness.layered is None
-
-
-def test_a_zone_that_is_other_in_shear_alone_may_cut_elements():
-    """What is as stiff in bending on both sides of the cut has a direction all the same."""
-    found = []
-    for shear in (1.0, 0.1, 0.01):
-        zone = {"area": {"circle": {"center": [4, 3], "radius": 1.7}}, "modifiers": {"shear": shear}}
-        found.append(solved(zone, plate={"thickness": 0.8}, mesh={"divisions": [9, 7]}).deflection.max())
-    assert found[0] < found[1] < 1.05 * found[0] < found[2] < 1.2 * found[0]
-
-
-@pytest.mark.parametrize("inside", [{"radius": 0.7}, {"radius": 0.4}, {"radius": 0.4, "center": [4.3, 3]}])
-def test_a_ring_and_what_is_in_it_are_circles_one_over_another(inside):
-    """The inner zone fills the ring, is apart from it, or touches it."""
-
-    def circle(**round_):
-        return {"circle": {"center": [4, 3]} | round_}
-
-    ring = {"annulus": {"center": [4, 3], "inner": 0.7, "outer": 1.4}}
-    coarse = {"mesh": {"size": 0.5, "error": False}}
-    core = {"area": circle(**inside), "thickness": 0.5}
-    one = solved({"area": ring, "thickness": 0.4}, core, **coarse)
-    plain = {"area": circle(radius=0.7), "thickness": 0.2}
-    other = solved({"area": circle(radius=1.4), "thickness": 0.4}, plain, core, **coarse)
-    assert one.certificate.passed and len(one.deflection) == len(other.deflection)
-    assert one.deflection == approx(other.deflection, rel=1e-9, abs=1e-9 * one.deflection.max())
-    fine = solved({"area": ring, "thickness": 0.4}, core, mesh={"size": 0.2, "error": False})
-    assert one.deflection.max() == approx(fine.deflection.max(), rel=5e-3)
 
 
 def test_where_zones_overlap_later_ones_win_key_by_key():
@@ -213,18 +169,6 @@ def test_sections_cut_areas_with_arcs():
     segment = np.arccos(0.2) - 0.2 * np.sqrt(1 - 0.04)
     right = result.reactions["right"] - 5e3 * segment
     assert abs(section.shear) == approx(abs(right), rel=1e-9)
-
-
-def test_a_zone_of_arcs_is_the_circle():
-    arcs = [[5.3, 3], {"through": [4, 4.3], "to": [2.7, 3]}, {"through": [4, 1.7], "to": [5.3, 3]}]
-    given = {"mesh": {"size": 0.4, "error": False}, "plate": {"holes": [{"rectangle": [0.4, 0.6, 1.2, 1.4]}]}}
-    for rest in (given, {"mesh": {"divisions": [16, 12]}}):
-        circle, other = (
-            solved({"area": area, "thickness": 0.4}, **rest)
-            for area in ({"circle": {"center": [4, 3], "radius": 1.3}}, {"polygon": arcs})
-        )
-        assert other.deflection.max() == approx(circle.deflection.max(), rel=1e-3 if rest is given else 1e-6)
-        assert [one.what for one in other.singular] == [one.what for one in circle.singular]
 
 
 def test_arcs_that_cross_a_side_are_refused():
@@ -339,15 +283,6 @@ def test_combinations_paths_and_paths_know_the_sides():
     assert (again.moment == each.moment).all()
 
 
-def test_a_point_on_a_border_reads_the_larger_side():
-    result = solved(THICK)
-    (border,) = result.probe([(3, 3)])
-    beside = result.probe([(2.9999999, 3), (3.0000001, 3)])
-    for number in range(3):
-        assert border.moment[number] == approx(max((one.moment[number] for one in beside), key=abs), rel=1e-4, abs=1)
-    assert abs(border.moment[1] - beside[0].moment[1]) > 1e4
-
-
 def test_corners_of_borders_inside_the_plate_are_named_with_what_grows_there():
     named = {one.what: one for one in check(slab(THICK)).singular}
     (corners,) = (one for what, one in named.items() if "zone 1" in what)
@@ -459,33 +394,3 @@ def test_rows_that_cannot_follow_a_border_give_way_to_elements_that_do():
     result = solved(circle, mesh={"size": 0.5})
     width = estimate(result).plus_minus["deflection"]["max"]
     assert result.certificate.passed and width < 0.02 * result.deflection.max()
-
-
-def test_a_zone_along_a_round_edge_asks_for_no_room_beside_it():
-    half = [[8, 0], {"through": [32**0.5, 32**0.5], "to": [0, 8]}, {"through": [-(32**0.5), 32**0.5], "to": [-8, 0]}]
-    border = [[8, 0], {"through": [0, 8], "to": [-8, 0]}, [-6.8, 0], {"through": [0, 6.8], "to": [6.8, 0]}]
-    disc = {"shape": "disc", "radius": 8, "thickness": 0.25}
-    polygon = {"shape": "polygon", "points": half, "thickness": 0.25}
-    ring = {"annulus": {"center": [0, 0], "inner": 6.8, "outer": 8}}
-    for plate, area in ((disc, ring), (polygon, {"polygon": border})):
-        zone = {"area": area, "thickness": 0.45}
-        support = {"area": "all", "stiffness": 1e6, "resists": "both"}
-        model = Model(
-            material=CONCRETE, plate=plate, mesh={"size": 1}, zone=[zone], support=[support], load=[{"pressure": 5e3}]
-        )
-        assert np.sqrt(discretise(model).mesh.element_area).min() > 0.3
-
-
-@pytest.mark.parametrize("aside", [[5.0], [8.0], [5.0, 6.0, -295.0]])
-def test_sections_beside_a_border_leave_the_mesh_on_it(aside) -> None:
-    model = rectangular(
-        plate={"shape": "rectangle", "size": [600, 600], "thickness": 40},
-        mesh={"size": 25},
-        zone=[{"area": {"rectangle": [155, 150, 445, 450]}, "thickness": 160}],
-        support=[{"area": "all", "resists": "down", "stiffness": 0.1}],
-        load=[{"force": 400, "at": [300, 300], "patch": [290, 300]}],
-        section=[{"line": [[155 - x, 0], [155 - x, 600]]} for x in aside],
-    )
-    mesh = discretise(model).mesh
-    for a, b in (((155, 150), (155, 450)), ((445, 150), (445, 450)), ((155, 150), (445, 150))):
-        assert mesh.edges_along(Polyline((a, b))) is not None

@@ -28,15 +28,6 @@ def test_plates_that_rounding_made_hard_are_certified(path: Path) -> None:
     assert solved and all(result.certificate.passed for result in solved)
 
 
-@pytest.mark.parametrize(
-    "path", [path for path in PLATES if "beside_props_both_ways" in path.stem], ids=lambda path: path.stem
-)
-def test_props_that_hold_both_ways_leave_the_active_set_its_way(path: Path) -> None:
-    """Their forces stayed in the residual of conjugate gradients, and steps that added energy made up for it."""
-    (result,) = solve(validate(json.loads(path.read_text()))).values()
-    assert result.method == "active_set" and not result.unsettled
-
-
 def test_where_points_follow_from_several_equations_what_is_shared_by_the_sign_is_what_these_have() -> None:
     """Reactions of a load without a resultant missed 7 % of their size."""
     tables = json.loads((Path(__file__).parent / "hard_plates" / "floors_and_columns_between.json").read_text())

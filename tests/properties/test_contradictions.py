@@ -170,17 +170,6 @@ def test_formulas_that_meet_at_zero_but_for_rounding_are_solved(case: str) -> No
         assert signorini.solve(wanted)["all"].certificate.passed
 
 
-def test_a_thousand_supports_at_points_are_compared_pair_by_pair_only_where_they_are_near() -> None:
-    pins = [
-        {"at": [0.05 + 3.9 * (i % 40) / 39, 0.05 + 3.9 * (i // 40) / 25], "gap": 1e-3, "settlement": 1e-4 * i}
-        for i in range(1000)
-    ]
-    discretise(model(pins))
-    pins[700]["at"] = pins[100]["at"]
-    with pytest.raises(InputError, match=r"support\[701\]: Supports contradict each other"):
-        discretise(model(pins))
-
-
 def test_supports_of_many_points_are_compared_where_they_are_near() -> None:
     rows = [{"at": [[0.1 + 0.2 * i, 0.03 * k] for i in range(19)], "settlement": 1e-4 * k} for k in range(1, 100)]
     discretise(model([{**row, "gap": 1e-5} for row in rows]))
