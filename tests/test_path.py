@@ -13,7 +13,7 @@ from slab_on_pads import SLAB
 
 import signorini
 from signorini.output import path_csv, path_json
-from signorini.results.named_events import PathEvent, in_words
+from signorini.results.path_events import PathEvent, in_words
 
 
 def test_the_command_prints_the_named_events_and_writes_every_stop(slab: Path) -> None:

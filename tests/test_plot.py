@@ -26,12 +26,9 @@ from signorini.plot import (
     SupportMark,
     ZoneMark,
     check_picture,
-    contour,
     drawn_as_png,
     field_picture,
-    pressure,
     save,
-    supports,
 )
 from signorini.plot.marks import draw_support, legend_words
 from signorini.results.marks import case_totals, edge_marks, load_marks, singular_marks
@@ -58,12 +55,20 @@ POINTS = np.array(
     ]
 )
 ELEMENTS = np.array([[0, 1, 2, 3, 6, 7, 8, 9], [3, 5, 4, 0, 12, 11, 10, 9]])
-PLAN = Plan.of(POINTS, ELEMENTS)
+PLAN = Plan(POINTS, ELEMENTS)
 PADS = SupportMark("pads", "down", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), np.array([True, False, True]))
 
 
+def contour(values: np.ndarray) -> Axes:
+    return field_picture(PLAN, [Panel(values)]).axes[0]
+
+
+def pressure(layer: PressureLayer) -> Axes:
+    return field_picture(PLAN, [Panel([layer])]).axes[0]
+
+
 def colour_limits(values: np.ndarray) -> tuple[str, float, float]:
-    bands = next(part for part in contour(POINTS, ELEMENTS, values).collections if isinstance(part, TriContourSet))
+    bands = next(part for part in contour(values).collections if isinstance(part, TriContourSet))
     return bands.cmap.name, round(bands.norm.vmin, 12), round(bands.norm.vmax, 12)
 
 
@@ -80,19 +85,19 @@ def test_rounding_below_zero_is_not_uplift() -> None:
 
 
 def test_contours_have_their_values_written_on_them() -> None:
-    written = {text.get_text() for text in contour(POINTS, ELEMENTS, POINTS[:, 0]).texts}
+    written = {text.get_text() for text in contour(POINTS[:, 0]).texts}
     assert "0" in written and len(written) > 2
     assert all(-1 <= float(text.replace("−", "-")) <= 1.2 for text in written)
 
 
 @pytest.mark.parametrize("constant", [0.0, 5.0, -1e-9])
 def test_a_constant_field_can_be_drawn(constant: float) -> None:
-    axes = contour(POINTS, ELEMENTS, np.full(13, constant))
+    axes = contour(np.full(13, constant))
     axes.figure.draw_without_rendering()
 
 
 def test_closed_points_are_filled_and_open_ones_hollow() -> None:
-    axes = supports([PADS], Figure().add_subplot())
+    axes = field_picture(PLAN, [Panel(POINTS[:, 0])], [PADS]).axes[0]
     closed, opened = axes.lines
     np.testing.assert_array_equal(closed.get_xydata(), PADS.positions[[0, 2]])
     np.testing.assert_array_equal(opened.get_xydata(), PADS.positions[[1]])
@@ -106,7 +111,7 @@ def shape(axes: Axes, line: int = 0) -> list:
 
 def drawn(*kinds: str, style: str = "points", **keys: object) -> list[Axes]:
     marks = [SupportMark("s", kind, PADS.positions, style=style, **keys) for kind in kinds]
-    return [supports([mark], contour(POINTS, ELEMENTS, POINTS[:, 0])) for mark in marks]
+    return [field_picture(PLAN, [Panel(POINTS[:, 0])], [mark]).axes[0] for mark in marks]
 
 
 def test_every_kind_of_support_at_points_has_a_mark_of_its_own() -> None:
@@ -129,7 +134,7 @@ def test_lines_tell_clamped_from_hinged_from_symmetry_and_elastic_from_rigid() -
 
 def test_the_legend_tells_areas_from_lines_and_elastic_from_rigid_lines() -> None:
     def sample(style, elastic):
-        axes = contour(POINTS, ELEMENTS, POINTS[:, 0])
+        axes = contour(POINTS[:, 0])
         first = draw_support(SupportMark("s", "down", PADS.positions, style=style, elastic=elastic), axes)[1][0]
         marker = first.get_marker()
         return marker if isinstance(marker, str) else marker.vertices.tolist()
@@ -141,7 +146,7 @@ def test_the_legend_tells_areas_from_lines_and_elastic_from_rigid_lines() -> Non
 def test_of_a_line_that_lets_go_the_open_part_is_hollow() -> None:
     edge = np.column_stack([np.linspace(-1, 1, 81), np.zeros(81)])
     mark = SupportMark("wall", "down", edge, edge[:, 0] < 0.5, "line", counts=(30, 10))
-    axes = supports([mark], contour(POINTS, ELEMENTS, POINTS[:, 0]))
+    axes = field_picture(PLAN, [Panel(POINTS[:, 0])], [mark]).axes[0]
     hollow = [part for part in axes.lines if part.get_color() == "white"]
     assert [part.get_xdata()[[0, -1]].round(6).tolist() for part in hollow] == [[0.5, 1.0]]
     assert mark.label == "wall: pushes up only, 30 closed, 10 open"
@@ -185,7 +190,7 @@ def test_what_is_beyond_a_scale_has_its_last_colour() -> None:
 
 
 def test_elements_that_are_left_out_are_hatched_and_named_in_the_legend() -> None:
-    plan = Plan.of(POINTS, ELEMENTS, np.array([True, False]))
+    plan = Plan(POINTS, ELEMENTS, np.array([True, False]))
     axes = field_picture(plan, [Panel(POINTS[:, 0])]).axes[0]
     (hatched,) = [one for one in axes.patches if one.get_hatch()]
     x = hatched.get_path().vertices[:, 0]
@@ -263,7 +268,7 @@ def test_node_numbers_are_drawn_on_request() -> None:
     assert not check_picture(PLAN).axes[0].texts
     texts = check_picture(PLAN, numbers=True).axes[0].texts
     assert [(text.get_text(), text.xy) for text in texts] == [(str(i), tuple(at)) for i, at in enumerate(POINTS)]
-    many = Plan.of(np.zeros((6000, 2)), ELEMENTS)
+    many = Plan(np.zeros((6000, 2)), ELEMENTS)
     with pytest.raises(InputError, match="6000 nodes cannot be read"):
         check_picture(many, numbers=True)
 
@@ -335,14 +340,14 @@ ACROSS = CUT.interpolate(POINTS)[:, 0]
     ("bounds", "reached"), [((0, np.inf), (0.25, 1.2)), ((-np.inf, 0), (-1, 0.25)), ((-np.inf, np.inf), (-1, 1.2))]
 )
 def test_pressure_is_drawn_as_far_as_the_support_exerts_it(bounds: tuple[float, float], reached: object) -> None:
-    axes = pressure(POINTS, ELEMENTS, [PressureLayer(CUT, ACROSS - 0.25, bounds)])
+    axes = pressure(PressureLayer(CUT, ACROSS - 0.25, bounds))
     assert reach(axes, 1) == reached
 
 
 @pytest.mark.filterwarnings("error")
 def test_pressure_ends_at_the_outline_of_the_area() -> None:
     outline = np.array([[0, 0.2], [0.5, 0.2], [0.5, 0.8], [0, 0.2]])
-    axes = pressure(POINTS, ELEMENTS, [PressureLayer(CUT, ACROSS + 2, (0, np.inf), outline)])
+    axes = pressure(PressureLayer(CUT, ACROSS + 2, (0, np.inf), outline))
     for part in pressures(axes)[1:3]:
         clip, _ = part.get_transformed_clip_path_and_affine()
         np.testing.assert_array_equal(clip.vertices, outline)
@@ -387,7 +392,7 @@ def test_the_check_picture_names_edges_values_of_loads_their_sums_and_places_wit
     model = rectangular(units={"length": "m", "force": "kN"}, load=loads)
     found = discretise(model)
     figure = check_picture(
-        Plan.of(found.mesh.points, found.mesh.elements),
+        Plan(found.mesh.points, found.mesh.elements),
         loads=load_marks(found),
         totals=case_totals(found),
         edges=edge_marks(found.mesh),

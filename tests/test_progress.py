@@ -16,7 +16,7 @@ from models import rectangular
 
 import signorini
 from signorini import Progress
-from signorini.cli import progress
+from signorini.cli import streams
 
 SLAB = """
 material = { E = 30e9, nu = 0.2 }
@@ -176,8 +176,8 @@ def test_a_watcher_sees_the_solves_of_a_path_and_ends_them(method: str, events: 
 
 def test_a_log_gets_a_plain_line_now_and_then(monkeypatch, capsys) -> None:
     clock = iter([0.0, 1.0, 59.0, 61.0, 62.0, 120.0, 125.0])
-    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    with progress.progress_line() as show:
+    monkeypatch.setattr(streams, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    with streams.progress_line() as show:
         for step in range(6):
             show(Progress("a\x1b[31m", step, 1, 0.5))
     assert capsys.readouterr().err.splitlines() == [

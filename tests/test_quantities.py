@@ -16,8 +16,7 @@ from models import rectangular
 
 from signorini import Model, Result, Results, SignoriniError, estimate, path, solve, validate
 from signorini.output import results_json
-from signorini.results.formulas import design_moments, face_stresses, principal_moments
-from signorini.results.quantities import TOLD
+from signorini.results.quantities import TOLD, design_moments, face_stresses, principal_moments
 
 sys.path.insert(0, str(Path(__file__).parent / "fuzz"))
 import random_models

@@ -36,10 +36,8 @@ if TYPE_CHECKING:
     from signorini.output.writing import write
     from signorini.results.exact_path import ExactPath
     from signorini.results.load_path import LoadPath
-    from signorini.results.probe_result import ProbeResult
-    from signorini.results.profile_result import ProfileResult
+    from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StationResult, StripResult
     from signorini.results.result import Result
-    from signorini.results.section_result import SectionResult, StationResult, StripResult
     from signorini.results.support_result import SupportResult
 
 _HOME = {

@@ -24,8 +24,8 @@ import mutations
 import typer.main
 
 import signorini
+import signorini.plot.curves
 import signorini.plot.files
-import signorini.plot.load_path
 import signorini.plot.pictures
 from signorini.cli import app
 
@@ -36,7 +36,7 @@ _SELDOM = 50
 
 _PICTURES = (
     (signorini.plot.pictures, "check_picture"),
-    (signorini.plot.load_path, "load_path_picture"),
+    (signorini.plot.curves, "load_path_picture"),
     (signorini.plot.files, "save"),
 )
 _NO_PICTURES = {"solve": ("--pictures", "none")}

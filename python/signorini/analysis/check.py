@@ -144,7 +144,7 @@ class Check:
         require_picture(path)
         discretisation = self.discretisation
         figure = check_picture(
-            Plan.of(discretisation.mesh.points, discretisation.mesh.elements),
+            Plan(discretisation.mesh.points, discretisation.mesh.elements),
             zones=zone_marks(discretisation),
             supports=support_marks(discretisation),
             loads=load_marks(discretisation),

@@ -21,8 +21,7 @@ from signorini.equilibrium.limits import CONTRADICTION, supports_contradict
 from signorini.errors import NoEquilibriumError, NotCertifiedError
 from signorini.results.exact_path import ExactPath
 from signorini.results.load_path import AT_LIMIT, Ending
-from signorini.results.named_events import events_of_stops
-from signorini.results.thresholds import Threshold, first_reached
+from signorini.results.path_events import Threshold, events_of_stops, first_reached
 
 
 def exact_path(

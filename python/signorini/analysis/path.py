@@ -18,7 +18,7 @@ from signorini.errors import InputError
 from signorini.expression import LARGEST
 from signorini.model import Model
 from signorini.results.load_path import LoadPath
-from signorini.results.thresholds import thresholds
+from signorini.results.path_events import thresholds
 
 STEPS = 50
 _MOST_STEPS = 100_000

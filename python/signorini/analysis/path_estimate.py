@@ -21,7 +21,7 @@ from signorini.errors import SignoriniError
 from signorini.mesh import Mesh
 from signorini.results.exact_path import ExactPath
 from signorini.results.load_path import AT_LIMIT, LoadPath
-from signorini.results.thresholds import Threshold
+from signorini.results.path_events import Threshold
 
 _NEAR = 0.02
 """Part of the path's length about an event within which a coarser mesh is first searched for it."""

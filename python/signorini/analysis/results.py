@@ -20,11 +20,9 @@ from signorini.base.packages import package
 from signorini.contact.problem import ContactProblem
 from signorini.equilibrium.limits import nearest_limit
 from signorini.model import Combination
-from signorini.results.envelope import Envelope
-from signorini.results.exported import dataframe, dataset
+from signorini.results.envelope import Envelope, States
 from signorini.results.result import Result
-from signorini.results.rows import Column
-from signorini.results.states import States
+from signorini.results.rows import Column, dataframe, dataset
 
 _KEPT = 12
 """Results computed when they were asked for that are kept: each has every field at every node."""

@@ -17,10 +17,9 @@ from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem
 from signorini.errors import NotCertifiedError
 from signorini.results.load_path import AT_LIMIT, Ending, LoadPath
-from signorini.results.named_events import PathEvent, event_of, first_place
+from signorini.results.path_events import PathEvent, Threshold, event_of, first_place
 from signorini.results.path_stop import PathStop
 from signorini.results.support_points import SupportPoints
-from signorini.results.thresholds import Threshold
 
 _LOADED = 1e-9
 """Part of the path's length from which on the events of supports are told."""

@@ -18,11 +18,10 @@ from signorini.discretise.rows import Floats
 from signorini.discretise.supports import can_let_go
 from signorini.equilibrium.limits import CONTRADICTION, supports_contradict
 from signorini.errors import NoEquilibriumError, NotCertifiedError
-from signorini.results.closed_part import Scales
 from signorini.results.load_path import beside
-from signorini.results.margins import LEVELS, margins
+from signorini.results.path_events import LEVELS, Threshold, margins
 from signorini.results.path_stop import PathStop, path_stops
-from signorini.results.thresholds import Threshold
+from signorini.results.support_points import Scales
 
 
 @dataclass(eq=False)

@@ -20,8 +20,7 @@ import signorini
 from signorini.base.units import METRES
 from signorini.cli import interrupts, streams
 from signorini.cli.grid import say
-from signorini.cli.progress import progress_line
-from signorini.cli.streams import visible
+from signorini.cli.streams import progress_line, visible
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini_command import ASKED
 

@@ -9,8 +9,7 @@ from rich.text import Text
 
 from signorini.accuracy.estimate import PathEstimate
 from signorini.base.numbers import compared, number, size_of
-from signorini.cli.cells import UNKNOWN, in_unit
-from signorini.cli.grid import Column, Grid, numbers, say
+from signorini.cli.grid import UNKNOWN, Column, Grid, in_unit, numbers, say
 from signorini.results.load_path import LoadPath
 
 _UNSETTLED = f"{UNKNOWN}: on the next mesh it happens not at all, or at quite another t"

@@ -12,8 +12,7 @@ from rich.text import Text
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import compared, estimated, number, size_of
-from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_contact, in_unit, unit_of
-from signorini.cli.grid import Column, Grid, numbers, say
+from signorini.cli.grid import UNKNOWN, UNSETTLED, Column, Grid, cell, in_contact, in_unit, numbers, say, unit_of
 from signorini.cli.through import print_enveloped
 from signorini.contact.certificate import FIGURES
 from signorini.errors import point

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from signorini.base.numbers import ROUNDING, size_of
-from signorini.cli.cells import cell, in_contact, unit_of
+from signorini.cli.grid import cell, in_contact, unit_of
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.supports import can_let_go
 from signorini.errors import point

@@ -8,10 +8,15 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import suppress
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from typing import IO, Any
 
 from rich.console import Console
+from rich.text import Text
+
+from signorini.base.progress import Progress
 
 _WIDTH_OF_FILES = 100_000
 """Where the output is no terminal, tables keep their width, so that programs find a row on a line."""
@@ -83,3 +88,46 @@ def _console(stream: IO[str]) -> Console:
     if not console.is_terminal:
         console.width = _WIDTH_OF_FILES
     return console
+
+
+_BESIDE = 4
+"""Columns that the turning mark takes, and one to spare."""
+_EVERY = 60.0
+"""Seconds between lines of a log: a run of hours leaves a few pages."""
+
+
+@contextmanager
+def progress_line() -> Iterator[Callable[[object], None]]:
+    """Give a function that shows its argument on standard error: on a terminal in place of the last one's.
+
+    Elsewhere it is a line of its own, with the seconds since the beginning, if there was none for a minute. How far a
+    mesh came on the way to an accuracy stays on a terminal.
+    """
+    console = Console(stderr=True, markup=False, highlight=False, emoji=False)
+    if not sys.stderr.isatty() or console.is_dumb_terminal:
+        yield _now_and_then()
+        return
+    with console.status("", spinner="line") as status:
+
+        def show(said: object) -> None:
+            if isinstance(said, Progress) and said.stage == "refined":
+                console.print(str(said))
+                return
+            text = Text(" ".join(str(said).split()))
+            text.truncate(max(console.width - _BESIDE, 1), overflow="ellipsis")
+            status.update(text)
+
+        yield show
+
+
+def _now_and_then() -> Callable[[object], None]:
+    console, begun, told = stderr(), time.monotonic(), 0.0
+
+    def show(said: object) -> None:
+        nonlocal told
+        since = time.monotonic() - begun
+        if since >= told + _EVERY:
+            told = since
+            console.print(visible(f"after {since:.0f} s: {' '.join(str(said).split())}"))
+
+    return show

@@ -16,9 +16,8 @@ from signorini.analysis.check import ASKED, Check
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import compared, number, size_of
-from signorini.cli.cells import UNKNOWN, UNSETTLED, cell, in_unit, unit_of
 from signorini.cli.governing import print_combined, print_governing
-from signorini.cli.grid import Column, Grid, numbers, say
+from signorini.cli.grid import UNKNOWN, UNSETTLED, Column, Grid, cell, in_unit, numbers, say, unit_of
 from signorini.cli.resting import lifted, resting
 from signorini.cli.through import print_through
 from signorini.cli.wide import too_wide
@@ -32,8 +31,7 @@ from signorini.results.marks import case_totals
 from signorini.results.panels import quantity
 from signorini.results.quantities import AT_PROBES, FIELDS, LINEAR, RESULTANTS
 from signorini.results.result import Result
-from signorini.results.support_result import SupportResult
-from signorini.results.support_words import MEANINGS, SYMBOLS, describe, kinds
+from signorini.results.support_result import MEANINGS, SYMBOLS, SupportResult, describe, kinds
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 

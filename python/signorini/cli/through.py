@@ -9,8 +9,7 @@ from rich.console import Console
 
 from signorini.analysis.results import Results
 from signorini.base.numbers import size_of
-from signorini.cli.cells import cell, in_unit
-from signorini.cli.grid import Column, Grid, numbers
+from signorini.cli.grid import Column, Grid, cell, in_unit, numbers
 from signorini.errors import point
 from signorini.model import Units
 from signorini.results.result import Result

@@ -9,7 +9,7 @@ from typing import Any
 
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
-from signorini.output.cells import name_cell
+from signorini.output.names import name_cell
 from signorini.results.rows import Bearing
 
 

@@ -15,15 +15,14 @@ import numpy as np
 
 from signorini.accuracy.estimate import PathEstimate
 from signorini.base.files import replacing_together
-from signorini.output.cells import name_cell
 from signorini.output.directory import cannot_write, former_path
-from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE
+from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE, name_cell
 from signorini.output.tables import snapped_json
 from signorini.results.figures import line_places, put
 from signorini.results.load_path import LoadPath
+from signorini.results.local_results import section_results
 from signorini.results.path_stop import PathStop
 from signorini.results.quantities import OF_AREAS, OF_SUPPORTS, Number
-from signorini.results.section_result import section_results
 from signorini.results.support_points import SupportPoints
 
 SCHEMA = 1

@@ -1,7 +1,9 @@
-"""Pictures of combinations: deflection, contact pressure, moments and shears."""
+"""Pictures of combinations and of envelopes, and profiles as a table and as pictures."""
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -17,13 +19,17 @@ from signorini.output.names import (
     envelope_pictures,
     enveloped,
     has_areas,
+    name_cell,
     pictured,
+    profile_pictures,
+    profiled,
 )
 from signorini.plot.picture import Job, Panel, Picture, Sheet, SupportMark
 from signorini.results.envelope import Ends
+from signorini.results.local_results import PRESSURE
 from signorini.results.marks import support_marks as support_marks_of
 from signorini.results.panels import colours, extreme, field_range, panel, quantity, support_marks
-from signorini.results.quantities import SIDES
+from signorini.results.quantities import FIELDS, RESULTANTS, SIDES
 from signorini.results.result import Result
 
 _LONGEST = 44
@@ -44,8 +50,8 @@ def write_refinement(results: Results, directory: Path) -> None:
     steps, asked = results.refinement, results.model.mesh.accuracy
     if steps and asked is not None:
         # Only this function needs matplotlib.
+        from signorini.plot.curves import refinement_picture
         from signorini.plot.files import save
-        from signorini.plot.refinement import refinement_picture
 
         dofs, worst = [step.dofs for step in steps], [step.worst for step in steps]
         save(refinement_picture(dofs, worst, asked, ORDER, results.model.title), directory / REFINEMENT)
@@ -99,3 +105,33 @@ def _end(results: Results, estimates: Estimates | None, field: str, end: str, en
     name = results.key(by)
     cut = name if len(name) <= _LONGEST else f"{name[: _LONGEST - 1]}…"
     return extreme(end, value, told, width), f"{end}: {cut}"
+
+
+_SHOWN = ("deflection", *RESULTANTS, PRESSURE)
+
+
+def profiles_csv(results: Results) -> str:
+    """Give the profiles as comma-separated values, a row a combination, profile and station."""
+    text = io.StringIO()
+    columns = ("combination", "profile", "distance", "x", "y", *FIELDS, PRESSURE)
+    table = csv.DictWriter(text, columns, lineterminator="\n")
+    table.writeheader()
+    for result in results.full.values():
+        for one in result.profiles.values():
+            names = {"combination": name_cell(result.name), "profile": name_cell(one.name)}
+            table.writerows(names | row for row in one.rows())
+    return text.getvalue()
+
+
+def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) -> None:
+    """Draw every profile, a picture each, with a curve for each combination."""
+    # Only this function needs matplotlib.
+    from signorini.plot import profile_picture, save
+
+    units, shown = results.model.units, profiled(results, pictures)
+    for profile, file in zip(results.model.profile, profile_pictures(results.model), strict=True) if shown else ():
+        curves = {one.name: one.profiles[profile.name] for one in shown}
+        panels = {quantity(name, units): {key: one.values[name] for key, one in curves.items()} for name in _SHOWN}
+        distance = next(iter(curves.values())).distance
+        along = f"{profile.name} [{units.length}]" if units.length else profile.name
+        save(profile_picture(distance, panels, along, results.model.title), directory / file)

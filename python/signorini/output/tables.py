@@ -13,10 +13,9 @@ import numpy as np
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.discretise.snapping import Snapped
-from signorini.output.cells import name_cell
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
-from signorini.output.names import Pictures, files
+from signorini.output.names import Pictures, files, name_cell
 from signorini.results.figures import figures, point_figures, total
 from signorini.results.result import Result
 from signorini.singularities.singularity import Singularity

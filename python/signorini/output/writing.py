@@ -22,8 +22,7 @@ from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
 from signorini.output.load_path import write_path
 from signorini.output.names import CSV, GOVERNING, JSON, PROFILES_CSV, TABLE, Chosen, Pictures, envelope_files, slugs
-from signorini.output.pictures import job_of, write_refinement
-from signorini.output.profiles import draw_profiles, profiles_csv
+from signorini.output.pictures import draw_profiles, job_of, profiles_csv, write_refinement
 from signorini.output.tables import reactions_csv, results_json
 from signorini.plot.picture import Job
 from signorini.results.load_path import LoadPath

@@ -6,23 +6,17 @@ read when a function that draws is first asked for.
 
 from signorini.base.lazy import lazily
 
+_PICTURE = (
+    *("BalanceMark", "CutMark", "EdgeMark", "LoadMark", "SingularMark", "SupportMark", "ZoneMark"),
+    *("Panel", "Picture", "PressureLayer"),
+)
 __getattr__ = lazily(
     __name__,
     {
-        "balance": ("BalanceMark",),
-        "cuts": ("CutMark",),
-        "field": ("contour", "line"),
+        "curves": ("line", "load_path_picture", "profile_picture"),
         "files": ("DRAWN_BY", "save"),
-        "load_path": ("load_path_picture",),
-        "loads": ("LoadMark",),
-        "marks": ("ZoneMark", "draw_legend", "supports"),
-        "panel": ("draw_panel",),
-        "picture": ("Job", "Panel", "Picture", "PressureLayer", "Sheet", "SupportMark"),
-        "pictures": ("check_picture", "drawn", "drawn_as_png", "field_picture"),
-        "places": ("EdgeMark", "SingularMark"),
+        "picture": _PICTURE,
+        "pictures": ("check_picture", "drawn_as_png", "field_picture"),
         "plan": ("Plan",),
-        "layers": ("pressure",),
-        "profiles": ("profile_picture",),
-        "refinement": ("refinement_picture",),
     },
 )

@@ -1,4 +1,4 @@
-"""Contours of a nodal field, and curves along a section."""
+"""Contours of a field at nodes; contact pressures, which end at the outlines of areas and at the edge of contact."""
 
 from __future__ import annotations
 
@@ -8,21 +8,33 @@ from typing import Any, Self
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize, to_rgba
-from matplotlib.figure import Figure
+from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.tri import Triangulation
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from signorini.base.plain import POWERS, plain
-from signorini.errors import InputError
-from signorini.plot.labels import Labels
-from signorini.plot.plan import INK, Plan, draw_outlines, literal, plan_axes, put_label, set_window
+from signorini.plot.picture import Floats, Panel, PressureLayer
+from signorini.plot.plan import (
+    INK,
+    Labels,
+    Plan,
+    draw_outlines,
+    draw_sheet,
+    enclosed,
+    figure_of,
+    literal,
+    pieces,
+    put_label,
+    triangulation,
+)
 
 _NOISE = 1e-9
-BANDS = 14
+_BANDS = 14
 _STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 10)
 """Of bands, in powers of ten: their limits have few digits."""
 _MOST_LABELS = 7
@@ -31,103 +43,34 @@ _SHORTEST = 50.0
 """Points that a contour is long at least that has its value."""
 _PARTS = np.array([0.5, 0.3, 0.7, 0.15, 0.85])
 """Of a contour, where its value may stand."""
-
-
-def contour(
-    points: ArrayLike,
-    elements: ArrayLike,
-    values: ArrayLike,
-    *,
-    ax: Axes | None = None,
-    label: str = "",
-    title: str = "",
-    levels: int | Sequence[float] = BANDS,
-    cmap: str | Colormap = "RdBu",
-    limits: tuple[float, float] | None = None,
-) -> Axes:
-    """Draw filled contours of a nodal field, following the elements' curved edges and shape functions.
-
-    Parameters
-    ----------
-    points : array_like, shape (n, 2)
-        Nodes.
-    elements : array_like of int, shape (e, 8)
-        Corners counter-clockwise, then midsides.
-    values : array_like, shape (n,)
-        The field at the nodes.
-    ax : Axes, optional
-        Where to draw; by default the axes of a new figure.
-    label : str
-        What the field is, with its unit: beside the colour bar.
-    title : str
-        Above the axes.
-    levels : int or increasing sequence of float
-        About how many bands, or their limits.
-    cmap : str or Colormap
-        Its middle is zero: by default blue is positive, red is negative, and zero is pale. A field of one sign has its
-        half alone.
-    limits : (low, high), optional
-        Range of the colours and levels, of several pictures that are to be compared; by default that of the field.
-
-    Returns
-    -------
-    Axes
-        The axes drawn in; ``axes.figure`` is the figure.
-
-    Raises
-    ------
-    InputError
-        An array has another shape, or a value is not finite.
-
-    Examples
-    --------
-    >>> nodes = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5]]
-    >>> axes = contour(nodes, [range(8)], [0, 1, 1, 0, 0.3, 1, 0.3, 0], label="deflection [mm]")
-    >>> axes.get_aspect()
-    1.0
-    """
-    plan = Plan.of(points, elements)
-    axes = plan_axes(plan, title) if ax is None else ax
-    if ax is not None and title:
-        axes.set_title(literal(title), wrap=True)
-    field = checked_field(plan, values)
-    scale = Scale.of(*(limits or (float(field.min()), float(field.max()))), cmap, levels)
-    set_window(axes, plan)
-    draw_field(axes, plan, field, scale, Labels(axes))
-    add_colour_bar(axes, scale, label)
-    return axes
+_ON_OUTLINE = 1e-9
+"""Part of the plate's size within which a point is on an area's outline."""
+_EDGE: dict[str, Any] = {"edgecolor": to_rgba(INK, 0.3), "linewidth": 0.3}
 
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """Bands of colours.
+    """Bands of colours: their limits (k + 1,), and from values to colours, not banded."""
 
-    Attributes
-    ----------
-    bounds : ndarray, shape (k + 1,)
-    colours : Colormap
-    norm : Normalize
-        From values to colours, not banded.
-    """
-
-    bounds: NDArray[np.float64]
+    bounds: Floats
     colours: Colormap
     norm: Normalize
 
     @classmethod
-    def of(cls, low: float, high: float, cmap: str | Colormap, levels: int | Sequence[float] = BANDS) -> Self:
+    def of(cls, panel: Panel) -> Self:
         """Choose bands, and colours: zero in the middle where both signs occur, else half of them, pale near zero."""
-        bounds = np.asarray(levels, float)
-        if isinstance(levels, int):
-            bounds = np.asarray(MaxNLocator(levels, steps=_STEPS).tick_values(*_settled(low, high)))
-        colours, (low, high) = colormaps[cmap] if isinstance(cmap, str) else cmap, bounds[[0, -1]].tolist()
+        low, high = panel.limits or _range(panel.values)
+        if not isinstance(panel.values, np.ndarray) and high <= low:
+            high = 1.0
+        bounds = np.asarray(MaxNLocator(_BANDS, steps=_STEPS).tick_values(*_settled(low, high)))
+        low, high = bounds[[0, -1]].tolist()
         if low < 0 < high:
-            largest = max(-low, high)
-            return cls(bounds, colours, Normalize(-largest, largest))
-        norm = Normalize(2 * low - high, high) if high > 0 else Normalize(low, 2 * high - low)
-        return cls(bounds, colours, norm)
+            norm = Normalize(-max(-low, high), max(-low, high))
+        else:
+            norm = Normalize(2 * low - high, high) if high > 0 else Normalize(low, 2 * high - low)
+        return cls(bounds, colormaps[panel.colours], norm)
 
-    def clipped(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def clipped(self, values: Floats) -> Floats:
         """Give what lies beyond the scale its last colour."""
         low, high = self.bounds[[0, -1]]
         # The upper end itself is in no band.
@@ -140,32 +83,85 @@ class Scale:
         return ScalarMappable(BoundaryNorm(self.bounds, len(shown)), ListedColormap(shown))
 
 
-def checked_field(plan: Plan, values: ArrayLike) -> NDArray[np.float64]:
-    """Check that there is a number at every node."""
-    field = np.asarray(values, dtype=float)
-    if field.shape != (len(plan.nodes),):
-        raise InputError(f"The field has the shape {field.shape}; for these nodes it must be ({len(plan.nodes)},).")
-    if not np.isfinite(field).all():
-        raise InputError(f"{np.count_nonzero(~np.isfinite(field))} of {len(field)} values of the field are not finite.")
-    return field
+def _range(values: Floats | Sequence[PressureLayer]) -> tuple[float, float]:
+    """Smallest and largest value of a field; of pressures with 0."""
+    if isinstance(values, np.ndarray):
+        return float(values.min()), float(values.max())
+    every = np.concatenate([[0.0], *(np.clip(layer.values, *layer.bounds) for layer in values)])
+    return float(every.min()), float(every.max())
 
 
-def draw_field(axes: Axes, plan: Plan, field: NDArray[np.float64], scale: Scale, labels: Labels) -> None:
+def _settled(low: float, high: float) -> tuple[float, float]:
+    """Take a range without what is only rounding on the other side of zero, and never empty."""
+    largest = max(abs(low), abs(high))
+    low, high = (0.0 if abs(end) < _NOISE * largest else end for end in (low, high))
+    if high - low <= _NOISE * largest:
+        half = 0.01 * largest or 1.0
+        return low - half, high + half
+    return low, high
+
+
+def draw_field(axes: Axes, plan: Plan, field: Floats, scale: Scale, labels: Labels) -> None:
     """Draw filled contours, some of them with their values, and the plate's outline."""
     fine = scale.clipped(plan.cut.interpolate(field))
     draw_outlines(axes, plan)
     bands = axes.tricontourf(plan.triangles, fine, levels=scale.bounds, cmap=scale.colours, norm=scale.norm)
-    bands.set(edgecolor=to_rgba(INK, 0.3), linewidth=0.3)
-    label_contours(axes, plan.triangles, fine, scale.bounds, labels)
+    bands.set(**_EDGE)
+    _label_contours(axes, plan.triangles, fine, scale.bounds, labels)
 
 
-def label_contours(
+def draw_pressure(axes: Axes, plan: Plan, layers: Sequence[PressureLayer], scale: Scale, labels: Labels) -> None:
+    """Draw pressures on a pale plate, and the plate's outline."""
+    draw_sheet(axes, plan)
+    draw_outlines(axes, plan)
+    for layer in layers:
+        drawn = _draw_layer(axes, plan.nodes, layer, scale, labels)
+        for part in drawn if layer.outline is not None else ():
+            part.set_clip_path(enclosed(layer.outline), axes.transData)
+
+
+def _draw_layer(axes: Axes, nodes: Floats, layer: PressureLayer, scale: Scale, labels: Labels) -> list[Artist]:
+    look: dict[str, Any] = {"cmap": scale.colours, "norm": scale.norm}
+    triangles = triangulation(layer.cut, nodes)
+    if layer.an_element:
+        values = layer.values[layer.cut.parents]
+        triangles.set_mask(values == 0)
+        return [axes.tripcolor(triangles, facecolors=values, **look)]
+    if not np.clip(layer.values, *layer.bounds).any():
+        return []
+    levels = scale.bounds[(scale.bounds >= layer.bounds[0]) & (scale.bounds <= layer.bounds[1])]
+    # Beyond the scale is its last colour, beyond the layer's bounds nothing.
+    low, high = scale.clipped(np.array([-np.inf, np.inf]))
+    within = layer.bounds[0] >= scale.bounds[0], layer.bounds[1] <= scale.bounds[-1]
+    values = np.clip(layer.values, -np.inf if within[0] else low, np.inf if within[1] else high)
+    bands = axes.tricontourf(triangles, values, levels=levels, **look)
+    bands.set(**_EDGE)
+    before = len(axes.collections), len(axes.texts)
+    size, shown = float(np.ptp(nodes)), np.clip(layer.values, levels[0], levels[-1])
+    _label_contours(axes, triangles, shown, levels, labels, lambda places: _within(layer, places, size))
+    return [bands, *axes.collections[before[0] :], *axes.texts[before[1] :]]
+
+
+def _within(layer: PressureLayer, places: Floats, size: float) -> NDArray[np.bool_]:
+    """Which places are on an area, its outline included, of a plate of a size."""
+    if layer.outline is None:
+        return np.ones(len(places), np.bool_)
+    # Which sign of the radius takes in what is on the outline depends on the way that runs.
+    slack = _ON_OUTLINE * size
+    (around, *holes), ways = map(Path, pieces(layer.outline)), (slack, -slack)
+    within: NDArray[np.bool_] = np.any([around.contains_points(places, radius=way) for way in ways], axis=0)
+    for hole in holes:
+        within &= ~np.all([hole.contains_points(places, radius=way) for way in ways], axis=0)
+    return within
+
+
+def _label_contours(
     axes: Axes,
     triangles: Triangulation,
-    values: NDArray[np.float64],
-    bounds: NDArray[np.float64],
+    values: Floats,
+    bounds: Floats,
     labels: Labels,
-    within: Callable[[NDArray[np.float64]], NDArray[np.bool_]] | None = None,
+    within: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> None:
     """Draw some of the contours stronger, each with its value at a place that is within; zero strongest."""
     every = -(-len(bounds) // _MOST_LABELS)
@@ -179,8 +175,8 @@ def label_contours(
     lines = axes.tricontour(triangles, values, levels=chosen, colors=INK, linewidths=widths, linestyles="solid")
     step = float(np.diff(bounds).min())
     for level, path in zip(chosen, lines.get_paths(), strict=True):
-        pieces = [piece for piece in map(np.asarray, path.to_polygons(closed_only=False)) if len(piece) > 1]
-        longest = max(pieces, key=lambda piece: float(np.hypot(*np.diff(piece, axis=0).T).sum()), default=None)
+        parts = [part for part in map(np.asarray, path.to_polygons(closed_only=False)) if len(part) > 1]
+        longest = max(parts, key=lambda part: float(np.hypot(*np.diff(part, axis=0).T).sum()), default=None)
         if longest is None:
             continue
         along = np.append(0.0, np.hypot(*np.diff(longest, axis=0).T).cumsum()) * labels.scale
@@ -191,16 +187,16 @@ def label_contours(
         kept = np.ones(len(places), np.bool_) if within is None else within(places)
         if along[-1] > _SHORTEST and kept.any():
             turns = (np.degrees(np.arctan2(*(after - before)[kept].T[::-1])) + 90) % 180 - 90
-            labels.along(in_words(level, step), places[kept], turns.tolist(), 7, zorder=3)
+            labels.along(_in_words(level, step), places[kept], turns.tolist(), 7, zorder=3)
 
 
-def in_words(level: float, step: float) -> str:
+def _in_words(level: float, step: float) -> str:
     """Write a level as short as its distance to the next one allows.
 
     Examples
     --------
-    >>> in_words(0.0015, 0.0005), in_words(-20.0, 10.0), in_words(7500, 2500), in_words(2.5e6, 5e5), in_words(-1e-19, 1)
-    ('0.0015', '−20', '7500', '2.5e6', '0')
+    >>> _in_words(0.0015, 0.0005), _in_words(-20.0, 10.0), _in_words(2.5e6, 5e5), _in_words(-1e-19, 1)
+    ('0.0015', '−20', '2.5e6', '0')
     """
     if abs(level) < 1e-9 * step:
         return "0"
@@ -209,77 +205,15 @@ def in_words(level: float, step: float) -> str:
     return plain(level, digits)
 
 
-def line(
-    x: ArrayLike,
-    y: ArrayLike,
-    *,
-    ax: Axes | None = None,
-    label: str = "",
-    xlabel: str = "",
-    ylabel: str = "",
-    title: str = "",
-    down: bool = True,
-) -> Axes:
-    """Draw a quantity along a section or a load path.
-
-    Parameters
-    ----------
-    x, y : array_like, shape (k,)
-    ax : Axes, optional
-        Give the axes of an earlier call to draw several curves together.
-    label : str
-        The curve's name in the legend.
-    xlabel, ylabel, title : str
-    down : bool
-        Whether positive values are drawn downwards, as deflections are.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> axes = line([0, 1, 2], [0, 1e-3, 0], ylabel="deflection [m]")
-    >>> bool(axes.yaxis_inverted())
-    True
-    """
-    axes = Figure(figsize=(7, 3.6), layout="constrained").add_subplot() if ax is None else ax
-    axes.plot(np.asarray(x, dtype=float), np.asarray(y, dtype=float), label=label or "_curve", linewidth=1.6)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(alpha=0.25)
-    axes.yaxis.set_inverted(down)
-    axes.set_xlabel(xlabel or axes.get_xlabel())
-    axes.set_ylabel(ylabel or axes.get_ylabel())
-    axes.set_title(title or axes.get_title())
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend(frameon=False)
-    return axes
-
-
 def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = None) -> None:
     """Put the scale of the colours beside the axes, or into axes of its own."""
-    figure = axes.get_figure(root=True)
-    if figure is not None:
-        room: dict[str, Any] = {"cax": beside} if beside is not None else {"shrink": 0.92, "aspect": 28, "pad": 0.025}
-        bar = figure.colorbar(scale.bar, ax=axes, spacing="proportional", **room)
-        bar.set_label(literal(label), fontsize=9)
-        put_label(bar.ax.yaxis, 1.0, 0.5, 0.58, 0.0)
-        bar.outline.set_visible(False)
-        bar.formatter = ScalarFormatter()
-        bar.formatter.set_powerlimits(POWERS)
-        bar.minorticks_off()
-        bar.ax.tick_params(length=2.5, labelsize=8.5)
-        bar.update_ticks()
-
-
-def _settled(low: float, high: float) -> tuple[float, float]:
-    """Take a range without what is only rounding on the other side of zero, and never empty."""
-    largest = max(abs(low), abs(high))
-    if abs(low) < _NOISE * largest:
-        low = 0.0
-    if abs(high) < _NOISE * largest:
-        high = 0.0
-    if high - low <= _NOISE * largest:
-        half = 0.01 * largest or 1.0
-        return low - half, high + half
-    return low, high
+    room: dict[str, Any] = {"cax": beside} if beside is not None else {"shrink": 0.92, "aspect": 28, "pad": 0.025}
+    bar = figure_of(axes).colorbar(scale.bar, ax=axes, spacing="proportional", **room)
+    bar.set_label(literal(label), fontsize=9)
+    put_label(bar.ax.yaxis, 1.0, 0.5, 0.58, 0.0)
+    bar.outline.set_visible(False)
+    bar.formatter = ScalarFormatter()
+    bar.formatter.set_powerlimits(POWERS)
+    bar.minorticks_off()
+    bar.ax.tick_params(length=2.5, labelsize=8.5)
+    bar.update_ticks()

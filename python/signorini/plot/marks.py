@@ -18,14 +18,15 @@ from matplotlib.patheffects import Normal, TickedStroke, withStroke
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from signorini.plot.labels import Labels
-from signorini.plot.picture import SupportMark
-from signorini.plot.plan import INK, enclosed, inches_per_unit, literal, pieces, runs
+from signorini.plot.picture import Floats, SupportMark, ZoneMark
+from signorini.plot.plan import INK, Labels, enclosed, figure_of, inches_per_unit, literal, pieces, runs
 
 _EDGE = "#d95f02"
 _ZONE = "#3f6f8f"
 LARGEST, _SMALLEST = 8.5, 3.2
 """Points (1/72 inch) that a mark is wide."""
+_FEW = 600
+"""Points whose distances are all looked at."""
 _FITS = 0.8
 """Part of the distance to its neighbour that a mark may take."""
 _SPACED = {"line": 0.55, "area": 1.1}
@@ -52,39 +53,13 @@ _DETAILED = 5.0
 _WAVY = Path(np.column_stack([np.linspace(-1, 1, 9), [0, 0.22, -0.22, 0.22, -0.22, 0.22, -0.22, 0.22, 0]]))
 _BOX = Path(np.array([[-1, -0.55], [1, -0.55], [1, 0.55], [-1, 0.55], [-1, -0.55]]))
 
+Bools = NDArray[np.bool_]
 Entry = tuple[str, tuple[Artist, ...]]
 """A line of the legend: its words and its samples."""
 
 
-def supports(marks: Iterable[SupportMark], ax: Axes) -> Axes:
-    """Draw supports, closed contact filled and open contact hollow, and edges of contact; the legend is below.
-
-    Parameters
-    ----------
-    marks : iterable of SupportMark
-    ax : Axes
-
-    Returns
-    -------
-    Axes
-        ``ax``.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from signorini.plot.picture import SupportMark
-    >>> pads = SupportMark("pads", "down", np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([True, False]))
-    >>> axes = supports([pads], Figure().add_subplot())
-    >>> [entry.get_text() for entry in axes.get_legend().get_texts()]
-    ['pads: pushes up only, 1 closed, 1 open']
-    """
-    draw_legend(ax, draw_supports(marks, ax))
-    return ax
-
-
-def draw_supports(marks: Iterable[SupportMark], axes: Axes) -> list[Entry]:
+def draw_supports(marks: Sequence[SupportMark], axes: Axes) -> list[Entry]:
     """Draw supports and edges of contact and return their entries in the legend."""
-    marks = list(marks)
     entries = [draw_support(mark, axes) for mark in marks]
     look: dict[str, Any] = {"color": _EDGE, "linewidth": 1.8, "solid_capstyle": "butt"}
     lines = [line for mark in marks for line in mark.boundary]
@@ -122,7 +97,7 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
     return mark.label, tuple(samples)
 
 
-def _draw_footprints(mark: SupportMark, closed: NDArray[np.bool_], axes: Axes, per_unit: float) -> float:
+def _draw_footprints(mark: SupportMark, closed: Bools, axes: Axes, per_unit: float) -> float:
     """Draw footprints to scale, shaded where closed and dashed where open; return how large marks within may be."""
     prints = pieces(mark.footprints)
     # Those of a model before it is solved, whose points come in another order, are all closed.
@@ -133,21 +108,6 @@ def _draw_footprints(mark: SupportMark, closed: NDArray[np.bool_], axes: Axes, p
             axes.add_patch(PathPatch(path, facecolor=shade, edgecolor=INK, linewidth=0.9, linestyle=line, zorder=3))
     sides = [float(np.ptp(piece, axis=0).min()) for piece in prints]
     return max(_SMALLEST, _INSIDE * min(sides) * per_unit * 72) if sides else LARGEST
-
-
-@dataclass(frozen=True)
-class ZoneMark:
-    """A zone as it is drawn.
-
-    Attributes
-    ----------
-    words : str
-        What it is, in the legend, after its number.
-    outline : ndarray, shape (k, 2)
-    """
-
-    words: str
-    outline: NDArray[np.float64]
 
 
 def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path, labels: Labels) -> list[Entry]:
@@ -183,7 +143,7 @@ def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
 
 
 def _draw_line(
-    mark: SupportMark, positions: NDArray[np.float64], closed: NDArray[np.bool_], axes: Axes, per_unit: float
+    mark: SupportMark, positions: Floats, closed: Bools, axes: Axes, per_unit: float
 ) -> list[Artist]:
     """Draw a line support, or the outline of an area: a band, filled where closed, and a zigzag where it is elastic."""
     width = 1.0 if mark.style == "area" else 2.2
@@ -217,13 +177,12 @@ def _draw_line(
     return [Line2D([], [], linestyle="none", markeredgecolor=INK, markerfacecolor="none", **sample)]
 
 
-def _fitting(positions: NDArray[np.float64], per_unit: float) -> float:
+def _fitting(positions: Floats, per_unit: float) -> float:
     """Size of marks at points: as large as their distance allows, and never too small to read."""
     if len(positions) < 2:
         return LARGEST
     spread = np.ptp(positions, axis=0) * per_unit * 72
-    few = len(positions) <= _FEW
-    if few:
+    if len(positions) <= _FEW:
         apart = np.hypot(*(positions[:, None] - positions).transpose(2, 0, 1)) * per_unit * 72
         nearest = float(np.median(np.where(apart > 0, apart, np.inf).min(axis=1)))
     else:
@@ -231,43 +190,50 @@ def _fitting(positions: NDArray[np.float64], per_unit: float) -> float:
     return float(np.clip(_FITS * nearest, _SMALLEST, LARGEST))
 
 
-_FEW = 600
-"""Points whose distances are all looked at."""
-
-
 def _spaced(
-    positions: NDArray[np.float64], closed: NDArray[np.bool_], apart: float
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    positions: Floats, closed: Bools, apart: float
+) -> tuple[Floats, Bools]:
     """Places along polylines, about so far apart, and whether it is closed there."""
     places, states = [np.zeros((0, 2))], [np.zeros(0, bool)]
     for piece, shut in ((positions[rows], closed[rows]) for rows in runs(positions)):
         if len(piece) < 2:
             continue
-        along = np.append(0.0, np.hypot(*np.diff(piece, axis=0).T).cumsum())
+        along = _along(piece)
         count = max(1, round(along[-1] / apart))
-        at = (np.arange(count) + 0.5) / count * along[-1]
-        places.append(np.column_stack([np.interp(at, along, side) for side in piece.T]))
-        states.append(shut[np.clip(np.searchsorted(along, at), 0, len(shut) - 1)])
+        at, there = _at(piece, shut, along, (np.arange(count) + 0.5) / count)
+        places.append(at)
+        states.append(there)
     return np.concatenate(places), np.concatenate(states)
 
 
+def _along(piece: Floats) -> Floats:
+    """Length (k,) of a polyline up to each of its vertices."""
+    return np.append(0.0, np.hypot(*np.diff(piece, axis=0).T).cumsum())
+
+
+def _at(piece: Floats, shut: Bools, along: Floats, parts: Floats) -> tuple[Floats, Bools]:
+    """Places at parts of a polyline's length, and whether it is closed there."""
+    at = parts * along[-1]
+    states = shut[np.clip(np.searchsorted(along, at), 0, len(shut) - 1)]
+    return np.column_stack([np.interp(at, along, side) for side in piece.T]), states
+
+
 def _zigzag(
-    piece: NDArray[np.float64], shut: NDArray[np.bool_], per_unit: float
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    piece: Floats, shut: Bools, per_unit: float
+) -> tuple[Floats, Bools]:
     """Swing to and fro about a polyline."""
-    along = np.append(0.0, np.hypot(*np.diff(piece, axis=0).T).cumsum())
+    along = _along(piece)
     count = max(4, round(along[-1] * per_unit * 72 / _WAVE))
-    at = np.linspace(0.0, along[-1], count + 1)
-    places = np.column_stack([np.interp(at, along, side) for side in piece.T])
+    places, states = _at(piece, shut, along, np.linspace(0.0, 1.0, count + 1))
     tangent = np.gradient(places, axis=0)
     tangent /= np.maximum(np.hypot(*tangent.T), 1e-300)[:, None]
     swing = _SWING / 72 / per_unit * np.where(np.arange(count + 1) % 2, 1, -1)
     swing[[0, -1]] = 0
     places += swing[:, None] * np.column_stack([-tangent[:, 1], tangent[:, 0]])
-    return places, shut[np.clip(np.searchsorted(along, at), 0, len(shut) - 1)]
+    return places, states
 
 
-def _runs(chosen: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _runs(chosen: Bools) -> list[tuple[int, int]]:
     """First and last place of every run."""
     steps = np.diff(np.concatenate([[False], chosen, [False]]).astype(int))
     return list(zip(np.flatnonzero(steps > 0).tolist(), (np.flatnonzero(steps < 0) - 1).tolist(), strict=True))
@@ -275,17 +241,16 @@ def _runs(chosen: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | None = None) -> None:
     """Put the legend below the axes and their labels, or at a place of the figure in inches."""
-    figure = axes.get_figure(root=True)
-    if not entries or figure is None:
+    if not entries:
         return
-    below = axes.transAxes + ScaledTranslation(0, -0.45, figure.dpi_scale_trans)
+    inches = figure_of(axes).dpi_scale_trans
     axes.legend(
         handles=[samples for _, samples in entries],
         labels=[literal(words) for words, _ in entries],
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)},
         loc="upper center",
         bbox_to_anchor=(0.5, 0.0) if at is None else at,
-        bbox_transform=below if at is None else figure.dpi_scale_trans,
+        bbox_transform=axes.transAxes + ScaledTranslation(0, -0.45, inches) if at is None else inches,
         borderaxespad=0.1,
         handlelength=2.6,
         frameon=False,
@@ -293,7 +258,7 @@ def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | 
     )
 
 
-def _hatched_outside(piece: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:
+def _hatched_outside(piece: Floats, middle: Floats) -> Floats:
     """Turn a polyline so that what lies on its right is away from the middle."""
     start, step = piece[:-1] - middle, np.diff(piece, axis=0)
     turning = float(np.sum(start[:, 0] * step[:, 1] - start[:, 1] * step[:, 0]))

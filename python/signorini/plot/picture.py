@@ -1,4 +1,7 @@
-"""What pictures show of results, as arrays: made, and handed to another process, without matplotlib."""
+"""What pictures show, as arrays: made, and handed to another process, without matplotlib.
+
+Outlines (k, 2) have a row of NaN between their pieces. Texts go into legends, but for labels and titles.
+"""
 
 from __future__ import annotations
 
@@ -11,92 +14,125 @@ from numpy.typing import NDArray
 
 from signorini.shapes.tessellation import Tessellation
 
-_ACTIONS = {
-    "down": "pushes up only",
-    "up": "holds down only",
-    "both": "holds both ways",
-    "clamped": "clamped",
-    "hinged": "hinged",
-    "symmetry": "symmetry",
-}
+Floats = NDArray[np.float64]
+Place = tuple[float, float]
+Style = Literal["points", "line", "area"]
 Kind = Literal["down", "up", "both", "clamped", "hinged", "symmetry"]
+
+ACTIONS = {"down": "pushes up only", "up": "holds down only", "both": "holds both ways"}
+
+
+def _nothing() -> Floats:
+    return np.zeros((0, 2))
 
 
 @dataclass(frozen=True)
 class SupportMark:
     """A support as it is drawn.
 
-    Attributes
-    ----------
-    name : str
-        Its name in the legend.
-    kind : {"down", "up", "both", "clamped", "hinged", "symmetry"}
-        Which way it resists: a triangle up pushes the plate up, a triangle down holds it down, a diamond does both.
-        Along a line ``clamped`` has a hatch, ``hinged`` circles, and ``symmetry`` is dash-dotted.
-    positions : ndarray, shape (k, 2)
-        Points, or the vertices of a line or outline; a row of NaN starts a new piece.
-    closed : ndarray of bool, shape (k,), or None
-        What is in contact (filled) and what is open (hollow). None: not known or always held.
-    style : {"points", "line", "area"}
-    boundary : sequence of ndarray, shape (k, 2)
-        The edge of contact of an area, as polylines.
-    elastic : bool
-        Drawn with a spring, or as a zigzag line.
-    gap : bool
-        Whether it has free travel: there is a bar before its mark.
-    words : str
-        What it is, in the legend; by default what the kind means.
-    counts : (int, int) or None
-        How many points are closed and open, in the legend; by default those of ``closed``.
-    footprints : ndarray, shape (k, 2)
-        Outlines of what the points' reactions are spread over; a row of NaN starts a new one.
+    At points a triangle up pushes the plate up, a triangle down holds it down, a diamond does both. Along a line
+    ``clamped`` has a hatch, ``hinged`` circles, and ``symmetry`` is dash-dotted.
     """
 
     name: str
     kind: Kind
-    positions: NDArray[np.float64]
-    closed: NDArray[np.bool_] | None = None
-    style: Literal["points", "line", "area"] = "points"
-    boundary: Sequence[NDArray[np.float64]] = ()
-    elastic: bool = False
-    gap: bool = False
-    words: str = ""
-    counts: tuple[int, int] | None = None
-    footprints: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    positions: Floats  # (k, 2): points, or the vertices of a line or outline
+    closed: NDArray[np.bool_] | None = None  # (k,): in contact is filled, open is hollow; None: not known, always held
+    style: Style = "points"
+    boundary: Sequence[Floats] = ()  # edges of contact of an area, polylines (n, 2)
+    elastic: bool = False  # drawn with a spring, or as a zigzag line
+    gap: bool = False  # drawn with a bar before the mark
+    words: str = ""  # what it is; by default what the kind means
+    counts: tuple[int, int] | None = None  # how many points are closed and open; by default those of ``closed``
+    footprints: Floats = field(default_factory=_nothing)  # outlines of what the points' reactions are spread over
 
     @property
     def label(self) -> str:
-        """What the legend says: the name, the kind, and how many points are closed and open."""
-        words = f"{self.name}: {self.words or _ACTIONS[self.kind]}"
+        """The name, the kind, and how many points are closed and open."""
+        words = f"{self.name}: {self.words or ACTIONS.get(self.kind, self.kind)}"
         counts = self.counts
         if counts is None and self.closed is not None:
             counts = int(self.closed.sum()), int((~self.closed).sum())
         return words if counts is None else f"{words}, {counts[0]} closed, {counts[1]} open"
 
 
+@dataclass(frozen=True)
+class LoadMark:
+    """A load as it is drawn: a force is a crossed circle, one upward a dotted circle, a couple the pair of both."""
+
+    case: str  # loads of one case have one colour
+    name: str
+    positions: Floats  # points, vertices of a line, or an outline; none of a load on the whole plate
+    style: Style = "points"
+    upward: bool = False
+    couple: tuple[float, float] | None = None
+    value: str = ""  # how much it is, with its unit
+    footprints: Floats = field(default_factory=_nothing)
+
+    @property
+    def label(self) -> str:
+        """The case, the name and the value."""
+        return f"{self.case}: {self.name}{', ' if self.value else ''}{self.value}"
+
+
+@dataclass(frozen=True)
+class ZoneMark:
+    """A zone: what it is, in the legend after its number, and its outline."""
+
+    words: str
+    outline: Floats
+
+
+@dataclass(frozen=True)
+class CutMark:
+    """A section or a strip: its line from the first point on, and the borders (2, n, 2) of a strip."""
+
+    name: str
+    line: Floats
+    borders: Floats | None = None
+
+
+@dataclass(frozen=True)
+class EdgeMark:
+    """An edge's name, at a place of it, with the direction along which the plate is on the left."""
+
+    name: str
+    at: Place
+    along: Place
+
+
+@dataclass(frozen=True)
+class SingularMark:
+    """Places (k, 2), or a line, where numbers have no limit as the mesh is refined, or one that this mesh misses."""
+
+    words: str
+    places: Floats
+    line: bool = False
+    limited: bool = False
+
+
+@dataclass(frozen=True)
+class BalanceMark:
+    """The resultant of a combination, None where it is a couple, and two points of the line about which it tips."""
+
+    name: str
+    at: Place | None
+    upward: bool = False
+    unbalanced: bool = False
+    axis: tuple[Place, Place] | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class PressureLayer:
-    """The pressure of one area.
+    """The pressure of one area, on the elements that it is on.
 
-    Attributes
-    ----------
-    cut : Tessellation
-        Of the elements that the area is on.
-    values : ndarray, shape (v,) or (e,)
-        Pressures at the vertices, beyond ``bounds`` where there is a gap; or one an element.
-    bounds : (float, float)
-        What the area can exert at least and at most. Nothing is drawn beyond.
-    outline : ndarray, shape (k, 2), or None
-        Of the area; None where the elements end with it.
-    largest : (float, (x, y)) or None
-        The largest pressure and its place, where they are known better than from the vertices.
+    Between ``bounds`` is what the area can exert; values beyond say where there is a gap, and are not drawn.
     """
 
     cut: Tessellation
-    values: NDArray[np.float64]
+    values: Floats  # (v,) at the vertices, or (e,) one an element
     bounds: tuple[float, float]
-    outline: NDArray[np.float64] | None = None
-    largest: tuple[float, Sequence[float]] | None = None
+    outline: Floats | None = None  # None where the elements end with the area
 
     @property
     def an_element(self) -> bool:
@@ -106,43 +142,19 @@ class PressureLayer:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One field in a picture.
+    """One field in a picture: values (n,) at nodes, or pressures of areas."""
 
-    Attributes
-    ----------
-    values : ndarray, shape (n,), or sequence of PressureLayer
-        At the nodes; or the pressures of areas.
-    label : str
-        What it is, with its unit: beside the colour bar.
-    colours : str
-        A map whose middle is zero.
-    limits : (low, high) or None
-        Range of the colours; None for that of the field.
-    extremes : sequence of (str, (x, y))
-        What is written in the picture, and where.
-    title : str
-        Above the panel.
-    """
-
-    values: NDArray[np.float64] | Sequence[PressureLayer]
-    label: str = ""
-    colours: str = "RdBu"
-    limits: tuple[float, float] | None = None
-    extremes: Sequence[tuple[str, Sequence[float]]] = ()
+    values: Floats | Sequence[PressureLayer]
+    label: str = ""  # beside the colour bar
+    colours: str = "RdBu"  # a map whose middle is zero
+    limits: tuple[float, float] = (0.0, 1.0)  # range of the colours
+    extremes: Sequence[tuple[str, Sequence[float]]] = ()  # what is written in the picture, and where
     title: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture of one result.
-
-    Attributes
-    ----------
-    panels : sequence of Panel
-        Those of one kind have the same labels, limits and titles.
-    marks : sequence of SupportMark
-    title : str
-    """
+    """A picture of one result. Panels of one kind have the same labels, limits and titles."""
 
     panels: Sequence[Panel]
     marks: Sequence[SupportMark]
@@ -151,16 +163,7 @@ class Picture:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """Pictures of one kind, in one scale.
-
-    Attributes
-    ----------
-    files : sequence of str
-        A name for each.
-    pictures : sequence of Picture
-    rows : int
-        How many rows the panels of each are in.
-    """
+    """Pictures of one kind and in one scale, the file of each, and in how many rows their panels are."""
 
     files: Sequence[str]
     pictures: Sequence[Picture]
@@ -174,20 +177,9 @@ class Sheet:
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """Pictures of one plate.
+    """Pictures of one plate: nodes (n, 2), elements (e, 8), of which some (e,) are hatched in place of a field."""
 
-    Attributes
-    ----------
-    points : ndarray, shape (n, 2)
-    elements : ndarray of int, shape (e, 8)
-    sheets : sequence of Sheet
-    length : str
-        The unit of length, for the axes.
-    left_out : ndarray of bool, shape (e,), or None
-        Elements that are hatched in place of a field.
-    """
-
-    points: NDArray[np.float64]
+    points: Floats
     elements: NDArray[np.int64]
     sheets: Sequence[Sheet]
     length: str = ""

@@ -6,105 +6,130 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
+from matplotlib.axes import Axes as Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from signorini.errors import InputError
-from signorini.plot.balance import BalanceMark, draw_balances
-from signorini.plot.cuts import CutMark, draw_cuts
-from signorini.plot.field import Scale
+from signorini.plot.field import Scale, add_colour_bar, draw_field, draw_pressure
 from signorini.plot.files import DOTS, as_png
-from signorini.plot.labels import Labels
-from signorini.plot.loads import LoadMark, draw_loads
-from signorini.plot.marks import LARGEST, Entry, ZoneMark, draw_supports, draw_zones, legend_words
+from signorini.plot.marks import LARGEST, Entry, draw_supports, draw_zones, legend_words
+from signorini.plot.model_marks import draw_balances, draw_cuts, draw_edges, draw_loads, draw_singular
 from signorini.plot.page import Page
-from signorini.plot.panel import draw_on, frame, remarks, scale_of
-from signorini.plot.picture import Job, Panel, Picture, SupportMark
-from signorini.plot.places import EdgeMark, SingularMark, draw_edges, draw_singular
-from signorini.plot.plan import Plan, draw_mesh, draw_outlines, draw_sheet, inches_per_unit
+from signorini.plot.picture import (
+    BalanceMark,
+    CutMark,
+    EdgeMark,
+    Job,
+    LoadMark,
+    Panel,
+    Picture,
+    SingularMark,
+    SupportMark,
+    ZoneMark,
+)
+from signorini.plot.plan import (
+    HATCHED,
+    INK,
+    Labels,
+    Plan,
+    draw_mesh,
+    draw_outlines,
+    draw_sheet,
+    inches_per_unit,
+    literal,
+    set_window,
+)
 
+_ABOVE = 18.0
+"""Points from a plan to its title: the name of an extreme at the upper edge is between them."""
 _SMALLEST_NUMBER = 2.5
 """Points that a node's number is high at least."""
 _MOST_NUMBERS = 5000
 """Nodes that have their numbers drawn."""
 
 
+def draw_panel(axes: Axes, plan: Plan, panel: Panel, marks: Sequence[SupportMark]) -> list[Entry]:
+    """Draw a field with its colour bar, its extremes and the supports; return their entries in the legend."""
+    set_window(axes, plan)
+    return _draw_on(axes, plan, panel, _frame(axes, panel), marks)
+
+
+def _frame(axes: Axes, panel: Panel, bar: Axes | None = None) -> Scale:
+    """Draw a panel's colour bar, on axes of its own if there are any, and its title; return its colours."""
+    scale = Scale.of(panel)
+    add_colour_bar(axes, scale, panel.label, bar)
+    if panel.title:
+        axes.set_title(literal(panel.title), fontsize=8.5, color=INK, pad=_ABOVE)
+    return scale
+
+
+def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence[SupportMark]) -> list[Entry]:
+    """Draw what differs from result to result; return entries of the legend."""
+    labels = Labels(axes)
+    for mark in marks:
+        if mark.style == "points" and len(mark.positions):
+            labels.keep_free(mark.positions, LARGEST)
+        for line in mark.boundary:
+            labels.keep_free(line, 4.0)
+    if panel.extremes:
+        places = np.array([at for _, at in panel.extremes], dtype=float)
+        labels.keep_free(places, LARGEST)
+        for colour, width in (("white", 3.5), (INK, 1.2)):
+            axes.plot(*places.T, "+", color=colour, markersize=6.8 + width, markeredgewidth=width, zorder=6)
+        for (words, _), at in zip(panel.extremes, places, strict=True):
+            labels.beside(words, at, 8.5)
+    if isinstance(panel.values, np.ndarray):
+        draw_field(axes, plan, panel.values, scale, labels)
+    else:
+        draw_pressure(axes, plan, panel.values, scale, labels)
+    return [*draw_supports(marks, axes), *_remarks(plan)]
+
+
+def _remarks(plan: Plan) -> list[Entry]:
+    """Entries in the legend of dashed lines inside the plate and of what is hatched, if there are any."""
+    dashed = Line2D([], [], color=INK, linewidth=0.7, linestyle="dashed")
+    result: list[Entry] = [("moments and shears jump", (dashed,))] * bool(np.size(plan.edges[2].vertices))
+    if plan.left_out is not None and plan.left_out.any():
+        result.append(("left out of the extremes", (Patch(**HATCHED),)))
+    return result
+
+
 def field_picture(
     plan: Plan, panels: Sequence[Panel], marks: Sequence[SupportMark] = (), *, title: str = "", length: str = ""
 ) -> Figure:
-    """Draw fields side by side, each with the supports, open or closed, as one figure.
-
-    Parameters
-    ----------
-    plan : Plan
-        The plate; one for all pictures of a run.
-    panels : sequence of Panel
-    marks : sequence of SupportMark
-    title : str
-        Wrapped to the figure's width.
-    length : str
-        The unit of length, for the axes.
-
-    Returns
-    -------
-    Figure
-        Its first axes are the plans of the panels, in their order.
-
-    Examples
-    --------
-    >>> nodes = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5]]
-    >>> from signorini.plot.picture import Panel
-    >>> plan = Plan.of(nodes, [range(8)])
-    >>> figure = field_picture(plan, [Panel(plan.nodes[:, 0], "mx [N]"), Panel(plan.nodes[:, 1], "my [N]")])
-    >>> [axes.get_ylabel() for axes in figure.axes]
-    ['y', 'y', 'mx [N]', 'my [N]']
-    """
-    page = _page(plan, panels, length)
-    scales = _frame(page, plan, panels)
+    """Draw fields side by side, each with the supports, as one figure, whose first axes are the panels' plans."""
+    page, scales = _page(plan, panels, length)
     page.finish(title, _draw_fields(page, plan, panels, scales, marks))
     return page.figure
 
 
-def _page(plan: Plan, panels: Sequence[Panel], length: str, rows: int = 1) -> Page:
-    return Page(plan, len(panels), length, bars=True, rows=rows, titles=any(panel.title for panel in panels))
-
-
-def _frame(page: Page, plan: Plan, panels: Sequence[Panel]) -> list[Scale]:
-    """Draw colour bars and titles of panels, and return the scales."""
-    scales = [scale_of(plan, panel) for panel in panels]
-    for axes, bar, scale, panel in zip(page.plans, page.bars, scales, panels, strict=True):
-        frame(axes, panel, scale, bar)
-    return scales
+def _page(plan: Plan, panels: Sequence[Panel], length: str, rows: int = 1) -> tuple[Page, list[Scale]]:
+    """A page with the colour bars and titles of panels, and their colours."""
+    page = Page(plan, len(panels), length, bars=True, rows=rows, titles=any(panel.title for panel in panels))
+    return page, [_frame(axes, panel, bar) for axes, panel, bar in zip(page.plans, panels, page.bars, strict=True)]
 
 
 def _draw_fields(
     page: Page, plan: Plan, panels: Sequence[Panel], scales: Sequence[Scale], marks: Sequence[SupportMark]
 ) -> list[Entry]:
-    """Draw fields and supports, and return the entries of the legend."""
-    entries: list[Entry] = []
-    for axes, panel, scale in zip(page.plans, panels, scales, strict=True):
-        entries = draw_on(axes, plan, panel, scale, marks)
-    return entries
+    """Draw fields and supports; return the entries of the legend, which are the same for every panel."""
+    entries = [_draw_on(*each, marks) for each in zip(page.plans, [plan] * len(panels), panels, scales, strict=True)]
+    return entries[-1]
 
 
 def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows: int = 1) -> Iterator[bytes]:
-    """Draw pictures of one kind, of several results, as `field_picture` does, one after another.
+    """Draw pictures of one kind, of several results, as `field_picture` does; yield .png files.
 
-    Their panels have the same labels, limits and titles, and are in so many rows. What they share, axes and colour
-    bars, is drawn once.
-
-    Yields
-    ------
-    bytes
-        A .png file.
+    Their panels have the same labels, limits and titles. What they share, axes and colour bars, is drawn once.
     """
     if not pictures:
         return
-    page = _page(plan, first := pictures[0].panels, length, rows)
-    scales = _frame(page, plan, first)
+    page, scales = _page(plan, pictures[0].panels, length, rows)
     for picture in pictures:
-        page.make_room(picture.title, [*legend_words(picture.marks), *(words for words, _ in remarks(plan))])
+        page.make_room(picture.title, [*legend_words(picture.marks), *(words for words, _ in _remarks(plan))])
     page.figure.set_dpi(DOTS)
     canvas: Any = page.canvas  # matplotlib leaves its methods without types
     canvas.draw()
@@ -124,7 +149,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
 
 def drawn(job: Job) -> Iterator[tuple[str, bytes]]:
     """Draw pictures of one plate, one after another: name and content of a file."""
-    plan = Plan.of(job.points, job.elements, job.left_out)
+    plan = Plan(job.points, job.elements, job.left_out)
     for sheet in job.sheets:
         yield from zip(sheet.files, drawn_as_png(plan, sheet.pictures, job.length, sheet.rows), strict=True)
 
@@ -133,13 +158,13 @@ def check_picture(
     plan: Plan,
     *,
     zones: Iterable[ZoneMark] = (),
-    supports: Iterable[SupportMark] = (),
-    loads: Iterable[LoadMark] = (),
+    supports: Sequence[SupportMark] = (),
+    loads: Sequence[LoadMark] = (),
     cuts: Iterable[CutMark] = (),
     totals: Mapping[str, str] | None = None,
     edges: Iterable[EdgeMark] = (),
     singular: Sequence[SingularMark] = (),
-    balance: Iterable[BalanceMark] = (),
+    balance: Sequence[BalanceMark] = (),
     poorest: tuple[tuple[float, float], str] | None = None,
     title: str = "",
     length: str = "",
@@ -147,29 +172,8 @@ def check_picture(
 ) -> Figure:
     """Draw a model before it is solved: mesh, supports, loads and what they amount to, sections and strips.
 
-    Parameters
-    ----------
-    plan : Plan
-    zones : iterable of ZoneMark
-    supports : iterable of SupportMark
-    loads : iterable of LoadMark
-    cuts : iterable of CutMark
-    totals : mapping of str, optional
-        The sums of load cases, in words.
-    edges : iterable of EdgeMark
-    singular : sequence of SingularMark
-    balance : iterable of BalanceMark
-    poorest : ((x, y), str), optional
-        The corner of the worst element, and words about it.
-    title : str
-    length : str
-        The unit of length, for the two axes.
-    numbers : bool
-        Whether to write the numbers of the nodes, from 0.
-
-    Returns
-    -------
-    Figure
+    ``totals`` are sums of load cases in words, ``poorest`` the corner of the worst element with words about it.
+    ``numbers`` are those of the nodes, from 0.
 
     Raises
     ------
@@ -186,10 +190,10 @@ def check_picture(
     sheet = draw_sheet(axes, plan)
     draw_mesh(axes, plan)
     draw_outlines(axes, plan)
-    labels, supports, loads = Labels(axes), list(supports), list(loads)
-    for style, places in [(mark.style, mark.positions) for mark in supports] + [(m.style, m.positions) for m in loads]:
-        if style == "points" and len(places):
-            labels.keep_free(places, LARGEST)
+    labels = Labels(axes)
+    for mark in (*supports, *loads):
+        if mark.style == "points" and len(mark.positions):
+            labels.keep_free(mark.positions, LARGEST)
     entries = draw_zones(zones, axes, sheet, labels) + draw_supports(supports, axes)
     balances = draw_balances(balance, axes, labels)
     entries += draw_loads(loads, axes, totals or {}, sheet, labels) + draw_singular(singular, axes)

@@ -1,8 +1,9 @@
-"""The plan of a plate: its mesh ready to be drawn, axes of its proportions, its outline."""
+"""The plan of a plate: its mesh ready to be drawn, axes of its proportions, its outline; words beside their places."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, Self
@@ -18,7 +19,7 @@ from matplotlib.transforms import ScaledTranslation
 from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
-from signorini.errors import InputError
+from signorini.plot.picture import Floats
 from signorini.shapes.tessellation import Tessellation, tessellate
 
 INK = "#1c2733"
@@ -29,36 +30,19 @@ _FINE = 4000
 """Elements from which on two flat triangles of each are as good as more: they are some dots wide."""
 _SAME = 1e-7
 """Part of the plate's size within which points of sides that coincide are one: far above rounding."""
+_FAINTEST = 0.07
+"""How faint edges of elements may be: fainter ones nobody sees, and they take their time."""
 _MARGIN = 0.04
 """Room around the plate, in parts of its larger side."""
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A mesh and what all its pictures share: triangles, edges, outline.
+    """A mesh and what all its pictures share: triangles, edges, outline."""
 
-    Attributes
-    ----------
-    nodes : ndarray, shape (n, 2)
-    cells : ndarray of int, shape (e, 8)
-    left_out : ndarray of bool, shape (e,), or None
-        Elements that are hatched in place of a field, as their values are not to be compared with the others'.
-    """
-
-    nodes: NDArray[np.float64]
-    cells: NDArray[np.int64]
-    left_out: NDArray[np.bool_] | None = None
-
-    @classmethod
-    def of(cls, points: ArrayLike, elements: ArrayLike, left_out: NDArray[np.bool_] | None = None) -> Self:
-        """Check the shapes of a mesh."""
-        nodes, cells = np.asarray(points, dtype=float), np.asarray(elements, dtype=np.int64)
-        if nodes.shape[1:] != (2,) or cells.shape[1:] != (8,) or not len(cells):
-            raise InputError(
-                f"The nodes have the shape {nodes.shape} and the elements {cells.shape}; "
-                "they must be (n, 2) and (e, 8)."
-            )
-        return cls(nodes, cells, left_out)
+    nodes: Floats  # (n, 2)
+    cells: NDArray[np.int64]  # (e, 8)
+    left_out: NDArray[np.bool_] | None = None  # (e,): hatched in place of a field
 
     @cached_property
     def cut(self) -> Tessellation:
@@ -71,7 +55,7 @@ class Plan:
         return triangulation(self.cut, self.nodes)
 
     @cached_property
-    def window(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def window(self) -> tuple[Floats, Floats]:
         """Lower left and upper right corner of the plan."""
         vertices = np.column_stack([self.triangles.x, self.triangles.y])
         low, high = vertices.min(axis=0), vertices.max(axis=0)
@@ -91,7 +75,7 @@ class Plan:
         return tuple(_joined(vertices[chosen]) for chosen in sorts)  # type: ignore[return-value]
 
 
-def triangulation(cut: Tessellation, nodes: NDArray[np.float64]) -> Triangulation:
+def triangulation(cut: Tessellation, nodes: Floats) -> Triangulation:
     """Give matplotlib the triangles of a mesh, or of a part of it."""
     x, y = cut.interpolate(nodes).T
     made = Triangulation(x, y, cut.triangles)
@@ -103,15 +87,6 @@ def triangulation(cut: Tessellation, nodes: NDArray[np.float64]) -> Triangulatio
 def literal(text: str) -> str:
     """Let matplotlib show a text as it is: a dollar is no mathematics."""
     return text.replace("$", r"\$")
-
-
-def plan_axes(plan: Plan, title: str) -> Axes:
-    """Make a figure whose shape suits the plate's."""
-    width, height = plan.window[1] - plan.window[0]
-    figure = Figure(figsize=(7.4, float(np.clip(5.6 * height / width, 1.8, 8.5)) + 1.3), layout="constrained")
-    axes = figure.add_subplot()
-    axes.set_title(literal(title), fontsize=11, color=INK, wrap=True)
-    return axes
 
 
 def draw_sheet(axes: Axes, plan: Plan) -> Path:
@@ -152,46 +127,45 @@ def set_window(axes: Axes, plan: Plan) -> None:
     axes.tick_params(bottom=False, left=False, labelsize=8.5)
 
 
+def figure_of(axes: Axes) -> Figure:
+    """The figure that axes are in."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None, "axes are made with their figure"
+    return figure
+
+
 def put_label(axis: Axis, across: float, up: float, right: float, above: float) -> None:
     """Put the label of an axis at a part of its axes, and so many inches from there; finding its place takes time."""
-    figure = axis.axes.get_figure(root=True)
-    assert figure is not None, "axes are made with their figure"
-    away = ScaledTranslation(right, above, figure.dpi_scale_trans)
+    away = ScaledTranslation(right, above, figure_of(axis.axes).dpi_scale_trans)
     axis.set_label_coords(across, up, axis.axes.transAxes + away)
 
 
 def inches_per_unit(axes: Axes) -> float:
     """How large the unit of length of the plate is drawn."""
-    figure = axes.get_figure(root=True)
-    assert figure is not None, "axes are made with their figure"
-    size = axes.get_position(original=True).size * figure.get_size_inches()
+    size = axes.get_position(original=True).size * figure_of(axes).get_size_inches()
     spans = np.abs([np.diff(axes.get_xlim())[0], np.diff(axes.get_ylim())[0]])
     return float((size / spans).min())
 
 
-_FAINTEST = 0.07
-"""How faint edges of elements may be: fainter ones nobody sees, and they take their time."""
-
-
-def _joined(chains: NDArray[np.float64]) -> Path:
+def _joined(chains: Floats) -> Path:
     """Put polylines (k, n, 2) into one path."""
     codes = np.full(chains.shape[:2], Path.LINETO, Path.code_type)
     codes[:, 0] = Path.MOVETO
     return Path(chains.reshape(-1, 2), codes.ravel())
 
 
-def runs(outline: NDArray[np.float64]) -> list[slice]:
+def runs(outline: Floats) -> list[slice]:
     """Rows of a polyline (k, 2) between those of NaN."""
     ends = [-1, *np.flatnonzero(np.isnan(outline[:, 0])).tolist(), len(outline)]
     return [slice(a + 1, b) for a, b in pairwise(ends) if b > a + 1]
 
 
-def pieces(outline: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+def pieces(outline: Floats) -> list[Floats]:
     """Split a polyline (k, 2) at its rows of NaN."""
     return [outline[rows] for rows in runs(outline)]
 
 
-def enclosed(outline: NDArray[np.float64]) -> Path:
+def enclosed(outline: Floats) -> Path:
     """What closed polylines (k, 2), rows of NaN between them, enclose: the first one without the others."""
     parts = []
     for number, loop in enumerate(pieces(outline)):
@@ -201,3 +175,100 @@ def enclosed(outline: NDArray[np.float64]) -> Path:
         codes = [Path.MOVETO, *[Path.LINETO] * (len(loop) - 2), Path.CLOSEPOLY]
         parts.append(Path(loop if turned == (number == 0) else loop[::-1], codes))
     return Path.make_compound_path(*parts)
+
+
+PAPER = {"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.6}
+"""Behind what is written on colours."""
+_LETTER, _LINE = 0.6, 1.25
+"""Of the size of a font, how wide a letter is and how high a line."""
+_AROUND = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1], [0, 1], [0, -1], [1, 0], [-1, 0]], dtype=np.float64)
+_FAR = (5.0, 14.0, 26.0, 40.0)
+"""Points from a place to the words beside it: nearer ones first."""
+_LEADER = 10.0
+"""Points from which on a line leads from the words to their place."""
+_ON_WORDS, _OUTSIDE, _ON_MARKS = 20.0, 10.0, 6.0
+"""What it costs to cover words, to leave the plan and to cover marks, against 1 for the eighth of the candidates."""
+
+
+@dataclass(eq=False)
+class Labels:
+    """What is written in axes, whose limits are set; boxes (k, 4) in points from the axes' lower left that are taken."""
+
+    axes: Axes
+    words: list[Floats] = field(default_factory=list)
+    marks: list[Floats] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Measure the axes."""
+        self.scale = 72.0 * inches_per_unit(self.axes)
+        (left, right), (low, high) = self.axes.get_xlim(), self.axes.get_ylim()
+        self._corner = np.array([left, low])
+        self._size = np.array([right - left, high - low]) * self.scale
+
+    def points(self, at: ArrayLike) -> Floats:
+        """Turn places (k, 2) of the plan into points from its lower left."""
+        return np.asarray((np.atleast_2d(np.asarray(at, dtype=np.float64)) - self._corner) * self.scale)
+
+    def keep_free(self, at: ArrayLike, size: float) -> None:
+        """Let no words be put on marks at places (k, 2), so many points wide."""
+        middle = self.points(at)
+        self.marks.append(np.hstack([middle - 0.5 * size, middle + 0.5 * size]))
+
+    def beside(self, words: str, places: ArrayLike, size: float = 8.0, color: str = INK, **look: Any) -> None:
+        """Write words beside one of the places (k, 2), the first one if that is free; a line leads to it from afar."""
+        at = np.atleast_2d(np.asarray(places, dtype=np.float64))
+        extent = np.array([_LETTER * len(words), _LINE]) * size
+        ways = np.concatenate([gap * _AROUND for gap in _FAR])
+        moved = np.tile(ways, (len(at), 1)) + 0.5 * extent * np.sign(np.tile(ways, (len(at), 1)))
+        anchors = np.repeat(np.arange(len(at)), len(ways))
+        order = np.tile(np.arange(len(ways)), len(at)) + 3 * anchors
+        best = self._best(self.points(at)[anchors] + moved, extent, order)
+        anchor, (x, y) = at[anchors[best]], moved[best]
+        offset: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
+        if np.abs(ways[best % len(ways)]).max() > _LEADER:
+            offset["arrowprops"] = {"arrowstyle": "-", "color": color, "linewidth": 0.6, "shrinkA": 0, "shrinkB": 3}
+        self.axes.annotate(literal(words), tuple(anchor), (x, y), **offset, **_look(size, color, look))
+
+    def along(
+        self, words: str, places: ArrayLike, turns: Sequence[float], size: float, color: str = INK, **look: Any
+    ) -> None:
+        """Write words on one of the places (k, 2), turned by so many degrees there; nothing where none is free."""
+        at, angle = np.atleast_2d(np.asarray(places, dtype=np.float64)), np.radians(turns)
+        long, high = _LETTER * len(words) * size, _LINE * size
+        cos, sin = np.abs(np.cos(angle)), np.abs(np.sin(angle))
+        extent = np.column_stack([long * cos + high * sin, long * sin + high * cos])
+        best = self._best(self.points(at), extent, np.arange(len(at)), free=True)
+        if best >= 0:
+            x, y = at[best].tolist()
+            turned = self.axes.text(x, y, literal(words), ha="center", va="center", rotation_mode="anchor")
+            turned.set(rotation=turns[best], **_look(size, color, look))
+
+    def _best(
+        self, middles: Floats, extent: Floats, order: NDArray[np.int64], free: bool = False
+    ) -> int:
+        """Take the box that costs least, of middles (k, 2) in points; -1 if it must be free and none is."""
+        boxes = np.hstack([middles - 0.5 * extent, middles + 0.5 * extent])
+        area = np.prod(np.broadcast_to(extent, middles.shape), axis=1)
+        on_words = _covered(boxes, self.words) / area
+        outside = 1.0 - _covered(boxes, [np.append(0.0 * self._size, self._size)[None]]) / area
+        cost = order / len(_AROUND) + _ON_WORDS * on_words + _OUTSIDE * outside
+        cost += _ON_MARKS * _covered(boxes, self.marks) / area
+        best = int(cost.argmin())
+        if free and on_words[best] > 0.0:
+            return -1
+        self.words.append(boxes[best][None])
+        return best
+
+
+def _look(size: float, color: str, look: dict[str, Any]) -> dict[str, Any]:
+    return {"fontsize": size, "color": color, "zorder": 7, "bbox": PAPER} | look
+
+
+def _covered(boxes: Floats, taken: Sequence[Floats]) -> Floats:
+    """Sum the areas that boxes (k, 4) share with those that are taken."""
+    if not taken:
+        return np.zeros(len(boxes))
+    others = np.concatenate(taken)
+    low = np.maximum(boxes[:, None, :2], others[:, :2])
+    high = np.minimum(boxes[:, None, 2:], others[:, 2:])
+    return np.asarray(np.prod(np.maximum(high - low, 0.0), axis=2).sum(axis=1))

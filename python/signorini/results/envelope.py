@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from signorini import _core
+from signorini.base.remade import Remade
+from signorini.contact.problem import ContactProblem
+from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
+from signorini.model import Model
 from signorini.results.quantities import PEAKING, SIDES
 from signorini.results.result import Result
-from signorini.results.rows import Block, Layout
+from signorini.results.rows import Block, Column, Layout
 
 NONE = -1
 """Number of no result."""
@@ -282,3 +289,41 @@ def _sizes(values: Floats, kinds: list[tuple[str, str, int]]) -> Floats:
 def _size(values: ArrayLike) -> float:
     """The size of the largest of values, but for those that are none."""
     return float(np.fmax.reduce(np.abs(np.asarray(values, dtype=np.float64)), axis=None, initial=0.0))
+
+
+Key = TypeVar("Key", str, float)
+
+
+class States(Remade, Generic[Key]):
+    """Results of one problem under several loads: a table with a row each, an envelope, and which of them govern."""
+
+    problem: ContactProblem
+
+    @property
+    def discretisation(self) -> Discretisation:
+        """Mesh, supports and loads."""
+        return self.problem.discretisation
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+        return self.discretisation.model
+
+    @abstractmethod
+    def key(self, row: int) -> Key:
+        """What tells a row of the table, from 0, from the others: the combination's name, or t."""
+
+    @property
+    @abstractmethod
+    def table(self) -> Mapping[str, Column]:
+        """Every column by name, with a number or a text a row; docs/results.md describes them. NaN is absent."""
+
+    @property
+    @abstractmethod
+    def envelope(self) -> Envelope:
+        """Extremes over all rows with an equilibrium, and the numbers of the rows, from 0, that they come from."""
+
+    @property
+    def governing(self) -> tuple[Key, ...]:
+        """Rows with an extreme of some field, reaction or section, in that order, some at most."""
+        return tuple(map(self.key, self.envelope.rows))

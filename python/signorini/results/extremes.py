@@ -10,9 +10,30 @@ import numpy as np
 
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
-from signorini.results.peak import peak
 from signorini.results.quantities import FIELDS, PEAKING, TOLD
 from signorini.singularities.singularity import Singularity, away_from
+
+_ALIKE = 1e-9
+"""Part of a field's size, and of the distance between places, within which numbers differ by rounding."""
+
+
+def peak(values: Floats, places: Floats) -> int:
+    """Which of values (n,) is the largest; of those alike but for rounding that at the least x, and then y.
+
+    Places are (n, 2). Values of minus infinity do not count.
+
+    Examples
+    --------
+    >>> peak(np.array([1.0, 3.0 - 1e-12, 3.0]), np.array([[0.0, 0.0], [1.0, 1.0], [2.0, 1.0]]))
+    1
+    """
+    size = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    near = np.flatnonzero(values >= values.max() - _ALIKE * size)
+    if len(near) == 1:
+        return int(near[0])
+    alike = places[near] - places[near].min(axis=0)
+    x, y = np.round(alike / (_ALIKE * max(float(alike.max()), 1e-300))).T
+    return int(near[np.lexsort((y, x))[0]])
 
 
 @dataclass(frozen=True)

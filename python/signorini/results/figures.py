@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from signorini.discretise.rows import Floats
+from signorini.results.local_results import SectionResult, StripResult
 from signorini.results.quantities import OF_AREAS, SIDES, Catalogue, Path
 from signorini.results.result import Result
-from signorini.results.section_result import SectionResult, StripResult
 from signorini.results.support_result import SupportResult
 
 

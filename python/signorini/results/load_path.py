@@ -21,18 +21,16 @@ from signorini.discretise import CaseLoad
 from signorini.errors import InputError, NotCertifiedError, point
 from signorini.mesh import Mesh
 from signorini.model import Combination
-from signorini.results.envelope import Envelope
-from signorini.results.named_events import PathEvent, in_words
+from signorini.results.envelope import Envelope, States
 from signorini.results.notebook import path_table
+from signorini.results.path_events import PathEvent, Threshold, in_words
 from signorini.results.path_stop import PathStop
 from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Layout, together
-from signorini.results.states import States
-from signorini.results.thresholds import Threshold
 from signorini.results.warnings import bending_thickness, model_warnings, too_far
 
 if TYPE_CHECKING:
-    from signorini.plot.load_path import Figure
+    from signorini.plot.curves import Figure
 
 AT_LIMIT = 1e-6
 """Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
@@ -216,7 +214,7 @@ class LoadPath(States[float]):
         Figure
             Of matplotlib.
         """
-        from signorini.plot.load_path import load_path_picture
+        from signorini.plot.curves import load_path_picture
 
         supports, units, stops = self.model.support, self.model.units, self.stops
         reactions = {one.name: [stop.reactions[i] for stop in stops] for i, one in enumerate(supports)}

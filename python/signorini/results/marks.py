@@ -18,18 +18,16 @@ from signorini.model import Area, Circle, Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.model.whole import Units
 from signorini.plot.picture import PressureLayer, SupportMark
-from signorini.results.contact_field import AreaContact
+from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
-from signorini.results.support_words import describe
+from signorini.results.support_result import describe
 from signorini.shapes import Region
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.singularity import Singularity
 
 if TYPE_CHECKING:
-    from signorini.plot.cuts import CutMark
-    from signorini.plot.loads import LoadMark
     from signorini.plot.marks import ZoneMark
-    from signorini.plot.places import EdgeMark, SingularMark
+    from signorini.plot.model_marks import CutMark, EdgeMark, LoadMark, SingularMark
 
 _AROUND = 180
 _MOST_EDGES = 40
@@ -145,7 +143,7 @@ def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
 
 def cut_marks(model: Model) -> list[CutMark]:
     """Draw the sections and the strips of a model."""
-    from signorini.plot.cuts import CutMark
+    from signorini.plot.model_marks import CutMark
 
     marks = [CutMark(section.name, np.array(section.line)) for section in model.section]
     for strip in model.strip:
@@ -157,7 +155,7 @@ def cut_marks(model: Model) -> list[CutMark]:
 
 def load_marks(discretisation: Discretisation) -> list[LoadMark]:
     """Draw the loads of a model, the case's name and the kind in the legend."""
-    from signorini.plot.loads import LoadMark
+    from signorini.plot.model_marks import LoadMark
 
     marks = []
     for load in discretisation.model.load:
@@ -242,7 +240,7 @@ def case_totals(discretisation: Discretisation) -> dict[str, str]:
 
 def edge_marks(mesh: Mesh) -> list[EdgeMark]:
     """Name edges left of or before the middle, where values of loads stand, of holes their sides, if not too many."""
-    from signorini.plot.places import EdgeMark
+    from signorini.plot.model_marks import EdgeMark
 
     wholes = {name.rpartition(" edge ")[0] or name.rpartition(" ")[0] for name in mesh.edges} & set(mesh.edges)
     names = [name for name in mesh.edges if name not in wholes]
@@ -259,7 +257,7 @@ def edge_marks(mesh: Mesh) -> list[EdgeMark]:
 
 def singular_marks(named: Sequence[Singularity]) -> list[SingularMark]:
     """Mark the places of singularities."""
-    from signorini.plot.places import SingularMark
+    from signorini.plot.model_marks import SingularMark
 
     return [SingularMark(one.what, np.array(one.where), one.line, one.limited) for one in named if one.where]
 

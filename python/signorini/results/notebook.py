@@ -11,8 +11,7 @@ import numpy as np
 from signorini.base.numbers import estimated, number, size_of
 from signorini.errors import point
 from signorini.model import Support, Units
-from signorini.results.support_result import SupportResult
-from signorini.results.support_words import symbol
+from signorini.results.support_result import SupportResult, symbol
 
 _NUMBER = 'style="padding: 0 0.5em; text-align: right; white-space: nowrap"'
 _WORDS = 'style="padding: 0 0.5em; text-align: left"'

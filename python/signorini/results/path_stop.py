@@ -13,10 +13,9 @@ from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import imbalances
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
-from signorini.results.closed_part import closed_part
-from signorini.results.peak import peak
+from signorini.results.extremes import peak
 from signorini.results.quantities import SIDES, Catalogue, Home
-from signorini.results.support_points import SupportPoints, catalogue_of
+from signorini.results.support_points import SupportPoints, catalogue_of, closed_part
 from signorini.results.support_result import area_at_rest
 
 _MOST_POINTS = 100

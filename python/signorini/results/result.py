@@ -28,14 +28,22 @@ from signorini.errors import InputError, point
 from signorini.formats.vtk import as_meshio, displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
-from signorini.results.contact_field import Pressures
+from signorini.results.contact_field.area_contact import Pressures
 from signorini.results.extremes import FieldExtremes, extremes
+from signorini.results.local_results import (
+    ProbeResult,
+    ProfileResult,
+    SectionResult,
+    StationResult,
+    StripResult,
+    probe_results,
+    profile_results,
+    section_results,
+    total_pressure,
+)
 from signorini.results.notebook import supports_table
 from signorini.results.panels import panel, support_marks
-from signorini.results.probe_result import ProbeResult, probe_results, total_pressure
-from signorini.results.profile_result import ProfileResult, profile_results
 from signorini.results.quantities import FIELDS, LINEAR, SIDES, TOLD, Catalogue, Home, derived
-from signorini.results.section_result import SectionResult, StationResult, StripResult, section_results
 from signorini.results.support_points import catalogue_of
 from signorini.results.support_result import SupportResult, support_result
 from signorini.results.warnings import model_warnings, result_warnings
@@ -43,7 +51,7 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
 if TYPE_CHECKING:
-    from signorini.plot.panel import Axes
+    from signorini.plot.pictures import Axes
 
 Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 Status = Literal["solved", "no_equilibrium"]
@@ -372,8 +380,7 @@ class Result(Remade):
             If there is no field of that name, no area whose pressure could be drawn, or no interval in the limits.
         """
         from signorini.plot.marks import draw_legend
-        from signorini.plot.panel import draw_panel
-        from signorini.plot.pictures import field_picture
+        from signorini.plot.pictures import draw_panel, field_picture
         from signorini.plot.plan import Plan
 
         known(field, [*self.fields, "pressure"], "field", "field", "This result")
@@ -383,7 +390,7 @@ class Result(Remade):
         if field == "pressure" and not any(support.area is not None for support in self.model.support):
             raise InputError('There is no "pressure": no support of this model is an area.', place="field")
         nodes, units = self.stress_nodes, self.model.units
-        plan = Plan.of(nodes.points, nodes.elements, nodes.left_out)
+        plan = Plan(nodes.points, nodes.elements, nodes.left_out)
         marks = support_marks(self.mesh, self.model.support, self.supports)
         drawn = panel(field, self, plus_minus, None if limits is None else arguments.interval(limits, "limits"))
         if ax is None:

@@ -1,20 +1,120 @@
-"""Elements that the edge of contact may cross, cut into cells: which part of each is in contact, in many solutions."""
+"""The law of an elastic area, and the elements that the edge of contact may cross, cut into cells and triangles."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, Self, TypeVar
 
 import numpy as np
 
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.errors import InputError
+from signorini.expression import Expression
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import are_triangles, real_sides
 from signorini.model import Support
-from signorini.results.contact_field.law import free_travel, overlap
-from signorini.results.contact_field.parts import both_positive_part
-from signorini.shapes.tessellation import grid_shapes
+from signorini.shapes.tessellation import Tessellation, grid_shapes, tessellate
+
+
+def bounds(support: Support) -> tuple[float, float]:
+    """Least and greatest pressure that the support can exert, positive up."""
+    return {"down": (0.0, np.inf), "up": (-np.inf, 0.0)}.get(support.resists or "both", (-np.inf, np.inf))
+
+
+def pressing(support: Support, deflection: Floats, positions: Floats) -> Floats:
+    """Pressure (q,) of an elastic area for deflections (q,) at positions (q, 2), positive up, one-sided or not.
+
+    A one-sided support exerts the part of it within its `bounds`. The rest says how far the plate is from the support,
+    so the edge of contact is where this is zero. NaN where the input's expressions have no value.
+
+    Examples
+    --------
+    >>> soil = Support(area="all", resists="down", stiffness=1e3, gap=0.25)
+    >>> pressing(soil, np.array([1.0, 0.0]), np.zeros((2, 2)))
+    array([ 750., -250.])
+    """
+    assert support.stiffness is not None
+    down, up = _beyond_gap(deflection, free_travel(support, positions))
+    both = np.maximum(down, 0.0) - np.maximum(up, 0.0)
+    travel = {"down": down, "up": -up}.get(support.resists or "both", both)
+    return np.asarray(_known_values(support.stiffness, positions) * travel)
+
+
+def free_travel(support: Support, positions: Floats) -> tuple[Floats, Floats]:
+    """Settlement and gap (q,) of an elastic area at positions (q, 2); NaN where an expression has no value."""
+    return _known_values(support.settlement, positions), _known_values(support.gap, positions)
+
+
+def overlap(support: Support, deflection: Floats, travel: tuple[Floats, Floats]) -> Floats:
+    """How far (..., q) the plate is pressed into the support, given its free travel; where negative, the gap."""
+    down, up = _beyond_gap(deflection, travel)
+    return {"down": down, "up": up}.get(support.resists or "both", np.maximum(down, up))
+
+
+def _beyond_gap(deflection: Floats, travel: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+    """How far the plate has gone beyond the free travel, down and up."""
+    settlement, gap = travel
+    moved = deflection - settlement
+    return moved - gap, -moved - gap
+
+
+def _known_values(expression: Expression, positions: Floats) -> Floats:
+    """Values (q,) of an expression, NaN where it has none: it need have one only where the support acts."""
+    try:
+        return expression(*positions.T)
+    except InputError:
+        if len(positions) == 1:
+            return np.array([np.nan])
+        half = len(positions) // 2
+        return np.concatenate(
+            [_known_values(expression, positions[:half]), _known_values(expression, positions[half:])]
+        )
+
+
+def positive_part(values: Floats) -> Floats:
+    """Part of a triangle where the linear function through its corner values (..., 3) is positive.
+
+    Examples
+    --------
+    >>> positive_part(np.array([[1.0, -1.0, -1.0], [1.0, 2.0, 3.0]]))
+    array([0.25, 1.  ])
+    """
+    low, middle, high = np.moveaxis(np.sort(values, axis=-1), -1, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        one_above = high**2 / ((high - low) * (high - middle))
+        two_above = 1.0 - low**2 / ((high - low) * (middle - low))
+    part = np.where(middle > 0, two_above, one_above)
+    return np.asarray(np.where(low >= 0, 1.0, np.where(high <= 0, 0.0, part)))
+
+
+def both_positive_part(first: Floats, second: Floats) -> Floats:
+    """Part of a triangle where two linear functions, given at its corners (t, 3), are positive.
+
+    The triangle is cut in three where the first is zero; on each piece the second is linear still.
+
+    Examples
+    --------
+    >>> x, y = np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, 1.0]])
+    >>> both_positive_part(x - 0.5, y - 0.25), both_positive_part(0.5 - x, 0.5 - y)
+    (array([0.0625]), array([0.5]))
+    """
+    above = (first > 0).sum(axis=1)
+    result = np.where(above == 3, positive_part(second), 0.0)
+    cut = (above == 1) | (above == 2)
+    f, g, alone = first[cut], second[cut], above[cut] == 1
+    odd = np.where(alone, f.argmax(axis=1), f.argmin(axis=1))
+    turned = (odd[:, None] + np.arange(3)) % 3
+    fa, fb, fc = np.take_along_axis(f, turned, axis=1).T
+    ga, gb, gc = np.take_along_axis(g, turned, axis=1).T
+    s, t = fa / (fa - fb), fa / (fa - fc)
+    gs, gt = ga + s * (gb - ga), ga + t * (gc - ga)
+    tip = s * t * positive_part(np.stack([ga, gs, gt], axis=1))
+    rest = (1 - s) * positive_part(np.stack([gs, gb, gc], axis=1))
+    rest += s * (1 - t) * positive_part(np.stack([gs, gc, gt], axis=1))
+    result[cut] = np.where(alone, tip, rest)
+    return result
+
 
 _Values = TypeVar("_Values", Floats, Bools)
 
@@ -183,3 +283,45 @@ def _beside(pressed: Bools) -> Bools:
     for corner, of in zip(_corners(beside), (first | second, first, first | second, second), strict=True):
         corner |= of
     return beside
+
+
+@dataclass(frozen=True, eq=False)
+class Fine:
+    """Elements (k,) cut into triangles.
+
+    Parameters
+    ----------
+    elements : (k,) array
+    cut : Tessellation
+        Of these elements, in their order.
+    positions : (v, 2) array
+    overlap : (v,) array
+        How far the plate is pressed into the support; negative in a gap, 0 where it touches, NaN where not known.
+    """
+
+    elements: Ints
+    cut: Tessellation
+    positions: Floats
+    overlap: Floats
+
+    @classmethod
+    def of(cls, mesh: Mesh, elements: Ints, support: Support, deflection: Floats, touching: float) -> Self:
+        """Cut elements of an elastic area; what is within ``touching`` of zero is zero."""
+        cut = tessellate(mesh.elements[elements], divisions(len(elements)))
+        positions = cut.interpolate(mesh.points)
+        values = overlap(support, cut.interpolate(deflection), free_travel(support, positions))
+        values[np.abs(values) <= touching] = 0.0
+        return cls(elements, cut, positions, values)
+
+    @property
+    def known(self) -> Ints:
+        """Triangles (t, 3) at whose corners the overlap is known."""
+        return self.cut.triangles[~np.isnan(self.overlap[self.cut.triangles]).any(axis=1)]
+
+    @property
+    def in_contact(self) -> Bools:
+        """Vertices (v,) at which the plate presses, or touches beside one at which it presses."""
+        pressed = self.overlap > 0
+        beside = np.zeros_like(pressed)
+        beside[self.cut.triangles[pressed[self.cut.triangles].any(axis=1)]] = True
+        return np.asarray(pressed | (beside & (self.overlap == 0)))

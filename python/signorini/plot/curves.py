@@ -1,21 +1,20 @@
-"""A load path: over the load factor what the supports carry, which part of them is closed, and deflections."""
+"""Curves: of a load path, along profiles, and of meshes on the way to an accuracy."""
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Collection, Mapping
-from typing import Literal, TypeAlias
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Figure
 from matplotlib.lines import Line2D
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from signorini.errors import InputError
+from signorini.plot.picture import Floats
 from signorini.plot.plan import INK, literal
-
-Floats: TypeAlias = NDArray[np.float64]
 
 _CURVES = ("#1f5fa8", "#d95f02", "#1b6e53", "#7a3e9d", "#8c6d1f", "#b3261e")
 _STYLES: tuple[Literal["solid", "dashed", "dotted"], ...] = ("solid", "dashed", "dotted")
@@ -29,6 +28,39 @@ _ALIKE = 1e-6
 """Difference of curves, over the largest of all, that is none."""
 _HEIGHT, _ROW = 2.3, 0.19
 """Inches of a panel, and of a row of its legend."""
+
+
+def line(
+    x: ArrayLike,
+    y: ArrayLike,
+    *,
+    ax: Axes | None = None,
+    label: str = "",
+    xlabel: str = "",
+    ylabel: str = "",
+    title: str = "",
+) -> Axes:
+    """Draw values (k,) at places (k,) along a line, positive ones downwards as deflections are.
+
+    Give the axes of an earlier call to draw several curves together. ``label`` is the curve's name in the legend.
+
+    Examples
+    --------
+    >>> axes = line([0, 1, 2], [0, 1e-3, 0], ylabel="deflection [m]")
+    >>> bool(axes.yaxis_inverted())
+    True
+    """
+    axes = Figure(figsize=(7, 3.6), layout="constrained").add_subplot() if ax is None else ax
+    axes.plot(np.asarray(x, dtype=float), np.asarray(y, dtype=float), label=label or "_curve", linewidth=1.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(alpha=0.25)
+    axes.yaxis.set_inverted(True)
+    axes.set_xlabel(xlabel or axes.get_xlabel())
+    axes.set_ylabel(ylabel or axes.get_ylabel())
+    axes.set_title(title or axes.get_title())
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(frameon=False)
+    return axes
 
 
 def load_path_picture(
@@ -49,14 +81,12 @@ def load_path_picture(
 ) -> Figure:
     """Draw reactions, the parts of supports that are closed, and deflections against the load factor, in panels.
 
+    Curves (k,) by name are at the stops ``t`` (k,), parts that are closed from 0 to 1. What coincides is one curve
+    with all its names; of more than eighteen the first are drawn, and the panel says how many are left out.
+
     Parameters
     ----------
-    t : array_like, shape (k,)
-        The factor at the stops of the path.
-    deflections, reactions, closed : mapping of array_like, shape (k,)
-        Curves by name; parts that are closed from 0 to 1. What coincides is one curve with all its names; of more than
-        eighteen the first are drawn, and the panel says how many are left out.
-    thresholds : mapping of float, optional
+    thresholds : mapping of float
         Factors to mark, by what is reached there.
     stepwise : collection of str
         Supports whose part that is closed changes at once, from a stop on: those at points.
@@ -68,33 +98,17 @@ def load_path_picture(
         The factor from which on nothing happens that is worth drawing.
     title, factor, length, force : str
         Above the picture; what the factor is; units.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    InputError
-        An array has another length.
-
-    Examples
-    --------
-    >>> figure = load_path_picture([0, 1, 2], {"middle": [0, 1, 1]}, {"prop": [0, 0, 5]}, {"prop": [0, 1, 1]})
-    >>> [axes.get_ylabel() for axes in figure.axes]
-    ['reaction, positive up', 'part closed [%]', 'deflection, positive down']
     """
     stops = np.asarray(t, dtype=float)
+    drawn = min((to for to in (until, last) if to is not None), default=np.inf)
+    shown = np.append(stops[stops < drawn], drawn) if drawn < stops[-1] else stops
     panels = {
         f"reaction{_unit(force)}, positive up": reactions,
         _PART: {name: 100.0 * np.asarray(of, dtype=float) for name, of in closed.items()},
         f"deflection{_unit(length)}, positive down": deflections,
     }
-    drawn = min((to for to in (until, last) if to is not None), default=np.inf)
-    kept = stops[stops < drawn]
-    shown = np.append(kept, drawn) if drawn < stops[-1] else stops
     curves = {
-        label: {name: _cut(name, values, stops, shown) for name, values in of.items()}
+        label: {name: np.asarray(values) if shown is stops else np.interp(shown, stops, values) for name, values in of.items()}
         for label, of in panels.items()
         if of
     }
@@ -119,14 +133,6 @@ def load_path_picture(
 
 def _unit(unit: str) -> str:
     return literal(f" [{unit}]" if unit else "")
-
-
-def _cut(name: str, values: ArrayLike, stops: Floats, shown: Floats) -> Floats:
-    """The values of a curve at the factors that are shown."""
-    of = np.asarray(values, dtype=float)
-    if of.shape != stops.shape:
-        raise InputError(f"{name!r} has the shape {of.shape}; for these t it must be ({len(stops)},).")
-    return of if shown is stops else np.interp(shown, stops, of)
 
 
 def _mark(axes: list[Axes], t: float, words: str, color: str) -> None:
@@ -179,3 +185,62 @@ def _draw_curves(
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(alpha=0.25, linewidth=0.5)
     axes.tick_params(labelsize=8.5)
+
+
+_ACROSS = 4
+"""Panels side by side: on a page in landscape each is as wide as is needed to read it."""
+
+
+def profile_picture(
+    distance: ArrayLike, panels: Mapping[str, Mapping[str, ArrayLike]], along: str = "", title: str = ""
+) -> Figure:
+    """Draw quantities along a line, a panel each; positive values downwards.
+
+    Curves have gaps where values are NaN; panels without any value are left out.
+    ``panels`` are of each quantity its curves (k,) by combination; ``along`` says what the distance (k,) is.
+    """
+    shown = {
+        name: curves
+        for name, curves in panels.items()
+        if not all(np.isnan(np.asarray(values, dtype=float)).all() for values in curves.values())
+    }
+    rows = max(math.ceil(len(shown) / _ACROSS), 1)
+    figure = Figure(figsize=(3.4 * _ACROSS, 0.6 + 2.6 * rows), layout="constrained")
+    figure.suptitle(literal(title), fontsize=11, color=INK)
+    grid = figure.subplots(rows, _ACROSS, squeeze=False).ravel()
+    for unused in grid[len(shown) :]:
+        unused.remove()
+    for axes, (name, curves) in zip(grid, shown.items(), strict=False):
+        for values in curves.values():
+            line(distance, values, ax=axes)
+        axes.set_ylabel(literal(name), fontsize=8.5, color=INK)
+        axes.set_xlabel(literal(along), fontsize=8.5, color=INK)
+        axes.tick_params(labelsize=8)
+    names = [literal(name) for curves in list(shown.values())[:1] for name in curves]
+    figure.legend(grid[0].lines, names, loc="outside lower center", ncols=5, frameon=False, fontsize=8.5)
+    return figure
+
+
+_FOUND, _LIMIT = "#1f5fa8", "#b3261e"
+
+
+def refinement_picture(dofs: ArrayLike, worst: ArrayLike, asked: float, order: float, title: str = "") -> Figure:
+    """Draw the largest half-width over its field against the dofs, beside what uniform refinement is expected to do.
+
+    ``order`` is that in the size of elements by which half-widths are expected to fall where all shrink alike.
+    """
+    at, result = np.asarray(dofs, dtype=float), np.asarray(worst, dtype=float)
+    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axes = figure.subplots()
+    figure.suptitle(literal(title), fontsize=11, color=INK)
+    axes.loglog(at, result, color=_FOUND, marker="o", markersize=4, label="these meshes")
+    axes.axhline(asked, color=_LIMIT, linewidth=1.2, label="asked")
+    far = np.array([at[0], max(at[-1], at[0] * (result[0] / asked) ** (2 / order))])
+    expected = result[0] * (far / at[0]) ** (-order / 2)
+    axes.loglog(far, expected, color=INK, linewidth=1, linestyle="--", label="uniform refinement, expected")
+    axes.set_xlabel("dofs", fontsize=9, color=INK)
+    axes.set_ylabel("largest ± over the largest value of its field", fontsize=9, color=INK)
+    axes.tick_params(labelsize=8.5)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(fontsize=8.5, frameon=False)
+    return figure

@@ -1,0 +1,303 @@
+"""What places of the plate show: points, profiles along lines, sections and strips."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from signorini.discretise import Discretisation
+from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.stressnodes import StressNodes
+from signorini.mesh import Location, Mesh
+from signorini.model.profile import Profile
+from signorini.results.contact_field.area_contact import without_shared_borders
+from signorini.results.quantities import design_moments, face_stresses, principal_moments, shear_stresses
+from signorini.results.support_result import SupportResult
+
+
+@dataclass(frozen=True)
+class ProbeResult:
+    """What a point of the plate shows; where moments and shears jump, of each the side where it is larger in size.
+
+    Parameters
+    ----------
+    at : (x, y)
+    deflection : float
+    rotation : (θx, θy)
+    moment : (mx, my, mxy)
+    shear : (qx, qy)
+    pressure : float or None
+        Contact pressure of the area supports there, positive up; None where there is none.
+    thickness : float
+        Of a solid plate, where it jumps that of the thinner side; NaN where a stiffness is given in its place.
+    """
+
+    at: tuple[float, float]
+    deflection: float
+    rotation: tuple[float, float]
+    moment: tuple[float, float, float]
+    shear: tuple[float, float]
+    pressure: float | None
+
+    thickness: float
+
+    @property
+    def principal_moment(self) -> tuple[float, float, float]:
+        """Principal moments m1 ≥ m2, and the angle from x to the direction of m1, in degrees towards y.
+
+        Examples
+        --------
+        >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 3.0, 1.0), (0, 0), None, 1.0).principal_moment
+        (4.0, 2.0, 45.0)
+        """
+        m1, m2, angle = principal_moments(np.array(self.moment)).tolist()
+        return m1, m2, angle
+
+    @property
+    def design_moment(self) -> dict[str, tuple[float, float]]:
+        """Moments along x and y for which reinforcement along them is designed: bottom ≥ 0, top ≤ 0.
+
+        By `signorini.results.quantities.design_moments` (Wood 1968, Armer 1968).
+        """
+        bottom_x, bottom_y, top_x, top_y = design_moments(np.array(self.moment)).tolist()
+        return {"bottom": (bottom_x, bottom_y), "top": (top_x, top_y)}
+
+    @property
+    def stress(self) -> dict[str, tuple[float, ...]]:
+        """Stresses of a solid plate, tension positive: σx, σy, τxy at "top" and "bottom", "von_mises" there, "shear".
+
+        Shear is τxz, τyz at mid-depth. All NaN where a stiffness is given in place of a solid section.
+
+        Examples
+        --------
+        >>> ProbeResult((0, 0), 0, (0, 0), (3.0, 0.0, 0.0), (0, 4.0), None, 2.0).stress["bottom"]
+        (4.5, 0.0, 0.0)
+        """
+        thickness = np.array(self.thickness)
+        values = face_stresses(np.array(self.moment), thickness).tolist()
+        shear = shear_stresses(np.array(self.shear), thickness).tolist()
+        return {
+            "top": tuple(values[:3]),
+            "bottom": tuple(values[3:6]),
+            "von_mises": tuple(values[6:]),
+            "shear": tuple(shear),
+        }
+
+
+def probe_results(
+    fields: Floats,
+    nodes: StressNodes,
+    thickness: Floats,
+    supports: Sequence[SupportResult],
+    where: Location,
+    positions: Floats,
+) -> list[ProbeResult]:
+    """Interpolate fields (s, 8) and the thickness (s,) to positions (q, 2), and ask for the pressure there."""
+    if not len(positions):
+        return []
+    sides = nodes.sides(positions, where)
+    values = nodes.mesh.shape_functions(sides.where.elements, sides.where.xi)
+    elements = nodes.elements[sides.where.elements]
+    at_points = sides.larger(np.einsum("qi,qif->qf", values, fields[elements]))
+    pressures = total_pressure(supports, where).tolist()
+    return [
+        ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h)
+        for (x, y), v, p, h in zip(
+            positions.tolist(),
+            at_points.tolist(),
+            pressures,
+            sides.least(np.einsum("qi,qi->q", values, thickness[elements])).tolist(),
+            strict=True,
+        )
+    ]
+
+
+def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Floats) -> Floats:
+    """Interpolate fields (s, f) to positions (q, 2): (q, f), of several sides the largest in size."""
+    sides = nodes.sides(positions, where)
+    values = nodes.mesh.shape_functions(sides.where.elements, sides.where.xi)
+    return sides.larger(np.einsum("qi,qif->qf", values, fields[nodes.elements[sides.where.elements]]))
+
+
+def total_pressure(supports: Sequence[SupportResult], where: Location) -> Floats:
+    """Sum (q,) of the pressures of area supports, where they only touch that of one; NaN where none is."""
+    areas = [support.area for support in supports if support.area is not None]
+    if not areas:
+        return np.full(len(where.elements), np.nan)
+    result = np.array([area.pressure(where.elements, where.xi) for area in areas])
+    positions = areas[0].mesh.map(where.elements, where.xi)
+    on = without_shared_borders(areas, positions, ~np.isnan(result))
+    return np.where(on.any(axis=0), np.where(on, result, 0.0).sum(axis=0), np.nan)
+
+
+PRESSURE = "pressure"
+
+
+@dataclass(frozen=True, eq=False)
+class ProfileResult:
+    """Fields along a line, at its stations (k,); where moments and shears jump, of each the side where it is larger.
+
+    Parameters
+    ----------
+    name : str
+    distance : (k,) array
+        From the beginning of the line.
+    at : (k, 2) array
+    values : dict of (k,) arrays
+        Every field by name, and the pressure of area supports, positive up; NaN off the plate, or where there is none.
+    """
+
+    name: str
+    distance: Floats
+    at: Floats
+    values: Mapping[str, Floats]
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Give a row a station, by column; None where there is no number."""
+        columns = {"distance": self.distance, "x": self.at[:, 0], "y": self.at[:, 1], **self.values}
+        for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+            yield {name: None if np.isnan(value) else value for name, value in zip(columns, row, strict=True)}
+
+
+def profile_results(
+    profiles: Sequence[Profile],
+    fields: Mapping[str, Floats],
+    nodes: StressNodes,
+    supports: Sequence[SupportResult],
+) -> tuple[ProfileResult, ...]:
+    """Interpolate fields, (n,) or (s,), to the stations of profiles."""
+    table = np.column_stack([nodes.spread(values) for values in fields.values()])
+    result = []
+    for profile in profiles:
+        distance, at = profile.places
+        where, on = stations(nodes.mesh, at)
+        values = np.full((len(at), len(fields) + 1), np.nan)
+        values[on, :-1] = fields_at(table, nodes, where, at[on])
+        values[on, -1] = total_pressure(supports, where)
+        result.append(ProfileResult(profile.name, distance, at, dict(zip((*fields, PRESSURE), values.T, strict=True))))
+    return tuple(result)
+
+
+def stations(mesh: Mesh, at: Floats) -> tuple[Location, Bools]:
+    """Find those of some points (k, 2) that are on the plate, and which these are."""
+    where = mesh.locate(at)
+    return Location(where.elements[where.inside], where.xi[where.inside]), where.inside
+
+
+@dataclass(frozen=True)
+class SectionResult:
+    """What the part of the plate on the right of a line gives the part on its left, summed along the line.
+
+    Parameters
+    ----------
+    name : str
+    length : float
+        Of the line on the plate.
+    moment : float
+        Integral of the moment that bends fibres across the line, mnn, positive when it sags.
+    twist : float
+        Integral of the twisting moment mns, n to the right of the line and s along it.
+    shear : float
+        Integral of qn: the force on the left part, positive down, which is the reactions there less the loads. What
+        acts on the line itself counts half on either side.
+
+    Examples
+    --------
+    >>> from signorini import Model, solve
+    >>> cantilever = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 2], "thickness": 0.2},
+    ...     support=[{"edge": ["left"], "fix": "clamped"}],
+    ...     load=[{"line_load": 5e3, "edge": ["right"]}],
+    ...     section=[{"line": [[1, 0], [1, 2]]}],
+    ... )
+    >>> (section,) = solve(cantilever)["all"].sections
+    >>> round(section.moment, 3), round(section.shear, 3)
+    (-30000.0, 10000.0)
+    """
+
+    name: str
+    length: float
+    moment: float
+    twist: float
+    shear: float
+
+
+@dataclass(frozen=True)
+class StationResult:
+    """Means across a strip at one of its stations, over its width on the plate.
+
+    Parameters
+    ----------
+    at : (x, y)
+        On the strip's line.
+    width : float
+        Of the strip there, without holes.
+    moment, twist, shear : float
+        Per length: mnn, mns and qn, n along the strip and s to its left.
+    """
+
+    at: tuple[float, float]
+    width: float
+    moment: float
+    twist: float
+    shear: float
+
+
+@dataclass(frozen=True)
+class StripResult:
+    """Mean moments, twists and shears of a strip at its stations.
+
+    Examples
+    --------
+    >>> from signorini import Model, solve
+    >>> slab = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [6, 4], "thickness": 0.2},
+    ...     support=[{"edge": ["left", "right"], "fix": "simple"}],
+    ...     load=[{"pressure": 5e3}],
+    ...     strip=[{"line": [[0, 2], [6, 2]], "width": 4}],
+    ... )
+    >>> (strip,) = solve(slab)["all"].strips
+    >>> strip.sagging.at, round(strip.sagging.moment, 3)
+    ((3.0, 2.0), 22500.0)
+    """
+
+    name: str
+    stations: tuple[StationResult, ...]
+
+    @property
+    def sagging(self) -> StationResult:
+        """The station with the largest mean moment."""
+        return max(self.stations, key=lambda station: station.moment)
+
+    @property
+    def hogging(self) -> StationResult:
+        """The station with the smallest mean moment."""
+        return min(self.stations, key=lambda station: station.moment)
+
+
+def section_results(
+    discretisation: Discretisation, through: Floats
+) -> tuple[tuple[SectionResult, ...], tuple[StripResult, ...]]:
+    """Give sections and strips what `Discretisation.through` says (3s,)."""
+    model, values = (
+        discretisation.model,
+        zip(discretisation.sections.lengths.tolist(), through.reshape(-1, 3).tolist(), strict=True),
+    )
+    sections = tuple(SectionResult(section.name, *_next(values)) for section in model.section)
+    return sections, tuple(
+        StripResult(
+            strip.name,
+            tuple(StationResult((x, y), *_next(values)) for x, y in strip.places[0].tolist()),
+        )
+        for strip in model.strip
+    )
+
+
+def _next(values: Iterator[tuple[float, list[float]]]) -> tuple[float, float, float, float]:
+    length, (moment, twist, shear) = next(values)
+    return length, moment, twist, shear

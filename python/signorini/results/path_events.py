@@ -1,0 +1,232 @@
+"""What happens along a load path: margins of supports, named events of points, lines and areas, thresholds."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from signorini.contact.answer import Answer
+from signorini.discretise import Discretisation
+from signorini.discretise.rows import Floats
+from signorini.errors import InputError, point, unknown
+from signorini.model import Support
+from signorini.results.contact_field.cells import free_travel, overlap
+from signorini.results.path_stop import PathStop, numbers_at_stops
+from signorini.results.quantities import SMOOTH
+from signorini.results.support_points import Scales, SupportPoints, closed_by_point, in_falling_order
+from signorini.results.support_result import area_at_rest
+
+LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
+"""Parts of a line or area that are closed at its events: it begins to open, three quarters, all of it is open."""
+WHOLE = 1e-12
+"""Part of a support that is none."""
+_TOUCHING = 1e-9
+"""Part of the largest overlap below which the plate touches and does not part, as for contact areas."""
+
+
+def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
+    """How far a support is from each of its events: not negative where it is closed, or its part that is closed enough.
+
+    Of a support at points (p,) one a point; of a line or area (5,) one a level. Continuous in t along a load path.
+    ``part`` is its `closed_part`.
+    """
+    support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
+    own = closed_by_point(discretisation, points, answer, scales)
+    if support.place == "at":
+        return own
+    if support.area is None or (at_rest := area_at_rest(discretisation, index)).on_means:
+        return _of_parts(own, points.weights, between=support.area is None)
+    deflection = (answer.hi + answer.lo)[::3]
+    nodes = np.flatnonzero(at_rest.on_nodes)
+    at_nodes = overlap(support, deflection[nodes], free_travel(support, discretisation.mesh.points[nodes]))
+    pressed = np.append(own * scales.length, at_nodes[~np.isnan(at_nodes)])
+    touching = _TOUCHING * np.abs(pressed).max(initial=0.0)
+    ends = (pressed.min() + touching) / scales.length, (pressed.max() - touching) / scales.length
+    return np.array([ends[0], *(part - level for level in LEVELS[1:-1]), ends[1]])
+
+
+def _of_parts(own: Floats, weights: Floats, between: bool) -> Floats:
+    """Margins (5,) at which a part of points (p,) is closed by weight; ``between`` them linear in it, as on a line."""
+    if not len(own):
+        return np.ones(len(LEVELS))
+    if between:
+        values, middles = in_falling_order(own, weights)
+        amid = np.interp(LEVELS[1:-1], middles, values)
+    else:
+        order = np.argsort(-own, kind="stable")
+        reached = np.cumsum(weights[order]) / weights.sum()
+        amid = own[order][np.searchsorted(reached, np.array(LEVELS[1:-1]) - WHOLE).clip(0, len(own) - 1)]
+    return np.array([own.min(), *amid, own.max()])
+
+
+Change = Literal["opens", "closes", "begins to open", "begins to close", "open", "closed", "part closed"]
+
+_MOST_POINTS = 3
+"""Points of one support named at a stop."""
+
+
+@dataclass(frozen=True)
+class PathEvent:
+    """A point of a support opens or closes; or a line or area begins to, has done so, or passes a quarter.
+
+    Parameters
+    ----------
+    row : int
+        Number of the stop, from 0.
+    t : float
+    support : str
+    at : (x, y)
+        The point; of a line or area that begins to open or close where it does so first.
+    change : str
+        Of points "opens", "closes"; of lines and areas "begins to open", "begins to close", "open", "closed", and "part
+        closed" as a quarter is passed.
+    closed : float
+        Part of the support that is closed there, by points, length or contact area; of "part closed" the quarter.
+    opening : bool
+        Whether less is closed than before.
+    number : int
+        Which point of the support it is, or which of the levels 1, 0.75, 0.5, 0.25, 0 of a line or area, from 0.
+    """
+
+    row: int
+    t: float
+    support: str
+    at: tuple[float, float] | None
+    change: Change
+    closed: float
+    opening: bool
+    number: int = 0
+
+
+def event_of(support: Support, number: int, opening: bool) -> tuple[Change, float | None]:
+    """What happens as the margin of that number changes its sign, and the part that is closed there, if it tells."""
+    if support.place == "at":
+        return "opens" if opening else "closes", None
+    level = LEVELS[number]
+    if level == 1.0:
+        return ("begins to open" if opening else "closed"), 1.0
+    if level == 0.0:
+        return ("open" if opening else "begins to close"), 0.0
+    return "part closed", level
+
+
+def first_place(
+    discretisation: Discretisation, index: int, answer: Answer, opening: bool
+) -> tuple[float, float] | None:
+    """Where a line or area begins to open: its point that is closed least; or to close: the one that is least open."""
+    points = SupportPoints.of(discretisation, index)
+    own = closed_by_point(discretisation, points, answer, Scales.of(answer))
+    if not len(own):
+        return None
+    x, y = points.positions[int(own.argmin() if opening else own.argmax())].tolist()
+    return x, y
+
+
+def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> tuple[PathEvent, ...]:
+    """Find what supports do at the stops of a path that stops at every event, in its order."""
+    result = []
+    for index, support in enumerate(supports):
+        parts = [float(stop.parts[index]) for stop in stops]
+        for row in range(1, len(stops)):
+            stop, before, now = stops[row], parts[row - 1], parts[row]
+            own = [switch for switch in stop.switched if switch.support == support.name]
+            if support.place == "at":
+                result += [PathEvent(row, stop.t, support.name, one.at, one.change, now, not one.closes) for one in own]
+                continue
+            opening = now < before
+            for number, level in enumerate(LEVELS):
+                beyond = 1 - WHOLE if level == 1.0 else WHOLE if level == 0.0 else level
+                if (before >= beyond) == (now >= beyond):
+                    continue
+                change, part = event_of(support, number, opening)
+                at = own[0].at if own and change in ("begins to open", "begins to close") else None
+                result.append(PathEvent(row, stop.t, support.name, at, change, part or 0.0, opening, number))
+    return tuple(sorted(result, key=lambda event: event.row))
+
+
+def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
+    """Say what happens at one stop; points of ``pulling`` supports, which resist up, begin to pull as they close."""
+    said = []
+    for name, change, closed in dict.fromkeys(
+        (event.support, event.change, event.closed if event.change == "part closed" else 0.0) for event in events
+    ):
+        those = [
+            event
+            for event in events
+            if (event.support, event.change) == (name, change) and (change != "part closed" or event.closed == closed)
+        ]
+        places = [event.at for event in those if event.at is not None]
+        where = f" at {' '.join(map(point, places[:_MOST_POINTS]))}" if places else ""
+        more = f" and {len(places) - _MOST_POINTS} more" if len(places) > _MOST_POINTS else ""
+        part = f"{'opens' if those[0].opening else 'closes'} on, {those[0].closed:.0%} closed"
+        verb = {"open": "all open", "closed": "all closed", "part closed": part}
+        if name in pulling:
+            verb |= {"opens": "lets go", "closes": "begins to pull"}
+        said.append(f"{name}: {verb.get(change, change)}{where}{more}")
+    return "; ".join(said)
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """A result that is to be found at a value.
+
+    Parameters
+    ----------
+    when : str
+        As it was asked for: ``"bolts[1].reaction = 203e3"``.
+    quantity : str
+        Its name.
+    value : float
+    t : float or None
+        Where it first comes to the value; None where it does not on the path.
+    """
+
+    when: str
+    quantity: str
+    value: float
+    t: float | None = None
+
+    @property
+    def linear(self) -> bool:
+        """Whether the quantity is linear in t as long as nothing opens or closes."""
+        return self.quantity.rpartition(".")[-1] not in SMOOTH
+
+
+def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Threshold, ...]:
+    """Read what is asked for.
+
+    Raises
+    ------
+    InputError
+        If a text is no equation of a name and a number, or no result has the name.
+    """
+    if isinstance(when, str) or not isinstance(when, Sequence):
+        raise InputError('it must be a list of texts such as ["bolts[1].reaction = 203e3"].', place="when")
+    known, asked = numbers_at_stops(discretisation).by_name, []
+    for text in when:
+        name, equals, number = text.rpartition("=") if isinstance(text, str) else ("", "", "")
+        try:
+            value = float(number)
+        except ValueError:
+            value = math.nan
+        if not (equals and name.strip() and math.isfinite(value)):
+            raise InputError(
+                f'found {text!r}; it must be a name and a number, such as "bolts[1].reaction = 203e3".', place="when"
+            )
+        quantity = re.sub(r"\s*([\[\].])\s*", r"\1", name.strip())
+        if quantity not in known:
+            raise InputError(unknown("quantity", quantity, known), place="when")
+        asked.append(Threshold(text.strip(), quantity, value))
+    return tuple(asked)
+
+
+def first_reached(threshold: Threshold, stops: Sequence[PathStop]) -> Threshold:
+    """Say at which stop a quantity first comes to the value of a threshold, or has gone past it."""
+    beyond = [stop.number(threshold.quantity) >= threshold.value for stop in stops]
+    row = next((row for row in range(1, len(stops)) if beyond[row] != beyond[0]), None)
+    return threshold if row is None else replace(threshold, t=stops[row].t)
