@@ -18,6 +18,8 @@ from signorini.mesh.isoparametric import SIDES, real_sides
 
 _BESIDE = 1e-3
 """How far beside a side of an element its thickness is looked up, and at twice that, of the way to its middle."""
+_INSIDE = 1e-6
+"""How far from a node, towards the middle of the element, thickness is looked up: beyond rounding, near for a taper."""
 _SAME = 1e-6
 """Part of the thickness below which it does not jump: of a smooth one that is less than what its curvature makes."""
 _ALIKE = 1e-9
@@ -174,12 +176,8 @@ def solid_thickness(nodes: StressNodes, zones: Zones) -> Floats:
     begin, end = mesh.corners_of_sides(elements, sides)
     xi = np.stack([begin, 0.5 * (begin + end), end], axis=1).reshape(-1, 2)
     of_element, of_node = np.repeat(elements, 3), nodes.elements[elements[:, None], np.array(SIDES)[sides]].ravel()
-    near, far = (
-        zones.solid(of_element, mesh.map(of_element, mesh.inward(of_element, xi, 1.0 - part)))
-        for part in (_BESIDE, 2.0 * _BESIDE)
-    )
-    count = np.bincount(of_node, minlength=nodes.count)
-    return np.asarray(np.bincount(of_node, 2.0 * near - far, nodes.count) / count)
+    beside = zones.solid(of_element, mesh.map(of_element, mesh.inward(of_element, xi, 1.0 - _INSIDE)))
+    return np.asarray(np.bincount(of_node, beside, nodes.count) / np.bincount(of_node, minlength=nodes.count))
 
 
 def _jumps(mesh: Mesh, zones: Zones, pairs: Ints) -> Bools:
