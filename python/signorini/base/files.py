@@ -245,8 +245,8 @@ def _exchange(new: Path, target: Path, former: Callable[[Path], Iterable[str]], 
     old.mkdir()
     done: list[tuple[Path, Path]] = []
     with alone_in(target):
-        entering = sorted((entry.name for entry in new.iterdir()), key=lambda name: name == seal)
-        leaving = sorted(require_free(target, entering, former), key=lambda name: name != seal)
+        entering = sorted((entry.name for entry in new.iterdir()), key=lambda name: (name == seal, name))
+        leaving = sorted(require_free(target, entering, former), key=lambda name: (name != seal, name))
         moves = [(target / name, old / name) for name in leaving]
         moves += [(new / name, target / name) for name in entering]
         try:
