@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import signorini
 import signorini_command
-from signorini.base import rooms
+from signorini.base import files
 from signorini.cli import app
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
@@ -157,12 +157,12 @@ def test_what_a_kill_amid_the_exchange_left_is_not_left_beside_other_results(sla
     kill_amid_the_exchange(slab, 3)
     results = slab.with_name("slab-results")
     assert (results / "all.vtu").exists() and not (results / "results.json").exists()
-    (results / "all.png").write_text("put there since by someone else")
+    (results / "mine.png").write_text("put there since by someone else")
     named = SLAB.format(title="third", along=4) + 'combination = [{ name = "other", factors = { load = 1 } }]'
     slab.write_text(named)
     assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0
     assert {path.name for path in results.iterdir()} == {
-        *("all.png", "other.png", "other-moments.png", "other-shears.png", "other.vtu"),
+        *("mine.png", "other.png", "other-moments.png", "other-shears.png", "other.vtu"),
         *("reactions.csv", "results.json"),
     }
 
@@ -208,13 +208,13 @@ def test_only_directories_of_that_very_name_go(slab: Path) -> None:
     for name in (".slab-results-20240115", ".slab-results-20240116", ".slab-results-20240117"):
         (results / name).mkdir()
         (results / name / "precious").write_text("mine")
-    (results / ".slab-results-20240116" / rooms.MARK).write_text("mine")
-    with rooms.room_beside(results, "other") as other:
-        (results / ".slab-results-20240117" / rooms.MARK).symlink_to(other / rooms.MARK)
-        os.link(other / rooms.MARK, slab.parent / "mark")
+    (results / ".slab-results-20240116" / files.MARK).write_text("mine")
+    with files.hidden_directory(results, "other") as other:
+        (results / ".slab-results-20240117" / files.MARK).symlink_to(other / files.MARK)
+        os.link(other / files.MARK, slab.parent / "mark")
     (slab.parent / "elsewhere").mkdir()
     (slab.parent / "elsewhere" / "precious").write_text("mine")
-    (slab.parent / "mark").rename(slab.parent / "elsewhere" / rooms.MARK)
+    (slab.parent / "mark").rename(slab.parent / "elsewhere" / files.MARK)
     (results / ".slab-results-20240118").symlink_to(slab.parent / "elsewhere")
     before = {path for path in slab.parent.rglob("*") if path.suffix != ".json"}
     assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0

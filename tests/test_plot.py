@@ -1,3 +1,4 @@
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 
@@ -5,7 +6,6 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.patches import PathPatch
 from matplotlib.text import Text
@@ -59,12 +59,15 @@ PLAN = Plan(POINTS, ELEMENTS)
 PADS = SupportMark("pads", "down", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), np.array([True, False, True]))
 
 
+ACROSS_PLATE = Panel(POINTS[:, 0], (-1.0, 1.2))
+
+
 def contour(values: np.ndarray) -> Axes:
-    return field_picture(PLAN, [Panel(values)]).axes[0]
+    return field_picture(PLAN, [Panel(values, (values.min(), values.max()))]).axes[0]
 
 
-def pressure(layer: PressureLayer) -> Axes:
-    return field_picture(PLAN, [Panel([layer])]).axes[0]
+def pressure(layer: PressureLayer, limits: tuple[float, float]) -> Axes:
+    return field_picture(PLAN, [Panel([layer], limits)]).axes[0]
 
 
 def colour_limits(values: np.ndarray) -> tuple[str, float, float]:
@@ -97,7 +100,7 @@ def test_a_constant_field_can_be_drawn(constant: float) -> None:
 
 
 def test_closed_points_are_filled_and_open_ones_hollow() -> None:
-    axes = field_picture(PLAN, [Panel(POINTS[:, 0])], [PADS]).axes[0]
+    axes = field_picture(PLAN, [ACROSS_PLATE], [PADS]).axes[0]
     closed, opened = axes.lines
     np.testing.assert_array_equal(closed.get_xydata(), PADS.positions[[0, 2]])
     np.testing.assert_array_equal(opened.get_xydata(), PADS.positions[[1]])
@@ -111,7 +114,7 @@ def shape(axes: Axes, line: int = 0) -> list:
 
 def drawn(*kinds: str, style: str = "points", **keys: object) -> list[Axes]:
     marks = [SupportMark("s", kind, PADS.positions, style=style, **keys) for kind in kinds]
-    return [field_picture(PLAN, [Panel(POINTS[:, 0])], [mark]).axes[0] for mark in marks]
+    return [field_picture(PLAN, [ACROSS_PLATE], [mark]).axes[0] for mark in marks]
 
 
 def test_every_kind_of_support_at_points_has_a_mark_of_its_own() -> None:
@@ -146,7 +149,7 @@ def test_the_legend_tells_areas_from_lines_and_elastic_from_rigid_lines() -> Non
 def test_of_a_line_that_lets_go_the_open_part_is_hollow() -> None:
     edge = np.column_stack([np.linspace(-1, 1, 81), np.zeros(81)])
     mark = SupportMark("wall", "down", edge, edge[:, 0] < 0.5, "line", counts=(30, 10))
-    axes = field_picture(PLAN, [Panel(POINTS[:, 0])], [mark]).axes[0]
+    axes = field_picture(PLAN, [ACROSS_PLATE], [mark]).axes[0]
     hollow = [part for part in axes.lines if part.get_color() == "white"]
     assert [part.get_xdata()[[0, -1]].round(6).tolist() for part in hollow] == [[0.5, 1.0]]
     assert mark.label == "wall: pushes up only, 30 closed, 10 open"
@@ -154,7 +157,7 @@ def test_of_a_line_that_lets_go_the_open_part_is_hollow() -> None:
 
 def test_the_legend_counts_closed_and_open_below_the_axes() -> None:
     wall = SupportMark("wall", "clamped", np.array([[0, 0], [0, 1.0]]), style="line")
-    figure = field_picture(PLAN, [Panel(POINTS[:, 0])], [PADS, wall], title="ULS", length="m")
+    figure = field_picture(PLAN, [ACROSS_PLATE], [PADS, wall], title="ULS", length="m")
     axes = figure.axes[0]
     figure.draw_without_rendering()
     legend = axes.get_legend()
@@ -167,7 +170,7 @@ def test_the_legend_counts_closed_and_open_below_the_axes() -> None:
 
 def test_names_of_extremes_beside_each_other_stand_at_their_own() -> None:
     places = {"max 119000 ± 12000": (0.1, 0.0), "min −112000 ± 15000": (-0.1, 0.0)}
-    figure = field_picture(PLAN, [Panel(POINTS[:, 0], extremes=list(places.items()))])
+    figure = field_picture(PLAN, [replace(ACROSS_PLATE, extremes=list(places.items()))])
     figure.draw_without_rendering()
     axes = figure.axes[0]
     across = {name: axes.transData.transform(at)[0] for name, at in places.items()}
@@ -181,7 +184,7 @@ def test_what_is_beyond_a_scale_has_its_last_colour() -> None:
     """As beside a corner without a limit, which the extremes leave out."""
     values = np.where(POINTS[:, 0] > 0.5, 59e3, np.where(POINTS[:, 0] < 0.0, -1000.0, 70.0))
     for limits, colour in (((-1000.0, 70.0), None), ((-1000.0, -100.0), "pale")):
-        figure = field_picture(PLAN, [Panel(values, colours="RdBu", limits=limits)])
+        figure = field_picture(PLAN, [Panel(values, limits)])
         (bands,) = [one for one in figure.axes[0].collections if isinstance(one, TriContourSet) and one.filled]
         last = bands.get_facecolor()[-1]
         assert any(len(path.vertices) for path in bands.get_paths()[-1:])
@@ -191,7 +194,7 @@ def test_what_is_beyond_a_scale_has_its_last_colour() -> None:
 
 def test_elements_that_are_left_out_are_hatched_and_named_in_the_legend() -> None:
     plan = Plan(POINTS, ELEMENTS, np.array([True, False]))
-    axes = field_picture(plan, [Panel(POINTS[:, 0])]).axes[0]
+    axes = field_picture(plan, [ACROSS_PLATE]).axes[0]
     (hatched,) = [one for one in axes.patches if one.get_hatch()]
     x = hatched.get_path().vertices[:, 0]
     assert (x.min(), x.max()) == (0.0, 1.2) and to_hex(hatched.get_facecolor()) == "#eef2f5"
@@ -202,7 +205,7 @@ def test_a_footprint_is_drawn_as_large_as_it_is_and_its_mark_leaves_most_of_it_f
     corners = 0.5 + 0.1 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
     prints = np.concatenate([np.full((1, 2), np.nan), corners] * 2)
     mark = SupportMark("c", "down", np.array([[0.5, 0.5]] * 2), np.array([True, False]), footprints=prints)
-    axes = field_picture(PLAN, [Panel(POINTS[:, 0])], [mark]).axes[0]
+    axes = field_picture(PLAN, [ACROSS_PLATE], [mark]).axes[0]
     shut, opened = axes.patches
     np.testing.assert_allclose(shut.get_path().vertices[:5], corners)
     assert shut.get_facecolor()[3] > 0 == opened.get_facecolor()[3] and opened.get_linestyle() == "dashed"
@@ -228,7 +231,7 @@ def test_saved_together_pictures_are_those_drawn_alone_and_what_they_share_stays
     values = [POINTS[:, 0], 0.5 * POINTS[:, 1]]
     opened = SupportMark("pads", "down", PADS.positions, np.array([False, False, True]))
     pictures = [
-        Picture([Panel(v, "w [m]", limits=(-1.0, 1.2))], marks, f"case {i}")
+        Picture([Panel(v, (-1.0, 1.2), "w [m]")], marks, f"case {i}")
         for i, (v, marks) in enumerate(zip(values, ([PADS], [opened]), strict=True))
     ]
     together = list(drawn_as_png(PLAN, [*pictures, pictures[0], pictures[1]], "m"))
@@ -340,14 +343,14 @@ ACROSS = CUT.interpolate(POINTS)[:, 0]
     ("bounds", "reached"), [((0, np.inf), (0.25, 1.2)), ((-np.inf, 0), (-1, 0.25)), ((-np.inf, np.inf), (-1, 1.2))]
 )
 def test_pressure_is_drawn_as_far_as_the_support_exerts_it(bounds: tuple[float, float], reached: object) -> None:
-    axes = pressure(PressureLayer(CUT, ACROSS - 0.25, bounds))
+    axes = pressure(PressureLayer(CUT, ACROSS - 0.25, bounds), np.clip([-1.25, 0.95], *bounds))
     assert reach(axes, 1) == reached
 
 
 @pytest.mark.filterwarnings("error")
 def test_pressure_ends_at_the_outline_of_the_area() -> None:
     outline = np.array([[0, 0.2], [0.5, 0.2], [0.5, 0.8], [0, 0.2]])
-    axes = pressure(PressureLayer(CUT, ACROSS + 2, (0, np.inf), outline))
+    axes = pressure(PressureLayer(CUT, ACROSS + 2, (0, np.inf), outline), (0.0, 3.0))
     for part in pressures(axes)[1:3]:
         clip, _ = part.get_transformed_clip_path_and_affine()
         np.testing.assert_array_equal(clip.vertices, outline)
@@ -357,7 +360,8 @@ def test_an_area_is_its_outline_and_the_edge_of_contact() -> None:
     edge, outline = np.array([[0.25, 0], [0.25, 1.0]]), np.array([[-1, 0], [1, 0], [1, 1], [-1, 1], [-1, 0.0]])
     soil = SupportMark("soil", "down", outline, None, "area", [edge], counts=(80, 20))
     layers = [PressureLayer(CUT, ACROSS - 0.25, (0, np.inf))]
-    axes = field_picture(PLAN, [Panel(layers, extremes=[("max 0.95", (1.2, 0.5))])], [soil, PADS], length="m").axes[0]
+    panel = Panel(layers, (0.0, 0.95), extremes=[("max 0.95", (1.2, 0.5))])
+    axes = field_picture(PLAN, [panel], [soil, PADS], length="m").axes[0]
     words = [entry.get_text() for entry in axes.get_legend().get_texts()]
     assert words == ["soil: pushes up only, 80 closed, 20 open", PADS.label, "edge of contact"]
     np.testing.assert_array_equal(axes.lines[-1].get_xydata()[1:], edge)

@@ -188,9 +188,7 @@ def test_the_check_picture_names_them(tmp_path):
         ("middle", False),
     ]
     assert marks[2].borders[:, 0].tolist() == [[0.0, 2.75], [0.0, 1.25]]
-    axes = check_picture(
-        Plan(found.discretisation.mesh.points, found.discretisation.mesh.elements), cuts=marks
-    ).axes[0]
+    axes = check_picture(Plan(found.discretisation.mesh.points, found.discretisation.mesh.elements), cuts=marks).axes[0]
     assert {"A", "section 2", "middle"} <= {text.get_text() for text in axes.texts}
 
 

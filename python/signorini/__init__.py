@@ -58,10 +58,8 @@ _HOME = {
     "output.writing": ("write",),
     "results.exact_path": ("ExactPath",),
     "results.load_path": ("LoadPath",),
-    "results.probe_result": ("ProbeResult",),
-    "results.profile_result": ("ProfileResult",),
+    "results.local_results": ("ProbeResult", "ProfileResult", "SectionResult", "StationResult", "StripResult"),
     "results.result": ("Result",),
-    "results.section_result": ("SectionResult", "StationResult", "StripResult"),
     "results.support_result": ("SupportResult",),
 }
 """Where public names are; each is read when it is first asked for, as some take long."""

@@ -403,3 +403,37 @@ def test_walls_oblique_to_a_rectangle_part_moments_where_the_elements_are_not_co
     cut, result = along_it({"divisions": [15, 10]})
     assert np.abs(cut - exact).max() > 3.0 * np.abs(found - exact).max()
     assert "The mesh does not follow the" in result.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("supports", "couples"),
+    [
+        ([{"edge": ["left", "right"], "fix": "clamped"}], [-4 / 3]),
+        ([{"edge": "left", "fix": "clamped"}], [-8.0]),
+        ([{"edge": "left", "fix": "clamped"}, {"edge": "right", "fix": "symmetry"}], [-16 / 3, 8 / 3]),
+    ],
+    ids=["clamped", "cantilever", "half of a clamped strip"],
+)
+def test_edges_of_a_strip_carry_the_couples_of_a_beam(supports, couples):
+    """Bending moments qL²/12, qL²/2, and of the span 2L: q(2L)²/12 and q(2L)²/24; with ν = 0 all along the edge."""
+    plate = {"shape": "rectangle", "size": [4, 1], "thickness": 0.1}
+    result = solve(supports, [{"pressure": 1.0}], plate=plate, material=STEEL)
+    for support, couple in zip(result.supports, couples, strict=True):
+        assert support.edge.couples == pytest.approx(couple)
+        assert (support.max_couple, support.min_couple) == pytest.approx((couple, couple))
+
+
+def test_the_rim_of_a_clamped_disc_carries_an_eighth_of_pr2():
+    """Timoshenko and Woinowsky-Krieger (1959), equation 63: m_r = -q a²/8 at the edge. Its ± covers it."""
+    model = signorini.Model(
+        material=STEEL | {"nu": 0.3},
+        plate={"shape": "disc", "radius": 2, "thickness": 0.02},
+        mesh={"size": 0.25},
+        support=[{"name": "rim", "edge": "rim", "fix": "clamped"}],
+        load=[{"pressure": 6.0}],
+    )
+    results = signorini.solve(model)
+    (rim,) = results["all"].supports
+    assert rim.edge.couples == pytest.approx(-3.0, rel=2e-3)
+    width = signorini.estimate(results)["all"].plus_minus["supports"][0]["min_couple"]
+    assert abs(rim.min_couple + 3.0) <= width <= 0.05

@@ -3,18 +3,83 @@
 from __future__ import annotations
 
 import errno
-import json
 import os
-import stat
+import re
+import secrets
+import shutil
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from signorini.base import arguments
-from signorini.base.rooms import alone_in, remove_left, room_beside, rooms_left
 
-_MOVES = "moves.json"
-"""In a room: what the files are, by size and time, that it puts into a directory and takes out of it."""
+MARK = "signorini"
+"""The file in a hidden directory that says whose it is; its lock, that the directory is in use."""
+_MARKED = "A directory of signorini's, which removes it.\n"
+_LONGEST_NAME = 50
+"""Letters of a file's name in that of a hidden directory; file systems allow 255 bytes."""
+_NEW, _OLD = "new", "replaced"
+"""Directories in a hidden one: the files to come, and those that they replace."""
+
+
+@contextmanager
+def hidden_directory(beside: str | os.PathLike[str], name: str) -> Iterator[Path]:
+    """Give a hidden directory, empty but for its mark, for as long as the context lasts.
+
+    If the context ends well, those for the same name that killed processes left are removed with it.
+
+    Parameters
+    ----------
+    beside : path-like
+        An existing directory.
+    name : str
+        The directory is named ``.name-``, cut short when long, and eight random digits.
+
+    Raises
+    ------
+    OSError
+        The directory does not exist or cannot be written to.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     pathlib.Path(place, ".results-20240115").mkdir()
+    ...     with hidden_directory(place, "results") as made:
+    ...         len(os.listdir(place)), made.is_dir()
+    ...     os.listdir(place)
+    (2, True)
+    ['.results-20240115']
+    """
+    made = Path(beside) / f".{name[:_LONGEST_NAME]}-{secrets.token_hex(4)}"
+    made.mkdir()
+    try:
+        with open(made / MARK, "x", encoding="utf-8") as mark:
+            # Locked before it is marked: nobody takes it for left in between.
+            with suppress(OSError):
+                _lock(mark.fileno(), wait=False)
+            mark.write(_MARKED)
+            mark.flush()
+            yield made
+        for other in left_by_killed(beside, name):
+            shutil.rmtree(other, ignore_errors=True)
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
+
+
+def left_by_killed(beside: Path | str | os.PathLike[str], name: str) -> Iterator[Path]:
+    """Give the hidden directories for a name that bear the mark and that nobody has locked."""
+    named = re.compile(rf"\.{re.escape(name[:_LONGEST_NAME])}-[0-9a-f]{{8}}")
+    with suppress(OSError):
+        for made in [Path(entry.path) for entry in os.scandir(beside) if named.fullmatch(entry.name)]:
+            mark = made / MARK
+            if made.is_symlink() or mark.is_symlink() or not mark.is_file():
+                continue
+            with suppress(OSError), open(mark, "r+", encoding="utf-8", errors="replace") as file:
+                if file.read(len(_MARKED) + 1) == _MARKED:
+                    _lock(file.fileno(), wait=False)
+                    yield made
 
 
 @contextmanager
@@ -53,14 +118,14 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     if target.exists() and not target.is_file():
         kind = errno.EISDIR if target.is_dir() else errno.EEXIST
         raise OSError(kind, "there is something else than a file of this name", str(path))
-    with room_beside(target.parent, target.name) as room:
-        yield room / target.name
-        (room / target.name).replace(target)
+    with hidden_directory(target.parent, target.name) as made:
+        yield made / target.name
+        (made / target.name).replace(target)
 
 
 @contextmanager
 def replacing_together(
-    directory: str | os.PathLike[str], former: Callable[[], Iterable[str]] = tuple, seal: str = ""
+    directory: str | os.PathLike[str], former: Callable[[Path], Iterable[str]], seal: str
 ) -> Iterator[Path]:
     """Give an empty directory to write files to, and put them all into ``directory`` once they are written.
 
@@ -72,7 +137,7 @@ def replacing_together(
     ----------
     directory : path-like
     former : callable
-        Names of the files of an earlier set in ``directory``; asked when no other process changes it.
+        Reads from the seal in a directory the names of its set.
     seal : str
         Name of the file that goes first and comes last, so that whoever finds it finds its set whole.
 
@@ -92,7 +157,7 @@ def replacing_together(
     >>> with tempfile.TemporaryDirectory() as place:
     ...     target = pathlib.Path(place, "results")
     ...     for name in "ab":
-    ...         with replacing_together(target, former=lambda: ["a"]) as beside:
+    ...         with replacing_together(target, lambda place: ["a"], "a") as beside:
     ...             _ = (beside / name).write_text("")
     ...     [entry.name for entry in target.iterdir()]
     ['b']
@@ -100,41 +165,30 @@ def replacing_together(
     target = Path(directory).absolute()
     if target.exists() and not target.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, "it is a file, not a directory", str(target))
-    made = [parent for parent in target.parents if not parent.exists()]
-    place = target if target.is_dir() else target.parent
+    parents = [parent for parent in target.parents if not parent.exists()]
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with room_beside(place, target.name) as room:
-            new = room / "new"
+        with hidden_directory(target if target.is_dir() else target.parent, target.name) as made:
+            new = made / _NEW
             new.mkdir()
             yield new
-            if not _becomes(new, target):
-                with alone_in(target):
-                    _exchange(room, target, former, seal)
+            # Another process may be faster: then the directory is there, and not empty.
+            with suppress(OSError):
+                if not target.exists():
+                    new.rename(target)
+            if new.exists():
+                _exchange(new, target, former, seal)
     except BaseException:
         with suppress(OSError):
-            for parent in made:
+            for parent in parents:
                 parent.rmdir()
         raise
     # An earlier run may have been killed before the directory was there.
-    remove_left(target.parent, target.name)
+    for left in left_by_killed(target.parent, target.name):
+        shutil.rmtree(left, ignore_errors=True)
 
 
-def _becomes(new: Path, target: Path) -> bool:
-    """Make a directory the target where there is none yet."""
-    if target.exists():
-        return False
-    try:
-        new.rename(target)
-    except OSError:
-        # Another process may have been faster.
-        if target.is_dir():
-            return False
-        raise
-    return True
-
-
-def require_free(target: Path, names: Iterable[str], former: Callable[[], Iterable[str]]) -> set[str]:
+def require_free(target: Path, names: Iterable[str], former: Callable[[Path], Iterable[str]]) -> set[str]:
     """Refuse names that files of none of ours have in a directory.
 
     Parameters
@@ -155,7 +209,13 @@ def require_free(target: Path, names: Iterable[str], former: Callable[[], Iterab
     OSError
         A directory or a file of somebody else's has one of the names.
     """
-    ours = {name for name in {*former(), *_left_amid(target)} if os.path.lexists(target / name)}
+    left = [
+        left / part
+        for place in (target, target.parent)
+        for left in left_by_killed(place, target.name)
+        for part in (_NEW, _OLD)
+    ]
+    ours = {name for place in (target, *left) for name in former(place) if os.path.lexists(target / name)}
     for name in sorted({*names, *ours}):
         if (target / name).is_dir():
             raise IsADirectoryError(errno.EISDIR, f"a directory has the name of a file to be written, {name}")
@@ -164,47 +224,46 @@ def require_free(target: Path, names: Iterable[str], former: Callable[[], Iterab
     return ours
 
 
-def _exchange(room: Path, target: Path, former: Callable[[], Iterable[str]], seal: str) -> None:
-    """Move the new files in a room into the target, and the former ones out of it."""
-    first = lambda name: (name != seal, name)  # noqa: E731
-    new = sorted((entry.name for entry in (room / "new").iterdir()), key=first, reverse=True)
-    out = sorted(require_free(target, new, former), key=first)
-    replaced = room / "replaced"
-    replaced.mkdir()
-    moves = [(target / name, replaced / name) for name in out]
-    moves += [(room / "new" / name, target / name) for name in new]
-    (room / _MOVES).write_text(json.dumps([[old.name, *_identity(old)] for old, _ in moves]), "utf-8")
+@contextmanager
+def alone_in(directory: Path) -> Iterator[None]:
+    """Let one process after the other into a directory; where there are no locks, everybody."""
+    if sys.platform == "win32":
+        yield
+        return
+    held = os.open(directory, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            _lock(held, wait=True)
+        yield
+    finally:
+        os.close(held)
+
+
+def _exchange(new: Path, target: Path, former: Callable[[Path], Iterable[str]], seal: str) -> None:
+    """Move the new files into the target, and the former ones out of it."""
+    old = new.with_name(_OLD)
+    old.mkdir()
     done: list[tuple[Path, Path]] = []
-    try:
-        for old, place in moves:
-            done.append((old, place))
-            old.rename(place)
-    except BaseException:
-        for old, place in reversed(done):
-            if not old.exists():
-                place.rename(old)
-        raise
+    with alone_in(target):
+        entering = sorted((entry.name for entry in new.iterdir()), key=lambda name: (name == seal, name))
+        leaving = sorted(require_free(target, entering, former), key=lambda name: (name != seal, name))
+        moves = [(target / name, old / name) for name in leaving]
+        moves += [(new / name, target / name) for name in entering]
+        try:
+            for here, there in moves:
+                done.append((here, there))
+                here.rename(there)
+        except BaseException:
+            for here, there in reversed(done):
+                if not here.exists():
+                    there.rename(here)
+            raise
 
 
-def _identity(path: Path) -> tuple[int, int]:
-    """Size and time of a file, which stay when it is moved and hardly ever when another takes its name."""
-    result = path.lstat()
-    return result.st_size, result.st_mtime_ns
+def _lock(file: int, wait: bool) -> None:
+    """Lock an open file, or raise an OSError."""
+    if sys.platform == "win32":
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+    import fcntl
 
-
-def _left_amid(target: Path) -> set[str]:
-    """Files in a directory that a process was moving when it was killed."""
-    result = set()
-    for place in (target, target.parent):
-        for room in rooms_left(place, target.name):
-            with suppress(OSError, ValueError, TypeError):
-                moved = json.loads((room / _MOVES).read_text("utf-8"))
-                result |= {name for name, *identity in moved if _is(target / Path(name).name, tuple(identity))}
-    return result
-
-
-def _is(path: Path, identity: tuple[int, ...]) -> bool:
-    try:
-        return stat.S_ISREG(path.lstat().st_mode) and _identity(path) == identity
-    except OSError:
-        return False
+    fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))

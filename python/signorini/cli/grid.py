@@ -1,4 +1,4 @@
-"""Numbers, lines and tables that fit the terminal: broken between words, never in a number, a point or before a unit."""
+"""Numbers, lines and tables on the terminal: broken between words, never in a number, a point or before a unit."""
 
 from __future__ import annotations
 
@@ -112,8 +112,8 @@ class Grid:
             sum(widths) + len(_GAP) * (len(kept) - 1)
         )
         head = [_glued(Text(column.title, style="bold")) for column in columns]
-        for number, row in enumerate([head, *([row[index] for index in kept] for row in self.rows)]):
-            if number == 1 or (number == len(self.rows) and self.last_apart):
+        for place, row in enumerate([head, *([row[index] for index in kept] for row in self.rows)]):
+            if place == 1 or (place == len(self.rows) and self.last_apart):
                 console.print(rule)
             cells = [_broken(console, cell, width) for cell, width in zip(row, widths, strict=True)]
             for level in range(max(map(len, cells))):

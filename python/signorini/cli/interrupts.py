@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-
-from signorini.base.rooms import remove
 
 INTERRUPTED = 130
 TERMINATED = 143
@@ -55,7 +54,7 @@ def _watch(read: int, left: threading.Event, room: Path, grace: float) -> None:
     while signals := os.read(read, 1):
         code = codes.get(signal.Signals(signals[0]))
         if code is not None and not left.wait(grace):
-            remove(room)
+            shutil.rmtree(room, ignore_errors=True)
             sys.stderr.write(f"{SAID}\n")
             sys.stderr.flush()
             os._exit(code)

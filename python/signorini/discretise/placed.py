@@ -75,7 +75,7 @@ def _at_one_place(mesh: Mesh, sampled: Sampled, taken: Floats) -> tuple[Sampled,
     Where one of two points holds both ways, what they say of the plate is then the same, and not nearly the same, which
     rounding would take for two things. Of two that only press one may always let go.
     """
-    nodes = _nodes_at(mesh, sampled)
+    nodes = mesh.nodes_at(sampled.positions)
     positions = np.where((nodes >= 0)[:, None], mesh.points[nodes], sampled.positions)
     if len(taken):
         reach = mesh.near.place * np.array([-1.0, -1.0, 1.0, 1.0])
@@ -87,11 +87,3 @@ def _at_one_place(mesh: Mesh, sampled: Sampled, taken: Floats) -> tuple[Sampled,
         return sampled, nodes
     where = mesh.locate(positions)
     return replace(sampled, elements=where.elements, xi=where.xi), nodes
-
-
-def _nodes_at(mesh: Mesh, sampled: Sampled) -> Ints:
-    nodes = mesh.elements[sampled.elements]
-    offset = mesh.points[nodes] - sampled.positions[:, None]
-    distance = np.hypot(offset[..., 0], offset[..., 1])
-    picked = np.arange(len(nodes)), distance.argmin(axis=1)
-    return np.where(distance[picked] <= mesh.near.place, nodes[picked], -1)

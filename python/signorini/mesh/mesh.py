@@ -376,6 +376,21 @@ class Mesh(Remade):
         of_triangles = np.column_stack([-s, r + s - 1.0, np.full(len(xi), -1.0), -r])
         return np.where(self.triangles[element, None], of_triangles, past)
 
+    def nodes_at(self, points: npt.ArrayLike) -> Ints:
+        """Find the nodes (q,) that points (q, 2) lie at, of tolerance `near.place`; -1 where there is none.
+
+        Examples
+        --------
+        >>> from signorini.mesh.meshers import rectangle
+        >>> rectangle((0.0, 0.0), (4.0, 2.0), (1, 1)).nodes_at([[4.0, 2.0], [1.0, 1.0]]).tolist()
+        [7, -1]
+        """
+        at = np.reshape(np.asarray(points, dtype=np.float64), (-1, 2))
+        nodes = self.elements[self.locate(at).elements]
+        distance = np.linalg.norm(self.points[nodes] - at[:, None], axis=2)
+        nearest = np.arange(len(at)), distance.argmin(axis=1)
+        return np.where(distance[nearest] <= self.near.place, nodes[nearest], -1)
+
     def edges_along(self, curve: Curve) -> Ints | None:
         """Find the sides that together cover a curve.
 

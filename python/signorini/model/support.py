@@ -159,6 +159,11 @@ class Support(Table):
         return tuple(part for part in _COMPONENTS if part in held)
 
     @property
+    def holds_edge_slope(self) -> bool:
+        """Whether it is an edge that holds the slope across."""
+        return self.edge is not None and "slope" in self.fixed
+
+    @property
     def on_nodes(self) -> bool:
         """Whether its reactions are forces on nodes: not spread over an area or a footprint."""
         return self.area is None and not self.given(FOOTPRINT)

@@ -7,13 +7,11 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from signorini.base.files import require_free
+from signorini.base.files import alone_in, hidden_directory, require_free
 from signorini.base.regular import read_regular
-from signorini.base.rooms import alone_in, room_beside
 from signorini.errors import InputError
 from signorini.model import Model
 from signorini.output.names import CSV, JSON, PATH_CSV, PATH_JSON, PATH_PICTURE, expected_names
@@ -87,10 +85,10 @@ def _room(directory: Path, former: Callable[[Path], list[str]], names: Iterable[
     with ExitStack() as context:
         try:
             nearest = next(place for place in (target, *target.parents) if place.exists())
-            room = context.enter_context(room_beside(nearest, target.name))
+            room = context.enter_context(hidden_directory(nearest, target.name))
             if nearest == target:
                 with alone_in(target):
-                    require_free(target, names, partial(former, target))
+                    require_free(target, names, former)
         except OSError as error:
             raise cannot_write(directory, error) from None
         yield room

@@ -7,7 +7,6 @@ import io
 import json
 import os
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -166,7 +165,7 @@ def write_path(
     target = FilePath(directory)
     figure = path.plot()
     try:
-        with replacing_together(target, partial(former_path, target), seal=PATH_JSON) as beside:
+        with replacing_together(target, former_path, seal=PATH_JSON) as beside:
             save(figure, beside / PATH_PICTURE)
             (beside / PATH_CSV).write_text(path_csv(path, estimate), "utf-8")
             text = json.dumps(path_json(path, estimate), indent=1, ensure_ascii=False, allow_nan=False)

@@ -36,7 +36,7 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | None]]:
     """Name every file of the results: the combination that it is of, None if of all, its kind and its name."""
-    endings = {kind: f"{ending}.png" for ending, kind in _KINDS.items() if ending != PRESSURE or has_areas(results)}
+    endings = {_KINDS[ending]: f"{ending}.png" for ending in pictures_of(results)}
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
     if results.model.profile:
@@ -115,9 +115,10 @@ def profiled(results: Results, pictures: Pictures) -> list[Result]:
     return [one for one, _ in pictured(results, pictures)]
 
 
-def has_areas(results: Results) -> bool:
-    """Whether the plate rests on an area."""
-    return any(support.area is not None for support in results.discretisation.model.support)
+def pictures_of(results: Results) -> dict[str, tuple[str, ...]]:
+    """Fields of every picture of a combination, by the ending of its name; pressures where the plate rests on areas."""
+    areas = any(support.area is not None for support in results.model.support)
+    return {ending: fields for ending, fields in PICTURES.items() if ending != PRESSURE or areas}
 
 
 def _taken(model: Model) -> list[str]:

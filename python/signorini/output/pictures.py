@@ -11,25 +11,22 @@ from signorini.accuracy.refinement import ORDER
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.output.names import (
-    PICTURES,
-    PRESSURE,
     REFINEMENT,
     Pictures,
     envelope_files,
     envelope_pictures,
     enveloped,
-    has_areas,
     name_cell,
     pictured,
+    pictures_of,
     profile_pictures,
     profiled,
 )
 from signorini.plot.picture import Job, Panel, Picture, Sheet, SupportMark
 from signorini.results.envelope import Ends
-from signorini.results.local_results import PRESSURE
 from signorini.results.marks import support_marks as support_marks_of
 from signorini.results.panels import colours, extreme, field_range, panel, quantity, support_marks
-from signorini.results.quantities import FIELDS, RESULTANTS, SIDES
+from signorini.results.quantities import PICTURED, RESULTANTS, SIDES
 from signorini.results.result import Result
 
 _LONGEST = 44
@@ -65,8 +62,8 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
     for one, slug in named:
         marks = support_marks(one.mesh, results.model.support, one.supports)
         grouped.setdefault(groups.get(one.name, ""), []).append((one, slug, marks))
-    for ending, fields in PICTURES.items():
-        for those in grouped.values() if ending != PRESSURE or has_areas(results) else ():
+    for ending, fields in pictures_of(results).items():
+        for those in grouped.values():
             ranges = {field: [field_range(field, one) for one, *_ in those] for field in fields}
             limits = {field: (min(of)[0], max(high for _, high in of)) for field, of in ranges.items()}
             pictures = []
@@ -93,7 +90,7 @@ def _envelope_sheets(results: Results, estimates: Estimates | None) -> Iterator[
                     shown = result.stress_nodes.spread(getattr(envelope.fields[field], side))
                     label = f"{side} {quantity(field, result.model.units)}"
                     limits = ends.min, ends.max
-                    panels.append(Panel(shown, label, colours(field), limits, [(said, at)], above))
+                    panels.append(Panel(shown, limits, label, colours(field), [(said, at)], above))
             yield Sheet([name], [Picture(panels, marks, words)], rows=2)
 
 
@@ -107,13 +104,13 @@ def _end(results: Results, estimates: Estimates | None, field: str, end: str, en
     return extreme(end, value, told, width), f"{end}: {cut}"
 
 
-_SHOWN = ("deflection", *RESULTANTS, PRESSURE)
+_PROFILED = ("deflection", *RESULTANTS, "pressure")
 
 
 def profiles_csv(results: Results) -> str:
     """Give the profiles as comma-separated values, a row a combination, profile and station."""
     text = io.StringIO()
-    columns = ("combination", "profile", "distance", "x", "y", *FIELDS, PRESSURE)
+    columns = ("combination", "profile", "distance", "x", "y", *PICTURED)
     table = csv.DictWriter(text, columns, lineterminator="\n")
     table.writeheader()
     for result in results.full.values():
@@ -131,7 +128,7 @@ def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) 
     units, shown = results.model.units, profiled(results, pictures)
     for profile, file in zip(results.model.profile, profile_pictures(results.model), strict=True) if shown else ():
         curves = {one.name: one.profiles[profile.name] for one in shown}
-        panels = {quantity(name, units): {key: one.values[name] for key, one in curves.items()} for name in _SHOWN}
+        panels = {quantity(name, units): {key: one.values[name] for key, one in curves.items()} for name in _PROFILED}
         distance = next(iter(curves.values())).distance
         along = f"{profile.name} [{units.length}]" if units.length else profile.name
         save(profile_picture(distance, panels, along, results.model.title), directory / file)

@@ -25,7 +25,7 @@ _COLUMNS = (
     *("combination", "support", "kind", "point", "x", "y", "reaction", "gap", "state"),
     *("closed", "open", "contact_area", "max_pressure"),
     *("reaction_plus_minus", "gap_plus_minus", "contact_area_plus_minus", "max_pressure_plus_minus"),
-    "max_tension",
+    *("max_tension", "node"),
 )
 _MOST_PLACES = 20
 """Points of a singularity that are listed; nodes of elements that a border cuts may be thousands."""
@@ -175,10 +175,12 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
         row = names | {"kind": support.kind}
         yield row | {"point": "total"} | total(support) | _half_widths(width)
         if support.area is None:
-            for number, point in enumerate(point_figures(support), start=1):
+            nodes = result.mesh.nodes_at(support.positions).tolist()
+            for number, (point, node) in enumerate(zip(point_figures(support), nodes, strict=True), start=1):
                 x, y = point.pop("at")
                 at_point = width["points"][number - 1] if "points" in width else {}
-                yield row | {"point": number, "x": x, "y": y} | point | _half_widths(at_point)
+                place = {"point": number, "x": x, "y": y, "node": node + 1 if node >= 0 else None}
+                yield row | place | point | _half_widths(at_point)
 
 
 def _half_widths(widths: Mapping[str, Any]) -> dict[str, Any]:

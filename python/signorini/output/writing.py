@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable
-from functools import partial
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -147,7 +146,7 @@ def write_results(
     values = results_json(results, estimates, pictures)
     names = [JSON, CSV]
     try:
-        with replacing_together(target, partial(former_results, target), seal=JSON) as beside:
+        with replacing_together(target, former_results, seal=JSON) as beside:
             for result, slug in named:
                 result.to_vtk(beside / f"{slug}.vtu")
             write_refinement(results, beside)

@@ -102,16 +102,17 @@ def load_path_picture(
     stops = np.asarray(t, dtype=float)
     drawn = min((to for to in (until, last) if to is not None), default=np.inf)
     shown = np.append(stops[stops < drawn], drawn) if drawn < stops[-1] else stops
+
+    def at_shown(values: ArrayLike) -> Floats:
+        every = np.asarray(values, dtype=float)
+        return every if shown is stops else np.interp(shown, stops, every)
+
     panels = {
         f"reaction{_unit(force)}, positive up": reactions,
         _PART: {name: 100.0 * np.asarray(of, dtype=float) for name, of in closed.items()},
         f"deflection{_unit(length)}, positive down": deflections,
     }
-    curves = {
-        label: {name: np.asarray(values) if shown is stops else np.interp(shown, stops, values) for name, values in of.items()}
-        for label, of in panels.items()
-        if of
-    }
+    curves = {label: {name: at_shown(of) for name, of in panel.items()} for label, panel in panels.items() if panel}
     rows = [max(_HEIGHT, _ROW * (min(len(of), _MOST_CURVES) + 2)) for of in curves.values()]
     figure = Figure(figsize=(8.6, 0.9 + sum(rows)), layout="constrained")
     axes = figure.subplots(len(curves), 1, sharex=True, squeeze=False, height_ratios=rows)[:, 0].tolist()

@@ -59,7 +59,7 @@ class Scale:
     @classmethod
     def of(cls, panel: Panel) -> Self:
         """Choose bands, and colours: zero in the middle where both signs occur, else half of them, pale near zero."""
-        low, high = panel.limits or _range(panel.values)
+        low, high = panel.limits
         if not isinstance(panel.values, np.ndarray) and high <= low:
             high = 1.0
         bounds = np.asarray(MaxNLocator(_BANDS, steps=_STEPS).tick_values(*_settled(low, high)))
@@ -81,14 +81,6 @@ class Scale:
         """What a colour bar shows: the bands."""
         shown = self.colours(self.norm(0.5 * (self.bounds[1:] + self.bounds[:-1])))
         return ScalarMappable(BoundaryNorm(self.bounds, len(shown)), ListedColormap(shown))
-
-
-def _range(values: Floats | Sequence[PressureLayer]) -> tuple[float, float]:
-    """Smallest and largest value of a field; of pressures with 0."""
-    if isinstance(values, np.ndarray):
-        return float(values.min()), float(values.max())
-    every = np.concatenate([[0.0], *(np.clip(layer.values, *layer.bounds) for layer in values)])
-    return float(every.min()), float(every.max())
 
 
 def _settled(low: float, high: float) -> tuple[float, float]:
@@ -116,8 +108,9 @@ def draw_pressure(axes: Axes, plan: Plan, layers: Sequence[PressureLayer], scale
     draw_outlines(axes, plan)
     for layer in layers:
         drawn = _draw_layer(axes, plan.nodes, layer, scale, labels)
-        for part in drawn if layer.outline is not None else ():
-            part.set_clip_path(enclosed(layer.outline), axes.transData)
+        if layer.outline is not None:
+            for part in drawn:
+                part.set_clip_path(enclosed(layer.outline), axes.transData)
 
 
 def _draw_layer(axes: Axes, nodes: Floats, layer: PressureLayer, scale: Scale, labels: Labels) -> list[Artist]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -142,9 +141,7 @@ def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
     }
 
 
-def _draw_line(
-    mark: SupportMark, positions: Floats, closed: Bools, axes: Axes, per_unit: float
-) -> list[Artist]:
+def _draw_line(mark: SupportMark, positions: Floats, closed: Bools, axes: Axes, per_unit: float) -> list[Artist]:
     """Draw a line support, or the outline of an area: a band, filled where closed, and a zigzag where it is elastic."""
     width = 1.0 if mark.style == "area" else 2.2
     look: dict[str, Any] = {"color": INK, "linewidth": width, "clip_on": False, "solid_capstyle": "butt"}
@@ -190,9 +187,7 @@ def _fitting(positions: Floats, per_unit: float) -> float:
     return float(np.clip(_FITS * nearest, _SMALLEST, LARGEST))
 
 
-def _spaced(
-    positions: Floats, closed: Bools, apart: float
-) -> tuple[Floats, Bools]:
+def _spaced(positions: Floats, closed: Bools, apart: float) -> tuple[Floats, Bools]:
     """Places along polylines, about so far apart, and whether it is closed there."""
     places, states = [np.zeros((0, 2))], [np.zeros(0, bool)]
     for piece, shut in ((positions[rows], closed[rows]) for rows in runs(positions)):
@@ -218,9 +213,7 @@ def _at(piece: Floats, shut: Bools, along: Floats, parts: Floats) -> tuple[Float
     return np.column_stack([np.interp(at, along, side) for side in piece.T]), states
 
 
-def _zigzag(
-    piece: Floats, shut: Bools, per_unit: float
-) -> tuple[Floats, Bools]:
+def _zigzag(piece: Floats, shut: Bools, per_unit: float) -> tuple[Floats, Bools]:
     """Swing to and fro about a polyline."""
     along = _along(piece)
     count = max(4, round(along[-1] * per_unit * 72 / _WAVE))

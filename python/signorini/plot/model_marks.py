@@ -182,7 +182,6 @@ _NEAR = 0.02
 """Part of the picture's size within which resultants are at one place."""
 
 
-
 def draw_balances(marks: Sequence[BalanceMark], axes: Axes, labels: Labels) -> list[Entry]:
     """Draw what becomes of every combination, of many only a few by name."""
     named = [*marks] if len(marks) <= _MOST_NAMED else [mark for mark in marks if mark.unbalanced][:_MOST_NAMED]

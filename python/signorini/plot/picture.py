@@ -145,9 +145,9 @@ class Panel:
     """One field in a picture: values (n,) at nodes, or pressures of areas."""
 
     values: Floats | Sequence[PressureLayer]
+    limits: tuple[float, float]  # range of the colours; of pressures with 0
     label: str = ""  # beside the colour bar
     colours: str = "RdBu"  # a map whose middle is zero
-    limits: tuple[float, float] = (0.0, 1.0)  # range of the colours
     extremes: Sequence[tuple[str, Sequence[float]]] = ()  # what is written in the picture, and where
     title: str = ""
 

@@ -191,9 +191,8 @@ def check_picture(
     draw_mesh(axes, plan)
     draw_outlines(axes, plan)
     labels = Labels(axes)
-    for mark in (*supports, *loads):
-        if mark.style == "points" and len(mark.positions):
-            labels.keep_free(mark.positions, LARGEST)
+    for positions in [mark.positions for marks in (supports, loads) for mark in marks if mark.style == "points"]:
+        labels.keep_free(positions, LARGEST)
     entries = draw_zones(zones, axes, sheet, labels) + draw_supports(supports, axes)
     balances = draw_balances(balance, axes, labels)
     entries += draw_loads(loads, axes, totals or {}, sheet, labels) + draw_singular(singular, axes)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -192,7 +192,7 @@ _ON_WORDS, _OUTSIDE, _ON_MARKS = 20.0, 10.0, 6.0
 
 @dataclass(eq=False)
 class Labels:
-    """What is written in axes, whose limits are set; boxes (k, 4) in points from the axes' lower left that are taken."""
+    """What is written in axes, whose limits are set; taken boxes (k, 4) are in points from the axes' lower left."""
 
     axes: Axes
     words: list[Floats] = field(default_factory=list)
@@ -243,9 +243,7 @@ class Labels:
             turned = self.axes.text(x, y, literal(words), ha="center", va="center", rotation_mode="anchor")
             turned.set(rotation=turns[best], **_look(size, color, look))
 
-    def _best(
-        self, middles: Floats, extent: Floats, order: NDArray[np.int64], free: bool = False
-    ) -> int:
+    def _best(self, middles: Floats, extent: Floats, order: NDArray[np.int64], free: bool = False) -> int:
         """Take the box that costs least, of middles (k, 2) in points; -1 if it must be free and none is."""
         boxes = np.hstack([middles - 0.5 * extent, middles + 0.5 * extent])
         area = np.prod(np.broadcast_to(extent, middles.shape), axis=1)

@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini.discretise.rows import Floats
 from signorini.results.local_results import SectionResult, StripResult
-from signorini.results.quantities import OF_AREAS, SIDES, Catalogue, Path
+from signorini.results.quantities import OF_AREAS, OF_EDGES, SIDES, Catalogue, Path
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 
@@ -57,7 +57,7 @@ def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ())
             return tree
 
 
-_OF_THE_MESH = {"nodes", "contact_boundary", "max_at", "min_at", "max_pressure_at"}
+_OF_THE_MESH = {"nodes", "line", "contact_boundary", "max_at", "min_at", "max_pressure_at"}
 """Lists as long as the mesh is fine, and places, of which there may be others as good."""
 _GIVEN = {"at", "length", "width"}
 
@@ -68,11 +68,15 @@ def _places(ends: Any) -> dict[str, Any]:
 
 
 def _support(support: SupportResult) -> dict[str, Any]:
-    result: dict[str, Any] = {"name": support.name, "kind": support.kind, **{one.name: None for one in OF_AREAS}}
+    result: dict[str, Any] = {"name": support.name, "kind": support.kind}
+    result |= {one.name: None for one in (*OF_AREAS, *OF_EDGES)}
     result["max_pressure_at"] = support.max_pressure_at and list(support.max_pressure_at)
     result["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
     if support.area is not None:
         return result
+    if support.edge is not None:
+        columns = support.edge.sides.tolist(), support.edge.couples.tolist()
+        result["line"] = [{"from": a, "to": b, "couple": couple} for (a, b), couple in zip(*columns, strict=True)]
     return result | {"points" if support.place == "at" else "nodes": list(point_figures(support))}
 
 

@@ -14,7 +14,7 @@ from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Location, Mesh
 from signorini.model.profile import Profile
 from signorini.results.contact_field.area_contact import without_shared_borders
-from signorini.results.quantities import design_moments, face_stresses, principal_moments, shear_stresses
+from signorini.results.quantities import PRESSURE, design_moments, face_stresses, principal_moments, shear_stresses
 from signorini.results.support_result import SupportResult
 
 
@@ -133,9 +133,6 @@ def total_pressure(supports: Sequence[SupportResult], where: Location) -> Floats
     return np.where(on.any(axis=0), np.where(on, result, 0.0).sum(axis=0), np.nan)
 
 
-PRESSURE = "pressure"
-
-
 @dataclass(frozen=True, eq=False)
 class ProfileResult:
     """Fields along a line, at its stations (k,); where moments and shears jump, of each the side where it is larger.
@@ -177,7 +174,9 @@ def profile_results(
         values = np.full((len(at), len(fields) + 1), np.nan)
         values[on, :-1] = fields_at(table, nodes, where, at[on])
         values[on, -1] = total_pressure(supports, where)
-        result.append(ProfileResult(profile.name, distance, at, dict(zip((*fields, PRESSURE), values.T, strict=True))))
+        result.append(
+            ProfileResult(profile.name, distance, at, dict(zip((*fields, PRESSURE.name), values.T, strict=True)))
+        )
     return tuple(result)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -17,17 +17,13 @@ from signorini.mesh.boxtree import BoxTree
 from signorini.model import Area, Circle, Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.model.whole import Units
-from signorini.plot.picture import PressureLayer, SupportMark
+from signorini.plot.picture import CutMark, EdgeMark, LoadMark, PressureLayer, SingularMark, SupportMark, ZoneMark
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.support_result import describe
 from signorini.shapes import Region
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.singularity import Singularity
-
-if TYPE_CHECKING:
-    from signorini.plot.marks import ZoneMark
-    from signorini.plot.model_marks import CutMark, EdgeMark, LoadMark, SingularMark
 
 _AROUND = 180
 _MOST_EDGES = 40
@@ -105,8 +101,7 @@ def pressure_layer(area: AreaContact) -> PressureLayer:
     cut = tessellate(area.mesh.elements[on])
     outline = _outline(area.support.area) if isinstance(area.support.area, Area) else None
     values = area.element_pressure[on] if area.stiff[on].all() else area.pressing(cut)
-    value, at = area.largest
-    return PressureLayer(cut, values, area.bounds, outline, (value, at.tolist()))
+    return PressureLayer(cut, values, area.bounds, outline)
 
 
 def support_marks(discretisation: Discretisation) -> list[SupportMark]:
@@ -123,8 +118,6 @@ def support_marks(discretisation: Discretisation) -> list[SupportMark]:
 
 def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
     """Draw the zones of a model, with what they change in the legend."""
-    from signorini.plot.marks import ZoneMark
-
     marks = []
     for zone in discretisation.model.zone:
         parts = ["rigid"] if zone.rigid else [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
@@ -143,8 +136,6 @@ def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
 
 def cut_marks(model: Model) -> list[CutMark]:
     """Draw the sections and the strips of a model."""
-    from signorini.plot.model_marks import CutMark
-
     marks = [CutMark(section.name, np.array(section.line)) for section in model.section]
     for strip in model.strip:
         # Lines across a strip run from its right to its left.
@@ -155,8 +146,6 @@ def cut_marks(model: Model) -> list[CutMark]:
 
 def load_marks(discretisation: Discretisation) -> list[LoadMark]:
     """Draw the loads of a model, the case's name and the kind in the legend."""
-    from signorini.plot.model_marks import LoadMark
-
     marks = []
     for load in discretisation.model.load:
         value = next((given for given in (load.pressure, load.force, load.line_load) if given is not None), 0.0)
@@ -240,8 +229,6 @@ def case_totals(discretisation: Discretisation) -> dict[str, str]:
 
 def edge_marks(mesh: Mesh) -> list[EdgeMark]:
     """Name edges left of or before the middle, where values of loads stand, of holes their sides, if not too many."""
-    from signorini.plot.model_marks import EdgeMark
-
     wholes = {name.rpartition(" edge ")[0] or name.rpartition(" ")[0] for name in mesh.edges} & set(mesh.edges)
     names = [name for name in mesh.edges if name not in wholes]
     if len(names) > _MOST_EDGES:
@@ -257,8 +244,6 @@ def edge_marks(mesh: Mesh) -> list[EdgeMark]:
 
 def singular_marks(named: Sequence[Singularity]) -> list[SingularMark]:
     """Mark the places of singularities."""
-    from signorini.plot.model_marks import SingularMark
-
     return [SingularMark(one.what, np.array(one.where), one.line, one.limited) for one in named if one.where]
 
 

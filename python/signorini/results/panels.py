@@ -17,11 +17,8 @@ from signorini.model.whole import Units
 from signorini.plot.picture import Panel, SupportMark
 from signorini.results.extremes import FieldExtremes
 from signorini.results.marks import pressure_layer, support_mark
-from signorini.results.quantities import FIELDS, KINDS, Quantity
-from signorini.results.quantities import PRESSURE as AT_PRESSURE
+from signorini.results.quantities import KINDS, PICTURED, PRESSURE
 from signorini.results.support_result import SupportResult
-
-PRESSURE = "pressure"
 
 
 class Shown(Protocol):
@@ -56,7 +53,7 @@ def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[Suppo
 
 def field_range(field: str, result: Shown) -> tuple[float, float]:
     """Smallest and largest value of a field away from where it has no limit; of the pressure with 0."""
-    if field != PRESSURE:
+    if field != PRESSURE.name:
         ends = _ends(field, result)
         return ends.min, ends.max
     ranges = [support.area.range for support in result.supports if support.area is not None]
@@ -69,14 +66,14 @@ def panel(
     """Draw a field, or the pressure, in the colours of its quantity, with its extremes and, if known, half-widths."""
     label, map_of = quantity(field, result.model.units), colours(field)
     limits = limits or field_range(field, result)
-    if field == PRESSURE:
+    if field == PRESSURE.name:
         areas = [(index, one.area) for index, one in enumerate(result.supports) if one.area is not None]
         index, most = max(areas, key=lambda result: result[1].largest[0])
         value, at = most.largest
         width = None if widths is None else widths["supports"][index]["max_pressure"]
         words = extreme("max", value, widths is not None, width)
         layers = [pressure_layer(area) for _, area in areas]
-        return Panel(layers, label, map_of, limits, [(words, at.tolist())] if value > 0 else [])
+        return Panel(layers, limits, label, map_of, [(words, at.tolist())] if value > 0 else [])
     ends, values = _ends(field, result), None
     if widths is not None and field in result.extremes:
         values = widths["deflection"] if field == "deflection" else widths["fields"][field]
@@ -84,7 +81,7 @@ def panel(
         (extreme(name, value, values is not None, values and values[name]), at)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at))
     ]
-    return Panel(result.stress_nodes.spread(result.fields[field]), label, map_of, limits, named)
+    return Panel(result.stress_nodes.spread(result.fields[field]), limits, label, map_of, named)
 
 
 def extreme(name: str, value: float, told: bool, width: float | None) -> str:
@@ -105,14 +102,9 @@ def _ends(field: str, result: Shown) -> FieldExtremes:
     return result.extremes.get(field) or FieldExtremes.of(result.fields[field], nodes, everywhere)
 
 
-def shown(field: str) -> Quantity:
-    """What a picture shows: a field, or the contact pressure."""
-    return AT_PRESSURE if field == PRESSURE else FIELDS[field]
-
-
 def colours(field: str) -> str:
     """Name the colours of a field, a map whose middle is zero."""
-    return KINDS[shown(field).kind].colours
+    return KINDS[PICTURED[field].kind].colours
 
 
 def quantity(field: str, units: Units) -> str:
@@ -124,4 +116,4 @@ def quantity(field: str, units: Units) -> str:
     >>> quantity("mx", units), quantity("qx", units), quantity("mx", Units())
     ('moment mx [kN m/m]', 'shear qx [kN/m]', 'moment mx')
     """
-    return shown(field).label(units)
+    return PICTURED[field].label(units)

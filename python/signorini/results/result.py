@@ -157,12 +157,13 @@ class Result(Remade):
         if discretisation.held.dofs.any():
             imbalance = discretisation.plate.residual(discretisation.springs.arrays, load.nodal, hi, lo)
             held_force = np.where(discretisation.held.dofs, imbalance - spread, 0.0)
+        held_couple = discretisation.held.to_global(held_force.reshape(-1, 3)[:, 1:])
         pull = discretisation.spring_forces(hi, lo)
         points, springs = discretisation.off_areas
         nodal_reaction = held_force + discretisation.point_rows.T @ (points * answer.shared)
         nodal_reaction += discretisation.spring_rows.T @ (springs * pull)
         supports = tuple(
-            support_result(discretisation, index, held_force[::3], pull, answer)
+            support_result(discretisation, index, held_force[::3], held_couple, pull, answer)
             for index in range(len(discretisation.model.support))
         )
         nodes, thickness = discretisation.stress_nodes, discretisation.node_thickness
@@ -287,6 +288,9 @@ class Result(Remade):
         areas = [one.area for one in self.supports if one.area is not None]
         for name in ("max_pressure", "contact_area", "max_tension") if areas else ():
             result[at("support", name)] = [getattr(one, name) for one in areas]
+        edges = [one for one in self.supports if one.edge is not None]
+        for name in ("max_couple", "min_couple") if edges else ():
+            result[at("support", name)] = [getattr(one, name) for one in edges]
         points = [one for one in self.supports if one.place == "at"]
         if len(at("point", "reaction")):
             result[at("point", "reaction")] = np.concatenate([one.reactions for one in points])

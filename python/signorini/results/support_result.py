@@ -15,6 +15,7 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
 from signorini.model import Support
 from signorini.results.contact_field.area_contact import AreaContact
+from signorini.results.edge_couples import EdgeCouples, edge_couples
 from signorini.results.support_points import SupportPoints, closed_part
 
 MEANINGS = {
@@ -90,6 +91,8 @@ class SupportResult(Remade):
         The part of it that is closed: of points as many, of lines by length, of areas by contact area.
     area : AreaContact or None
         Of an area, its contact as a field.
+    edge : EdgeCouples or None
+        Of edges that hold the slope, their couples per length.
     """
 
     name: str
@@ -103,6 +106,7 @@ class SupportResult(Remade):
     place: Literal["at", "edge", "line", "circle", "area"]
     closed_part: float
     area: AreaContact | None
+    edge: EdgeCouples | None
 
     @property
     def closed_count(self) -> int:
@@ -143,11 +147,22 @@ class SupportResult(Remade):
         """Largest pressure with which an area pulls the plate down, positive; None if it is not an area."""
         return None if self.area is None else self.area.max_tension
 
+    @property
+    def max_couple(self) -> float | None:
+        """Largest couple per length, positive where the plate sags; None if it is not an edge that holds the slope."""
+        return None if self.edge is None else float(self.edge.couples.max())
+
+    @property
+    def min_couple(self) -> float | None:
+        """Smallest couple per length; None if it is not an edge that holds the slope."""
+        return None if self.edge is None else float(self.edge.couples.min())
+
 
 def support_result(
     discretisation: Discretisation,
     index: int,
     held_force: Floats,
+    held_couple: Floats,
     pull: Floats,
     answer: Answer,
 ) -> SupportResult:
@@ -160,6 +175,8 @@ def support_result(
         Which support of the model.
     held_force : (n,) array
         Upward force on every node that is held.
+    held_couple : (n, 2) array
+        Couples on every node, about what the slopes along x and y are.
     pull : (s,) array
         Upward force of every spring.
     answer : Answer
@@ -172,6 +189,7 @@ def support_result(
     area = None
     if support.area is not None:
         area = area_contact(discretisation, index, deflection, centres, closed, reactions)
+    edge = edge_couples(discretisation.mesh, support.edge or (), held_couple) if support.holds_edge_slope else None
     return SupportResult(
         support.name,
         describe(support),
@@ -184,6 +202,7 @@ def support_result(
         support.place,
         closed_part(discretisation, index, answer, np.nan if area is None else area.contact_area),
         area,
+        edge,
     )
 
 
