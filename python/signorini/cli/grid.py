@@ -38,20 +38,11 @@ def say(console: Console, text: Cell, style: str = "") -> None:
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table.
-
-    Parameters
-    ----------
-    title : str
-    number : bool
-        Whether its cells are at the right, and never broken.
-    spare : bool
-        Whether it goes first where there is no room.
-    """
+    """A column of a table."""
 
     title: str
-    number: bool = False
-    spare: bool = False
+    number: bool = False  # whether its cells are at the right, and never broken
+    spare: bool = False  # whether it goes first where there is no room
 
 
 def numbers(*titles: str) -> list[Column]:

@@ -15,31 +15,16 @@ from signorini.results.rows import Bearing
 
 @dataclass(frozen=True)
 class Governing:
-    """One extreme of one bearing: the combination, and the reactions of all bearings in it, in their order.
-
-    Parameters
-    ----------
-    bearing : Bearing
-    what : str
-        "reaction", "gap", "max_pressure" or "contact_area".
-    largest : bool
-    combination : str
-    own : float
-    own_width : float or None
-        The half-width of ``own``.
-    reactions : tuple of float
-    widths : tuple of float or None
-        The half-widths of ``reactions``; all None where there are none.
-    """
+    """One extreme of one bearing: the combination, and the reactions of all bearings in it, in their order."""
 
     bearing: Bearing
-    what: str
+    what: str  # "reaction", "gap", "max_pressure" or "contact_area"
     largest: bool
     combination: str
     own: float
-    own_width: float | None
+    own_width: float | None  # the half-width of ``own``
     reactions: tuple[float, ...]
-    widths: tuple[float | None, ...]
+    widths: tuple[float | None, ...]  # the half-widths of ``reactions``; all None where there are none
 
 
 def governing_reactions(results: Results, estimates: Estimates | None, group: str = "") -> list[Governing]:

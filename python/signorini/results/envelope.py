@@ -121,38 +121,22 @@ class Ends:
 
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """Extremes over all results with an equilibrium.
-
-    Parameters
-    ----------
-    layout : Layout
-    values : Extremes
-        Of every number of the layout's catalogue (n,).
-    places : (f, 2, 2) array
-        Where the largest and the smallest value of each field is.
-    beside_largest, beside_smallest : (e, b) arrays
-        Reactions of all bearings in the result with the largest, the smallest, of what the layout calls governed.
-    fields : dict of Extremes
-        At every node of a field, by its name; "reaction" is that of supports on nodes.
-    pressures : dict
-        "contact_pressure" at the nodes of elastic areas, "rigid_contact_pressure" on the elements of rigid ones: which
-        nodes or elements (k,), and the extremes there.
-    along : dict of Extremes
-        By place in the model, of areas the pressures at their points and, if elastic, nodes; of others along lines
-        the reactions of their points.
-    open_in : tuple of (p,) arrays
-        Of every support in how many results each of its points is open.
-    """
+    """Extremes over all results with an equilibrium."""
 
     layout: Layout
-    values: Extremes
-    places: Floats
+    values: Extremes  # of every number of the layout's catalogue (n,)
+    places: Floats  # (f, 2, 2): where the largest and the smallest value of each field is
+    # (e, b): reactions of all bearings in the result with the largest, or smallest, of what the layout calls governed
     beside_largest: Floats
     beside_smallest: Floats
-    fields: dict[str, Extremes]
+    fields: dict[str, Extremes]  # at every node of a field, by its name; "reaction" is that of supports on nodes
+    # "contact_pressure" at the nodes of elastic areas, "rigid_contact_pressure" on the elements of rigid ones: which
+    # nodes or elements (k,), and the extremes there
     pressures: dict[str, tuple[Ints, Extremes]]
+    # by place in the model, of areas the pressures at their points and, if elastic, nodes; of others along lines the
+    # reactions of their points
     along: dict[int, Extremes]
-    open_in: tuple[Ints, ...]
+    open_in: tuple[Ints, ...]  # of every support in how many results each of its points is open
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:

@@ -27,19 +27,11 @@ from signorini.results.result import Result
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Segment(Brief):
-    """A stretch of the path on which no point opens or closes, so that everything is linear in t.
+    """A stretch of the path on which no point opens or closes, so that everything is linear in t."""
 
-    Parameters
-    ----------
-    begin, end : PathStop
-        What holds at its two ends.
-    closed : (m,) array
-        Contact points that are closed on it.
-    """
-
-    begin: PathStop
+    begin: PathStop  # what holds at its two ends
     end: PathStop
-    closed: Bools
+    closed: Bools  # (m,): contact points that are closed on it
 
     @property
     def jumps(self) -> bool:

@@ -38,18 +38,11 @@ def peak(values: Floats, places: Floats) -> int:
 
 @dataclass(frozen=True)
 class FieldExtremes:
-    """Extremes of a field over the nodes; of places alike but for rounding that of the least x, and then y.
-
-    Parameters
-    ----------
-    max, min : float
-    max_at, min_at : (x, y)
-    max_beside, min_beside : str
-        The singularity at which the field is larger still, or smaller, and has no limit; empty where there is none.
-    """
+    """Extremes of a field over the nodes; of places alike but for rounding that of the least x, and then y."""
 
     max: float
     max_at: tuple[float, float]
+    # the singularity at which the field is larger still, or smaller, and has no limit; empty where there is none
     max_beside: str
     min: float
     min_at: tuple[float, float]

@@ -72,34 +72,19 @@ _MOST_POINTS = 3
 
 @dataclass(frozen=True)
 class PathEvent:
-    """A point of a support opens or closes; or a line or area begins to, has done so, or passes a quarter.
+    """A point of a support opens or closes; or a line or area begins to, has done so, or passes a quarter."""
 
-    Parameters
-    ----------
-    row : int
-        Number of the stop, from 0.
-    t : float
-    support : str
-    at : (x, y)
-        The point; of a line or area that begins to open or close where it does so first.
-    change : str
-        Of points "opens", "closes"; of lines and areas "begins to open", "begins to close", "open", "closed", and "part
-        closed" as a quarter is passed.
-    closed : float
-        Part of the support that is closed there, by points, length or contact area; of "part closed" the quarter.
-    opening : bool
-        Whether less is closed than before.
-    number : int
-        Which point of the support it is, or which of the levels 1, 0.75, 0.5, 0.25, 0 of a line or area, from 0.
-    """
-
-    row: int
+    row: int  # number of the stop, from 0
     t: float
     support: str
-    at: tuple[float, float] | None
+    at: tuple[float, float] | None  # the point; of a line or area that begins to open or close where it does so first
+    # of points "opens", "closes"; of lines and areas "begins to open", "begins to close", "open", "closed", and "part
+    # closed" as a quarter is passed
     change: Change
+    # part of the support that is closed there, by points, length or contact area; of "part closed" the quarter
     closed: float
-    opening: bool
+    opening: bool  # whether less is closed than before
+    # which point of the support it is, or which of the levels 1, 0.75, 0.5, 0.25, 0 of a line or area, from 0
     number: int = 0
 
 
@@ -173,23 +158,12 @@ def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
 
 @dataclass(frozen=True)
 class Threshold:
-    """A result that is to be found at a value.
+    """A result that is to be found at a value."""
 
-    Parameters
-    ----------
-    when : str
-        As it was asked for: ``"bolts[1].reaction = 203e3"``.
-    quantity : str
-        Its name.
-    value : float
-    t : float or None
-        Where it first comes to the value; None where it does not on the path.
-    """
-
-    when: str
-    quantity: str
+    when: str  # as it was asked for: ``"bolts[1].reaction = 203e3"``
+    quantity: str  # its name
     value: float
-    t: float | None = None
+    t: float | None = None  # where it first comes to the value; None where it does not on the path
 
     @property
     def linear(self) -> bool:

@@ -24,14 +24,7 @@ _MOST_POINTS = 100
 
 @dataclass(frozen=True)
 class Switch:
-    """A contact point that opens or closes.
-
-    Parameters
-    ----------
-    support : str
-    at : (x, y)
-    closes : bool
-    """
+    """A contact point that opens or closes."""
 
     support: str
     at: tuple[float, float]
@@ -45,37 +38,18 @@ class Switch:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PathStop(Brief):
-    """The path at one t. Between two stops all is linear in t, but for the extremes and the work.
-
-    Parameters
-    ----------
-    t : float
-    switched : tuple of Switch
-        Contact points that open or close here.
-    points : (k,) array
-        Which contact points these are.
-    catalogue : Catalogue
-        What ``values`` are.
-    values : (n,) array
-        Supports count as closed what is closed from here on.
-    largest_at, smallest_at : (x, y)
-        Where the extremes of the deflection are.
-    work, work_size : float
-        Sum of nodal loads times displacements, which is the same for all solutions of one load, and of the magnitudes.
-    not_unique : tuple of NotUnique
-        What of the answer is a choice among equal ones.
-    """
+    """The path at one t. Between two stops all is linear in t, but for the extremes and the work."""
 
     t: float
-    switched: tuple[Switch, ...]
-    points: Ints
-    catalogue: Catalogue
-    values: Floats
-    largest_at: tuple[float, float]
+    switched: tuple[Switch, ...]  # contact points that open or close here
+    points: Ints  # (k,): which contact points these are
+    catalogue: Catalogue  # what ``values`` are
+    values: Floats  # (n,): supports count as closed what is closed from here on
+    largest_at: tuple[float, float]  # where the extremes of the deflection are
     smallest_at: tuple[float, float]
-    work: float
-    work_size: float
-    not_unique: tuple[NotUnique, ...] = ()
+    work: float  # sum of nodal loads times displacements: the same for all solutions of one load
+    work_size: float  # sum of the magnitudes
+    not_unique: tuple[NotUnique, ...] = ()  # what of the answer is a choice among equal ones
 
     @property
     def reactions(self) -> Floats:

@@ -113,22 +113,12 @@ Home = Literal["field", "support", "point", "probe", "section", "strip", "statio
 
 @dataclass(frozen=True)
 class Kind:
-    """What is compared with each other: numbers of one unit that are large and small together.
+    """What is compared with each other: numbers of one unit that are large and small together."""
 
-    Parameters
-    ----------
-    force, length : int
-        Powers in its unit.
-    singular : str
-        What singularities call it; empty where it always has a limit.
-    colours : str
-        A colour map whose middle is zero.
-    """
-
-    force: int = 0
+    force: int = 0  # powers of force and length in its unit
     length: int = 0
-    singular: str = ""
-    colours: str = "RdBu"
+    singular: str = ""  # what singularities call it; empty where it always has a limit
+    colours: str = "RdBu"  # a colour map whose middle is zero
 
     def unit(self, units: Units) -> str:
         """Name its unit; empty where the model names none."""
@@ -162,32 +152,16 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity.
+    """What numbers of results are of."""
 
-    Parameters
-    ----------
-    name : str
-        In tables and thresholds.
-    kind : str
-        One of `KINDS`.
-    words : str
-        What it is, with its symbol.
-    key : tuple
-        Keys and indices that lead to it in results.json, from what it is of; by default the name.
-    vector : str
-        What turns into it: numbers of one vector of one probe change together.
-    tabled, enveloped, along_paths : bool
-        Whether tables have it, extremes of it are sought, and load paths tell it at every stop.
-    """
-
-    name: str
-    kind: str
-    words: str = ""
-    key: Path = ()
-    vector: str = ""
-    tabled: bool = True
-    enveloped: bool = True
-    along_paths: bool = True
+    name: str  # in tables and thresholds
+    kind: str  # one of `KINDS`
+    words: str = ""  # what it is, with its symbol
+    key: Path = ()  # keys and indices that lead to it in results.json, from what it is of; by default the name
+    vector: str = ""  # what turns into it: numbers of one vector of one probe change together
+    tabled: bool = True  # whether tables have it
+    enveloped: bool = True  # whether extremes of it are sought
+    along_paths: bool = True  # whether load paths tell it at every stop
 
     @property
     def path(self) -> Path:
@@ -360,35 +334,17 @@ def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness:
 
 @dataclass(frozen=True)
 class Number:
-    """One number of a result: what it is and of whom, and with that where it stands in files.
-
-    Parameters
-    ----------
-    quantity : Quantity
-    home : str
-        What it is of.
-    owner : int
-        Which of these, in the order of the model.
-    path : tuple
-        Keys and indices in results.json.
-    subject : str
-        What it is of, as columns and thresholds name it.
-    part : int
-        Which point of a support, or station of a strip, from 0.
-    tabled : bool
-        Whether tables have it.
-    estimated : bool
-        Whether it has a half-width: not how many nodes are closed, which are the mesh's, nor an angle, which turns as
-        it likes where both principal moments are equal.
-    """
+    """One number of a result: what it is and of whom, and with that where it stands in files."""
 
     quantity: Quantity
-    home: Home
-    owner: int
-    path: Path
-    subject: str
-    part: int = 0
-    tabled: bool = True
+    home: Home  # what it is of
+    owner: int  # which of these, in the order of the model
+    path: Path  # keys and indices in results.json
+    subject: str  # what it is of, as columns and thresholds name it
+    part: int = 0  # which point of a support, or station of a strip, from 0
+    tabled: bool = True  # whether tables have it
+    # whether it has a half-width: not how many nodes are closed, which are the mesh's, nor an angle, which turns as
+    # it likes where both principal moments are equal
     estimated: bool = True
 
     @property

@@ -50,20 +50,11 @@ class Hidden:
     """Nodes (n,) of a field that count in no extreme, by class: alike are those that the same load cases hide.
 
     A field has no limit there, or they are left out whatever acts.
-
-    Parameters
-    ----------
-    classes : (n,) array
-        0 of those that nothing hides.
-    always : (c,) array
-        Which classes are hidden whatever acts.
-    by_case : dict of (c,) arrays
-        Which classes a load case hides, if any.
     """
 
-    classes: Ints
-    always: Bools
-    by_case: Mapping[str, Bools]
+    classes: Ints  # (n,): 0 of those that nothing hides
+    always: Bools  # (c,): which classes are hidden whatever acts
+    by_case: Mapping[str, Bools]  # which classes a load case hides, if any
 
     @classmethod
     def nothing(cls, count: int) -> Hidden:
@@ -104,35 +95,17 @@ class Hidden:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Which numbers a model's rows have.
-
-    Parameters
-    ----------
-    model : Model
-    catalogue : Catalogue
-        The numbers of every row.
-    supports : tuple of SupportPoints
-    at_rest : dict of AreaContact
-        By the place of their support in the model.
-    fields : tuple of str
-        Those that envelopes are sought of.
-    probes : (q, 2) array
-    probe_thickness : (q,) array
-    nodes : (s, 2) array
-        Positions of the nodes of stresses; the first are those of the mesh.
-    hidden : dict of Hidden
-        Of every field its nodes at which it has no limit.
-    """
+    """Which numbers a model's rows have."""
 
     model: Model
-    catalogue: Catalogue
+    catalogue: Catalogue  # the numbers of every row
     supports: tuple[SupportPoints, ...]
-    at_rest: Mapping[int, AreaContact]
-    fields: tuple[str, ...]
-    probes: Floats
-    probe_thickness: Floats
-    nodes: Floats
-    hidden: Mapping[str, Hidden]
+    at_rest: Mapping[int, AreaContact]  # by the place of their support in the model
+    fields: tuple[str, ...]  # those that envelopes are sought of
+    probes: Floats  # (q, 2)
+    probe_thickness: Floats  # (q,)
+    nodes: Floats  # (s, 2): positions of the nodes of stresses; the first are those of the mesh
+    hidden: Mapping[str, Hidden]  # of every field its nodes at which it has no limit
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
@@ -206,38 +179,19 @@ class Layout:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Consecutive results (k,); NaN and 0 where there is no equilibrium.
+    """Consecutive results (k,); NaN and 0 where there is no equilibrium."""
 
-    Parameters
-    ----------
-    first : int
-        Number of the first of them.
-    solved : (k,) array
-    method, not_unique : lists of str
-    iterations : (k,) array
-    certificate : (k, 5) array
-        In the order of the certificate's figures.
-    values : (k, n) array
-        In the order of the layout's catalogue.
-    reaction, closed : (k, p) arrays
-        Of every point of every support.
-    on_areas : (k, a) array
-        Deflections of the nodes around elastic areas.
-    places : (k, f, 2, 2) array
-        Where the largest and the smallest value of each enveloped field is.
-    """
-
-    first: int
-    solved: Bools
+    first: int  # number of the first of them
+    solved: Bools  # (k,)
     method: list[str]
     not_unique: list[str]
-    iterations: Ints
-    certificate: Floats
-    values: Floats
-    reaction: Floats
-    closed: Bools
-    on_areas: Floats
-    places: Floats
+    iterations: Ints  # (k,)
+    certificate: Floats  # (k, 5): in the order of the certificate's figures
+    values: Floats  # (k, n): in the order of the layout's catalogue
+    reaction: Floats  # (k, p): of every point of every support
+    closed: Bools  # (k, p)
+    on_areas: Floats  # (k, a): deflections of the nodes around elastic areas
+    places: Floats  # (k, f, 2, 2): where the largest and the smallest value of each enveloped field is
 
     @classmethod
     def empty(cls, layout: Layout, first: int, count: int) -> Block:

@@ -20,38 +20,18 @@ from signorini.results.quantities import Catalogue
 
 @dataclass(frozen=True, eq=False)
 class SupportPoints:
-    """Points (p,) of one support; of an averaged area the elements, each with all that pushes in it.
+    """Points (p,) of one support; of an averaged area the elements, each with all that pushes in it."""
 
-    Parameters
-    ----------
-    nodes, springs : (h,) and (s,) arrays
-        Nodes whose deflection it holds, and its springs: the fixed points, always closed.
-    share : (h,) array
-        Its part of the reaction at each node: supports that hold a node together carry it in equal parts.
-    rows : (ways, c) array
-        Its contact points, repeated ones included; a point with travel both ways has two rows.
-    direction : (ways, c) array
-        +1 where a row pushes the plate up, −1 where it holds it down.
-    order : (h + s + c,) array
-        From nodes, springs and contact points, one behind the other, to the order of the input.
-    positions, weights : (p, 2) and (p,) arrays
-        In the order of the input; a weight is the length or area that a point stands for, 1 at a point.
-    elements : (p,) array
-        The element that a point is in; of held nodes −1.
-    shares : (c', c) array or None
-        Of an averaged area, each element's share of what its contact points do.
-    """
-
-    nodes: Ints
-    springs: Ints
-    share: Floats
-    rows: Ints
-    direction: Floats
-    order: Ints
-    positions: Floats
-    weights: Floats
-    elements: Ints
-    shares: csr_array | None
+    nodes: Ints  # (h,): nodes whose deflection it holds; they and springs are the fixed points, always closed
+    springs: Ints  # (s,)
+    share: Floats  # (h,): its part of the reaction at each node, which supports there carry in equal parts
+    rows: Ints  # (ways, c): its contact points, repeated ones included; a point with travel both ways has two rows
+    direction: Floats  # (ways, c): +1 where a row pushes the plate up, −1 where it holds it down
+    order: Ints  # (h + s + c,): from nodes, springs and contact points, one behind the other, to the order of the input
+    positions: Floats  # (p, 2): in the order of the input
+    weights: Floats  # (p,): the length or area that a point stands for, 1 at a point
+    elements: Ints  # (p,): the element that a point is in; of held nodes −1
+    shares: csr_array | None  # (c', c): of an averaged area, each element's share of what its contact points do
 
     @classmethod
     def of(cls, discretisation: Discretisation, index: int) -> SupportPoints:

@@ -36,34 +36,19 @@ _ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AreaContact(Remade):
-    """Contact of one area support.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    support : Support
-        On an area.
-    deflection : (n,) array
-    positions : (q, 2) array
-        Of the points that the area acts at, of one on means one an element.
-    elements, weights, closed, reactions : (q,) arrays
-        Of these points: element, area it stands for, whether closed, upward force.
-    on_means : bool
-        Whether it acts on the means of elements: it is rigid, or as good as that.
-    stiff : (ne,) array
-        Elements in which it is stiffer than the plate. Between points the deflection then says nothing of pressures,
-        and the pressure is a number an element, not a field.
-    """
+    """Contact of one area support."""
 
     mesh: Mesh
-    support: Support
-    deflection: Floats
-    positions: Floats
-    elements: Ints
-    weights: Floats
-    closed: Bools
-    reactions: Floats
-    on_means: bool
+    support: Support  # on an area
+    deflection: Floats  # (n,)
+    positions: Floats  # (q, 2): of the points that the area acts at; on means there is one an element
+    elements: Ints  # (q,): the element of each point
+    weights: Floats  # (q,): the area that it stands for
+    closed: Bools  # (q,)
+    reactions: Floats  # (q,): the upward force there
+    on_means: bool  # whether it acts on the means of elements: it is rigid, or as good as that
+    # (ne,): elements in which it is stiffer than the plate. Between points the deflection says nothing of pressures
+    # there, and the pressure is a number an element, not a field.
     stiff: Bools
 
     @property

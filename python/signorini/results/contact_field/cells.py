@@ -149,22 +149,12 @@ class _Grid(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """What is asked of the elements of an elastic area.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    support : Support
-    covered : (ne,) array
-        Whether the support has a part of an element.
-    depth : callable
-        How deep positions (q, 2) are in the support.
-    """
+    """What is asked of the elements of an elastic area."""
 
     mesh: Mesh
     support: Support
-    covered: Bools
-    depth: Callable[[Floats], Floats]
+    covered: Bools  # (ne,): whether the support has a part of an element
+    depth: Callable[[Floats], Floats]  # how deep positions (q, 2) are in the support
 
     def parts(self, deflection: Floats, crossed: Bools, touching: Floats) -> tuple[Ints, Ints, Floats]:
         """Solutions (p,), elements (p,), and the part (p,) in contact of what each has within the support.
@@ -287,21 +277,12 @@ def _beside(pressed: Bools) -> Bools:
 
 @dataclass(frozen=True, eq=False)
 class Fine:
-    """Elements (k,) cut into triangles.
+    """Elements (k,) cut into triangles."""
 
-    Parameters
-    ----------
-    elements : (k,) array
-    cut : Tessellation
-        Of these elements, in their order.
-    positions : (v, 2) array
-    overlap : (v,) array
-        How far the plate is pressed into the support; negative in a gap, 0 where it touches, NaN where not known.
-    """
-
-    elements: Ints
-    cut: Tessellation
-    positions: Floats
+    elements: Ints  # (k,)
+    cut: Tessellation  # of these elements, in their order
+    positions: Floats  # (v, 2)
+    # (v,): how far the plate is pressed into the support; negative in a gap, 0 where it touches, NaN where not known
     overlap: Floats
 
     @classmethod
