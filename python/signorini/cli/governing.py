@@ -12,15 +12,26 @@ from rich.text import Text
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import compared, estimated, number, size_of
-from signorini.cli.grid import UNKNOWN, UNSETTLED, Column, Grid, cell, in_contact, in_unit, numbers, say, unit_of
-from signorini.cli.through import print_enveloped
+from signorini.cli.grid import (
+    UNKNOWN,
+    UNSETTLED,
+    Column,
+    Grid,
+    cell,
+    in_contact,
+    in_title,
+    in_unit,
+    numbers,
+    say,
+    unit_of,
+)
 from signorini.contact.certificate import FIGURES
 from signorini.errors import point
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import governing_reactions
 from signorini.output.names import GOVERNING, JSON
 from signorini.results.panels import quantity
-from signorini.results.quantities import LINEAR
+from signorini.results.quantities import LINEAR, MEANS, SIDES, THROUGH
 
 Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None where there are none."""
@@ -57,7 +68,7 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
         _print_fields(console, results, group, result["plus_minus"])
         _print_supports(console, results, group, result["plus_minus"])
         _print_probes(console, results, result)
-        print_enveloped(console, results, result)
+        _print_enveloped(console, results, result)
         print_governing(console, results, estimates, group)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")
@@ -179,3 +190,39 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
             least = in_contact(support.name, touching_cell, touching.min, extent, "area", unit_of(units.length, 2))
             say(console, f"{support.name}: largest pressure {highest} at {where} in {results.key(pressed.max_by)}")
             say(console, f"{least}, the least, in {results.key(touching.min_by)}")
+
+
+def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, Any]) -> None:
+    """Print the extremes of sections and strips over many combinations, and which these are."""
+    units, widths = results.model.units, envelope["plus_minus"]
+    if envelope["sections"]:
+        shown = Grid([Column("section"), *numbers("largest"), Column("of"), *numbers("smallest"), Column("of")])
+        for one in THROUGH:
+            size = size_of([[section[one.name]["max"], section[one.name]["min"]] for section in envelope["sections"]])
+            for index, section in enumerate(envelope["sections"]):
+                of, path = section[one.name], ("sections", index, one.name)
+                most, least = (cell(of[end], widths, (*path, end), size) for end in SIDES)
+                shown.add(f"{section['name']}, {in_title(one, units)}", most, of["max_by"], least, of["min_by"])
+        shown.show(console)
+        console.print()
+    if envelope["strips"]:
+        where = f"at{in_unit(units.length)}"
+        columns = [
+            *numbers(f"largest mean {in_title(MEANS[0], units)}", where),
+            Column("of"),
+            *numbers("smallest", where),
+            Column("of"),
+        ]
+        shown = Grid([Column("strip"), *columns])
+        for index, strip in enumerate(envelope["strips"]):
+            moments = [station["moment"] for station in strip["stations"]]
+            size, cells = size_of([[of["max"], of["min"]] for of in moments]), []
+            for end in SIDES:
+                result = [of[end] for of in moments]
+                at = result.index(max(result) if end == "max" else min(result))
+                within = ("strips", index, "stations", at, "moment", end)
+                cells += [cell(result[at], widths, within, size, 5), point(strip["stations"][at]["at"])]
+                cells.append(moments[at][f"{end}_by"])
+            shown.add(strip["name"], *cells)
+        shown.show(console)
+        console.print()

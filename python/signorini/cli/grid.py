@@ -12,6 +12,8 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.base.numbers import estimated, number
+from signorini.model import Units
+from signorini.results.quantities import Quantity
 
 Cell = str | Text
 Line = Sequence[Text]
@@ -204,6 +206,11 @@ def in_contact(name: str, part: str, value: float, whole: float, what: str, unit
 def in_unit(unit: str) -> str:
     """Write a unit behind a title."""
     return f" [{unit}]" if unit else ""
+
+
+def in_title(one: Quantity, units: Units) -> str:
+    """Name a force through a section, with its unit."""
+    return f"{one.name}{in_unit(one.unit(units))}"
 
 
 def unit_of(length: str, power: int = 1) -> str:

@@ -17,10 +17,8 @@ from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import compared, number, size_of
 from signorini.cli.governing import print_combined, print_governing
-from signorini.cli.grid import UNKNOWN, UNSETTLED, Column, Grid, cell, in_unit, numbers, say, unit_of
-from signorini.cli.resting import lifted, resting
-from signorini.cli.through import print_through
-from signorini.cli.wide import too_wide
+from signorini.cli.grid import UNKNOWN, UNSETTLED, Column, Grid, cell, in_title, in_unit, numbers, say, unit_of
+from signorini.cli.sentences import lifted, resting, too_wide
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.errors import length, point
@@ -29,7 +27,7 @@ from signorini.output.envelope_json import table_warnings
 from signorini.output.names import JSON
 from signorini.results.marks import case_totals
 from signorini.results.panels import quantity
-from signorini.results.quantities import AT_PROBES, FIELDS, LINEAR, RESULTANTS
+from signorini.results.quantities import AT_PROBES, FIELDS, LINEAR, MEANS, RESULTANTS, THROUGH
 from signorini.results.result import Result
 from signorini.results.support_result import MEANINGS, SYMBOLS, SupportResult, describe, kinds
 from signorini.singularities.named import singularities
@@ -267,7 +265,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
     if result.probes:
         console.print()
         _print_probes(console, result, widths, largest)
-    print_through(console, result, widths, largest)
+    _print_through(console, result, widths, largest)
 
 
 def _print_points(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
@@ -353,6 +351,32 @@ def _print_probes(console: Console, result: Result, widths: Widths, largest: Map
             cells.append("" if np.isnan(value) else cell(value, widths, path, largest[one.kind], 5))
         shown.add(point(probe.at, result.mesh.size), *cells)
     shown.show_turned(console)
+
+
+def _print_through(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
+    """Print a row each section, and a row each strip with its largest and smallest mean moment and where they are."""
+    units, size = result.model.units, result.mesh.size
+    if result.sections:
+        console.print()
+        shown = Grid([Column("section"), *numbers(*(in_title(one, units) for one in THROUGH))])
+        for index, section in enumerate(result.sections):
+            cells = [
+                cell(getattr(section, one.name), widths, ("sections", index, one.name), largest[one.kind])
+                for one in THROUGH
+            ]
+            shown.add(section.name, *cells)
+        shown.show(console)
+    if result.strips:
+        console.print()
+        where = f"at{in_unit(units.length)}"
+        shown = Grid([Column("strip"), *numbers(f"largest mean {in_title(MEANS[0], units)}", where, "smallest", where)])
+        for index, strip in enumerate(result.strips):
+            cells = []
+            for key, of in (("max_moment", strip.sagging), ("min_moment", strip.hogging)):
+                cells.append(cell(of.moment, widths, ("strips", index, key), largest["moment"], 5))
+                cells.append(point(of.at, size))
+            shown.add(strip.name, *cells)
+        shown.show(console)
 
 
 def _by_sentence(results: Results, estimates: Estimates | None) -> dict[str, list[str]]:

@@ -28,10 +28,7 @@ class Governing:
 
 
 def governing_reactions(results: Results, estimates: Estimates | None, group: str = "") -> list[Governing]:
-    """Give the extremes of each bearing's reaction, the largest before the smallest; of equals the first combination's.
-
-    Over a group of combinations, or over all; none where none of them has an equilibrium.
-    """
+    """Give the extremes of each bearing's reaction over a group, or all: the largest before the smallest."""
     return [one for one in governing(results, estimates, group) if one.what == "reaction"]
 
 

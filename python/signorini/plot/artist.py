@@ -42,13 +42,7 @@ class Artist:
             self._processes[0].communicate()
 
     def drawn(self, job: Job) -> Iterator[tuple[str, bytes]]:
-        """Begin to draw pictures; then give name and content of each file.
-
-        Raises
-        ------
-        ChildProcessError
-            A process was ended before it had drawn.
-        """
+        """Begin to draw pictures; then give name and content of each file."""
         wanted = sum(sheet.panels for sheet in job.sheets) // _ENOUGH if len(job.elements) <= _MOST_ELEMENTS else 1
         self._processes += [_started() for _ in range(min(cores(), wanted) - 1)]
         shares = _shared(job.sheets, len(self._processes))

@@ -43,12 +43,6 @@ def line(
     """Draw values (k,) at places (k,) along a line, positive ones downwards as deflections are.
 
     Give the axes of an earlier call to draw several curves together. ``label`` is the curve's name in the legend.
-
-    Examples
-    --------
-    >>> axes = line([0, 1, 2], [0, 1e-3, 0], ylabel="deflection [m]")
-    >>> bool(axes.yaxis_inverted())
-    True
     """
     axes = Figure(figsize=(7, 3.6), layout="constrained").add_subplot() if ax is None else ax
     axes.plot(np.asarray(x, dtype=float), np.asarray(y, dtype=float), label=label or "_curve", linewidth=1.6)
@@ -83,21 +77,9 @@ def load_path_picture(
 
     Curves (k,) by name are at the stops ``t`` (k,), parts that are closed from 0 to 1. What coincides is one curve
     with all its names; of more than eighteen the first are drawn, and the panel says how many are left out.
-
-    Parameters
-    ----------
-    thresholds : mapping of float
-        Factors to mark, by what is reached there.
-    stepwise : collection of str
-        Supports whose part that is closed changes at once, from a stop on: those at points.
-    limit : float, optional
-        The factor at which equilibrium ends, if it does at the end of the path.
-    until : float, optional
-        The factor at which deflections leave what the theory is of; what is beyond is not drawn.
-    last : float, optional
-        The factor from which on nothing happens that is worth drawing.
-    title, factor, length, force : str
-        Above the picture; what the factor is; units.
+    ``thresholds`` are factors to mark, by what is reached there; ``stepwise`` are supports whose part that is closed
+    changes at once, those at points. Equilibrium ends at the ``limit``; beyond ``until`` the theory does not hold, and
+    beyond ``last`` nothing happens that is worth drawing.
     """
     stops = np.asarray(t, dtype=float)
     drawn = min((to for to in (until, last) if to is not None), default=np.inf)

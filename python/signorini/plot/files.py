@@ -21,13 +21,7 @@ DOTS = 120
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure to a file, whole or not at all; the suffix (``.png``, ``.svg``, ``.pdf``) gives the format.
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
-    """
+    """Write a figure to a file, whole or not at all; the suffix (``.png``, ``.svg``, ``.pdf``) gives the format."""
     with replacing(path) as beside:
         png = beside.suffix.lower() == ".png"
         options = {"pil_kwargs": {"compress_level": _FAST}} if png else {}

@@ -174,11 +174,6 @@ def check_picture(
 
     ``totals`` are sums of load cases in words, ``poorest`` the corner of the worst element with words about it.
     ``numbers`` are those of the nodes, from 0.
-
-    Raises
-    ------
-    InputError
-        There are too many nodes for their numbers.
     """
     if numbers and len(plan.nodes) > _MOST_NUMBERS:
         raise InputError(

@@ -165,13 +165,7 @@ class Envelope:
         )
 
     def __getitem__(self, column: str) -> Ends:
-        """Extremes of a number of the table, by its column.
-
-        Raises
-        ------
-        KeyError
-            If there is no such number.
-        """
+        """Extremes of a number of the table, by its column."""
         at, of = self.layout.catalogue.by_column[column], self.values
         largest, smallest = float(of.largest[at]), float(of.smallest[at])
         return Ends(largest, int(of.largest_by[at]), smallest, int(of.smallest_by[at]))

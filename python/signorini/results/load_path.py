@@ -299,13 +299,7 @@ class LoadPath(States[float]):
 
 
 def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, CaseLoad], t: float) -> Result:
-    """Every result of a problem at some t.
-
-    Raises
-    ------
-    NotCertifiedError
-        If the answer fails its certificate.
-    """
+    """Every result of a problem at some t, if the answer is certified."""
     result, load = problem.discretisation, loads[0] + t * loads[1]
     tried = answered(problem, load, beside=beside(loads, t))
     if tried.certificate is None:

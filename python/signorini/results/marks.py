@@ -10,10 +10,9 @@ import numpy as np
 from signorini import shapes
 from signorini.base.plain import plain
 from signorini.discretise import Discretisation
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.mesh import Mesh
-from signorini.mesh.boxtree import BoxTree
 from signorini.model import Area, Circle, Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.model.whole import Units
@@ -51,10 +50,12 @@ def support_mark(
     if support.place != "at":
         style, drawn = "line", path(mesh, support) if support.place != "area" else np.zeros((0, 2))
         if support.place == "area":
-            style, drawn = "area", _outline(support.area) if isinstance(support.area, Area) else _around(mesh)
+            style, drawn = "area", _drawn(support.area.region) if isinstance(support.area, Area) else _around(mesh)
         places, states = _divided(drawn), None
         if closed is not None and len(positions):
-            states = closed[_nearest(positions, places)]
+            from scipy.spatial import cKDTree
+
+            states = closed[cKDTree(positions).query(np.nan_to_num(places))[1]]
     return SupportMark(
         support.name,
         _kind(support),
@@ -70,23 +71,6 @@ def support_mark(
     )
 
 
-def _nearest(positions: Floats, places: Floats) -> Ints:
-    """Which of positions (k, 2) is nearest to each place (q, 2); any one of a break between pieces."""
-    result, left = np.zeros(len(places), np.int64), np.flatnonzero(np.isfinite(places[:, 0]))
-    reach = max(float(np.ptp(np.concatenate([positions, places[left]]), axis=0).max()), 1e-300) / len(positions) ** 0.5
-    while len(left):
-        boxes = np.hstack([places[left] - reach, places[left] + reach])
-        position, place = BoxTree.build(boxes).pairs(positions)
-        away = np.hypot(*(positions[position] - places[left[place]]).T)
-        order = np.lexsort((away, place))
-        first = order[np.unique(place[order], return_index=True)[1]]
-        # Beyond a box's nearer sides there may be a nearer one than in its corners.
-        first = first[away[first] <= reach]
-        result[left[place[first]]] = position[first]
-        left, reach = np.delete(left, place[first]), 2.0 * reach
-    return result
-
-
 def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged", "symmetry"]:
     if support.fix is None:
         return support.resists or "both"
@@ -99,7 +83,7 @@ def pressure_layer(area: AreaContact) -> PressureLayer:
     """Draw the pressure of an area support."""
     on = area.covered > 0
     cut = tessellate(area.mesh.elements[on])
-    outline = _outline(area.support.area) if isinstance(area.support.area, Area) else None
+    outline = _drawn(area.support.area.region) if isinstance(area.support.area, Area) else None
     values = area.element_pressure[on] if area.stiff[on].all() else area.pressing(cut)
     return PressureLayer(cut, values, area.bounds, outline)
 
@@ -121,16 +105,14 @@ def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
     marks = []
     for zone in discretisation.model.zone:
         parts = ["rigid"] if zone.rigid else [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
-        if zone.material is not None:
-            own = zone.material
-            if own.is_elastic:
-                parts.append(f"E = {own.E:.4g}" if own.E is not None else f"Ex = {own.Ex:.4g}, Ey = {own.Ey:.4g}")
+        if (own := zone.material) is not None and own.is_elastic:
+            parts.append(f"E = {own.E:.4g}" if own.E is not None else f"Ex = {own.Ex:.4g}, Ey = {own.Ey:.4g}")
         if zone.stiffness is not None:
             parts.append(f"Dx = {zone.stiffness.Dx:.4g}, Dy = {zone.stiffness.Dy:.4g}")
         if zone.modifiers is not None:
             parts += [f"{key} × {value:.4g}" for key, value in zone.modifiers if value != 1.0]
         assert isinstance(zone.area, Area)  # "all" is refused
-        marks.append(ZoneMark(", ".join(parts) or "as the plate", _outline(zone.area)))
+        marks.append(ZoneMark(", ".join(parts) or "as the plate", _drawn(zone.area.region)))
     return marks
 
 
@@ -160,7 +142,7 @@ def load_marks(discretisation: Discretisation) -> list[LoadMark]:
         elif load.kind == "line_load":
             style, places = "line", path(discretisation.mesh, load)
         elif isinstance(load.area, Area):
-            places = _outline(load.area)
+            places = _drawn(load.area.region)
         else:
             places, name = np.zeros((0, 2)), name if varies else f"{name} everywhere"
         words = _value(load, sizes, discretisation.model.units)
@@ -184,7 +166,7 @@ def _under(mesh: Mesh, load: Load) -> Floats:
         places = _divided(path(mesh, load))
     elif isinstance(load.area, Area):
         nodes = mesh.points[load.area.region.contains(mesh.points)]
-        places = np.concatenate([nodes, _divided(_outline(load.area))])
+        places = np.concatenate([nodes, _divided(_drawn(load.area.region))])
     else:
         return mesh.points
     places = places[np.isfinite(places[:, 0])]
@@ -211,19 +193,16 @@ def _value(load: Load, sizes: Floats, units: Units) -> str:
 
 def case_totals(discretisation: Discretisation) -> dict[str, str]:
     """Sums of the forces of load cases that stay where they are, or of their couples as moments if that is all."""
-    unit, sums = discretisation.model.units.force, {}
-    couples = discretisation.model.units.force_by_length(1)
+    units, sums = discretisation.model.units, {}
+    motions = discretisation.rigid_motions
     for case in dict.fromkeys(load.case for load in discretisation.model.load):
-        forces = discretisation.cases[case].weighing[::3]
-        total = float(forces.sum())
-        if abs(total) > NO_FORCE * float(np.abs(forces).sum()):
-            sums[case] = f"{plain(abs(total), 4)} {unit}".rstrip() + (" up" if total < 0 else " down")
-            continue
-        weighing, turns = discretisation.cases[case].weighing, discretisation.rigid_motions[:, 1:]
-        couple = weighing @ turns
-        couple = np.where(np.abs(couple) > NO_FORCE * (np.abs(weighing) @ np.abs(turns)), couple, 0.0)
-        if couple.any():
-            sums[case] = f"moment [{', '.join(plain(float(part), 4) for part in couple)}] {couples}".rstrip()
+        weighing = discretisation.cases[case].weighing
+        total = weighing @ motions
+        force, *couple = np.where(np.abs(total) > NO_FORCE * (np.abs(weighing) @ np.abs(motions)), total, 0.0).tolist()
+        if force:
+            sums[case] = f"{plain(abs(force), 4)} {units.force}".rstrip() + (" up" if force < 0 else " down")
+        elif any(couple):
+            sums[case] = f"moment [{', '.join(plain(one, 4) for one in couple)}] {units.force_by_length(1)}".rstrip()
     return sums
 
 
@@ -300,10 +279,6 @@ def _chained(mesh: Mesh, name: str) -> Floats:
         pieces += [mesh.points[nodes[1:]]] if nodes[0] == last else [_BREAK, mesh.points[nodes]]
         last = nodes[2]
     return np.concatenate(pieces)
-
-
-def _outline(area: Area) -> Floats:
-    return _drawn(area.region)
 
 
 def _drawn(shape: Region) -> Floats:

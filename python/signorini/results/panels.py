@@ -108,12 +108,5 @@ def colours(field: str) -> str:
 
 
 def quantity(field: str, units: Units) -> str:
-    """Say what a field is, with its unit.
-
-    Examples
-    --------
-    >>> units = Units(length="m", force="kN")
-    >>> quantity("mx", units), quantity("qx", units), quantity("mx", Units())
-    ('moment mx [kN m/m]', 'shear qx [kN/m]', 'moment mx')
-    """
+    """Say what a field is, with its unit."""
     return PICTURED[field].label(units)

@@ -30,10 +30,9 @@ _TOUCHING = 1e-9
 
 
 def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
-    """How far a support is from each of its events: not negative where it is closed, or its part that is closed enough.
+    """How far a support is from each of its events: not negative where it, or that part of it, is closed.
 
     Of a support at points (p,) one a point; of a line or area (5,) one a level. Continuous in t along a load path.
-    ``part`` is its `closed_part`.
     """
     support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
     own = closed_by_point(discretisation, points, answer, scales)
@@ -172,13 +171,7 @@ class Threshold:
 
 
 def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Threshold, ...]:
-    """Read what is asked for.
-
-    Raises
-    ------
-    InputError
-        If a text is no equation of a name and a number, or no result has the name.
-    """
+    """Read what is asked for: equations of a result's name and a number."""
     if isinstance(when, str) or not isinstance(when, Sequence):
         raise InputError('it must be a list of texts such as ["bolts[1].reaction = 203e3"].', place="when")
     known, asked = numbers_at_stops(discretisation).by_name, []

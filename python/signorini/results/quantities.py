@@ -19,16 +19,7 @@ from signorini.model.whole import Units
 
 
 def principal_moments(moment: Floats) -> Floats:
-    """Principal moments m1 ≥ m2, and the angle from x to the direction of m1 in degrees towards y.
-
-    Parameters
-    ----------
-    moment : (..., 3) array
-        mx, my, mxy.
-
-    Returns
-    -------
-    (..., 3) array
+    """Principal moments m1 ≥ m2, and the angle from x to that of m1 in degrees towards y, from mx, my, mxy (..., 3).
 
     Examples
     --------
@@ -41,20 +32,10 @@ def principal_moments(moment: Floats) -> Floats:
 
 
 def design_moments(moment: Floats) -> Floats:
-    """Moments along x and y for which reinforcement along them is designed: at the bottom ≥ 0, at the top ≤ 0.
+    """Moments for which reinforcement is designed: bottom x and y ≥ 0, top x and y ≤ 0, from mx, my, mxy (..., 3).
 
     R. H. Wood, *The reinforcement of slabs in accordance with a pre-determined field of moments*, Concrete 2 (1968);
     G. S. T. Armer, discussion of it.
-
-    Parameters
-    ----------
-    moment : (..., 3) array
-        mx, my, mxy.
-
-    Returns
-    -------
-    (..., 4) array
-        Bottom x and y, top x and y.
 
     Examples
     --------
@@ -77,18 +58,9 @@ def _sagging(mx: Floats, my: Floats, mxy: Floats) -> tuple[Floats, Floats]:
 
 
 def face_stresses(moment: Floats, thickness: Floats) -> Floats:
-    """Stresses at the faces of a solid plate, tension positive: ∓6 m/h² at the top and the bottom.
+    """Stresses (..., 8) at the faces of a solid plate, tension positive: ∓6 m/h² at the top and the bottom.
 
-    Parameters
-    ----------
-    moment : (..., 3) array
-        mx, my, mxy, positive where they sag.
-    thickness : (...) array
-
-    Returns
-    -------
-    (..., 8) array
-        σx, σy and τxy at the top, these at the bottom, von Mises' stress at the top and at the bottom.
+    They are σx, σy and τxy at the top, these at the bottom, von Mises' stress at the top and at the bottom.
 
     Examples
     --------
@@ -122,12 +94,9 @@ class Kind:
 
     def unit(self, units: Units) -> str:
         """Name its unit; empty where the model names none."""
-        force, length = units.force, units.length
-        if not self.force:
-            return f"{length}{'²' if self.length == 2 else ''}" if length and self.length else ""
-        if self.length < 0:
+        if self.force:
             return units.force_by_length(self.length)
-        return f"{force} {length}" if self.length and force and length else force
+        return f"{units.length}{'²' if self.length == 2 else ''}" if units.length and self.length else ""
 
 
 KINDS: Mapping[str, Kind] = MappingProxyType(
@@ -191,11 +160,6 @@ class Quantity:
         unit = self.unit(units)
         what, comma, more = self.words.partition(", ")
         return f"{what} [{unit}]{comma}{more}" if unit else self.words
-
-
-def _vector(vector: str, kind: str, *named: tuple[str, str, Path]) -> Iterator[Quantity]:
-    for name, words, path in named:
-        yield Quantity(name, kind, words, path, vector)
 
 
 def _by_name(quantities: Sequence[Quantity]) -> Mapping[str, Quantity]:
@@ -343,9 +307,7 @@ class Number:
     subject: str  # what it is of, as columns and thresholds name it
     part: int = 0  # which point of a support, or station of a strip, from 0
     tabled: bool = True  # whether tables have it
-    # whether it has a half-width: not how many nodes are closed, which are the mesh's, nor an angle, which turns as
-    # it likes where both principal moments are equal
-    estimated: bool = True
+    estimated: bool = True  # whether it has a half-width
 
     @property
     def column(self) -> str:
@@ -389,53 +351,40 @@ class Catalogue:
     def of(
         cls, model: Model, points: Sequence[int], gaps: Sequence[bool], probes: int, fields: Sequence[str]
     ) -> Catalogue:
-        """List a model's numbers.
-
-        Parameters
-        ----------
-        model : Model
-        points : sequence of int
-            How many points each support has.
-        gaps : sequence of bool
-            Whether each support's points may open.
-        probes : int
-        fields : sequence of str
-            Those whose extremes are told.
-        """
+        """List a model's numbers: of supports with so many points that may open or not, and extremes of fields."""
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
-            of: Path = ("supports", index)
-            own = OF_SUPPORTS + (OF_AREAS if support.area is not None else ())
-            own += OF_EDGES if support.holds_edge_slope else ()
+            own = OF_SUPPORTS + OF_AREAS * (support.area is not None) + OF_EDGES * support.holds_edge_slope
             for one in own:
-                estimated = one.kind != "count" or support.place == "at"
-                path: Path = (*of, *one.path)
-                result.append(Number(one, "support", index, path, support.name, 0, one.tabled, estimated))
+                # How many nodes are closed is the mesh's.
+                told = one.kind != "count" or support.place == "at"
+                path: Path = ("supports", index, *one.path)
+                result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
             for point in range(count if support.place == "at" else 0):
-                subject, at = f"{support.name}[{point + 1}]", (*of, "points", point)
                 for one in OF_POINTS:
+                    path = ("supports", index, "points", point, *one.path)
                     tabled = one.tabled and (opens or one.name != "gap")
-                    result.append(Number(one, "point", index, (*at, *one.path), subject, point, tabled))
+                    result.append(Number(one, "point", index, path, f"{support.name}[{point + 1}]", point, tabled))
         touching = any(support.area is not None for support in model.support)
         for index in range(probes):
-            own = tuple(one for one in AT_PROBES if one.name != PRESSURE.name or touching)
-            for one in own:
-                path = ("probes", index, *one.path)
-                subject, estimated = f"probe[{index + 1}]", one.kind != "angle"
-                result.append(Number(one, "probe", index, path, subject, 0, one.tabled, estimated))
+            for one in AT_PROBES:
+                if one.name != PRESSURE.name or touching:
+                    # An angle turns as it likes where both principal moments are equal.
+                    path, told = ("probes", index, *one.path), one.kind != "angle"
+                    result.append(Number(one, "probe", index, path, f"probe[{index + 1}]", 0, one.tabled, told))
         for index, section in enumerate(model.section):
             for one in THROUGH:
                 result.append(Number(one, "section", index, ("sections", index, *one.path), f"section[{section.name}]"))
         for index, strip in enumerate(model.strip):
-            of = ("strips", index)
             subject = f"strip[{strip.name}]"
-            result += [Number(one, "strip", index, (*of, *one.path), subject, 0, False) for one in OF_STRIPS]
+            for one in OF_STRIPS:
+                result.append(Number(one, "strip", index, ("strips", index, *one.path), subject, 0, False))
             for station in range(strip.stations):
-                at = (*of, "stations", station)
-                subject = f"strip[{strip.name}][{station + 1}]"
-                result += [Number(one, "station", index, (*at, *one.path), subject, station) for one in MEANS]
+                for one in MEANS:
+                    path = ("strips", index, "stations", station, *one.path)
+                    result.append(Number(one, "station", index, path, f"{subject}[{station + 1}]", station))
         for index, name in enumerate(fields):
-            of = ("deflection",) if name == "deflection" else ("fields", name)
+            of: Path = (name,) if name == "deflection" else ("fields", name)
             result += [Number(FIELDS[name], "field", index, (*of, side), name) for side in SIDES]
         return cls(tuple(result))
 

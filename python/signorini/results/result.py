@@ -34,7 +34,6 @@ from signorini.results.local_results import (
     ProbeResult,
     ProfileResult,
     SectionResult,
-    StationResult,
     StripResult,
     probe_results,
     profile_results,
@@ -43,7 +42,7 @@ from signorini.results.local_results import (
 )
 from signorini.results.notebook import supports_table
 from signorini.results.panels import panel, support_marks
-from signorini.results.quantities import FIELDS, LINEAR, SIDES, TOLD, Catalogue, Home, derived
+from signorini.results.quantities import FIELDS, LINEAR, OF_AREAS, OF_EDGES, SIDES, TOLD, Catalogue, Home, derived
 from signorini.results.support_points import catalogue_of
 from signorini.results.support_result import SupportResult, support_result
 from signorini.results.warnings import model_warnings, result_warnings
@@ -282,15 +281,18 @@ class Result(Remade):
         result, at = np.full(len(self.catalogue), np.nan), self.catalogue.at
         if self.status != "solved":
             return result
-        for name in ("reaction", "closed_part"):
-            result[at("support", name)] = [getattr(one, name) for one in self.supports]
+
+        def put(home: Home, owners: Sequence[object], *names: str) -> None:
+            for name in names if owners else ():
+                result[at(home, name)] = [getattr(one, name) for one in owners]
+
+        areas = [one for one in self.supports if one.area is not None]
+        put("support", self.supports, "reaction", "closed_part")
+        put("support", areas, *(one.name for one in OF_AREAS))
+        put("support", [one for one in self.supports if one.edge is not None], *(one.name for one in OF_EDGES))
+        put("section", self.sections, "moment", "twist", "shear")
+        put("station", [station for strip in self.strips for station in strip.stations], "moment", "twist", "shear")
         result[at("support", "closed", "open")] = [(one.closed_count, one.open_count) for one in self.supports]
-        areas = [one.area for one in self.supports if one.area is not None]
-        for name in ("max_pressure", "contact_area", "max_tension") if areas else ():
-            result[at("support", name)] = [getattr(one, name) for one in areas]
-        edges = [one for one in self.supports if one.edge is not None]
-        for name in ("max_couple", "min_couple") if edges else ():
-            result[at("support", name)] = [getattr(one, name) for one in edges]
         points = [one for one in self.supports if one.place == "at"]
         if len(at("point", "reaction")):
             result[at("point", "reaction")] = np.concatenate([one.reactions for one in points])
@@ -301,11 +303,6 @@ class Result(Remade):
             if areas:
                 result[at("probe", "pressure")] = [np.nan if p.pressure is None else p.pressure for p in self.probes]
             self.catalogue.derive(result, np.array([one.thickness for one in self.probes]))
-        lines: list[tuple[Home, Sequence[SectionResult] | Sequence[StationResult]]] = [("section", self.sections)]
-        lines.append(("station", [station for strip in self.strips for station in strip.stations]))
-        for home, those in lines:
-            for name in ("moment", "twist", "shear") if those else ():
-                result[at(home, name)] = [getattr(one, name) for one in those]
         if self.strips:
             result[at("strip", "max_moment")] = [one.sagging.moment for one in self.strips]
             result[at("strip", "min_moment")] = [one.hogging.moment for one in self.strips]

@@ -153,10 +153,7 @@ class Layout:
 
     @cached_property
     def governed(self) -> tuple[tuple[str, Bearing], ...]:
-        """Of which numbers extremes are told with what all bearings do then: first their reactions.
-
-        Then gaps of points that may open and, of areas, the largest pressure and how much is in contact.
-        """
+        """Of which numbers extremes are told with what all bearings do then: reactions, gaps, what areas do."""
         result = [("reaction", bearing) for bearing in self.bearings]
         opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
         areas = [one for one in self.bearings if one.support in self.at_rest]

@@ -29,25 +29,13 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 
 
 def kinds(support: Support) -> list[str]:
-    """Give the kinds of a support, keys of `MEANINGS` and `SYMBOLS`: how it acts, and whether it is elastic.
-
-    Examples
-    --------
-    >>> kinds(Support(at=[1, 1], resists="down", stiffness=1e6))
-    ['down', 'elastic']
-    """
+    """Give the kinds of a support, keys of `MEANINGS` and `SYMBOLS`: how it acts, and whether it is elastic."""
     how = "fixed" if support.fix is not None else support.resists or "both"
     return [how] if support.stiffness is None else [how, "elastic"]
 
 
 def symbol(support: Support) -> str:
-    """Give the symbol of a support.
-
-    Examples
-    --------
-    >>> symbol(Support(at=[1, 1], resists="down", stiffness=1e6))
-    '▲~'
-    """
+    """Give the symbol of a support."""
     return "".join(SYMBOLS[kind] for kind in kinds(support))
 
 
@@ -135,17 +123,20 @@ class SupportResult(Remade):
     @property
     def max_pressure(self) -> float | None:
         """Largest pressure of an area, from the deflection field where it is elastic; None if it is not an area."""
-        return None if self.area is None else self.area.max_pressure
+        return None if self.area is None else self.area.largest[0]
 
     @property
     def max_pressure_at(self) -> tuple[float, float] | None:
         """Where that is; None if it is not an area."""
-        return None if self.area is None else self.area.max_pressure_at
+        if self.area is None:
+            return None
+        x, y = self.area.largest[1].tolist()
+        return x, y
 
     @property
     def max_tension(self) -> float | None:
         """Largest pressure with which an area pulls the plate down, positive; None if it is not an area."""
-        return None if self.area is None else self.area.max_tension
+        return None if self.area is None else max(0.0, -self.area.range[0])
 
     @property
     def max_couple(self) -> float | None:
@@ -166,20 +157,9 @@ def support_result(
     pull: Floats,
     answer: Answer,
 ) -> SupportResult:
-    """Say what a support does.
+    """Say what a support does in an answer.
 
-    Parameters
-    ----------
-    discretisation : Discretisation
-    index : int
-        Which support of the model.
-    held_force : (n,) array
-        Upward force on every node that is held.
-    held_couple : (n, 2) array
-        Couples on every node, about what the slopes along x and y are.
-    pull : (s,) array
-        Upward force of every spring.
-    answer : Answer
+    From the upward force (n,) and the couples (n, 2) on every held node, and the upward force (s,) of every spring.
     """
     support = discretisation.model.support[index]
     points = SupportPoints.of(discretisation, index)

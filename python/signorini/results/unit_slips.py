@@ -100,17 +100,17 @@ def _of_material(discretisation: Discretisation) -> Iterator[str]:
             f"E = {modulus:.4g} {force}/{length}² is {pascals:.4g} Pa, and what plates are made of has "
             f"{_SOFTEST:.0e} to {_STIFFEST:.0e}: was another unit meant?"
         )
-    for weight in dict.fromkeys(one.unit_weight for one in model.materials) if _weighs(discretisation) else ():
+    for weight in (
+        dict.fromkeys(one.unit_weight for one in model.materials)
+        if any(load.self_weight for load in model.load)
+        else ()
+    ):
         newtons = (weight or _LIGHTEST) * _NEWTONS[force] / METRES[length] ** 3
         if weight and not _LIGHTEST <= newtons <= _HEAVIEST:
             yield (
                 f"unit_weight = {weight:.4g} {force}/{length}³ is {newtons:.4g} N/m³, and what plates are made of has "
                 f"{_LIGHTEST:.0f} to {_HEAVIEST:.0f}: was another unit meant, or a mass?"
             )
-
-
-def _weighs(discretisation: Discretisation) -> bool:
-    return any(load.self_weight for load in discretisation.model.load)
 
 
 def _of_supports(discretisation: Discretisation) -> Iterator[str]:

@@ -51,40 +51,11 @@ Covers of flanges, thick and on many bolts, have half."""
 
 
 def model_warnings(discretisation: Discretisation) -> tuple[str, ...]:
-    """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place.
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> model = Model(
-    ...     units={"length": "m", "force": "kN"},
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     support=[{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
-    ...     load=[{"pressure": 5}],
-    ... )
-    >>> model_warnings(discretise(model))
-    ('E = 3e+10 kN/m² is 3e+13 Pa, and what plates are made of has 1e+08 to 1e+12: was another unit meant?',)
-    """
+    """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place."""
     if discretisation not in _KNOWN:
-        of_supports = (
-            *_one_place(discretisation),
-            *_overlaps(discretisation),
-            *_never_act(discretisation),
-            *_beds_both_ways(discretisation.model),
-            *_couples(discretisation),
-            *_wheels_off(discretisation),
-        )
-        of_plate = (
-            *_one_element(discretisation),
-            *_one_across(discretisation),
-            *_unrefined(discretisation),
-            *_unfollowed(discretisation),
-            *_zones(discretisation),
-            *_left_out(discretisation),
-        )
-        _KNOWN[discretisation] = (*unit_slips(discretisation), *of_plate, *of_supports)
+        of_plate = unit_slips, _one_element, _one_across, _unrefined, _unfollowed, _zones, _left_out
+        of_supports = _one_place, _overlaps, _never_act, _beds_both_ways, _couples, _wheels_off
+        _KNOWN[discretisation] = tuple(said for check in (*of_plate, *of_supports) for said in check(discretisation))
     return _KNOWN[discretisation]
 
 
@@ -156,10 +127,7 @@ def _left_out(discretisation: Discretisation) -> Iterator[str]:
 
 
 def bending_thickness(discretisation: Discretisation) -> Floats:
-    """Thickness (ne,) with which deflections are compared: that of elements, in thick zones no more than the plate's.
-
-    Thick zones move as the plate around them bends.
-    """
+    """Thickness (ne,) that deflections are compared with: thick zones move with the plate around them, and have its."""
     nominal = np.broadcast_to(discretisation.thickness.nominal.min(axis=1), len(discretisation.mesh.elements))
     own = nominal[discretisation.zones.of_elements.thickness == 0]
     return np.minimum(nominal, own.max()) if len(own) else nominal
@@ -196,10 +164,10 @@ def _never_act(discretisation: Discretisation) -> Iterator[str]:
             )
 
 
-def _beds_both_ways(model: Model) -> Iterator[str]:
+def _beds_both_ways(discretisation: Discretisation) -> Iterator[str]:
     """Beds that hold the plate down too beside supports that say that they do not: soil and grout hardly do."""
-    if _some_one_way(model):
-        yield from (f"{name} holds the plate down too{_UNSAID}" for name in _beds_unsaid(model))
+    if _some_one_way(discretisation.model):
+        yield from (f"{name} holds the plate down too{_UNSAID}" for name in _beds_unsaid(discretisation.model))
 
 
 def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator[str]:
@@ -208,10 +176,8 @@ def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator
         return
     unsaid = set(_beds_unsaid(model))
     for support in supports:
-        if support.name in unsaid and support.area is not None:
-            pull = support.area.max_tension
-            if pull > _HARDLY * max(pull, support.area.max_pressure):
-                yield f"{support.name} pulls the plate down, with up to {_with_unit(model, pull, -2)}{_UNSAID}"
+        if support.name in unsaid and (pull := support.max_tension or 0.0) > _HARDLY * (support.max_pressure or 0.0):
+            yield f"{support.name} pulls the plate down, with up to {_with_unit(model, pull, -2)}{_UNSAID}"
 
 
 def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
@@ -345,9 +311,11 @@ def _one_place(discretisation: Discretisation) -> Iterator[str]:
     within = discretisation.mesh.near.place
     for (one, here), (other, there) in combinations(zip(rigid, places, strict=True), 2):
         near = (np.abs(here[:, None] - there) <= within).all(axis=-1).any(axis=-1)
-        if near.any() and _alike(model.support[one], model.support[other]) and _as_large(discretisation, one, other):
+        first, second = model.support[one], model.support[other]
+        as_large = (first.patch, first.angle, first.radius) == (second.patch, second.angle, second.radius)
+        if near.any() and _alike(first, second) and as_large:
             yield (
-                f"{model.support[one].name} and {model.support[other].name} both hold the plate rigidly at "
+                f"{first.name} and {second.name} both hold the plate rigidly at "
                 f"{point(here[near][0], discretisation.mesh.size)}: how they share its reaction is a convention."
             )
 
@@ -388,12 +356,6 @@ def _overlaps(discretisation: Discretisation) -> Iterator[str]:
 def _alike(one: Support, other: Support) -> bool:
     """Whether both may push, or pull, at once."""
     return {one.resists, other.resists} != {"down", "up"}
-
-
-def _as_large(discretisation: Discretisation, one: int, other: int) -> bool:
-    """Whether the points of two supports have the same footprint, or none."""
-    first, second = discretisation.model.support[one], discretisation.model.support[other]
-    return (first.patch, first.angle, first.radius) == (second.patch, second.angle, second.radius)
 
 
 def _reaches(discretisation: Discretisation, one: int, other: int) -> bool:

@@ -16,8 +16,8 @@ from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import real_sides
 from signorini.model import Support
-from signorini.results.contact_field.cells import Cells, Fine, bounds, free_travel, overlap, pressing
-from signorini.results.contact_field.lines import Segments, chained, clipped, thinned, zero_line
+from signorini.results.contact_field.cells import Cells, bounds, edge_of_contact, free_travel, overlap, pressing
+from signorini.results.contact_field.lines import Segments, chained, clipped, thinned
 from signorini.results.extremes import peak
 from signorini.shapes import Region
 from signorini.shapes.depths import depth
@@ -100,10 +100,7 @@ class AreaContact(Remade):
 
     @cached_property
     def largest(self) -> tuple[float, Floats]:
-        """Largest pressure, at the nodes and at the points that the area acts at, and where; 0 if it only holds down.
-
-        Pictures, tables and envelopes all show this one.
-        """
+        """Largest pressure, at nodes and at points that the area acts at, and where; 0 if it only holds down."""
         known, places = np.nan_to_num(self._measured, nan=-np.inf), self.pressure_places
         return max(float(known.max()), 0.0), places[peak(known, places)]
 
@@ -129,22 +126,6 @@ class AreaContact(Remade):
         if self.support.stiffness is None:
             return np.asarray(own)
         return np.concatenate([own, self.nodal(np.flatnonzero(self.on_nodes), deflection, forces)], axis=-1)
-
-    @property
-    def max_pressure(self) -> float:
-        """Largest pressure; 0 where the area holds down only."""
-        return self.largest[0]
-
-    @property
-    def max_pressure_at(self) -> tuple[float, float]:
-        """Where that is; of places alike the one of the least x, and then y."""
-        x, y = self.largest[1].tolist()
-        return x, y
-
-    @property
-    def max_tension(self) -> float:
-        """Largest pressure that pulls the plate down; 0 where the area pushes up only."""
-        return max(0.0, -self.range[0])
 
     def pressure(self, elements: Ints, xi: Floats) -> Floats:
         """Pressure (q,) at reference points (q, 2) of elements (q,), positive up; NaN where the support is not."""
@@ -197,10 +178,11 @@ class AreaContact(Remade):
         """
         if self.on_means:
             segments, near = self._sides_between(), self.elements
-        elif (fine := self._fine) is not None:
-            segments, near = zero_line(fine.positions, fine.known, fine.overlap, fine.in_contact), fine.elements
         else:
-            return ()
+            _, near, _, (rounding,) = self._crossed_here
+            if not len(near):
+                return ()
+            segments = edge_of_contact(self.mesh, self.support, np.sort(near), self.deflection, float(rounding))
         segments = clipped(segments, self.depth(segments.points))
         tolerance = _STRAIGHT * float(np.sqrt(self.mesh.element_area[near].min(initial=np.inf)))
         return tuple(thinned(line, tolerance) for line in chained(segments))
@@ -248,14 +230,6 @@ class AreaContact(Remade):
         parted[:, covered] |= (at_nodes <= rounding[:, None])[:, of_elements].any(axis=2)
         cells = Cells(self.mesh, self.support, covered, self.depth)
         return *cells.parts(deflection, pressed & parted, rounding), rounding
-
-    @cached_property
-    def _fine(self) -> Fine | None:
-        """The elements that the edge of contact may cross; None where there is none."""
-        _, elements, _, (rounding,) = self._crossed_here
-        if not len(elements):
-            return None
-        return Fine.of(self.mesh, np.sort(elements), self.support, self.deflection, float(rounding))
 
     def _sides_between(self) -> Segments:
         """Sides of elements between closed and open ones of a rigid area."""

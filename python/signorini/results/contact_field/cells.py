@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Self, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from signorini.expression import Expression
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import are_triangles, real_sides
 from signorini.model import Support
-from signorini.shapes.tessellation import Tessellation, grid_shapes, tessellate
+from signorini.results.contact_field.lines import Segments, zero_line
+from signorini.shapes.tessellation import grid_shapes, tessellate
 
 
 def bounds(support: Support) -> tuple[float, float]:
@@ -275,34 +276,15 @@ def _beside(pressed: Bools) -> Bools:
     return beside
 
 
-@dataclass(frozen=True, eq=False)
-class Fine:
-    """Elements (k,) cut into triangles."""
-
-    elements: Ints  # (k,)
-    cut: Tessellation  # of these elements, in their order
-    positions: Floats  # (v, 2)
-    # (v,): how far the plate is pressed into the support; negative in a gap, 0 where it touches, NaN where not known
-    overlap: Floats
-
-    @classmethod
-    def of(cls, mesh: Mesh, elements: Ints, support: Support, deflection: Floats, touching: float) -> Self:
-        """Cut elements of an elastic area; what is within ``touching`` of zero is zero."""
-        cut = tessellate(mesh.elements[elements], divisions(len(elements)))
-        positions = cut.interpolate(mesh.points)
-        values = overlap(support, cut.interpolate(deflection), free_travel(support, positions))
-        values[np.abs(values) <= touching] = 0.0
-        return cls(elements, cut, positions, values)
-
-    @property
-    def known(self) -> Ints:
-        """Triangles (t, 3) at whose corners the overlap is known."""
-        return self.cut.triangles[~np.isnan(self.overlap[self.cut.triangles]).any(axis=1)]
-
-    @property
-    def in_contact(self) -> Bools:
-        """Vertices (v,) at which the plate presses, or touches beside one at which it presses."""
-        pressed = self.overlap > 0
-        beside = np.zeros_like(pressed)
-        beside[self.cut.triangles[pressed[self.cut.triangles].any(axis=1)]] = True
-        return np.asarray(pressed | (beside & (self.overlap == 0)))
+def edge_of_contact(mesh: Mesh, support: Support, elements: Ints, deflection: Floats, touching: float) -> Segments:
+    """Where the plate parts from an elastic area in some elements; overlap within ``touching`` of zero is none."""
+    cut = tessellate(mesh.elements[elements], divisions(len(elements)))
+    positions = cut.interpolate(mesh.points)
+    values = overlap(support, cut.interpolate(deflection), free_travel(support, positions))
+    values[np.abs(values) <= touching] = 0.0
+    pressed = values > 0
+    # What only touches is in contact beside what presses.
+    beside = np.zeros_like(pressed)
+    beside[cut.triangles[pressed[cut.triangles].any(axis=1)]] = True
+    known = cut.triangles[~np.isnan(values[cut.triangles]).any(axis=1)]
+    return zero_line(positions, known, values, pressed | (beside & (values == 0)))

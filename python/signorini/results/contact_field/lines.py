@@ -25,14 +25,8 @@ class Segments:
 def zero_line(points: Floats, triangles: Ints, values: Floats, inside: Bools) -> Segments:
     """Find where the linear functions on triangles are zero, with the inside on the left.
 
-    Parameters
-    ----------
-    points : (v, 2) array
-    triangles : (t, 3) array
-        Counter-clockwise.
-    values : (v,) array
-        Positive inside, negative outside, or zero. Triangles where it is nowhere negative have no line.
-    inside : (v,) array
+    The values (v,) are positive inside, negative outside, or zero. Triangles (t, 3), counter-clockwise, where they are
+    nowhere negative have no line.
     """
     sides = inside[triangles]
     crossed = sides.any(axis=1) & (values[triangles] < 0).any(axis=1)
