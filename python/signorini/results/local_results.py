@@ -283,20 +283,11 @@ def section_results(
     discretisation: Discretisation, through: Floats
 ) -> tuple[tuple[SectionResult, ...], tuple[StripResult, ...]]:
     """Give sections and strips what `Discretisation.through` says (3s,)."""
-    model, values = (
-        discretisation.model,
-        zip(discretisation.sections.lengths.tolist(), through.reshape(-1, 3).tolist(), strict=True),
-    )
-    sections = tuple(SectionResult(section.name, *_next(values)) for section in model.section)
-    return sections, tuple(
-        StripResult(
-            strip.name,
-            tuple(StationResult((x, y), *_next(values)) for x, y in strip.places[0].tolist()),
-        )
-        for strip in model.strip
-    )
-
-
-def _next(values: Iterator[tuple[float, list[float]]]) -> tuple[float, float, float, float]:
-    length, (moment, twist, shear) = next(values)
-    return length, moment, twist, shear
+    lengths = discretisation.sections.lengths.tolist()
+    values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=True))
+    sections = tuple(SectionResult(section.name, *next(values)) for section in discretisation.model.section)
+    strips = []
+    for strip in discretisation.model.strip:
+        at = strip.places[0].tolist()
+        strips.append(StripResult(strip.name, tuple(StationResult((x, y), *next(values)) for x, y in at)))
+    return sections, tuple(strips)

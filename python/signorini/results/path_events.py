@@ -135,20 +135,16 @@ def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> t
 
 def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
     """Say what happens at one stop; points of ``pulling`` supports, which resist up, begin to pull as they close."""
-    said = []
-    for name, change, closed in dict.fromkeys(
-        (event.support, event.change, event.closed if event.change == "part closed" else 0.0) for event in events
-    ):
-        those = [
-            event
-            for event in events
-            if (event.support, event.change) == (name, change) and (change != "part closed" or event.closed == closed)
-        ]
+    alike, said = dict[tuple[str, Change, float], list[PathEvent]](), []
+    for event in events:
+        part = event.closed if event.change == "part closed" else 0.0
+        alike.setdefault((event.support, event.change, part), []).append(event)
+    for (name, change, _), those in alike.items():
         places = [event.at for event in those if event.at is not None]
         where = f" at {' '.join(map(point, places[:_MOST_POINTS]))}" if places else ""
         more = f" and {len(places) - _MOST_POINTS} more" if len(places) > _MOST_POINTS else ""
-        part = f"{'opens' if those[0].opening else 'closes'} on, {those[0].closed:.0%} closed"
-        verb = {"open": "all open", "closed": "all closed", "part closed": part}
+        partly = f"{'opens' if those[0].opening else 'closes'} on, {those[0].closed:.0%} closed"
+        verb = {"open": "all open", "closed": "all closed", "part closed": partly}
         if name in pulling:
             verb |= {"opens": "lets go", "closes": "begins to pull"}
         said.append(f"{name}: {verb.get(change, change)}{where}{more}")

@@ -163,7 +163,7 @@ class AreaContact(Remade):
         return self._areas(closed, *self._crossed(deflection, closed)[:3])
 
     def _areas(self, closed: Bools, own: Ints, elements: Ints, parts: Floats) -> Floats:
-        touching = (self._per_element @ (self.weights[:, None] * closed.T)).T
+        touching = (self.per_element @ (self.weights[:, None] * closed.T)).T
         measured = ~np.isnan(parts)
         own, elements = own[measured], elements[measured]
         more = self.covered[elements] * parts[measured] - touching[own, elements]
@@ -202,7 +202,7 @@ class AreaContact(Remade):
         return np.asarray((self.covered > 0) & (self.covered >= _WHOLE * self.mesh.element_area))
 
     @cached_property
-    def _per_element(self) -> csr_array:
+    def per_element(self) -> csr_array:
         """Ones (ne, q) where an element has a point."""
         points = np.arange(len(self.elements))
         return csr_array((np.ones(len(points)), (self.elements, points)), shape=(len(self.covered), len(points)))
@@ -223,8 +223,8 @@ class AreaContact(Remade):
         nodes, inverse = np.unique(self.mesh.elements[covered], return_inverse=True)
         at_nodes = overlap(self.support, deflection[:, nodes], free_travel(self.support, self.mesh.points[nodes]))
         rounding = _TOUCHING * np.fmax.reduce(np.abs(at_nodes), axis=1, initial=0.0)
-        pressed = (self._per_element @ closed.T.astype(np.float64)).T > 0
-        parted = (self._per_element @ (1.0 - closed.T)).T > 0
+        pressed = (self.per_element @ closed.T.astype(np.float64)).T > 0
+        parted = (self.per_element @ (1.0 - closed.T)).T > 0
         of_elements = inverse.reshape(-1, 8)
         pressed[:, covered] |= (at_nodes >= -rounding[:, None])[:, of_elements].any(axis=2)
         parted[:, covered] |= (at_nodes <= rounding[:, None])[:, of_elements].any(axis=2)
@@ -310,14 +310,7 @@ class Pressures:
         """Mean pressure (..., k) over the part of ``elements`` that is on rigid areas, from every area's forces."""
         total = np.zeros((*forces[0].shape[:-1], len(self.elements)))
         for area in self._rigid:
-            into = csr_array(
-                (
-                    np.ones(len(area.elements)),
-                    (np.searchsorted(self.elements, area.elements), range(len(area.elements))),
-                ),
-                shape=(len(self.elements), len(area.elements)),
-            )
-            total += (into @ forces[self.areas.index(area)].T).T
+            total += (area.per_element[self.elements] @ forces[self.areas.index(area)].T).T
         return total / self._part
 
     @property
