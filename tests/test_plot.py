@@ -31,8 +31,7 @@ from signorini.plot import (
     save,
 )
 from signorini.plot.marks import draw_support, legend_words
-from signorini.results.marks import case_totals, edge_marks, load_marks, singular_marks
-from signorini.results.panels import support_marks
+from signorini.results.marks import case_totals, edge_marks, load_marks, singular_marks, support_marks
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.named import singularities
 

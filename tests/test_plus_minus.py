@@ -22,7 +22,7 @@ from signorini.errors import InputError
 from signorini.mesh.meshers import disc
 from signorini.output import results_json, write
 from signorini.results.figures import figures
-from signorini.results.panels import panel
+from signorini.results.marks import panel
 
 POINTS = [[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]]
 EDGES = ["left", "right", "bottom", "top"]

@@ -26,7 +26,7 @@ from signorini.results.marks import (
     edge_marks,
     load_marks,
     singular_marks,
-    support_marks,
+    unsolved_marks,
     zone_marks,
 )
 from signorini.results.warnings import idle_cases, model_warnings, no_resultant
@@ -146,7 +146,7 @@ class Check:
         figure = check_picture(
             Plan(discretisation.mesh.points, discretisation.mesh.elements),
             zones=zone_marks(discretisation),
-            supports=support_marks(discretisation),
+            supports=unsolved_marks(discretisation),
             loads=load_marks(discretisation),
             cuts=cut_marks(discretisation.model),
             totals=case_totals(discretisation),

@@ -31,8 +31,8 @@ def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) 
     if len(names) > _MOST_COLUMNS:
         names = []
     columns = [Column("t"), Column("event"), *numbers(f"largest deflection{in_unit(units.length)}")]
-    unknown = False
-    rows = Grid([*columns, *numbers(*(f"{name}{in_unit(units.force)}" for name in names))], heads=2)
+    columns += numbers(*(f"{name}{in_unit(units.force)}" for name in names))
+    rows = Grid(columns, heads=2, unknown=_UNSETTLED)
     farthest = size_of([stop.utmost for stop in path.stops])
     told = [(index, words) for index in range(len(path.stops)) if (words := path.words(index))]
     left_out = max(len(told) - _MOST_EVENTS, 0)
@@ -46,11 +46,8 @@ def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) 
         largest = size_of(stop.reactions)
         shown = [number(value, largest) for value in stop.reactions.tolist()[: len(names)]]
         t = f"{stop.t:.6g}" if estimate is None else estimate.words(path, index)
-        unknown |= t.endswith(UNKNOWN)
         rows.add(t, words, number(stop.utmost, farthest), *shown)
     rows.show(console)
-    if unknown:
-        say(console, _UNSETTLED)
     say(console, f"all {len(path.stops)} stops are in path.csv")
     for threshold in path.thresholds:
         if threshold.t is None:

@@ -13,7 +13,6 @@ from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import compared, estimated, number, size_of
 from signorini.cli.grid import (
-    UNKNOWN,
     UNSETTLED,
     Column,
     Grid,
@@ -30,8 +29,7 @@ from signorini.errors import point
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import governing_reactions
 from signorini.output.names import GOVERNING, JSON
-from signorini.results.panels import quantity
-from signorini.results.quantities import LINEAR, MEANS, SIDES, THROUGH
+from signorini.results.quantities import FIELDS, LINEAR, MEANS, SIDES, THROUGH
 
 Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None where there are none."""
@@ -116,19 +114,16 @@ def _print_fields(console: Console, results: Results, group: str, widths: Widths
     if not envelope.fields:
         return
     at = Column(f"at{in_unit(units.length)}", number=True, spare=True)
-    shown = Grid([Column("field"), *numbers("largest"), at, Column("of"), *numbers("smallest"), at, Column("of")])
-    mesh, unsettled = results.discretisation.mesh, False
+    columns = [*numbers("largest"), at, Column("of"), *numbers("smallest"), at, Column("of")]
+    shown, mesh = Grid([Column("field"), *columns], unknown=UNSETTLED), results.discretisation.mesh
     for name, places in zip(envelope.layout.fields, envelope.places, strict=True):
         ends = envelope.field(name)
         most, least = (
             [cell(value, widths, ("fields", name, side), size_of([ends.max, ends.min])), point(at.tolist(), mesh.size)]
             for side, value, at in (("max", ends.max, places[0]), ("min", ends.min, places[1]))
         )
-        shown.add(quantity(name, units), *most, results.key(ends.max_by), *least, results.key(ends.min_by))
-        unsettled |= any(UNKNOWN in one for one in (*most, *least))
+        shown.add(FIELDS[name].label(units), *most, results.key(ends.max_by), *least, results.key(ends.min_by))
     shown.show(console)
-    if unsettled:
-        say(console, UNSETTLED)
     console.print()
 
 
@@ -151,7 +146,7 @@ def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any
             of, path = probe[field], ("probes", index, field)
             most, least = (cell(of[end], widths, (*path, end), size, 5) for end in ("max", "min"))
             at = point(probe["at"], results.discretisation.mesh.size)
-            shown.add(at, quantity(field, units), most, of["max_by"], least, of["min_by"])
+            shown.add(at, FIELDS[field].label(units), most, of["max_by"], least, of["min_by"])
     shown.show(console)
     console.print()
 

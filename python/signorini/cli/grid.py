@@ -64,13 +64,19 @@ class Grid:
     heads: int = 1
     rows: list[list[Text]] = field(default_factory=list)
     last_apart: bool = False
+    unknown: str = ""  # what to say below where a half-width is not known
 
     def add(self, *cells: Cell) -> None:
         """Add a row, below all others."""
         self.rows.append([_glued(cell) for cell in cells])
 
     def show(self, console: Console) -> None:
-        """Print it."""
+        """Print it, and what a half-width means that is not known."""
+        self._show(console)
+        if self.unknown and any(_glued(UNKNOWN).plain in cell.plain for row in self.rows for cell in row):
+            say(console, self.unknown)
+
+    def _show(self, console: Console) -> None:
         kept = list(range(len(self.columns)))
         while (widths := self._widths(kept, console.width)) is None:
             spare = [index for index in kept if self.columns[index].spare]

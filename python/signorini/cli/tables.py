@@ -17,7 +17,7 @@ from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import compared, number, size_of
 from signorini.cli.governing import print_combined, print_governing
-from signorini.cli.grid import UNKNOWN, UNSETTLED, Column, Grid, cell, in_title, in_unit, numbers, say, unit_of
+from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, in_unit, numbers, say, unit_of
 from signorini.cli.sentences import lifted, resting, too_wide
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
@@ -26,7 +26,6 @@ from signorini.model import Model, Support
 from signorini.output.envelope_json import table_warnings
 from signorini.output.names import JSON
 from signorini.results.marks import case_totals
-from signorini.results.panels import quantity
 from signorini.results.quantities import AT_PROBES, FIELDS, LINEAR, MEANS, RESULTANTS, THROUGH
 from signorini.results.result import Result
 from signorini.results.support_result import MEANINGS, SYMBOLS, SupportResult, describe, kinds
@@ -87,7 +86,7 @@ def _print_refinement(console: Console, results: Results) -> None:
     """Print the meshes on the way to an accuracy that was asked for."""
     if not results.refinement:
         return
-    shown = Grid([*numbers("elements", "dofs", "largest ±"), Column("of")], heads=1)
+    shown = Grid([*numbers("elements", "dofs", "largest ±"), Column("of")])
     for step in results.refinement:
         shown.add(str(step.elements), str(step.dofs), f"{step.worst:.2g}", step.what)
     say(console, f"refined to ± {results.model.mesh.accuracy:g} of the largest value of every field")
@@ -207,9 +206,9 @@ def _print_largest(console: Console, results: Results, estimates: Estimates | No
     if not solved:
         return
     model, size = results.model, results.discretisation.mesh.size
-    where, unsettled = f"at{in_unit(model.units.length)}", False
+    where = f"at{in_unit(model.units.length)}"
     columns = [*numbers("largest", where), Column("of"), *numbers("smallest", where), Column("of")]
-    shown = Grid([Column("moments and shears"), *columns])
+    shown = Grid([Column("moments and shears"), *columns], unknown=UNSETTLED)
     for name in RESULTANTS:
         scale, cells = max(largest_of(one)[FIELDS[name].kind] for one in solved), []
         most = max(solved, key=lambda one: one.extremes[name].max)
@@ -218,11 +217,8 @@ def _print_largest(console: Console, results: Results, estimates: Estimates | No
             value, at = getattr(one.extremes[name], side), getattr(one.extremes[name], f"{side}_at")
             cells += [cell(value, _widths(estimates, one), ("fields", name, side), scale, 5)]
             cells += [point(at, size), one.name]
-        shown.add(quantity(name, model.units), *cells)
-        unsettled |= any(UNKNOWN in one for one in cells)
+        shown.add(FIELDS[name].label(model.units), *cells)
     shown.show(console)
-    if unsettled:
-        say(console, UNSETTLED)
     console.print()
     worst = ", ".join(f"{name} {max(getattr(one.certificate, name) for one in solved):.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {worst}")
@@ -317,20 +313,17 @@ def _print_extremes(console: Console, result: Result, widths: Widths, largest: M
     """Print the largest and smallest moments and shears, and at what they are larger still."""
     units, size = result.model.units, result.mesh.size
     where = f"at{in_unit(units.length)}"
-    shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)])
-    beside, unsettled = dict[str, list[str]](), False
+    shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)], unknown=UNSETTLED)
+    beside = dict[str, list[str]]()
     for name in RESULTANTS:
         values, cells, kind = result.extremes[name], [], FIELDS[name].kind
         for side, value, at in (("max", values.max, values.max_at), ("min", values.min, values.min_at)):
             cells += [cell(value, widths, ("fields", name, side), largest[kind], 5), point(at, size)]
-        shown.add(quantity(name, units), *cells)
-        unsettled |= any(UNKNOWN in one for one in cells)
+        shown.add(FIELDS[name].label(units), *cells)
         for what in dict.fromkeys(filter(None, (values.max_beside, values.min_beside))):
             beside.setdefault(what, []).append(name)
     console.print()
     shown.show(console)
-    if unsettled:
-        say(console, UNSETTLED)
     for what, names in beside.items():
         reach = max(one.within for one in result.singular if one.what == what)
         where = f"within {length(reach)}{unit_of(units.length)} of" if reach else "at"

@@ -97,7 +97,7 @@ class _Shown:
         for place, one in enumerate(layout.catalogue):
             if not one.quantity.enveloped:
                 continue
-            for side, by in zip(SIDES, (of.largest_by, of.smallest_by), strict=True):
+            for side, (_, by) in zip(SIDES, of.sides, strict=True):
                 if one.home != "field" or one.what == side:
                     yield one, one.envelope_path, side, int(by[place])
 
@@ -110,8 +110,7 @@ class _Shown:
             over[name] = (mesh.points[places] if elastic else mesh.points[mesh.elements[places]].mean(axis=1)), extremes
         for name, (points, extremes) in over.items():
             quantity = Quantity(name, "reaction" if name == "reaction" else "pressure")
-            bounds = (extremes.largest, extremes.largest_by), (extremes.smallest, extremes.smallest_by)
-            for side, at, (values, by) in zip(SIDES, extremes.ends, bounds, strict=True):
+            for side, at, (values, by) in zip(SIDES, extremes.ends, extremes.sides, strict=True):
                 number = Number(quantity, "field", 0, ("fields", name, side), name)
                 yield number, float(values[at]), int(by[at]), points[at].tolist()
         for index, extremes in envelope.along.items():
@@ -181,10 +180,7 @@ def write_envelope(nodes: StressNodes, envelope: Envelope, path: str | os.PathLi
     fields = {name: (np.arange(len(of.largest)), of) for name, of in envelope.fields.items()}
     for name, (places, extremes) in (fields | envelope.pressures).items():
         rigid = name == "rigid_contact_pressure"
-        for side, value, by in (
-            ("max", extremes.largest, extremes.largest_by),
-            ("min", extremes.smallest, extremes.smallest_by),
-        ):
+        for side, (value, by) in zip(SIDES, extremes.sides, strict=True):
             for ending, values, elsewhere in (("", value, 0.0), ("_row", by, NONE)):
                 count = len(mesh.elements) if rigid else max(mesh.node_count, len(values))
                 data = np.full(count, float(elsewhere))

@@ -44,10 +44,7 @@ def governing(results: Results, estimates: Estimates | None, group: str = "") ->
 
     out = []
     for at, (place, (what, bearing)) in enumerate(zip(layout.governed_places, layout.governed, strict=True)):
-        for largest, extreme, by, beside in (
-            (True, of.largest, of.largest_by, envelope.beside_largest),
-            (False, of.smallest, of.smallest_by, envelope.beside_smallest),
-        ):
+        for largest, (extreme, by), beside in zip((True, False), of.sides, envelope.beside, strict=True):
             row = int(by[place])
             widths = tuple(width(column, row) for column in columns)
             own, reactions = float(extreme[place]), tuple(beside[at].tolist())

@@ -24,9 +24,8 @@ from signorini.output.names import (
 )
 from signorini.plot.picture import Job, Panel, Picture, Sheet, SupportMark
 from signorini.results.envelope import Ends
-from signorini.results.marks import support_marks as support_marks_of
-from signorini.results.panels import colours, extreme, field_range, panel, quantity, support_marks
-from signorini.results.quantities import PICTURED, RESULTANTS, SIDES
+from signorini.results.marks import extreme, field_range, panel, support_marks, unsolved_marks
+from signorini.results.quantities import KINDS, PICTURED, RESULTANTS, SIDES
 from signorini.results.result import Result
 
 _LONGEST = 44
@@ -80,7 +79,7 @@ def _envelope_sheets(results: Results, estimates: Estimates | None) -> Iterator[
     for group, file in envelope_files(results).items():
         what = f"envelope of {group}" if group else f"envelope of {results.combined.solved} combinations"
         words = ", ".join(part for part in (title, what) if part)
-        envelope, marks = results.combined.over(group), support_marks_of(result)
+        envelope, marks = results.combined.over(group), unsolved_marks(result)
         for ending, name in envelope_pictures(results, file).items():
             panels = []
             for end, side in enumerate(("largest", "smallest")):
@@ -88,9 +87,9 @@ def _envelope_sheets(results: Results, estimates: Estimates | None) -> Iterator[
                     ends, at = envelope.field(field), envelope.places[envelope.layout.fields.index(field), end].tolist()
                     said, above = _end(results, estimates, field, SIDES[end], ends)
                     shown = result.stress_nodes.spread(getattr(envelope.fields[field], side))
-                    label = f"{side} {quantity(field, result.model.units)}"
+                    label = f"{side} {PICTURED[field].label(result.model.units)}"
                     limits = ends.min, ends.max
-                    panels.append(Panel(shown, limits, label, colours(field), [(said, at)], above))
+                    panels.append(Panel(shown, limits, label, KINDS[PICTURED[field].kind].colours, [(said, at)], above))
             yield Sheet([name], [Picture(panels, marks, words)], rows=2)
 
 
@@ -128,7 +127,9 @@ def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) 
     units, shown = results.model.units, profiled(results, pictures)
     for profile, file in zip(results.model.profile, profile_pictures(results.model), strict=True) if shown else ():
         curves = {one.name: one.profiles[profile.name] for one in shown}
-        panels = {quantity(name, units): {key: one.values[name] for key, one in curves.items()} for name in _PROFILED}
+        panels = {
+            PICTURED[name].label(units): {key: one.values[name] for key, one in curves.items()} for name in _PROFILED
+        }
         distance = next(iter(curves.values())).distance
         along = f"{profile.name} [{units.length}]" if units.length else profile.name
         save(profile_picture(distance, panels, along, results.model.title), directory / file)

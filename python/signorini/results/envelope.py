@@ -21,6 +21,8 @@ from signorini.results.quantities import PEAKING, SIDES
 from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Layout
 
+_SIGNS = (1.0, -1.0)
+"""By which values are multiplied so that the largest, and the smallest, are largest."""
 NONE = -1
 """Number of no result."""
 _GOVERNING = 12
@@ -48,7 +50,12 @@ class Extremes:
         who = np.full(size, NONE, dtype=np.int64)
         return cls(np.full(size, -np.inf), who, np.full(size, np.inf), who.copy(), np.zeros(size))
 
-    def take(self, values: Floats, who: Ints, size: float | Floats = 0.0) -> tuple[Bools, Bools]:
+    @property
+    def sides(self) -> tuple[tuple[Floats, Ints], tuple[Floats, Ints]]:
+        """The largest values and the results that they come from, and the smallest ones likewise."""
+        return (self.largest, self.largest_by), (self.smallest, self.smallest_by)
+
+    def take(self, values: Floats, who: Ints, size: float | Floats = 0.0) -> list[Bools]:
         """Meet values (k, n) of results (k,), in rising order, the largest of whose kind is of ``size``.
 
         Returns which of the largest and of the smallest (n,) are new.
@@ -61,40 +68,38 @@ class Extremes:
         (array([0]), array([2]))
         """
         if not len(values):
-            return np.zeros(len(self.size), np.bool_), np.zeros(len(self.size), np.bool_)
+            return [np.zeros(len(self.size), np.bool_)] * 2
         np.maximum(self.size, size, out=self.size)
         columns, within, new = np.arange(values.shape[1]), _EQUAL * self.size, []
-        for bound, by, sign in ((self.largest, self.largest_by, 1.0), (self.smallest, self.smallest_by, -1.0)):
+        for (bound, by), sign in zip(self.sides, _SIGNS, strict=True):
             signed = sign * values
             most = signed.max(axis=0)
             at = (signed >= most - within).argmax(axis=0)
             better = most > sign * bound + within
             bound[better], by[better] = values[at, columns][better], who[at[better]]
             new.append(better)
-        return new[0], new[1]
+        return new
 
-    def meet(self, other: Extremes) -> tuple[Bools, Bools]:
+    def meet(self, other: Extremes) -> list[Bools]:
         """Meet what others have met; return which of the largest and smallest (n,) are theirs."""
         result = []
         np.maximum(self.size, other.size, out=self.size)
         within = _EQUAL * self.size
-        for mine, by, theirs, who, sign in (
-            (self.largest, self.largest_by, other.largest, other.largest_by, 1.0),
-            (self.smallest, self.smallest_by, other.smallest, other.smallest_by, -1.0),
-        ):
+        for (mine, by), (theirs, who), sign in zip(self.sides, other.sides, _SIGNS, strict=True):
             earlier = (who < by) & (who != NONE)
             better = sign * theirs > sign * mine + np.where(earlier, -within, within)
             better |= earlier & (theirs == mine)
             mine[better], by[better] = theirs[better], who[better]
             result.append(better)
-        return result[0], result[1]
+        return result
 
     @property
     def ends(self) -> tuple[int, int]:
         """Which of these numbers is the largest of all, and which the smallest; of equals that of the first result."""
+        within = _EQUAL * self.size.max()
         high, low = (
-            np.where(signed >= signed.max() - _EQUAL * self.size.max(), by, np.iinfo(np.int64).max).argmin()
-            for signed, by in ((self.largest, self.largest_by), (-self.smallest, self.smallest_by))
+            np.where(sign * of >= (sign * of).max() - within, by, np.iinfo(np.int64).max).argmin()
+            for (of, by), sign in zip(self.sides, _SIGNS, strict=True)
         )
         return int(high), int(low)
 
@@ -105,8 +110,7 @@ class Extremes:
 
         Those extremes leave out what is in some of the classes (n,), by ``left_out`` (k, c).
         """
-        extremes = (self.largest, self.largest_by, self.smallest, self.smallest_by)
-        return _core.envelop(coefficients, vectors, who, *extremes, classes, left_out)
+        return _core.envelop(coefficients, vectors, who, *self.sides[0], *self.sides[1], classes, left_out)
 
 
 @dataclass(frozen=True)
@@ -126,9 +130,8 @@ class Envelope:
     layout: Layout
     values: Extremes  # of every number of the layout's catalogue (n,)
     places: Floats  # (f, 2, 2): where the largest and the smallest value of each field is
-    # (e, b): reactions of all bearings in the result with the largest, or smallest, of what the layout calls governed
-    beside_largest: Floats
-    beside_smallest: Floats
+    # (2, e, b): the reactions of all bearings where what the layout calls governed is largest, and smallest
+    beside: Floats
     fields: dict[str, Extremes]  # at every node of a field, by its name; "reaction" is that of supports on nodes
     # "contact_pressure" at the nodes of elastic areas, "rigid_contact_pressure" on the elements of rigid ones: which
     # nodes or elements (k,), and the extremes there
@@ -145,7 +148,6 @@ class Envelope:
         if names and any(support.on_nodes for support in layout.model.support):
             names.append("reaction")
         on = {"contact_pressure": layout.pressures.nodes, "rigid_contact_pressure": layout.pressures.elements}
-        beside = np.full((len(layout.governed), len(layout.bearings)), np.nan)
         along = {}
         for index, (support, points) in enumerate(zip(layout.model.support, layout.supports, strict=True)):
             if index in layout.at_rest:
@@ -156,8 +158,7 @@ class Envelope:
             layout,
             Extremes.none(len(layout.catalogue)),
             np.full((len(layout.fields), len(SIDES), 2), np.nan),
-            beside,
-            beside.copy(),
+            np.full((2, len(layout.governed), len(layout.bearings)), np.nan),
             {name: Extremes.none(len(layout.nodes if name in PEAKING else mesh.points)) for name in names},
             {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
             along,
@@ -185,19 +186,13 @@ class Envelope:
         if not len(rows):
             return
         layout, values, who = self.layout, block.values[rows], block.numbers[rows]
-        before = self.values.largest_by.copy(), self.values.smallest_by.copy()
+        before = [by.copy() for _, by in self.values.sides]
         self.values.take(values, who, _sizes(values, [one.ties for one in layout.catalogue]))
         governed, reactions = layout.governed_places, layout.governed_places[: len(layout.bearings)]
-        for now, old, beside in (
-            (self.values.largest_by, before[0], self.beside_largest),
-            (self.values.smallest_by, before[1], self.beside_smallest),
-        ):
+        for side, ((_, now), old) in enumerate(zip(self.values.sides, before, strict=True)):
             changed = np.flatnonzero(now[governed] != old[governed])
-            beside[changed] = values[np.searchsorted(who, now[governed[changed]])][:, reactions]
-        for side, (what, now, old) in enumerate(
-            zip(SIDES, (self.values.largest_by, self.values.smallest_by), before, strict=True)
-        ):
-            at = layout.catalogue.at("field", what)
+            self.beside[side, changed] = values[np.searchsorted(who, now[governed[changed]])][:, reactions]
+            at = layout.catalogue.at("field", SIDES[side])
             changed = np.flatnonzero(now[at] != old[at])
             self.places[changed, side] = block.places[rows[np.searchsorted(who, now[at[changed]])], changed, side]
         for index, where in enumerate(layout.slices):
@@ -226,13 +221,10 @@ class Envelope:
     def meet(self, other: Envelope) -> None:
         """Meet what others have met."""
         new = self.values.meet(other.values)
-        for better, mine, theirs in zip(
-            new, (self.beside_largest, self.beside_smallest), (other.beside_largest, other.beside_smallest), strict=True
-        ):
+        for side, better in enumerate(new):
             at = better[self.layout.governed_places]
-            mine[at] = theirs[at]
-        for side, (what, better) in enumerate(zip(SIDES, new, strict=True)):
-            at = better[self.layout.catalogue.at("field", what)]
+            self.beside[side, at] = other.beside[side, at]
+            at = better[self.layout.catalogue.at("field", SIDES[side])]
             self.places[at, side] = other.places[at, side]
         pairs = [(mine, other.fields[name]) for name, mine in self.fields.items()]
         pairs += [(mine, other.pressures[name][1]) for name, (_, mine) in self.pressures.items()]

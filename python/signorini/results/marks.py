@@ -1,25 +1,38 @@
-"""Supports and loads as marks for pictures."""
+"""A model and its results as pictures show them: supports, loads, zones and places as marks, fields as panels."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from signorini import shapes
+from signorini.base.numbers import estimated
 from signorini.base.plain import plain
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.stressnodes import StressNodes
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.mesh import Mesh
 from signorini.model import Area, Circle, Load, Model, Support
 from signorini.model.footprint import footprints
 from signorini.model.whole import Units
-from signorini.plot.picture import CutMark, EdgeMark, LoadMark, PressureLayer, SingularMark, SupportMark, ZoneMark
+from signorini.plot.picture import (
+    CutMark,
+    EdgeMark,
+    LoadMark,
+    Panel,
+    PressureLayer,
+    SingularMark,
+    SupportMark,
+    ZoneMark,
+)
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
-from signorini.results.support_result import describe
+from signorini.results.extremes import FieldExtremes
+from signorini.results.quantities import KINDS, PICTURED, PRESSURE
+from signorini.results.support_result import SupportResult, describe
 from signorini.shapes import Region
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.singularity import Singularity
@@ -88,7 +101,7 @@ def pressure_layer(area: AreaContact) -> PressureLayer:
     return PressureLayer(cut, values, area.bounds, outline)
 
 
-def support_marks(discretisation: Discretisation) -> list[SupportMark]:
+def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
     """Draw the supports of a model that is not solved."""
     marks = []
     for index, support in enumerate(discretisation.model.support):
@@ -290,3 +303,85 @@ def _drawn(shape: Region) -> Floats:
 def _round(circle: Circle | shapes.Circle) -> Floats:
     angle = np.linspace(0.0, 2.0 * np.pi, _AROUND + 1)
     return np.array(circle.center) + circle.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+class Shown(Protocol):
+    """A result, as far as pictures show it."""
+
+    @property
+    def model(self) -> Model:
+        """What was asked."""
+
+    @property
+    def stress_nodes(self) -> StressNodes:
+        """Nodes (m,) of the fields' pictures."""
+
+    @property
+    def fields(self) -> Mapping[str, Floats]:
+        """Values (n,) by name."""
+
+    @property
+    def extremes(self) -> Mapping[str, FieldExtremes]:
+        """Of the fields that have them."""
+
+    @property
+    def supports(self) -> Sequence[SupportResult]:
+        """What was found of each support."""
+
+
+def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[SupportResult]) -> list[SupportMark]:
+    """Marks of the supports, open or closed."""
+    pairs = zip(asked, supports, strict=True)
+    return [support_mark(mesh, one, result.positions, result.closed, result.contact_boundary) for one, result in pairs]
+
+
+def field_range(field: str, result: Shown) -> tuple[float, float]:
+    """Smallest and largest value of a field away from where it has no limit; of the pressure with 0."""
+    if field != PRESSURE.name:
+        ends = _ends(field, result)
+        return ends.min, ends.max
+    ranges = [support.area.range for support in result.supports if support.area is not None]
+    return min(low for low, _ in ranges), max(high for _, high in ranges)
+
+
+def panel(
+    field: str, result: Shown, widths: Mapping[str, Any] | None = None, limits: tuple[float, float] | None = None
+) -> Panel:
+    """Draw a field, or the pressure, in the colours of its quantity, with its extremes and, if known, half-widths."""
+    of = PICTURED[field]
+    label, map_of = of.label(result.model.units), KINDS[of.kind].colours
+    limits = limits or field_range(field, result)
+    if field == PRESSURE.name:
+        areas = [(index, one.area) for index, one in enumerate(result.supports) if one.area is not None]
+        index, most = max(areas, key=lambda result: result[1].largest[0])
+        value, at = most.largest
+        width = None if widths is None else widths["supports"][index]["max_pressure"]
+        words = extreme("max", value, widths is not None, width)
+        layers = [pressure_layer(area) for _, area in areas]
+        return Panel(layers, limits, label, map_of, [(words, at.tolist())] if value > 0 else [])
+    ends, values = _ends(field, result), None
+    if widths is not None and field in result.extremes:
+        values = widths["deflection"] if field == "deflection" else widths["fields"][field]
+    named = [
+        (extreme(name, value, values is not None, values and values[name]), at)
+        for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at))
+    ]
+    return Panel(result.stress_nodes.spread(result.fields[field]), limits, label, map_of, named)
+
+
+def extreme(name: str, value: float, told: bool, width: float | None) -> str:
+    """Say what stands at an extreme: its value and, where they are told, its half-width.
+
+    Examples
+    --------
+    >>> extreme("min", -21.3412, True, 0.25), extreme("max", 21.3412, False, None), extreme("max", 21.3412, True, None)
+    ('min −21.34 ± 0.25', 'max 21.34', 'max 21.34 ± ?')
+    """
+    shown = estimated(value, width).replace("-", "−") if told else plain(value, 4)
+    return f"{name} {shown}"
+
+
+def _ends(field: str, result: Shown) -> FieldExtremes:
+    nodes = result.stress_nodes
+    everywhere = np.ones(nodes.mesh.node_count, np.bool_)
+    return result.extremes.get(field) or FieldExtremes.of(result.fields[field], nodes, everywhere)

@@ -397,14 +397,9 @@ class Catalogue:
         return iter(self.numbers)
 
     @cached_property
-    def tabled(self) -> Ints:
-        """Which of them tables have."""
-        return np.array([place for place, one in enumerate(self.numbers) if one.tabled], np.int64)
-
-    @cached_property
     def in_tables(self) -> Catalogue:
         """Those that tables have."""
-        return Catalogue(tuple(self.numbers[place] for place in self.tabled))
+        return Catalogue(tuple(one for one in self.numbers if one.tabled))
 
     def at(self, home: Home, *names: str) -> Ints:
         """Which numbers are of a home and have these names: (q,) of one, else (q, k)."""
@@ -420,8 +415,8 @@ class Catalogue:
 
     @cached_property
     def by_column(self) -> Mapping[str, int]:
-        """Place of every number that tables have, by its column."""
-        return {one.column: place for place, one in enumerate(self.numbers) if one.tabled}
+        """Place of every number, by its column in tables."""
+        return {one.column: place for place, one in enumerate(self.numbers)}
 
     @cached_property
     def by_name(self) -> Mapping[str, int]:

@@ -40,8 +40,8 @@ from signorini.results.local_results import (
     section_results,
     total_pressure,
 )
+from signorini.results.marks import panel, support_marks
 from signorini.results.notebook import supports_table
-from signorini.results.panels import panel, support_marks
 from signorini.results.quantities import FIELDS, LINEAR, OF_AREAS, OF_EDGES, SIDES, TOLD, Catalogue, Home, derived
 from signorini.results.support_points import catalogue_of
 from signorini.results.support_result import SupportResult, support_result
