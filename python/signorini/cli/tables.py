@@ -28,7 +28,7 @@ from signorini.output.names import JSON
 from signorini.results.marks import case_totals
 from signorini.results.quantities import AT_PROBES, FIELDS, LINEAR, MEANS, RESULTANTS, THROUGH
 from signorini.results.result import Result
-from signorini.results.support_result import MEANINGS, SYMBOLS, SupportResult, describe, kinds
+from signorini.results.support_result import MEANINGS, SYMBOLS, describe, kinds
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
@@ -266,24 +266,20 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
 
 def _print_points(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
     """Reactions of point supports, of many the largest."""
-    every = [
-        (result, index) for result in result.supports if result.place == "at" for index in range(len(result.reactions))
-    ]
+    supports, units, size = result.supports, result.model.units, result.mesh.size
+    every = [(i, at) for i, one in enumerate(supports) if one.place == "at" for at in range(len(one.reactions))]
     if not every:
         return
-    units, size = result.model.units, result.mesh.size
-    number_of = {id(result): index for index, result in enumerate(result.supports)}
-    most = sorted(every, key=lambda one: -abs(one[0].reactions[one[1]]))[:_MOST_POINTS]
-    kept = {(id(result), index) for result, index in most}
+    most = sorted(every, key=lambda one: -abs(supports[one[0]].reactions[one[1]]))[:_MOST_POINTS]
     titles = (f"at{in_unit(units.length)}", f"reaction{in_unit(units.force)}", f"gap{in_unit(units.length)}")
     shown = Grid([Column("point"), *numbers(*titles), Column("state")])
-    for values, index in every:
-        if (id(values), index) in kept:
-            at = point(values.positions[index].tolist(), size)
-            of_point = ("supports", number_of[id(values)], "points", index)
-            gap = cell(float(values.gaps[index]), widths, (*of_point, "gap"), largest["deflection"])
-            reaction = cell(float(values.reactions[index]), widths, (*of_point, "reaction"), largest["reaction"])
-            shown.add(_named(values, index), at, reaction, gap, "closed" if values.closed[index] else "open")
+    for index, at in sorted(most):
+        one, path = supports[index], ("supports", index, "points", at)
+        name = f"{one.name}[{at + 1}]" if len(one.reactions) > 1 else one.name
+        gap = cell(float(one.gaps[at]), widths, (*path, "gap"), largest["deflection"])
+        reaction = cell(float(one.reactions[at]), widths, (*path, "reaction"), largest["reaction"])
+        place = point(one.positions[at].tolist(), size)
+        shown.add(name, place, reaction, gap, "closed" if one.closed[at] else "open")
     console.print()
     shown.show(console)
     if left := len(every) - len(most):
@@ -293,10 +289,6 @@ def _print_points(console: Console, result: Result, widths: Widths, largest: Map
                 places = (point(at, size) for at in values.positions[~values.closed].tolist())
                 say(console, f"{values.name}, open: {', '.join(places)}")
     console.print()
-
-
-def _named(support: SupportResult, index: int) -> str:
-    return f"{support.name}[{index + 1}]" if len(support.reactions) > 1 else support.name
 
 
 def _print_deflection(console: Console, result: Result, widths: Widths) -> None:
