@@ -95,13 +95,8 @@ class PathStop(Brief):
 
     def with_part(self, index: int, part: float, count: int) -> PathStop:
         """Say of a support what part of it, and how many of its points, are closed."""
-        values = self.values.copy()
-        for name, value in (
-            ("closed_part", part),
-            ("closed", round(part * count)),
-            ("open", count - round(part * count)),
-        ):
-            values[self.catalogue.at("support", name)[index]] = value
+        values, closed = self.values.copy(), round(part * count)
+        values[self.catalogue.at("support", "closed_part", "closed", "open")[index]] = part, closed, count - closed
         return replace(self, values=values)
 
     def _of(self, home: Home, name: str) -> Floats:
@@ -204,19 +199,14 @@ def _put_supports(
             contact = at_rest.contact_areas(deflection, closed)
             pressures = at_rest.measured(deflection[:, at_rest.on_nodes], reactions)
             most = np.fmax.reduce(pressures, axis=1, initial=0.0)
-            for name, values in (("contact_area", contact), ("max_pressure", most)):
-                numbers[:, catalogue.at("support", name)[areas.index(index)]] = values
+            at = catalogue.at("support", "contact_area", "max_pressure")[areas.index(index)]
+            numbers[:, at] = np.stack([contact, most], axis=1)
         parts = [
             closed_part(discretisation, index, one, area) for one, area in zip(answers, contact.tolist(), strict=True)
         ]
         count = closed.sum(axis=1)
-        for name, values in (
-            ("reaction", reactions.sum(axis=1)),
-            ("closed", count),
-            ("open", closed.shape[1] - count),
-            ("closed_part", parts),
-        ):
-            numbers[:, catalogue.at("support", name)[index]] = values
+        at = catalogue.at("support", "reaction", "closed", "open", "closed_part")[index]
+        numbers[:, at] = np.stack([reactions.sum(axis=1), count, closed.shape[1] - count, parts], axis=1)
         if support.place == "at":
             of_points.append((reactions, points.gaps(gaps)))
     if len(at := catalogue.at("point", "reaction", "gap")):
