@@ -415,8 +415,8 @@ class Catalogue:
 
     @cached_property
     def by_column(self) -> Mapping[str, int]:
-        """Place of every number, by its column in tables."""
-        return {one.column: place for place, one in enumerate(self.numbers)}
+        """Place of every number that tables have, by its column."""
+        return {one.column: place for place, one in enumerate(self.numbers) if one.tabled}
 
     @cached_property
     def by_name(self) -> Mapping[str, int]:
