@@ -236,10 +236,6 @@ OF_AREAS = (
     Quantity("contact_area", "area"),
     Quantity("max_tension", "pressure", tabled=False, along_paths=False),
 )
-OF_EDGES = tuple(
-    Quantity(name, "moment", tabled=False, enveloped=False, along_paths=False) for name in ("max_couple", "min_couple")
-)
-"""Of edges that hold the slope."""
 OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
 THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("shear", "force"))
 """Forces through sections."""
@@ -360,7 +356,6 @@ class Catalogue:
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             of: Path = ("supports", index)
             own = OF_SUPPORTS + (OF_AREAS if support.area is not None else ())
-            own += OF_EDGES if support.holds_edge_slope else ()
             for one in own:
                 estimated = one.kind != "count" or support.place == "at"
                 path: Path = (*of, *one.path)

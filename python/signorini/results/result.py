@@ -280,9 +280,6 @@ class Result(Remade):
         areas = [one.area for one in self.supports if one.area is not None]
         for name in ("max_pressure", "contact_area", "max_tension") if areas else ():
             result[at("support", name)] = [getattr(one, name) for one in areas]
-        edges = [one for one in self.supports if one.edge is not None]
-        for name in ("max_couple", "min_couple") if edges else ():
-            result[at("support", name)] = [getattr(one, name) for one in edges]
         points = [one for one in self.supports if one.place == "at"]
         if len(at("point", "reaction")):
             result[at("point", "reaction")] = np.concatenate([one.reactions for one in points])
