@@ -98,7 +98,8 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
 def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> list[Shared]:
     """Rigid points that can share their reactions, those that depend on each other together."""
     rigid = np.flatnonzero((points.compliance == 0) & ~points.slope)
-    free = within(points.rows[rigid].matrix(mesh.elements, len(held.dofs)), ~held.dofs)
+    rows = held.bodies.onto_leaders(points.rows[rigid].matrix(mesh.elements, len(held.dofs)))
+    free = within(rows, ~held.dofs)
     group, scale = parallel(free)
     _, first = np.unique(group, return_index=True)
     ties = followers(times(free[first], 1.0 / scale[first])).ties

@@ -190,7 +190,8 @@ class Zones:
             where = np.zeros((len(boxes), len(places)), np.bool_)
             for other in np.flatnonzero(reached):
                 where[other] = self.model.zone[other].region.contains(places)
-            made = np.array(self._made(where)).reshape(4, 4, -1)
+            rigid = where[[zone.rigid for zone in self.model.zone]].any(axis=0)
+            made = np.array([*self._made(where), rigid]).reshape(5, 4, -1)
             for side in (0, 1):
                 strip = (made[:, side] != made[:, 2]).any(axis=0) & (made[:, side] != made[:, 3]).any(axis=0)
                 elements = mesh.locate(points[strip] + ways[side, strip]).elements

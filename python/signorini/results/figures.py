@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini.discretise.rows import Floats
 from signorini.results.local_results import SectionResult, StripResult
-from signorini.results.quantities import OF_AREAS, OF_EDGES, SIDES, Catalogue, Path
+from signorini.results.quantities import OF_AREAS, SIDES, Catalogue, Path
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 
@@ -69,7 +69,7 @@ def _places(ends: Any) -> dict[str, Any]:
 
 def _support(support: SupportResult) -> dict[str, Any]:
     result: dict[str, Any] = {"name": support.name, "kind": support.kind}
-    result |= {one.name: None for one in (*OF_AREAS, *OF_EDGES)}
+    result |= {one.name: None for one in OF_AREAS}
     result["max_pressure_at"] = support.max_pressure_at and list(support.max_pressure_at)
     result["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
     if support.area is not None:

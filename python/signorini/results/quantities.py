@@ -264,10 +264,6 @@ OF_AREAS = (
     Quantity("contact_area", "area"),
     Quantity("max_tension", "pressure", tabled=False, along_paths=False),
 )
-OF_EDGES = tuple(
-    Quantity(name, "moment", tabled=False, enveloped=False, along_paths=False) for name in ("max_couple", "min_couple")
-)
-"""Of edges that hold the slope."""
 OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
 THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("shear", "force"))
 """Forces through sections."""
@@ -354,7 +350,7 @@ class Catalogue:
         """List a model's numbers: of supports with so many points that may open or not, and extremes of fields."""
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
-            own = OF_SUPPORTS + OF_AREAS * (support.area is not None) + OF_EDGES * support.holds_edge_slope
+            own = OF_SUPPORTS + OF_AREAS * (support.area is not None)
             for one in own:
                 # How many nodes are closed is the mesh's.
                 told = one.kind != "count" or support.place == "at"

@@ -138,16 +138,6 @@ class SupportResult(Remade):
         """Largest pressure with which an area pulls the plate down, positive; None if it is not an area."""
         return None if self.area is None else max(0.0, -self.area.range[0])
 
-    @property
-    def max_couple(self) -> float | None:
-        """Largest couple per length, positive where the plate sags; None if it is not an edge that holds the slope."""
-        return None if self.edge is None else float(self.edge.couples.max())
-
-    @property
-    def min_couple(self) -> float | None:
-        """Smallest couple per length; None if it is not an edge that holds the slope."""
-        return None if self.edge is None else float(self.edge.couples.min())
-
 
 def support_result(
     discretisation: Discretisation,
@@ -169,7 +159,12 @@ def support_result(
     area = None
     if support.area is not None:
         area = area_contact(discretisation, index, deflection, centres, closed, reactions)
-    edge = edge_couples(discretisation.mesh, support.edge or (), held_couple) if support.holds_edge_slope else None
+    edge = None
+    if support.edge is not None and support.holds_edge_slope:
+        mesh, turns = discretisation.mesh, {"slope", "twist"}
+        names = [name for one in discretisation.model.support if turns & set(one.fixed) for name in one.edge or ()]
+        held = np.concatenate([mesh.edges[name] for name in names])
+        edge = edge_couples(mesh, support.edge, held_couple, held, discretisation.held.bodies.inside)
     return SupportResult(
         support.name,
         describe(support),
