@@ -14,8 +14,7 @@ from signorini.base.progress import Progress, Watcher
 from signorini.contact.answer import Answer
 from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem
-from signorini.contact.refusal import uncertain
-from signorini.contact.strategy import WORDS, methods_along
+from signorini.contact.strategy import WORDS, methods_along, uncertain
 from signorini.discretise.rows import Ints
 from signorini.equilibrium.limits import CONTRADICTION, supports_contradict
 from signorini.errors import NoEquilibriumError, NotCertifiedError

@@ -12,8 +12,7 @@ from signorini.base.progress import Progress, Watcher
 from signorini.contact.answer import Answer
 from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem
-from signorini.contact.refusal import uncertain
-from signorini.contact.strategy import answered
+from signorini.contact.strategy import answered, uncertain
 from signorini.discretise.rows import Floats
 from signorini.discretise.supports import can_let_go
 from signorini.equilibrium.limits import CONTRADICTION, supports_contradict

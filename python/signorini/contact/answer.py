@@ -53,23 +53,11 @@ class NotUnique:
 class Answer(Remade):
     """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
 
-    Parameters
-    ----------
-    status : str
-    hi, lo : (3n,) arrays
-        Displacements, as the sum of two doubles.
-    reaction, gap, closed : (m,) arrays
-        Of every contact point. Reactions of two-sided points are those of all that repeat them, too.
-    shared : (m + r,) array
-        Reaction of every contact point and, behind these, of every repeated one, each with its own share.
-    pivots, iterations, gradients, factorizations, corrections : int
-        What it took.
-    not_unique : tuple of NotUnique
-        Empty where this is the only answer.
-    somehow : Answer or None
-        What the solver came to, where this was chosen instead.
-    solution : signorini._core.ContactSolution or None
-        The solver's own, for other loads of the same problem to begin with; not pickled.
+    Displacements ``hi + lo`` (3n,) are the sum of two doubles. ``reaction``, ``gap`` and ``closed`` (m,) are those of
+    every contact point; reactions of two-sided points are those of all that repeat them, too. ``shared`` (m + r,) has
+    the reaction of every contact point and, behind these, of every repeated one, each with its own share.
+    ``not_unique`` is empty where this is the only answer; ``somehow`` is what the solver came to, where this was chosen
+    instead. ``solution`` is the solver's own, for other loads of the same problem to begin with; not pickled.
     """
 
     status: Literal["solved", "no_equilibrium", "unsolved"]

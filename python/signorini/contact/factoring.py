@@ -74,15 +74,7 @@ def can_be_factored(discretisation: Discretisation, base: Base) -> bool:
 
 
 def factored(discretisation: Discretisation, freedom: RigidFreedom, base: Base) -> _core.ContactProblem:
-    """Order and factor; for Lemke's algorithm, condense.
-
-    Raises
-    ------
-    InputError
-        If there are more points than can be condensed, or K cannot be factored.
-    SignoriniError
-        If it does not fit into memory.
-    """
+    """Order and factor; for Lemke's algorithm, condense."""
     if base == "lemke":
         _require_condensable(len(discretisation.contacts), discretisation.model.solver.method)
         footprints = len(np.unique(discretisation.contacts.rows.further.owners))

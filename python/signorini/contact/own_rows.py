@@ -10,7 +10,7 @@ import numpy as np
 
 from signorini.base.arguments import array, made_by
 from signorini.base.brief import Brief
-from signorini.contact.lemke import lemke
+from signorini.contact.lcp import lemke
 from signorini.contact.problem import ContactProblem
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError

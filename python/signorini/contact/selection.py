@@ -3,7 +3,8 @@
 Solutions of the contact problem make a convex set: any displacement of one goes with any reactions of another. So the
 two are chosen apart, by rules that know no order of supports, points or pivots: reactions by their least sum of squares
 and, where the plate may still move between its supports, the deflection by its least integral of w². docs/theory.md,
-section 5, has the weights.
+section 5, has the weights. Each is a small least-squares problem with inequalities, solved as a least-distance problem
+(Lawson and Hanson 1974, *Solving Least Squares Problems*, chapter 23).
 """
 
 from __future__ import annotations
@@ -14,13 +15,71 @@ from typing import TypeAlias
 
 import numpy as np
 
+from signorini.base.linear_program import minimise
 from signorini.contact.answer import Answer, NotUnique
-from signorini.contact.least_norm import least, span_of_cone
 from signorini.discretise import Discretisation
 from signorini.discretise.quadrature import area_quadrature
 from signorini.discretise.repeated import null_ways
 from signorini.discretise.rows import Bools, Floats
 from signorini.equilibrium.balance import RigidFreedom, describe_motion
+
+_ACTIVE = 1e-10
+"""Part of the largest multiplier below which one is rounding."""
+
+_LEFT_OVER = 64 * float(np.finfo(float).eps)
+"""What a few sums of products of the free least leave of it."""
+
+
+def span_of_cone(sides: Floats) -> Floats:
+    """Basis (d, e) of what the directions y with C y ≤ 0 span, given C (c, d), of rows about as long as one another."""
+    from scipy.linalg import null_space
+
+    count, size = sides.shape
+    if not count:
+        return np.eye(size)
+    # A cone holds the sum of its directions and their multiples: every side that one of them leaves, one leaves at all.
+    free, stays = np.full(size, np.inf), np.zeros(count)
+    bounds = np.append(-free, stays), np.append(free, stays + 1.0)
+    cost = np.append(np.zeros(size), -np.ones(count))
+    leave = minimise(cost, np.column_stack([sides, np.eye(count)]), (-np.inf, 0.0), bounds)
+    never = np.ones(count, np.bool_) if leave is None else leave[size:] < 0.5
+    return np.asarray(null_space(sides[never], rcond=_ACTIVE) if never.any() else np.eye(size))
+
+
+def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats:
+    """The y with C y ≤ r, r ≥ 0, that minimises ‖A y + b‖; 0 where arithmetic tells no better one."""
+    from scipy.optimize import nnls
+
+    q, r = np.linalg.qr(matrix)
+    free = -np.linalg.solve(r, q.T @ offset)
+    if ((sides @ free) <= room).all():
+        return np.asarray(free)
+    # With x = R y + Qᵀb it is the least x with −C R⁻¹ x ≥ C y_free − r; rows and sizes are brought to one.
+    rows = np.linalg.solve(r.T, sides.T).T
+    size = np.linalg.norm(rows, axis=1)
+    kept = np.flatnonzero(size > 0)
+    beyond = (sides @ free - room)[kept] / size[kept]
+    # A side far away must not make those that are in the way look like rounding.
+    unit = float(beyond.max())
+    facing = np.vstack([-(rows[kept] / size[kept, None]).T, beyond / unit])
+    try:
+        multipliers, _ = nnls(facing, np.append(np.zeros(len(r)), 1.0))
+    except RuntimeError:
+        return np.zeros(len(r))
+    # The sides that it rests on are equations; solved as such it is right to the last digits. One of them may have a
+    # multiplier that is rounding.
+    on = multipliers[: len(kept)] > _ACTIVE * multipliers.max(initial=0.0)
+    for _ in kept:
+        rests = kept[on]
+        y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
+        # It is what is left of the free least, whose rounding it has.
+        rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _LEFT_OVER * (np.abs(sides) @ np.abs(free))
+        over = (sides @ y - room - rounding)[kept]
+        if not (over > 0.0).any():
+            return np.asarray(y)
+        on[int(over.argmax())] = True
+    return np.zeros(len(r))
+
 
 _NIL = 1e-11
 """Part of the largest force, or deflection, below which solvers take one for rounding."""
@@ -50,24 +109,6 @@ def chosen(
 
     On a load path ``elsewhere`` gives reactions (m,) of other loads just before and after: points that push there hold
     the plate here too, so that it moves on without a jump. It is called where the plate could move.
-
-    Examples
-    --------
-    Of two bearings at one place an LCP would have the first carry all.
-
-    >>> from signorini import Model, contact_problem
-    >>> corners = [[0, 0], [4, 0], [4, 4], [0, 4]]
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     mesh={"divisions": [4, 4]},
-    ...     support=[{"at": corners, "resists": "down"}, {"name": "twin", "at": [4, 4], "resists": "down"}],
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> problem = contact_problem(model)
-    >>> answer = problem.solve(problem.discretisation.cases["load"])
-    >>> answer.reaction.round(6).tolist(), str(answer.not_unique[0])[:42]
-    ([20000.0, 20000.0, 10000.0, 20000.0, 10000.0], 'reactions of support 1, twin could be shar')
     """
     if answer.status != "solved":
         return answer

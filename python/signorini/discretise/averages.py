@@ -13,9 +13,8 @@ from typing import Self
 
 import numpy as np
 
-from signorini.discretise.outlines import outline
-from signorini.discretise.places import region
-from signorini.discretise.quadrature.arcs import arcs_of
+from signorini.discretise.places import outline, region
+from signorini.discretise.quadrature.lines import arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
 from signorini.mesh import Mesh
@@ -67,17 +66,7 @@ class OutlinePoints:
 
 
 def outline_points(mesh: Mesh, plate: Plate, support: Support, covered: Bools) -> OutlinePoints:
-    """Corners of an area, and of elements on its outline, as far as they are on its hull.
-
-    Parameters
-    ----------
-    mesh : Mesh
-    plate : Plate
-    support : Support
-        On an area.
-    covered : (ne,) bool array
-        Elements of which it has a part.
-    """
+    """Corners of an area that covers elements (ne,), and of elements on its outline, as far as they are on its hull."""
     size = float(np.sqrt(mesh.element_area[covered].mean()))
     corners, all_of_them = outline(mesh, plate, support), _candidates(mesh, support)
     candidates = _spread(all_of_them, _APART * size)

@@ -30,14 +30,7 @@ _TOUCHING = 5e-4
 
 
 def arcs_of(border: Line) -> Iterator[tuple[float, ...]]:
-    """Yield arcs, of circles their quarters, each by three points.
-
-    Examples
-    --------
-    >>> from signorini.shapes import Circle
-    >>> [round(x, 3) for x in next(arcs_of(Circle((0.0, 0.0), 1.0)))]
-    [1.0, 0.0, 0.707, 0.707, 0.0, 1.0]
-    """
+    """Yield arcs, of circles their quarters, each by three points."""
     for x, y, radius in border.outline.circles.tolist():
         for begin, through, end in circle((x, y), radius, "").sides:
             assert through is not None  # a circle is of arcs
@@ -51,17 +44,6 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
     They are short sides and small circles of borders, and where a side, or a straight part of a line, is near to
     another one, or to one of the plate's contours, that it does not meet. Parts of one line are not asked for each
     other's sake, nor those that are nearer to something else than can be followed.
-
-    Examples
-    --------
-    >>> from signorini.shapes import Polyline, Rectangle
-    >>> from signorini.shapes.contours import straight
-    >>> plate = straight(((0, 0), (8, 0), (8, 6), (0, 6)), "abcd")
-    >>> result = room([Rectangle(0.2, 2.0, 3.0, 4.0)], [plate], 0.5)
-    >>> len(result), float(result[:, 4].min().round(3))
-    (10, 0.2)
-    >>> room([], [plate], 0.5, [Polyline(((4.0, 5.8), (4.4, 5.8)))]).round(3).tolist()
-    [[4.0, 5.8, 4.2, 5.8, 0.2], [4.2, 5.8, 4.4, 5.8, 0.2]]
     """
     sides: list[tuple[Floats, int | None]] = [(side, None) for border in borders for side in _sides_of(border)]
     sides += [(side, number) for number, line in enumerate(lines) for side in line.outline.segments[:, None]]

@@ -16,24 +16,29 @@ from signorini import _core
 from signorini.base.arguments import known, made_by
 from signorini.base.remade import Remade
 from signorini.discretise.averages import PlateStiffness
-from signorini.discretise.bodies import Bodies
-from signorini.discretise.dependence import followers, lengths, parallel, times, within
 from signorini.discretise.domain import require_domain
-from signorini.discretise.frames import Held
-from signorini.discretise.holds import hold
-from signorini.discretise.loads import CaseLoad, case_loads, loaded_sides
+from signorini.discretise.held import Bodies, Held, hold
+from signorini.discretise.loads import CaseLoad, Cases, case_loads, loaded_sides
 from signorini.discretise.meshing import mesh_of
-from signorini.discretise.moving import Cases
-from signorini.discretise.parts import Parts, parts_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located, sides_beside
-from signorini.discretise.repeated import Repeated, Shared, shared_by, that_can_act
+from signorini.discretise.repeated import (
+    Repeated,
+    Shared,
+    followers,
+    lengths,
+    parallel,
+    shared_by,
+    that_can_act,
+    times,
+    within,
+)
 from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.discretise.sections import Sections
-from signorini.discretise.sections.acting import Acting
+from signorini.discretise.sections.sections import Acting
 from signorini.discretise.snapping import Snapped
 from signorini.discretise.stressnodes import Sides, StressNodes, solid_thickness, stress_nodes_of
-from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
+from signorini.discretise.supports import ContactPoints, Parts, Springs, parts_of, springs_and_contacts
 from signorini.discretise.thickness import Thickness, thickness_of
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems
@@ -236,13 +241,7 @@ class Discretisation(Remade):
         return self.mesh.middle
 
     def load(self, combination: Combination) -> CaseLoad:
-        """Sum of the cases times their factors.
-
-        Raises
-        ------
-        InputError
-            If it is no combination, or names a load case that there is not.
-        """
+        """Sum of the cases times their factors."""
         made_by(combination, Combination, "Take one of model.effective_combinations.", "combination")
         total = CaseLoad.none(self.mesh.node_count, len(self.mesh.elements))
         for case, factor in (combination.factors or {}).items():
@@ -252,11 +251,6 @@ class Discretisation(Remade):
 
 def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     """Mesh the plate, unless a mesh of it is given, and turn supports and loads into arrays.
-
-    Raises
-    ------
-    InputError
-        If something lies off the plate, a mesh cannot be read, or a value makes no sense somewhere.
 
     Examples
     --------

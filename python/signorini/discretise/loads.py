@@ -1,26 +1,28 @@
-"""Loads as work-equivalent nodal forces."""
+"""Loads as work-equivalent nodal forces; those of moving loads' positions are made when they are asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.footprints import Footprints
-from signorini.discretise.frames import Held
+from signorini.discretise.held import Held
+from signorini.discretise.placed import Footprints
 from signorini.discretise.places import Sampled, along_curve, in_area, located, mesh_edges, region
 from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
 from signorini.discretise.sections import Sections
-from signorini.discretise.sections.acting import Push, Spread
+from signorini.discretise.sections.sections import Push, Spread
 from signorini.discretise.zones import Zones
 from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
-from signorini.model import Load, Model
+from signorini.model import Load, Model, Moving
 from signorini.model.footprint import footprints as shapes_of
+from signorini.model.moving import Wheel
+from signorini.shapes import Polygon
 
 _GAUSS = 3
 _GAUSS_VARYING = 5
@@ -34,23 +36,12 @@ _BALANCED = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class CaseLoad:
-    """One load case, or a combination of them.
+    """One load case, or a combination of them, ``acting``.
 
-    Parameters
-    ----------
-    nodal : (3n,) array
-        Forces and couples in the nodes' frames.
-    curvature : (3,) array
-        Stress-free curvatures kx, ky, kxy.
-    couples : (2e,) array
-        Couples on the centre rotations of the elements.
-    weighing: (3n,) array
-        Of ``nodal`` what has a resultant: without stress-free curvatures, and without loads that balance themselves.
-    through : (3s,) array
-        Of the moment, twist and shear of each section what the load itself does where its line is; of nodal forces
-        nothing.
-    acting : frozenset of str
-        The load cases that it is made of.
+    ``nodal`` (3n,) are forces and couples in the nodes' frames, ``curvature`` (3,) stress-free kx, ky, kxy, ``couples``
+    (2e,) act on the centre rotations of elements. ``weighing`` (3n,) is what of ``nodal`` has a resultant: without
+    stress-free curvatures, and without loads that balance themselves. ``through`` (3s,) is what of the moment, twist
+    and shear of each section the load itself does where its line is; of nodal forces nothing.
     """
 
     nodal: Floats
@@ -278,3 +269,80 @@ def _turning(over: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, F
     resultant = np.array([0.0, *couple]) / [1.0, size, size]
     pressure = np.linalg.solve(at.T @ (over.weights[:, None] * at), resultant)
     return lambda _, positions: np.asarray(linear(positions) @ pressure)
+
+
+_NOTHING = 1e-9
+"""Part of a print that is rounding where it ends with the plate."""
+
+
+class Cases(Mapping[str, CaseLoad]):
+    """Load cases by name: those that stay where they are, and every position of moving loads.
+
+    Wheels, or parts of their prints, that are not on the plate do not act.
+    """
+
+    def __init__(
+        self, still: Mapping[str, CaseLoad], moving: tuple[Moving, ...], mesh: Mesh, sections: Sections
+    ) -> None:
+        self._still = still
+        self._places = {at: (load, s) for load in moving for at, s in load.positions.items()}
+        self._mesh, self._sections = mesh, sections
+
+    def __getitem__(self, case: str) -> CaseLoad:
+        """Return a case."""
+        if case in self._still:
+            return self._still[case]
+        load, travelled = self._places[case]
+        result = _position(Onto(self._mesh, self._sections), load.wheels(travelled), load.patch)
+        return replace(result, acting=frozenset([case]))
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names."""
+        yield from self._still
+        yield from self._places
+
+    def __len__(self) -> int:
+        """Count the cases."""
+        return len(self._still) + len(self._places)
+
+    def partly_off(self) -> Iterator[tuple[str, str, int, float]]:
+        """Where wheels' prints are partly off the plate: moving load, position, axle from 1, part of the force lost.
+
+        Wheels wholly off it have not arrived yet, or are gone.
+        """
+        for name, (load, travelled) in self._places.items():
+            if load.patch is None:
+                continue
+            wheels = load.wheels(travelled)
+            prints = np.array([_print(at, direction, load.patch) for at, direction, _ in wheels])
+            inside = self._mesh.locate(prints.reshape(-1, 2)).inside.reshape(-1, 4)
+            for wheel in np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1)).tolist():
+                shape = Polygon(tuple(map(tuple, prints[wheel].tolist())))
+                on = float(area_quadrature(self._mesh, shape, _GAUSS).weights.sum())
+                lost = 1.0 - on / (load.patch[0] * load.patch[1])
+                if lost > _NOTHING:
+                    yield load.case, name, wheel * len(load.axles) // len(wheels) + 1, lost
+
+
+def _position(onto: Onto, wheels: list[Wheel], patch: tuple[float, float] | None) -> CaseLoad:
+    mesh = onto.mesh
+    if patch is None:
+        positions = np.array([at for at, _, _ in wheels])
+        where = mesh.locate(positions)
+        forces = np.array([force for _, _, force in wheels])
+        on, at = where.inside, positions[where.inside]
+        onto.push(Quadrature(where.elements[on], where.xi[on], np.ones(len(at)), at), forces[on])
+    else:
+        for middle, direction, force in wheels:
+            shape = Polygon(_print(middle, direction, patch))
+            onto.spread(area_quadrature(mesh, shape, _GAUSS), Spread.even(shape, force / (patch[0] * patch[1])))
+    return onto.load
+
+
+def _print(
+    at: tuple[float, float], direction: tuple[float, float], patch: tuple[float, float]
+) -> tuple[tuple[float, float], ...]:
+    """Corners of a wheel's print."""
+    (x, y), (tx, ty), (length, width) = at, direction, patch
+    corners = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
+    return tuple((x + a * length * tx - b * width * ty, y + a * length * ty + b * width * tx) for a, b in corners)

@@ -53,11 +53,6 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model, tuple[
 
     In the model nodes that it names by number have become points, and what ``mesh.snap`` asks for is moved; what was is
     told.
-
-    Raises
-    ------
-    InputError
-        If there is not the memory for it, or a file holds no mesh of a plate.
     """
     plate = model.plate
     if isinstance(plate, MeshPlate):

@@ -19,10 +19,13 @@ from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, length, point, unknown
 from signorini.mesh import Mesh
-from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
+from signorini.model import AnnulusPlate, Area, DiscPlate, Load, MeshPlate, Plate, Support
 from signorini.model.curve import curve
 from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring
+from signorini.shapes.contours import along_arc
 from signorini.shapes.distances import distances
+from signorini.shapes.hull import hull
+from signorini.shapes.outlines import Point
 from signorini.shapes.overlap import overlap
 
 _SECTOR_SLACK = 1e-3
@@ -50,13 +53,7 @@ def region(area: Area | str | None) -> Region | None:
 
 
 def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sampled:
-    """Points given by their coordinates.
-
-    Raises
-    ------
-    InputError
-        If a point is not on the plate.
-    """
+    """Points given by their coordinates; those that are not on the plate are refused."""
     positions = np.array(at, dtype=np.float64)
     where = mesh.locate(positions)
     if not where.inside.all():
@@ -85,13 +82,7 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sa
 
 
 def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
-    """Sides of elements (k, 3) that make up edges.
-
-    Raises
-    ------
-    InputError
-        If the mesh has no edge of that name.
-    """
+    """Sides of elements (k, 3) that make up edges, all of which the mesh has to have."""
     problems = [
         InputError(unknown("edge", name, mesh.edges, "This mesh"), place=(*place, "edge", position))
         for position, name in enumerate(names)
@@ -103,13 +94,7 @@ def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
 
 
 def mesh_edges(mesh: Mesh, plate: Plate, item: Support | Load, place: Place) -> Ints | None:
-    """Sides of elements (k, 3) that make up the item's edge, line or circle; None if the mesh does not follow it.
-
-    Raises
-    ------
-    InputError
-        If the mesh has no edge of that name, or the circle leaves the plate.
-    """
+    """Sides of elements (k, 3) that make up the item's edge, line or circle; None if the mesh does not follow it."""
     if item.edge is not None:
         return edge_sides(mesh, item.edge, place)
     along = curve(item)
@@ -143,14 +128,8 @@ def along_curve(
 ) -> Sampled:
     """Gauss points of the item's edge, line or circle, divided where levels change sign; weights are lengths.
 
-    ``sides`` are those of `mesh_edges`.
-
-    If ``at_ends`` is not 0, so many points of Lobatto's rule on pieces at ends and corners.
-
-    Raises
-    ------
-    InputError
-        If the curve leaves the plate.
+    ``sides`` are those of `mesh_edges`. If ``at_ends`` is not 0, so many points of Lobatto's rule on pieces at ends and
+    corners.
     """
     if sides is not None:
         return _sampled(edge_quadrature(mesh, sides, order, at_ends > 0, levels))
@@ -173,14 +152,9 @@ def in_area(
     off: float = OFF,
     follow: bool = False,
 ) -> Quadrature:
-    """Quadrature of an area, whose elements are cut where levels change sign; weights are areas.
+    """Quadrature of an area of the plate, whose elements are cut where levels change sign; weights are areas.
 
     Elements (ne,) marked have points on its outline. Arcs that the mesh follows may be the sides that stand for them.
-
-    Raises
-    ------
-    InputError
-        If the area leaves the plate.
     """
     wanted = region(area)
     points = area_quadrature(mesh, wanted, order, to_outline, levels, off, follow)
@@ -262,3 +236,54 @@ def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:
     a, m, b = (mesh.points[triples[:, i]] for i in range(3))
     slopes = np.stack([4 * m - 3 * a - b, b - a, a - 4 * m + 3 * b], axis=1)
     return np.asarray(slopes / np.linalg.norm(slopes, axis=2, keepdims=True))
+
+
+_TURN = 360
+"""Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""
+
+
+def outline(mesh: Mesh, plate: Plate, support: Support) -> Floats:
+    """Points (k, 2) whose hull is that of the support: its corners in order or ends, and points of circles.
+
+    They are those of the input, whatever the mesh; only of a plate that is a mesh they are the mesh's.
+    """
+    if support.at is not None:
+        return np.array(support.at, dtype=np.float64)
+    shape = curve(support) or region(support.area)
+    if shape is not None:
+        points = _of_shape(plate, shape)
+    else:
+        names = support.edge if support.edge is not None else (None,)
+        points = np.concatenate([_edge(mesh, plate, name) for name in names])
+    return np.asarray(points[hull(points)])
+
+
+def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
+    """A region or curve, of which only circles about the center of a sector may leave the plate."""
+    drawn = shape.outline
+    points = [drawn.segments.reshape(-1, 2)]
+    points += [along_arc(*arc) for arc in drawn.arcs.tolist()]
+    for x, y, radius in drawn.circles:
+        if isinstance(plate, DiscPlate | AnnulusPlate) and (x, y) == tuple(plate.center):
+            points.append(_arc(plate.center, radius, plate.sector))
+            if plate.sector < 360:
+                inner = plate.inner if isinstance(plate, AnnulusPlate) else 0.0
+                points.append(_arc(plate.center, min(inner, radius), plate.sector))
+        else:
+            points.append(_arc((x, y), radius, 360.0))
+    return np.concatenate(points)
+
+
+def _edge(mesh: Mesh, plate: Plate, name: str | None) -> Floats:
+    """Points of an edge of the plate, of all where there is no name."""
+    if isinstance(plate, MeshPlate):
+        return mesh.points[np.unique(mesh.boundary if name is None else mesh.edges[name])]
+    if name is None:
+        return plate.outline.points()
+    return np.concatenate([contour.points(name) for contour in plate.contours if name in contour.edges])
+
+
+def _arc(center: Point, radius: float, sector: float) -> Floats:
+    """An arc from the x axis on, both its ends included."""
+    turn = np.radians(np.linspace(0.0, sector, 1 + int(np.ceil(_TURN * sector / 360.0))))
+    return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))

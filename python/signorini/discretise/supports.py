@@ -1,4 +1,4 @@
-"""Supports as springs and contact points."""
+"""Supports as springs and contact points, and which of these are each support's."""
 
 from __future__ import annotations
 
@@ -11,10 +11,8 @@ import numpy as np
 from signorini import _core
 from signorini.base.brief import Brief
 from signorini.discretise.averages import MOST, STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
-from signorini.discretise.footprints import mean_deflections
-from signorini.discretise.frames import Held
-from signorini.discretise.holds import holds_deflection, prescribed_rotations, tangents_at_nodes
-from signorini.discretise.placed import Placed
+from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
+from signorini.discretise.placed import Placed, mean_deflections
 from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Rows
@@ -371,3 +369,48 @@ def _once(mesh: Mesh, sampled: Sampled) -> Sampled:
 
 def _pick(sampled: Sampled, which: Bools | Ints) -> Sampled:
     return Sampled(*(getattr(sampled, field.name)[which] for field in fields(sampled)))
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """What is one support's, by number: nodes (h,) whose deflection it holds, and springs (s,).
+
+    ``rows`` (ways, c) are its contact points that hold no slope; a point with travel both ways has two, the first
+    pushing the plate up. ``order`` (h + s + c,) leads from nodes, springs and contact points, one behind the other, to
+    the order of the input.
+    """
+
+    nodes: Ints
+    springs: Ints
+    rows: Ints
+    order: Ints
+
+
+def parts_of(count: int, held: Held, springs: Springs, points: ContactPoints) -> tuple[Parts, ...]:
+    """Part what acts among so many supports."""
+    columns = zip(
+        _grouped(held.holders[:, 1], count),
+        _grouped(springs.support, count),
+        _grouped(np.where(points.slope, count, points.support), count),
+        strict=True,
+    )
+    result = []
+    for holding, own, mine in columns:
+        rows = _by_ways(mine, points)
+        given = np.concatenate([held.numbers[holding], springs.numbers[own], points.numbers[rows[0]]])
+        result.append(Parts(held.holders[holding, 0], own, rows, np.argsort(given, kind="stable")))
+    return tuple(result)
+
+
+def _by_ways(mine: Ints, points: ContactPoints) -> Ints:
+    """Rows (ways, c) of a support: where it has travel both ways, one behind the other those of one point."""
+    up = points.direction[mine] > 0
+    if up.all() or not up.any():
+        return mine.reshape(1, -1)
+    return np.stack([mine[up], mine[~up]])
+
+
+def _grouped(owner: Ints, count: int) -> list[Ints]:
+    """Numbers of the entries of each of so many owners, in order; of any others none."""
+    order = np.argsort(owner, kind="stable")
+    return np.split(order, np.searchsorted(owner[order], np.arange(1, count + 1)))[:count]

@@ -9,9 +9,8 @@ import numpy as np
 
 from signorini import _core
 from signorini.discretise.quadrature.stepped import Cut, crossed, cut_by, sides_of
-from signorini.discretise.rigidity import Rigidity
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.zones import Zones
+from signorini.discretise.zones import Rigidity, Zones
 from signorini.errors import InputError, point
 from signorini.mesh import Mesh
 
@@ -69,13 +68,7 @@ class Thickness:
 
 
 def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
-    """Evaluate the thickness.
-
-    Raises
-    ------
-    InputError
-        If it is not that of a plate somewhere; the message names the place.
-    """
+    """Evaluate the thickness, which is refused where it is not that of a plate."""
     formulas, kind = zones.formulas, zones.model.plate.element
     cut_by_zones = zones.parted.any(axis=0)
     if not cut_by_zones.any() and all(formula.is_constant for formula in formulas):
@@ -234,18 +227,9 @@ def _laminate(
 ) -> Floats:
     """Rigidities (k, p, d, d): the mean along the step; across it, the inverse of the mean of inverses.
 
-    Parameters
-    ----------
-    means : function
-        Means (m, k, p) of a power of the thickness.
-    power : int
-        That with which the rigidities go.
-    plates : (m, d, d) array
-        Rigidities of the materials at thickness 1.
-    strains : (f, d) array
-        Across each front.
-    place, weights : (f,) arrays
-        Its element, and how much it counts there.
+    ``means`` are those (m, k, p) of a power of the thickness; rigidities ``plates`` (m, d, d) of the materials at
+    thickness 1 go with that ``power``. ``strains`` (f, d) are across each front, which is at a place among the elements
+    and counts there by its weight.
     """
     along, part, inverse = means(power), means(0), means(-power)
     mean = np.einsum("mkp,mij->kpij", along, plates)

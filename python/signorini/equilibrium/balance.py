@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini.discretise import Discretisation
-from signorini.discretise.outlines import outline
+from signorini.discretise.places import outline
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError, point
 from signorini.shapes.hull import hull
@@ -30,12 +30,7 @@ _MOST_NUMBERS = 1 << 20
 class Bearing:
     """Places at which one-sided supports act, of many that act the same way the corners of their hull.
 
-    Parameters
-    ----------
-    positions : (k, 2) array
-    moves : (k, d) array
-        How far each of the free rigid motions presses the plate into the support there.
-    support : (k,) array
+    ``moves`` (k, d) is how far each of the free rigid motions presses the plate into the support there.
     """
 
     positions: Floats
@@ -47,22 +42,12 @@ class Bearing:
 class RigidFreedom:
     """What the bilateral supports leave free.
 
-    Parameters
-    ----------
-    motions : (3, d) array
-        Basis of the free rigid motions; components are w, and the slopes times the plate's size, about its middle.
-    moves : (m, d) array
-        How each contact point's row changes with them; two-sided points are among the bilateral supports.
-    outline : Bearing
-        The outlines of one-sided supports: they decide whether the plate can be balanced.
-    on_mesh : Bearing
-        Their contact points: they decide whether the mesh can show it.
-    regular : bool
-        Whether held dofs and springs alone hold the plate, so that K has an inverse.
-    unheld : (3, h) array
-        Basis of the motions that held dofs alone leave free.
-    of_springs, at_contacts : (s, 3), (m, 3) arrays
-        What springs and contact points do in the three motions w, and slopes times the plate's size.
+    ``motions`` (3, d) are a basis of the free rigid motions, as w and the slopes times the plate's size, about its
+    middle; ``moves`` (m, d) how each contact point's row changes with them, two-sided points being among the bilateral
+    supports. The ``outline`` of one-sided supports decides whether the plate can be balanced, their contact points
+    ``on_mesh`` whether the mesh can show it. K is ``regular`` where held dofs and springs alone hold the plate;
+    ``unheld`` (3, h) are motions that held dofs alone leave free. ``of_springs`` (s, 3) and ``at_contacts`` (m, 3) is
+    what springs and contact points do in the three motions.
     """
 
     motions: Floats
@@ -83,10 +68,7 @@ class RigidFreedom:
 def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     """Find the rigid motions that held dofs, springs and two-sided points leave free.
 
-    Raises
-    ------
-    InputError
-        If a motion meets no support at all, one-sided ones included: the plate is a mechanism.
+    A mechanism is refused: a motion that meets no support at all, one-sided ones included.
     """
     contacts = discretisation.contacts
     size = discretisation.mesh.size

@@ -2,7 +2,9 @@
 
 Reactions of one-sided supports have a sign, so by Farkas' lemma they balance the load exactly if no rigid motion that
 every support allows lets the load do work. The motion with the most work is found by a linear program in at most
-three unknowns. Supports reach as far as their outlines, whatever the mesh.
+three unknowns. Supports reach as far as their outlines, whatever the mesh. A plate tips about the line of the allowed
+motion with the most work for its turning: that work is the moment that is short, by duality the least couple with which
+reactions would balance the load.
 """
 
 from __future__ import annotations
@@ -16,8 +18,37 @@ from signorini.base.linear_program import minimise
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.equilibrium.balance import RANK, Bearing, RigidFreedom, allowed_motions, load_size, work_of
-from signorini.equilibrium.tipping import steepest
-from signorini.errors import InputError, point
+from signorini.errors import InputError, length, point
+
+_UP_AND_DOWN = 1e-5
+"""What moving up and down counts for beside turning by as much: little, so that of equal turns the nearest is found."""
+_HOLDS = 1e-9
+"""Part of the largest reaction, and of the motion, that is rounding."""
+
+
+def steepest(motions: Floats, moves: Floats, work: Floats) -> Floats | None:
+    """Find the allowed motion (d,), of largest entry one, whose work (d,) is largest for its turning.
+
+    It minimises ½ turning² - work under moves ≤ 0, whose dual is a nonnegative least-squares problem in the reactions;
+    those that act there name the supports it turns about, and these the motion. ``motions`` (3, d) and ``moves`` (k, d)
+    are those of `RigidFreedom`. None where arithmetic does not tell one.
+    """
+    from scipy.linalg import null_space
+    from scipy.optimize import nnls
+
+    weighed = np.array([_UP_AND_DOWN, 1.0, 1.0])[:, None] * motions
+    metric = weighed.T @ weighed
+    half = np.linalg.inv(np.linalg.cholesky(metric))
+    try:
+        reactions, _ = nnls(half @ moves.T, half @ work)
+    except RuntimeError:
+        return None
+    closed = moves[reactions > _HOLDS * reactions.max(initial=0.0)]
+    free = null_space(closed, rcond=_HOLDS) if len(closed) else np.eye(len(work))
+    motion = free @ np.linalg.solve(free.T @ metric @ free, free.T @ work)
+    motion = motion / max(np.abs(motion).max(initial=0.0), np.finfo(float).tiny)
+    return motion if (moves @ motion).max(initial=0.0) <= _HOLDS and work @ motion > 0 else None
+
 
 WORK = 1e-10
 """Work below this part of the load times the motion is rounding."""
@@ -56,22 +87,11 @@ class Holding:
 class Imbalance:
     """Why no reactions balance a load: it moves the plate off all its supports, or tips it about a line.
 
-    Parameters
-    ----------
-    resultant : float
-        Sum of the load's forces, positive down.
-    way : "up", "down" or None
-        Which way the plate moves off its supports; None where it tips.
-    axis : Axis or None
-        The line about which it tips, if it does.
-    moment : float
-        The moment that is short about that line.
-    hinges, supports : (k, 2) and (k,) arrays
-        Points of the supports' outlines on the line, and whose they are.
-    holding : Holding or None
-        What would hold the plate; None if no force at one point does.
-    limit : (case, factor) or None
-        A case of a combination that at this factor on top of its own would just let it stand.
+    ``resultant`` is the sum of the load's forces, positive down; ``way`` the way in which the plate moves off its
+    supports, or ``axis`` the line about which it tips, ``moment`` what is short about it. ``hinges`` (k, 2) are points
+    of the supports' outlines on the line, ``supports`` (k,) whose they are. ``holding`` is None if no force at one
+    point holds the plate; ``limit`` is a case of a combination and the factor on top of its own at which it would just
+    stand.
     """
 
     resultant: float
@@ -87,26 +107,7 @@ class Imbalance:
 def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
     """Find out why no reactions balance a nodal load (3n,); None where they exist.
 
-    Raises
-    ------
-    InputError
-        If they exist, but the contact points of the mesh do not reach as far as they act.
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> from signorini.equilibrium.balance import rigid_freedom
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
-    ...     load=[{"force": 20e3, "at": [4, 2]}],
-    ... )
-    >>> result = discretise(model)
-    >>> why = imbalance(result, rigid_freedom(result), result.cases["load"].weighing)
-    >>> round(why.moment, 6), round(why.axis.offset, 9), why.hinges.tolist()
-    (20000.0, -3.0, [[3.0, 1.0], [3.0, 3.0]])
+    Where they exist, but the contact points of the mesh do not reach as far as they act, the load is refused.
     """
     if way := _lifting(discretisation, freedom, nodal):
         down, mx, my = (float(part) for part in discretisation.rigid_motions.T @ nodal)
@@ -231,3 +232,70 @@ def _least_holding(
     needed, helped = rays @ resultant / total, -(rays @ extra)
     helping = (helped > RANK) & (needed > 0.0)
     return total * float((needed[helping] / helped[helping]).max()) if helping.any() else None
+
+
+_MOST_HINGES = 4
+"""Points of a support that a plate tips about."""
+
+
+def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
+    """Say why no reactions balance a load, what would, or nothing where they exist."""
+    if why is None:
+        return ""
+    force = discretisation.model.units.force
+    unit = f" {force}" if force else ""
+    text = _lifting_in_words(why, unit) if why.axis is None else _tipping_in_words(discretisation, why, unit)
+    if why.holding is not None:
+        at = point(why.holding.at, discretisation.mesh.size)
+        text += f" An extra {why.holding.force:.6g}{unit} {why.holding.way} at {at} would just hold it."
+    if why.limit is not None:
+        case, factor = why.limit
+        text += f' With the case "{case}" at {factor:.4g} times its factor it would just stand.'
+    return text
+
+
+def _lifting_in_words(why: Imbalance, unit: str) -> str:
+    verb = "lifts off" if why.way == "up" else "drops away from"
+    return (
+        f"The plate {verb} its supports: the load's resultant is {abs(why.resultant):.6g}{unit} {why.way}, and no "
+        "support resists that way."
+    )
+
+
+def _tipping_in_words(discretisation: Discretisation, why: Imbalance, unit: str) -> str:
+    assert why.axis is not None
+    size, owners = discretisation.mesh.size, dict[str, dict[str, None]]()
+    for at, support in zip(why.hinges, why.supports, strict=True):
+        owners.setdefault(point(at, size), {})[discretisation.model.support[support].name] = None
+    alike: dict[str, list[str]] = {}
+    for spot, names in owners.items():
+        alike.setdefault(" and ".join(names), []).append(spot)
+    through = ", ".join(
+        f"{', '.join(spots[:_MOST_HINGES])}{', ...' if len(spots) > _MOST_HINGES else ''} of {names}"
+        for names, spots in alike.items()
+    )
+    hinges = f" through {through}" if through else ""
+    moment_unit = f"{unit} {discretisation.model.units.length}".rstrip() if unit else ""
+    line = line_in_words(why.axis.normal, why.axis.offset, size)
+    return f"The plate tips about the line {line}{hinges}, short by a moment of {why.moment:.6g}{moment_unit}."
+
+
+def line_in_words(normal: Floats, offset: float, size: float) -> str:
+    """Equation of the line normal · x + offset = 0 on a plate of some size, the larger of its coefficients one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> line_in_words(np.array([-0.6, -0.8]), 1.6, 4.0)
+    '0.75 x + y = 2'
+    >>> line_in_words(np.array([1.0, 1e-17]), 1e-16, 4.0)
+    'x = 0'
+    """
+    leading = int(abs(normal[1]) > abs(normal[0]) * (1 + 1e-9))
+    a, b = (round(float(part / normal[leading]), 9) for part in normal)
+    equals = length(-offset / normal[leading], size)
+    if a == 0.0 or b == 0.0:
+        return f"{'xy'[leading]} = {equals}"
+    first = "x" if a == 1.0 else f"{a:.6g} x"
+    second = "y" if abs(b) == 1.0 else f"{abs(b):.6g} y"
+    return f"{first} {'+' if b > 0 else '-'} {second} = {equals}"

@@ -42,28 +42,8 @@ def nearest_limit(
 
     All other cases stay as they are. Of several the nearest to 1 in ratio, of equally near ones the case that the
     combination names last. Reactions of one-sided supports make a cone, so a load alone has no limit: where it can be
-    balanced, any multiple of it can.
-
-    Returns
-    -------
-    (str, float) or None
-        None where no case on its own has a limit, or where the combination is out of balance and none brings it back.
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> from signorini.equilibrium.balance import rigid_freedom
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
-    ...     load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": 20e3, "at": [4, 2]}],
-    ... )
-    >>> result = discretise(model)
-    >>> case, factor = nearest_limit(result, rigid_freedom(result), model.effective_combinations[0])
-    >>> case, round(factor, 6)  # 80 kN at 2 and 20 kN at 4; the edge of the supports is at 3
-    ('Q', 4.0)
+    balanced, any multiple of it can. None where no case on its own has a limit, or where the combination is out of
+    balance and none brings it back.
     """
     acting = {case: factor for case, factor in (combination.factors or {}).items() if factor != 0.0}
     nodal = {case: factor * discretisation.cases[case].weighing for case, factor in acting.items()}
@@ -107,24 +87,7 @@ def floats(discretisation: Discretisation, freedom: RigidFreedom, *loads: Floats
 
 
 def supports_contradict(discretisation: Discretisation) -> bool:
-    """Whether no deflection of the plate agrees with all rigid supports: a linear program in it, for the least overlap.
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> plate = dict(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     mesh={"divisions": [2, 2]},
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> floor = {"at": [[0, 2], [4 / 3, 2]], "resists": "down"}
-    >>> ceiling = {"at": [[2 / 3, 2], [2, 2]], "resists": "up"}
-    >>> stops = ([floor, {**ceiling, "settlement": s}] for s in (0, 0.01))
-    >>> [supports_contradict(discretise(Model(**plate, support=support))) for support in stops]
-    [False, True]
-    """
+    """Whether no deflection of the plate agrees with all rigid supports: a linear program for the least overlap."""
     from scipy.sparse import csr_array, hstack, vstack
 
     contacts, held = discretisation.contacts, discretisation.held

@@ -14,9 +14,8 @@ from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import certified
 from signorini.contact.factoring import Method
 from signorini.contact.problem import ContactProblem
-from signorini.contact.refusal import refusal
 from signorini.contact.selection import chosen
-from signorini.contact.strategy import answered
+from signorini.contact.strategy import answered, refusal
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import NotCertifiedError

@@ -16,11 +16,9 @@ from signorini.model import Load, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
 from signorini.shapes import Circle, Curve, Ring
-from signorini.singularities.boundary import boundary_of
-from signorini.singularities.corners import shears_grow
-from signorini.singularities.ends import ends_of_line, ends_of_load
+from signorini.singularities.boundary import boundary_of, shears_grow
+from signorini.singularities.lines import ends_of_line, ends_of_load, of_cut_elements, of_held_slopes
 from signorini.singularities.singularity import Singularity, as_places
-from signorini.singularities.unfollowed import of_cut_elements, of_held_slopes
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
 _AROUND = 1e-5
@@ -39,20 +37,6 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
     """Name the singularities under some load cases, under all if none are given.
 
     Supports are there whether they act or not: that is known only when it is solved.
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     support=[{"edge": ["left", "right"], "fix": "hard"}],
-    ...     load=[{"force": 20e3, "at": [2, 1.5]}, {"force": 20e3, "at": [2, 2.5], "patch": [0.3, 0.3]}],
-    ... )
-    >>> for one in singularities(discretise(model)):
-    ...     print(one.where, one)
-    ((2.0, 1.5),) Force at a point of load[1]: deflection, moment and shear have no limit as the mesh is refined. ...
     """
     acting = [case for case in discretisation.cases if cases is None or case in cases]
     return (

@@ -8,21 +8,122 @@ height-function quadrature of Saye (2015); what remains is bisected until area a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
-from signorini.discretise.quadrature.pieces import Pieces, straightened
 from signorini.discretise.quadrature.rules import Rule, gauss
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import real_sides
 from signorini.shapes.cuts import Part
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
+_STRAIGHT = 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Curves y(x) between ``ends`` (p, 2) in x: sides of a cut element, their ``owner``, or of the outline.
+
+    ``quadratic`` (p, 2, 3) has coefficients of x and y as polynomials in t, of a stretch on which x is monotone; NaN
+    for a half circle, of which ``circle`` (p, 3) has centre and radius, and which is NaN for the others. ``sign`` (p,)
+    tells whether x grows or falls with t, of a circle whether it is the half of greater or smaller y. ``turns`` (p, 2)
+    marks vertical tangents at the ends.
+    """
+
+    owner: Ints
+    is_side: Bools
+    quadratic: Floats
+    circle: Floats
+    sign: Floats
+    ends: Floats
+    turns: Bools
+
+    def take(self, index: Ints | Bools) -> Pieces:
+        """Select some pieces."""
+        return Pieces(*(getattr(self, item.name)[index] for item in fields(self)))
+
+    @staticmethod
+    def join(parts: Sequence[Pieces]) -> Pieces:
+        """Collect pieces, sorted by owner."""
+        all_ = Pieces(*(np.concatenate([getattr(part, item.name) for part in parts]) for item in fields(Pieces)))
+        return all_.take(np.argsort(all_.owner, kind="stable"))
+
+    @classmethod
+    def of_quadratics(cls, owner: Ints, curves: Floats, is_side: bool) -> Pieces:
+        """Split quadratics (k, 2, 3) on −1 ≤ t ≤ 1 where x turns back."""
+        x0, x1, x2 = curves[:, 0].T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            turn = np.clip(np.nan_to_num(-x1 / (2.0 * x2), nan=1.0), -1.0, 1.0)
+        t = np.stack([np.column_stack([-np.ones_like(turn), turn]), np.column_stack([turn, np.ones_like(turn)])])
+        x = x0[:, None] + t * (x1[:, None] + t * x2[:, None])
+        x = x.reshape(-1, 2)
+        at_turn = (np.abs(x1[:, None] + 2.0 * x2[:, None] * t) <= 1e-12 * np.abs(x2)[:, None]).reshape(-1, 2)
+        at_turn &= np.tile(x2 != 0.0, 2)[:, None]
+        falls = x[:, 1] < x[:, 0]
+        order = np.where(falls[:, None], [1, 0], [0, 1])
+        return cls(
+            owner=np.tile(owner, 2),
+            is_side=np.full(len(x), is_side),
+            quadratic=np.tile(curves, (2, 1, 1)),
+            circle=np.full((len(x), 3), np.nan),
+            sign=np.where(falls, -1.0, 1.0),
+            ends=np.take_along_axis(x, order, axis=1),
+            turns=np.take_along_axis(at_turn, order, axis=1),
+        )
+
+    @classmethod
+    def of_circles(cls, owner: Ints, circles: Floats) -> Pieces:
+        """Split circles (k, 3) into their lower and upper halves."""
+        both = np.tile(circles, (2, 1))
+        return cls(
+            owner=np.tile(owner, 2),
+            is_side=np.zeros(len(both), dtype=bool),
+            quadratic=np.full((len(both), 2, 3), np.nan),
+            circle=both,
+            sign=np.repeat([-1.0, 1.0], len(circles)),
+            ends=both[:, :1] + both[:, 2:] * np.array([-1.0, 1.0]),
+            turns=np.ones((len(both), 2), dtype=bool),
+        )
+
+    @property
+    def straight(self) -> Bools:
+        """Which pieces (p,) are straight."""
+        return np.asarray((self.quadratic[..., 2] == 0.0).all(axis=1))
+
+    def height(self, index: Ints, x: Floats) -> Floats:
+        """Compute y (k,) on the pieces numbered (k,) at x (k,)."""
+        y = np.empty(len(x))
+        round_ = np.isnan(self.quadratic[index, 0, 0])
+        y[round_] = self._on_circle(index[round_], x[round_])
+        y[~round_] = self._on_quadratic(index[~round_], x[~round_])
+        return y
+
+    def _on_circle(self, index: Ints, x: Floats) -> Floats:
+        cx, cy, r = self.circle[index].T
+        return np.asarray(cy + self.sign[index] * np.sqrt(np.maximum((r - (x - cx)) * (r + (x - cx)), 0.0)))
+
+    def _on_quadratic(self, index: Ints, x: Floats) -> Floats:
+        (x0, x1, x2), (y0, y1, y2) = self.quadratic[index].transpose(1, 2, 0)
+        sign = self.sign[index]
+        # dx/dt is this root; of the two forms of t the one that does not cancel.
+        root = sign * np.sqrt(np.maximum(x1 * x1 + 4.0 * x2 * (x - x0), 0.0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = np.where(x1 * sign > 0.0, 2.0 * (x - x0) / (x1 + root), (root - x1) / (2.0 * x2))
+        t = np.clip(np.nan_to_num(t), -1.0, 1.0)
+        return np.asarray(y0 + t * (y1 + t * y2))
+
+
+def straightened(curves: Floats) -> Floats:
+    """Leave out of quadratics (k, 2, 3) a bend that is only rounding."""
+    bend = np.abs(curves[..., 2]).max(axis=1)
+    size = np.abs(curves[..., 1]).max(axis=1) + np.abs(curves[..., 0]).max(axis=1)
+    result = curves.copy()
+    result[bend <= _STRAIGHT * size, :, 2] = 0.0
+    return result
+
 
 _THIN = 1e-13
 _ROUNDED = 8.0 * np.finfo(float).eps
@@ -74,26 +175,11 @@ class _Cells:
 
 
 def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool = False) -> Parts:
-    """Divide a mesh by a region.
+    """Divide a mesh by a region, whose outline may cut elements in any way, or leave the mesh.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        The mesh.
-    region : Region
-        Whose outline may cut elements in any way, or leave the mesh.
-    order : int
-        Gauss points across a strip.
-    rule : callable
-        In place of Gauss's, one as exact; of Lobatto's rule points are on the outline.
-    follow : bool
-        Whether sides of elements that stand for arcs of the outline are the outline: slivers between both, which would
-        have points of next to no weight, are neither cut off nor cut out.
-
-    Returns
-    -------
-    Parts
-        The elements inside, and positive weights that give area and first moments of the rest to rounding.
+    Across a strip there are ``order`` points of Gauss's rule, or of one as exact: of Lobatto's points are on the
+    outline. To ``follow`` is to take sides that stand for arcs of the outline for it: slivers between both, which would
+    have points of next to no weight, are neither cut off nor cut out.
     """
     x0, y0, x1, y1 = region.bounds
     boxes = mesh.boxes

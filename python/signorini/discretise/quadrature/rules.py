@@ -7,37 +7,24 @@ from functools import cache
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini._core import section_points
+from signorini.discretise.rows import Floats
 
-Floats = npt.NDArray[np.float64]
 Rule: TypeAlias = Callable[[int], tuple[Floats, Floats]]
 """Points and weights, given how many."""
 
 
 @cache
 def gauss(count: int) -> tuple[Floats, Floats]:
-    """Gauss's rule (count,), exact to the degree 2·count − 1.
-
-    Examples
-    --------
-    >>> gauss(2)[0].round(6)
-    array([-0.57735,  0.57735])
-    """
+    """Gauss's rule (count,), exact to the degree 2·count − 1."""
     points, weights = np.polynomial.legendre.leggauss(count)
     return np.asarray(points), np.asarray(weights)
 
 
 @cache
 def lobatto(count: int) -> tuple[Floats, Floats]:
-    """Lobatto's rule with one point more, and so as exact: to the degree 2·count − 1.
-
-    Examples
-    --------
-    >>> lobatto(3)[0].round(6), lobatto(3)[1].round(6)
-    (array([-1.      , -0.447214,  0.447214,  1.      ]), array([0.166667, 0.833333, 0.833333, 0.166667]))
-    """
+    """Lobatto's rule with one point more, and so as exact: to the degree 2·count − 1."""
     last = np.polynomial.legendre.Legendre.basis(count)
     inner = np.sort(np.real(last.deriv().roots()))
     points = np.concatenate([[-1.0], 0.5 * (inner - inner[::-1]), [1.0]])
