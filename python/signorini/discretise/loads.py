@@ -10,9 +10,9 @@ import numpy as np
 from signorini import _core
 from signorini.discretise.held import Held
 from signorini.discretise.placed import Footprints
-from signorini.discretise.places import Sampled, along_curve, in_area, located, mesh_edges, region
-from signorini.discretise.quadrature import Quadrature, area_quadrature
-from signorini.discretise.quadrature.stepped import Levels, crossed, cut_by
+from signorini.discretise.places import along_curve, in_area, located, mesh_edges, region
+from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
+from signorini.discretise.quadrature.stepped import Levels, among, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
 from signorini.discretise.sections import Sections
 from signorini.discretise.sections.sections import Push, Spread
@@ -194,7 +194,7 @@ class Onto:
         """All of it."""
         return CaseLoad(self._nodal, np.zeros(3), self._couples, self._nodal, self.through)
 
-    def push(self, points: Sampled | Quadrature, force: Floats) -> None:
+    def push(self, points: Quadrature, force: Floats) -> None:
         """Add forces (q,) at points."""
         self._add(points.elements, points.xi, force)
         self.through += self._sections.of_points(points.elements, points.xi, points.positions, force)
@@ -211,7 +211,7 @@ class Onto:
         self._add(over.elements, over.xi, force)
         self.through += self._sections.of_spread(over.elements, over.xi, force, spread)
 
-    def twist(self, plate: _core.Plate, points: Sampled, moment: tuple[float, float]) -> None:
+    def twist(self, plate: _core.Plate, points: LineQuadrature, moment: tuple[float, float]) -> None:
         """Add a couple at each of some points."""
         dofs = (3 * self.mesh.elements[points.elements][:, :, None] + np.arange(3)).reshape(-1, 24)
         for field_, couple in enumerate(moment, start=1):
@@ -245,15 +245,8 @@ def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrat
     if not len(parted):
         return over
     levels = [*levels, *zones.borders]
-    across = crossed(mesh, parted, levels)
-    cut = cut_by(mesh, parted, [level for level, some in zip(levels, across, strict=True) if some.any()], order)
-    rest = ~np.isin(over.elements, parted)
-    return Quadrature(
-        np.concatenate([over.elements[rest], cut.elements]),
-        np.concatenate([over.xi[rest], cut.xi]),
-        np.concatenate([over.weights[rest], cut.weights]),
-        np.concatenate([over.positions[rest], cut.positions]),
-    )
+    cut = cut_by(mesh, parted, among(levels, crossed(mesh, parted, levels)), order)
+    return Quadrature.join([over.pick(~np.isin(over.elements, parted)), cut.points])
 
 
 def _turning(over: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:

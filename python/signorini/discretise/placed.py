@@ -9,8 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from signorini.discretise.places import Sampled, edge_sides, located, mesh_edges
-from signorini.discretise.quadrature import Quadrature, area_quadrature, off_plate
+from signorini.discretise.places import edge_sides, located, mesh_edges
+from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature, off_plate
 from signorini.discretise.rows import Floats, Further, Ints, Rows
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
@@ -138,7 +138,7 @@ class Placed:
 
     place: Place
     support: Support
-    points: Sampled | None
+    points: LineQuadrature | None
     nodes: Ints
     sides: Ints | None
     footprints: list[Quadrature]
@@ -172,7 +172,7 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
     return result
 
 
-def _at_one_place(mesh: Mesh, sampled: Sampled, taken: Floats) -> tuple[Sampled, Ints]:
+def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[LineQuadrature, Ints]:
     """Put points that are all but at a node, or at a point (k, 2) that is taken, at just that; return the nodes too.
 
     Where one of two points holds both ways, what they say of the plate is then the same, and not nearly the same, which
@@ -192,7 +192,7 @@ def _at_one_place(mesh: Mesh, sampled: Sampled, taken: Floats) -> tuple[Sampled,
     return replace(sampled, elements=where.elements, xi=where.xi), nodes
 
 
-def _nodes_at(mesh: Mesh, sampled: Sampled) -> Ints:
+def _nodes_at(mesh: Mesh, sampled: LineQuadrature) -> Ints:
     nodes = mesh.elements[sampled.elements]
     offset = mesh.points[nodes] - sampled.positions[:, None]
     distance = np.hypot(offset[..., 0], offset[..., 1])

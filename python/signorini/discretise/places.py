@@ -32,27 +32,12 @@ _SECTOR_SLACK = 1e-3
 """Part of a circle that a sector's outline, made of parabolas, may leave out; and of a hole that its own may."""
 
 
-@dataclass(frozen=True, eq=False)
-class Sampled:
-    """Points (q, 2) of the plate with their elements, reference points, weights (1, length or area) and tangents.
-
-    ``within`` (q, 2) is where formulas that jump are evaluated: at the point, or beside it in what it stands for.
-    """
-
-    elements: Ints
-    xi: Floats
-    weights: Floats
-    positions: Floats
-    tangents: Floats
-    within: Floats
-
-
 def region(area: Area | str | None) -> Region | None:
     """The region of the plane that an area names; None for the whole plate."""
     return area.region if isinstance(area, Area) else None
 
 
-def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sampled:
+def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> LineQuadrature:
     """Points given by their coordinates; those that are not on the plate are refused."""
     positions = np.array(at, dtype=np.float64)
     where = mesh.locate(positions)
@@ -78,7 +63,7 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sa
         )
     # A point of a circle is all but on the curved side that stands for it.
     xi = mesh.onto_curved_sides(where, mesh.near.written)
-    return Sampled(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
+    return LineQuadrature(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
 
 
 def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
@@ -125,20 +110,20 @@ def along_curve(
     order: int,
     at_ends: int = 0,
     levels: Levels = (),
-) -> Sampled:
+) -> LineQuadrature:
     """Gauss points of the item's edge, line or circle, divided where levels change sign; weights are lengths.
 
     ``sides`` are those of `mesh_edges`. If ``at_ends`` is not 0, so many points of Lobatto's rule on pieces at ends and
     corners.
     """
     if sides is not None:
-        return _sampled(edge_quadrature(mesh, sides, order, at_ends > 0, levels))
+        return edge_quadrature(mesh, sides, order, at_ends > 0, levels)
     along = curve(item)
     assert along is not None  # an item on a curve has an edge, a line or a circle
     points = curve_quadrature(mesh, along, order, at_ends, levels)
     key = "line" if item.line is not None else "circle"
     _require_on_plate(mesh, plate, along, points, f"The {key}", (*place, key))
-    return _sampled(points)
+    return points
 
 
 def in_area(
@@ -204,10 +189,6 @@ def _how_far(mesh: Mesh, shape: Region | Curve) -> str:
     begin, end = sides.transpose(1, 0, 2)
     far = distances(corners, begin, end).min(axis=1)
     return f", up to {far.max():.3g} beyond it at {point(corners[far.argmax()], mesh.size)}"
-
-
-def _sampled(points: LineQuadrature) -> Sampled:
-    return Sampled(points.elements, points.xi, points.weights, points.positions, points.tangents, points.within)
 
 
 @dataclass(frozen=True, eq=False)

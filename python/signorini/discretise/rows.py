@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, fields
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -123,3 +123,27 @@ def _matrix(owners: Ints, coefficients: Floats, elements: Ints, size: int) -> cs
     matrix = csr_array((values.ravel(), dofs.take(owners, axis=0).ravel(), starts), shape=(len(owners), size))
     matrix.eliminate_zeros()
     return matrix
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Arrays, or rows, of equal length, one entry a row."""
+
+    def __len__(self) -> int:
+        """Count the rows."""
+        return len(getattr(self, fields(self)[0].name))
+
+    def pick(self, which: Bools | Ints) -> Self:
+        """Keep the rows marked; where that is every one, no copy is made."""
+        if which.dtype == np.bool_ and which.all():
+            return self
+        return type(self)(*(getattr(self, one.name)[which] for one in fields(self)))
+
+    @classmethod
+    def join(cls, parts: Sequence[Self]) -> Self:
+        """Put tables behind one another; of one that is not empty no copy is made."""
+        filled = [part for part in parts if len(part)]
+        if len(filled) == 1:
+            return filled[0]
+        columns: list[list[Any]] = [[getattr(part, one.name) for part in parts] for one in fields(cls)]
+        return cls(*(Rows.join(each) if isinstance(each[0], Rows) else np.concatenate(each) for each in columns))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -13,9 +13,10 @@ from signorini.base.brief import Brief
 from signorini.discretise.averages import MOST, STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
 from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
 from signorini.discretise.placed import Placed, mean_deflections
-from signorini.discretise.places import Sampled, along_curve, edge_nodes, in_area
+from signorini.discretise.places import along_curve, edge_nodes, in_area
+from signorini.discretise.quadrature import LineQuadrature
 from signorini.discretise.quadrature.stepped import INSIDE
-from signorini.discretise.rows import Bools, Floats, Ints, Rows
+from signorini.discretise.rows import Bools, Floats, Ints, Rows, Table
 from signorini.errors import Place, Problems
 from signorini.expression.levels import Level
 from signorini.mesh import Mesh
@@ -42,37 +43,10 @@ _OFF = 0.02
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class _Table(Brief):
-    """Arrays of equal length, one entry a row."""
-
-    rows: Rows
-
-    def __len__(self) -> int:
-        """Count the rows."""
-        return len(self.rows)
-
-    @classmethod
-    def join(cls, parts: Sequence[Self]) -> Self:
-        """Put tables behind one another; of one that is not empty no copy is made."""
-        filled = [part for part in parts if len(part)]
-        if len(filled) == 1:
-            return filled[0]
-        names = [field.name for field in fields(cls)][1:]
-        columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-        return cls(Rows.join([part.rows for part in parts]), **columns)
-
-    def pick(self, which: Bools | Ints) -> Self:
-        """Keep the rows marked; where that is every one, no copy is made."""
-        if which.dtype == np.bool_ and which.all():
-            return self
-        names = [field.name for field in fields(self)]
-        return type(self)(**{name: getattr(self, name)[which] for name in names})
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Springs(_Table):
+class Springs(Table, Brief):
     """Linear springs: stiffness and base (m,); position (m, 2), weight and support of each, ``numbers`` as below."""
 
+    rows: Rows
     stiffness: Floats
     base: Floats
     positions: Floats
@@ -87,7 +61,7 @@ class Springs(_Table):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ContactPoints(_Table):
+class ContactPoints(Table, Brief):
     """Contact points: row·u + gap − compliance·reaction = distance.
 
     Of ``distance`` the part ``settlement`` is that of the base in the row's direction; the rest is free travel.
@@ -98,6 +72,7 @@ class ContactPoints(_Table):
     which of its support's points each is, as the input lists them from 0; 0 along lines and on areas.
     """
 
+    rows: Rows
     distance: Floats
     settlement: Floats
     compliance: Floats
@@ -127,7 +102,7 @@ class _Acting:
     numbers: Ints | None = None
 
     @classmethod
-    def of(cls, rows: Rows, sampled: Sampled, slope: Floats | None = None, numbers: Ints | None = None) -> Self:
+    def of(cls, rows: Rows, sampled: LineQuadrature, slope: Floats | None = None, numbers: Ints | None = None) -> Self:
         """Rows of points of the plate."""
         return cls(rows, sampled.positions, sampled.within, sampled.weights, slope, None, numbers)
 
@@ -181,7 +156,7 @@ def _acting(
         at_nodes = (placed.nodes >= 0) & ~held.bodies.inside[placed.nodes]
         at_nodes &= holds_deflection(support) or not deflection
         (numbers,) = np.nonzero(~at_nodes)
-        sampled = _pick(placed.points, numbers)
+        sampled = placed.points.pick(numbers)
         rows = mean_deflections(mesh, placed.footprints) if placed.footprints else _rows(plate, sampled, 0)
         result = [_Acting.of(rows, sampled, numbers=numbers)] if deflection else []
         if "slope" in support.fixed:
@@ -207,12 +182,12 @@ def _acting(
             return []
         at = mesh.points[on.nodes[some]]
         where = mesh.locate(at)
-        sampled = Sampled(where.elements, where.xi, on.weights[some], at, np.zeros_like(at), at)
+        sampled = LineQuadrature(where.elements, where.xi, on.weights[some], at, np.zeros_like(at), at)
         if support.fixed:
             tangents = tangents_at_nodes(mesh, triples)
             each = [tangents[node] for node in on.nodes[some].tolist()]
             number = np.repeat(np.arange(len(each)), [len(directions) for directions in each])
-            turned = replace(_pick(sampled, number), tangents=np.concatenate(each))
+            turned = replace(sampled.pick(number), tangents=np.concatenate(each))
     result = [_Acting.of(_rows(plate, sampled, 0), sampled)] if deflection else []
     turned = sampled if turned is None else turned
     tx, ty = turned.tangents.T
@@ -248,7 +223,7 @@ def _on_area(
     no_tangents, within = np.broadcast_to(0.0, points.positions.shape), points.positions
     if _steps(support):
         within = mesh.map(points.elements, mesh.inward(points.elements, points.xi, INSIDE))
-    sampled = Sampled(points.elements, points.xi, points.weights, points.positions, no_tangents, within)
+    sampled = LineQuadrature(points.elements, points.xi, points.weights, points.positions, no_tangents, within)
     through = _Acting.of(_rows(plate, sampled, 0), sampled)
     covered = np.bincount(sampled.elements, minlength=len(mesh.elements)) > 0
     if elastic and not one_sided:
@@ -304,12 +279,12 @@ def _springs_or_contacts(of_elements: PlateStiffness, placed: Placed, acting: _A
     ]
 
 
-def _rows(plate: _core.Plate, sampled: Sampled, field: int) -> Rows:
+def _rows(plate: _core.Plate, sampled: LineQuadrature, field: int) -> Rows:
     coefficients, _ = plate.interpolation_rows(sampled.elements, sampled.xi, field)
     return Rows(sampled.elements, coefficients)
 
 
-def _along(plate: _core.Plate, sampled: Sampled, dx: Floats, dy: Floats) -> Rows:
+def _along(plate: _core.Plate, sampled: LineQuadrature, dx: Floats, dy: Floats) -> Rows:
     """Rows of the slope along directions (dx, dy)."""
     x, y = _rows(plate, sampled, 1), _rows(plate, sampled, 2)
     return Rows(x.elements, dx[:, None] * x.coefficients + dy[:, None] * y.coefficients)
@@ -356,7 +331,7 @@ def _with(mesh: Mesh, plate: _core.Plate, held: Bools, acting: _Acting, result: 
     )
 
 
-def _once(mesh: Mesh, sampled: Sampled) -> Sampled:
+def _once(mesh: Mesh, sampled: LineQuadrature) -> LineQuadrature:
     """Points of a line each once, where its pieces share them."""
     _, first, point = np.unique(
         np.round(sampled.positions / mesh.near.place), axis=0, return_index=True, return_inverse=True
@@ -364,11 +339,7 @@ def _once(mesh: Mesh, sampled: Sampled) -> Sampled:
     order = np.sort(first)
     weights = np.bincount(point.ravel(), sampled.weights).astype(np.float64)[point.ravel()]
     once = replace(sampled, weights=weights)
-    return _pick(once, np.isin(np.arange(len(weights)), order))
-
-
-def _pick(sampled: Sampled, which: Bools | Ints) -> Sampled:
-    return Sampled(*(getattr(sampled, field.name)[which] for field in fields(sampled)))
+    return once.pick(np.isin(np.arange(len(weights)), order))
 
 
 @dataclass(frozen=True, eq=False)

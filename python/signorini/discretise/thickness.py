@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.quadrature.stepped import Cut, crossed, cut_by, sides_of
+from signorini.discretise.quadrature import Quadrature
+from signorini.discretise.quadrature.stepped import Cut, among, crossed, cut_by, sides_of
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Rigidity, Zones
 from signorini.errors import InputError, point
@@ -91,9 +92,8 @@ def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
     elements = np.flatnonzero(across.any(axis=0) | cut_by_zones)
     if not len(elements):
         return Thickness(at_points, nominal)
-    levels = [level for level, by_element in zip(levels, across, strict=True) if by_element.any()]
-    cut = cut_by(mesh, elements, levels, _ORDER, quarter=True)
-    inside = _evaluated(zones, mesh, cut.elements, cut.positions)[:2]
+    cut = cut_by(mesh, elements, among(levels, across), _ORDER, quarter=True)
+    inside = _evaluated(zones, mesh, cut.points.elements, cut.points.positions)[:2]
     fronts = _jumps(zones, mesh, cut)
     jumping = np.unique(fronts.elements)
     sections = _sections(zones.rigidities, mesh, xi[jumping], jumping, cut, inside, fronts)
@@ -191,7 +191,7 @@ def _sections(
     place = np.searchsorted(elements, fronts.elements)
     weights = fronts.weights / np.bincount(place, fronts.weights, len(elements))[place]
     used, number = np.unique(inside[1], return_inverse=True)
-    means = _quarter_means(mesh, xi, elements, cut, inside[0], number)
+    means = _quarter_means(mesh, xi, elements, cut.points, inside[0], number)
     own = [rigidities[i] for i in used]
     b = _laminate(means, 3, np.array([one.bending for one in own]), bent, place, weights)
     s = _laminate(means, 1, np.array([one.shear for one in own]), n, place, weights)
@@ -200,7 +200,7 @@ def _sections(
 
 
 def _quarter_means(
-    mesh: Mesh, xi: Floats, elements: Ints, cut: Cut, thickness: Floats, number: Ints
+    mesh: Mesh, xi: Floats, elements: Ints, cut: Quadrature, thickness: Floats, number: Ints
 ) -> Callable[[int], Floats]:
     """Mean of a power of the thickness over the quarters around each point (k, p, 2) of the elements.
 

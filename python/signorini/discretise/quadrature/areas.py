@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from signorini._core import serendipity, triangular
 from signorini.discretise.quadrature.cutcells import cut
-from signorini.discretise.quadrature.rules import collapsed, gauss, lobatto, radon
-from signorini.discretise.quadrature.stepped import OFF, Levels, crossed, cut_by, sides_of
+from signorini.discretise.quadrature.rules import Quadrature, collapsed, gauss, lobatto, radon
+from signorini.discretise.quadrature.stepped import OFF, Levels, among, crossed, cut_by, sides_of
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.mesh.curves import at_ends
@@ -25,25 +24,6 @@ _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (2, 0), 6: (0, 1), 5: (1, 2), 7: (0
 """From which corners of a triangle the lines of a rule run to its sides on the outline, which are 1, 2 and 4 in sum."""
 _ROUNDINGS = 16.0
 """Of a coordinate, on the way from corners to an area."""
-
-
-@dataclass(frozen=True, eq=False)
-class Quadrature:
-    """Points and weights of an integral over the plate or part of it.
-
-    ``xi`` (q, 2) are reference points in ``elements`` (q,), ``positions`` (q, 2) where they are in the plane.
-    ``weights`` (q,) are positive and sum to the area or length, the Jacobian included.
-    """
-
-    elements: Ints
-    xi: Floats
-    weights: Floats
-    positions: Floats
-
-    @property
-    def total(self) -> float:
-        """Area or length that was found on the plate."""
-        return float(self.weights.sum())
 
 
 def area_quadrature(
@@ -70,11 +50,11 @@ def area_quadrature(
     across = crossed(mesh, elements, levels)
     if not across.any():
         return smooth
-    elements, levels = elements[across.any(axis=0)], _those(across, levels)
+    elements, levels = elements[across.any(axis=0)], among(levels, across)
     if region is not None:
         outline = sides_of(region)
-        levels += _those(crossed(mesh, elements, outline), outline)
-    result = cut_by(mesh, elements, levels, order, off)
+        levels += among(outline, crossed(mesh, elements, outline))
+    result = cut_by(mesh, elements, levels, order, off).points
     inside = np.ones(len(result.weights), dtype=bool) if region is None else region.contains(result.positions)
     # On curved outlines the cuts are not exact; the area of the part on the region is known.
     count = len(mesh.elements)
@@ -82,20 +62,8 @@ def area_quadrature(
     cut_area = np.bincount(result.elements[inside], result.weights[inside], count)
     done = np.isin(np.arange(count), elements) & (cut_area > 0.0)
     keep, inside = ~done[smooth.elements], inside & done[result.elements]
-    elements = np.concatenate([smooth.elements[keep], result.elements[inside]])
-    by_element = np.argsort(elements, kind="stable")
     weights = result.weights * (area / np.where(done, cut_area, 1.0))[result.elements]
-    return Quadrature(
-        elements[by_element],
-        np.vstack([smooth.xi[keep], result.xi[inside]])[by_element],
-        np.concatenate([smooth.weights[keep], weights[inside]])[by_element],
-        np.vstack([smooth.positions[keep], result.positions[inside]])[by_element],
-    )
-
-
-def _those(across: Bools, levels: Levels) -> list[Callable[[Floats], Floats]]:
-    """Levels that cross any element."""
-    return [level for level, by_element in zip(levels, across, strict=True) if by_element.any()]
+    return _by_element([smooth.pick(keep), replace(result, weights=weights).pick(inside)])
 
 
 def _smooth(mesh: Mesh, region: Part | None, order: int, to_outline: Bools | None, follow: bool) -> Quadrature:
@@ -117,12 +85,8 @@ def _smooth(mesh: Mesh, region: Part | None, order: int, to_outline: Bools | Non
 
 
 def _by_element(parts: list[Quadrature]) -> Quadrature:
-    filled = [part for part in parts if len(part.elements)] or parts[:1]
-    if len(filled) == 1:
-        return filled[0]
-    order = np.argsort(np.concatenate([part.elements for part in filled]), kind="stable")
-    names = ("elements", "xi", "weights", "positions")
-    return Quadrature(*(np.concatenate([getattr(part, name) for part in filled])[order] for name in names))
+    joined = Quadrature.join(parts)
+    return joined.pick(np.argsort(joined.elements, kind="stable"))
 
 
 def _whole(mesh: Mesh, elements: Ints, order: int, outer: Bools) -> list[Quadrature]:

@@ -8,14 +8,13 @@ height-function quadrature of Saye (2015); what remains is bisected until area a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
 from signorini.discretise.quadrature.rules import Rule, gauss
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints, Table
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import real_sides
 from signorini.shapes.cuts import Part
@@ -24,7 +23,7 @@ _STRAIGHT = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class Pieces(Table):
     """Curves y(x) between ``ends`` (p, 2) in x: sides of a cut element, their ``owner``, or of the outline.
 
     ``quadratic`` (p, 2, 3) has coefficients of x and y as polynomials in t, of a stretch on which x is monotone; NaN
@@ -40,16 +39,6 @@ class Pieces:
     sign: Floats
     ends: Floats
     turns: Bools
-
-    def take(self, index: Ints | Bools) -> Pieces:
-        """Select some pieces."""
-        return Pieces(*(getattr(self, item.name)[index] for item in fields(self)))
-
-    @staticmethod
-    def join(parts: Sequence[Pieces]) -> Pieces:
-        """Collect pieces, sorted by owner."""
-        all_ = Pieces(*(np.concatenate([getattr(part, item.name) for part in parts]) for item in fields(Pieces)))
-        return all_.take(np.argsort(all_.owner, kind="stable"))
 
     @classmethod
     def of_quadratics(cls, owner: Ints, curves: Floats, is_side: bool) -> Pieces:
@@ -152,16 +141,13 @@ class Parts:
 
 
 @dataclass(frozen=True, eq=False)
-class _Cells:
+class _Cells(Table):
     """Parts of strips: cut element (c,), range in x (c, 2), curves below and above (c, 2), vertical tangents (c, 2)."""
 
     owner: Ints
     x: Floats
     between: Ints
     singular: Bools
-
-    def take(self, index: Ints | Bools) -> _Cells:
-        return _Cells(*(getattr(self, item.name)[index] for item in fields(self)))
 
     def halves(self) -> _Cells:
         middle = self.x.mean(axis=1)
@@ -252,6 +238,7 @@ def _pieces(
             Pieces.of_circles(by_circle, circles),
         ]
     )
+    pieces = pieces.pick(np.argsort(pieces.owner, kind="stable"))
     with_line, line_points = with_segments(sides[by_segment].reshape(-1, 2, 3), np.repeat(segments, 4, axis=0))
     with_arc, arc_points = with_circles(sides[by_circle].reshape(-1, 2, 3), np.repeat(circles, 4, axis=0))
     owner = np.concatenate([np.repeat(pieces.owner, 2), by_segment[with_line // 4], by_circle[with_arc // 4]])
@@ -303,8 +290,8 @@ def _integrate(
 ) -> tuple[Ints, Floats, Floats]:
     """Place points in the cells, bisecting in x those bounded by curves until converged."""
     straight = np.asarray(pieces.straight[cells.between].all(axis=1))
-    done = [_points(pieces, cells.take(straight), order + 1, order, rule)]
-    cells = cells.take(~straight)
+    done = [_points(pieces, cells.pick(straight), order + 1, order, rule)]
+    cells = cells.pick(~straight)
     extent = boxes[:, 2:] - boxes[:, :2]
     tolerance = (_CONVERGED * np.minimum(extent.prod(axis=1), area))[:, None]
     noise = 4.0 * np.finfo(float).eps * np.nanmax(np.abs(pieces.circle), initial=np.abs(boxes).max(initial=0.0))
@@ -315,8 +302,8 @@ def _integrate(
         fine = _moments(pieces, halves, boxes).reshape(2, -1, 3).sum(axis=0)
         rounding = noise * np.diff(cells.x)
         converged = (np.abs(fine - coarse) <= tolerance[cells.owner] + rounding).all(axis=1)
-        done.append(_points(pieces, cells.take(converged), _CURVED_POINTS, order, rule))
-        cells = halves.take(np.tile(~converged, 2))
+        done.append(_points(pieces, cells.pick(converged), _CURVED_POINTS, order, rule))
+        cells = halves.pick(np.tile(~converged, 2))
     done.append(_points(pieces, cells, _CURVED_POINTS, order, rule))
     owner, positions, weights = (np.concatenate(parts) for parts in zip(*done, strict=True))
     by_owner = np.argsort(owner, kind="stable")

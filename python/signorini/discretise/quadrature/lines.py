@@ -9,9 +9,8 @@ from functools import partial
 
 import numpy as np
 
-from signorini.discretise.quadrature.areas import Quadrature
 from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
-from signorini.discretise.quadrature.rules import gauss, lobatto
+from signorini.discretise.quadrature.rules import LineQuadrature, gauss, lobatto
 from signorini.discretise.quadrature.stepped import INSIDE, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
@@ -221,23 +220,6 @@ def divided(
     owner, s = owner[keep], s[keep]
     last = np.append(np.diff(owner) > 0, True)
     return owner, s, np.where(last, end[owner], np.append(s[1:], 0.0))
-
-
-@dataclass(frozen=True, eq=False)
-class LineQuadrature(Quadrature):
-    """Quadrature along lines, with the unit tangent (q, 2) at each point.
-
-    ``within`` (q, 2) is a place beside each point that is inside its piece, where a formula has the piece's own value
-    even if the point is where it jumps.
-    """
-
-    tangents: Floats
-    within: Floats
-
-    @property
-    def normals(self) -> Floats:
-        """Unit normals (q, 2) to the right of the tangents: outward where the plate is on the left."""
-        return np.column_stack([self.tangents[:, 1], -self.tangents[:, 0]])
 
 
 def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0, levels: Levels = ()) -> LineQuadrature:

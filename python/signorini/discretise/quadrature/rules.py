@@ -1,18 +1,55 @@
-"""Rules on −1 ≤ t ≤ 1: Gauss's, and Lobatto's, which has points at both ends; and on triangles."""
+"""Rules on −1 ≤ t ≤ 1 (Gauss, and Lobatto, which has points at both ends) and on triangles; points on a mesh."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from typing import TypeAlias
 
 import numpy as np
 
 from signorini._core import section_points
-from signorini.discretise.rows import Floats
+from signorini.discretise.rows import Floats, Ints, Table
 
 Rule: TypeAlias = Callable[[int], tuple[Floats, Floats]]
 """Points and weights, given how many."""
+
+
+@dataclass(frozen=True, eq=False)
+class Quadrature(Table):
+    """Points and weights of an integral over the plate or part of it.
+
+    ``xi`` (q, 2) are reference points in ``elements`` (q,), ``positions`` (q, 2) where they are in the plane.
+    ``weights`` (q,) are positive and sum to the area or length, the Jacobian included.
+    """
+
+    elements: Ints
+    xi: Floats
+    weights: Floats
+    positions: Floats
+
+    @property
+    def total(self) -> float:
+        """Area or length that was found on the plate."""
+        return float(self.weights.sum())
+
+
+@dataclass(frozen=True, eq=False)
+class LineQuadrature(Quadrature):
+    """Quadrature along lines, with the unit tangent (q, 2) at each point.
+
+    ``within`` (q, 2) is a place beside each point that is inside its piece, where a formula has the piece's own value
+    even if the point is where it jumps.
+    """
+
+    tangents: Floats
+    within: Floats
+
+    @property
+    def normals(self) -> Floats:
+        """Unit normals (q, 2) to the right of the tangents: outward where the plate is on the left."""
+        return np.column_stack([self.tangents[:, 1], -self.tangents[:, 0]])
 
 
 @cache

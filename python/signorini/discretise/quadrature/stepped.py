@@ -11,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
-from signorini.discretise.quadrature.rules import collapsed, gauss
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.quadrature.rules import Quadrature, collapsed, gauss
+from signorini.discretise.rows import Bools, Floats, Ints, Table
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import TRIANGLE_CORNERS
 from signorini.shapes.cuts import Part
@@ -25,7 +26,7 @@ _EMPTY = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
-class Triangles:
+class Triangles(Table):
     """Triangles with the box (t,) each is a part of, corners (t, 3, 2), and the area (t,) of the box."""
 
     box: Ints
@@ -39,10 +40,6 @@ class Triangles:
         a, b, c, d = (np.column_stack(corner) for corner in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
         corners = np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1)
         return cls(np.repeat(which, 2), corners.reshape(-1, 3, 2), np.repeat((x1 - x0) * (y1 - y0), 2))
-
-    def take(self, which: Bools) -> Triangles:
-        """Select some."""
-        return Triangles(self.box[which], self.corners[which], self.of[which])
 
     @property
     def area(self) -> Floats:
@@ -76,8 +73,7 @@ def split(triangles: Triangles, planes: Floats, changes: Bools) -> tuple[Triangl
         np.concatenate([triangles.corners[~cut], parts]),
         np.concatenate([triangles.of[~cut], np.tile(triangles.of[cut], 3)]),
     )
-    there = made.area > _EMPTY * made.of
-    return Triangles(made.box[there], made.corners[there], made.of[there]), own[cut], ends
+    return made.pick(made.area > _EMPTY * made.of), own[cut], ends
 
 
 def gauss_on_triangles(triangles: Triangles, order: int) -> tuple[Ints, Floats, Floats]:
@@ -120,17 +116,10 @@ _HYPOTENUSE = np.array([1.0, -1.0, -1.0])
 """Of triangles the plane above zero inside them."""
 
 
-@dataclass(frozen=True, eq=False)
-class Cut:
-    """Elements cut by steps: points with their elements, reference points (q, 2), positions (q, 2) and weights.
+class Cut(NamedTuple):
+    """Points of elements cut by steps, and the pieces of these: reference points (f, 2, 2) of elements (f,)."""
 
-    ``fronts`` (f, 2, 2) are the pieces of the steps, from one reference point to another of ``front_elements`` (f,).
-    """
-
-    elements: Ints
-    xi: Floats
-    positions: Floats
-    weights: Floats
+    points: Quadrature
     front_elements: Ints
     fronts: Floats
 
@@ -168,19 +157,23 @@ def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
     return result
 
 
+def among(levels: Levels, across: Bools) -> list[Callable[[Floats], Floats]]:
+    """Those of the levels that change their sign in any element, given in which (levels, k)."""
+    return [level for level, some in zip(levels, across, strict=True) if some.any()]
+
+
 def cut_by(
     mesh: Mesh,
     elements: Ints,
     levels: Levels,
     order: int,
     off: float = OFF,
-    deepest: int = _DEEPEST,
     quarter: bool = False,
 ) -> Cut:
     """Integrate over elements (k,) what is smooth where no level changes its sign.
 
     Parts have up to ``order`` Gauss points in each direction. A cut lies up to ``off``, over the element's side, from
-    its step, but after so many quarterings it is made however far off it is. ``quarter`` lets no part reach over the
+    its step, but after seven quarterings it is made however far off it is. ``quarter`` lets no part reach over the
     middles of a quadrilateral.
     """
     # Of a triangle the box has another half, which is cut off.
@@ -189,13 +182,13 @@ def cut_by(
     points: list[tuple[Ints, Floats, Floats]] = []
     # Of what is smaller than what is looked at there are no pieces.
     fronts = [(np.zeros(0, np.int64), np.zeros((0, 2, 2)))]
-    for depth in range(deepest + 1):
+    for depth in range(_DEEPEST + 1):
         if not len(owner):
             break
         changes, planes, bent = _planes(mesh, owner, boxes, levels, crossing, _SEEN if depth == 0 else 5)
         # Parts of an element are crossed by what crosses it alone: of many levels those are few.
         crossing = changes if depth == 0 else crossing
-        ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == deepest)
+        ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == _DEEPEST)
         if quarter:
             changes, planes = _with_axes(boxes, changes, planes)
         over = mesh.triangles[owner] & (boxes[:, 2:].sum(axis=1) > 1.0)
@@ -206,7 +199,7 @@ def cut_by(
         triangles = Triangles.of_boxes(np.flatnonzero(ready & ~clear), boxes[ready & ~clear])
         if over.any():
             triangles, _, _ = split(triangles, np.tile(_HYPOTENUSE, (len(owner), 1)), over)
-            triangles = triangles.take(~over[triangles.box] | (triangles.corners.mean(axis=1).sum(axis=1) < 1.0))
+            triangles = triangles.pick(~over[triangles.box] | (triangles.corners.mean(axis=1).sum(axis=1) < 1.0))
         for i in np.flatnonzero(changes.any(axis=0)):
             triangles, square, ends = split(triangles, planes[:, i], changes[:, i])
             if i < len(levels):
@@ -225,7 +218,7 @@ def cut_by(
     held, xi, weights = held[by_element], xi[by_element], weights[by_element]
     front_elements, ends = (np.concatenate(part) for part in zip(*fronts, strict=True))
     weights = weights * np.linalg.det(mesh.jacobian(held, xi))
-    return Cut(held, xi, mesh.map(held, xi), weights, front_elements, ends)
+    return Cut(Quadrature(held, xi, weights, mesh.map(held, xi)), front_elements, ends)
 
 
 def _planes(
