@@ -35,7 +35,6 @@ from signorini.discretise.repeated import (
 )
 from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.discretise.sections import Sections
-from signorini.discretise.sections.sections import Acting
 from signorini.discretise.snapping import Snapped
 from signorini.discretise.stressnodes import Sides, StressNodes, solid_thickness, stress_nodes_of
 from signorini.discretise.supports import ContactPoints, Parts, Springs, parts_of, springs_and_contacts
@@ -73,7 +72,7 @@ class Discretisation(Remade):
     probe_positions: Floats
     seconds: Mapping[str, float]
 
-    _made = MappingProxyType({"plate": lambda result: _plate_of(result)})
+    _made = MappingProxyType({"plate": lambda r: _plate(r.mesh, r.zones, r.thickness, r.stress_nodes, r.held)})
 
     @property
     def dof_count(self) -> int:
@@ -197,19 +196,8 @@ class Discretisation(Remade):
     @cached_property
     def _reactions_through(self) -> tuple[csr_array, csr_array]:
         """What reactions of ``points`` (3s, m + r) and of springs (3s, k) do at sections."""
-        springs, points = self.springs, self.points
-        up = Acting(
-            springs.rows,
-            springs.positions,
-            np.ones(len(springs)),
-            springs.support,
-            springs.numbers,
-            np.zeros(len(springs), np.bool_),
-        )
-        averaged = points.shared[:, 0] >= 0
-        both = Acting(points.rows, points.positions, points.direction, points.support, points.numbers, averaged)
-        supports = self.model.support
-        return self.sections.of_supports(supports, both), self.sections.of_supports(supports, up)
+        of = self.sections.of_supports
+        return of(self.model.support, self.points), of(self.model.support, self.springs)
 
     @cached_property
     def rigid_motions(self) -> Floats:
@@ -334,16 +322,6 @@ def _advice(given: object) -> str:
             return "Make one of the mapping first: signorini.validate(mapping)."
         case _:
             return "Make one with signorini.Model(...) or signorini.load(file)."
-
-
-def _plate_of(discretisation: Discretisation) -> _core.Plate:
-    return _plate(
-        discretisation.mesh,
-        discretisation.zones,
-        discretisation.thickness,
-        discretisation.stress_nodes,
-        discretisation.held,
-    )
 
 
 def _plate(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressNodes, held: Held) -> _core.Plate:

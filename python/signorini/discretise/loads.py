@@ -218,7 +218,7 @@ class Onto:
             rows, centre = plate.interpolation_rows(points.elements, points.xi, field_)
             np.add.at(self._nodal, dofs, couple * rows)
             np.add.at(self._couples, 2 * points.elements[:, None] + np.arange(2), couple * centre)
-            self.through += self._sections.of_couples(points.elements, points.positions, couple * rows)
+            self.through += self._sections.of_rows(points.elements, points.positions, couple * rows)
 
     def _add(self, elements: Ints, xi: Floats, force: Floats) -> None:
         self._nodal[::3] += self.mesh.nodal_forces(elements, xi, force)

@@ -55,6 +55,16 @@ class Springs(Table, Brief):
     numbers: Ints
 
     @property
+    def direction(self) -> Floats:
+        """Which way (m,) each pushes the plate that presses it: up."""
+        return np.ones(len(self))
+
+    @property
+    def averaged(self) -> Bools:
+        """Which (m,) act on means of elements: none."""
+        return np.zeros(len(self), np.bool_)
+
+    @property
     def arrays(self) -> tuple[Ints, Floats, Ints, Floats, Floats]:
         """Springs the way the core takes them."""
         return *self.rows.arrays, self.stiffness, self.base
@@ -84,6 +94,11 @@ class ContactPoints(Table, Brief):
     support: Ints
     shared: Ints
     numbers: Ints
+
+    @property
+    def averaged(self) -> Bools:
+        """Which (m,) are of areas that act on means of elements, and at points on their outline."""
+        return self.shared[:, 0] >= 0
 
 
 @dataclass(frozen=True, eq=False)
