@@ -44,24 +44,14 @@ def push_magnitudes(discretisation: Discretisation, hi: Floats, lo: Floats, reac
 
 def resultants_and_sizes(discretisation: Discretisation, nodal: Floats, against: Floats) -> tuple[Floats, Floats]:
     """Largest resultants (k,) of loads (k, 3n) and of what supports set against them, and the whole sizes."""
-    size = discretisation.mesh.size
     # Threads of a linear algebra library would cost more than these sums.
-    resultant = np.einsum("ij,ki->kj", discretisation.rigid_motions, nodal - against) / np.array([1.0, size, size])
+    resultant = np.einsum("ij,ki->kj", discretisation.scaled_motions, nodal - against)
     return largest_magnitudes(resultant), maximum(reaching(discretisation, nodal), reaching(discretisation, against))
-
-
-def scaled_motions(discretisation: Discretisation) -> Floats:
-    """Deflections of one (3n, 3) of the rigid motions about the middle, those that turn over the plate's size."""
-    return np.asarray(
-        discretisation.rigid_motions / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
-    )
 
 
 def reaching(discretisation: Discretisation, nodal: Floats) -> Floats:
     """Sums (...,) of the magnitudes that nodal forces (..., 3n) have in a resultant."""
-    moves = discretisation.rigid_motions.T
-    turning = np.maximum(np.abs(moves[1]), np.abs(moves[2])) / discretisation.mesh.size
-    return np.asarray((np.abs(nodal) * np.maximum(np.abs(moves[0]), turning)).sum(axis=-1))
+    return np.asarray((np.abs(nodal) * np.abs(discretisation.scaled_motions).max(axis=1)).sum(axis=-1))
 
 
 def bending_part(discretisation: Discretisation, deflection: Floats) -> Floats:
@@ -420,7 +410,7 @@ def _lost(
     part = float(ratio(missing, maximum(of_loads, totals)))
     if not part > 0.0:
         return part
-    motions, held = scaled_motions(discretisation), discretisation.held.dofs
+    motions, held = discretisation.scaled_motions, discretisation.held.dofs
     # A couple counts as a force at the plate's size.
     slope = np.concatenate([np.flatnonzero(held) % 3 > 0, np.zeros(len(pull), np.bool_), discretisation.contacts.slope])
     arm = np.where(slope, discretisation.mesh.size, 1.0)

@@ -101,23 +101,13 @@ def core_problem(
 ) -> _core.ContactProblem:
     """Order and factor for a method; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
     free = available()
-    free_motions = (
-        motions.T
-        @ (discretisation.rigid_motions / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])).T
-    )
     try:
         return _core.ContactProblem(
             discretisation.plate,
             discretisation.held.dofs,
             discretisation.springs.arrays,
-            (
-                *contacts.rows.arrays,
-                contacts.distance,
-                contacts.compliance,
-                contacts.two_sided,
-                carried,
-            ),
-            free_motions,
+            (*contacts.rows.arrays, contacts.distance, contacts.compliance, contacts.two_sided, carried),
+            motions.T @ discretisation.scaled_motions.T,
             base,
             room=None if math.isinf(free) else int(free),
         )

@@ -19,8 +19,8 @@ from signorini.base.linear_program import minimise
 from signorini.contact.answer import Answer, NotUnique
 from signorini.discretise import Discretisation
 from signorini.discretise.quadrature import area_quadrature
-from signorini.discretise.repeated import null_ways
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.repeated import SAME
+from signorini.discretise.rows import Bools, Floats, null_space
 from signorini.equilibrium.balance import RigidFreedom, describe_motion
 
 _ACTIVE = 1e-10
@@ -151,7 +151,7 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
     for shared in discretisation.shared:
         meet = touching[shared.points]
         mine = shared.points[meet]
-        ways = shared.ways @ null_ways(shared.ways[~meet]) if not meet.all() else shared.ways
+        ways = shared.ways @ null_space(shared.ways[~meet], SAME) if not meet.all() else shared.ways
         ways = ways[meet]
         if not ways.shape[1]:
             continue
@@ -232,12 +232,12 @@ def _with_least_deflection(
     )
     if (answer.reaction[pushing] <= rounding).all():
         pushing[:] = False
-    free = _unmoved(freedom.moves[pushing], freedom.count)
+    free = null_space(freedom.moves[pushing], _STILL)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():
             # Where a path begins without load all reactions are rounding.
             pushing |= one_sided & (reaction > max(_NIL * float(np.abs(reaction).max()), rounding))
-        free = _unmoved(freedom.moves[pushing], freedom.count)
+        free = null_space(freedom.moves[pushing], _STILL)
     if not free.shape[1]:
         return answer
     length = np.maximum(float(np.abs(answer.hi[::3]).max()), np.abs(discretisation.contacts.distance))
@@ -278,14 +278,6 @@ def _with_least_deflection(
         closed=closed,
         not_unique=(*answer.not_unique, several),
     )
-
-
-def _unmoved(moves: Floats, count: int) -> Floats:
-    """Motions (d, e) that do not move points, given how these go with each (k, d)."""
-    if not len(moves):
-        return np.eye(count)
-    _, values, basis = np.linalg.svd(np.linalg.qr(moves, mode="r"))
-    return np.asarray(basis[int((values > _STILL * max(1.0, values[0])).sum()) :].T)
 
 
 def _in_words(ways: Floats, discretisation: Discretisation) -> str:

@@ -205,6 +205,11 @@ class Discretisation(Remade):
         return self.held.rigid_motions(self.mesh.points, self.middle)
 
     @cached_property
+    def scaled_motions(self) -> Floats:
+        """The same, those that turn the plate over its size, so that all have deflections of about one."""
+        return np.asarray(self.rigid_motions / [1.0, self.mesh.size, self.mesh.size])
+
+    @cached_property
     def probe_sides(self) -> Sides:
         """Where probes are, on every side of a jump."""
         return self.stress_nodes.sides(self.probe_positions, self.probes)

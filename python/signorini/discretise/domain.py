@@ -12,7 +12,7 @@ import numpy as np
 from signorini.discretise.held import Held
 from signorini.discretise.places import region
 from signorini.discretise.quadrature.lines import FullCircle, arcs_of_outline
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.supports import ContactPoints, Springs
 from signorini.discretise.thickness import Thickness
 from signorini.discretise.zones import Zones
@@ -271,7 +271,7 @@ def require_domain(
     unit = np.array([rigidity.in_waves for rigidity in zones.rigidities])[zones.of_elements.rigidity]
     bending = float((unit * np.broadcast_to(thickness.at_points.mean(axis=1), len(unit)) ** 3).max())
     hold = _hold(mesh, held, springs, contacts)
-    free = _free(hold.rigid)
+    free = null_space(hold.rigid, _RANK)
     if free.shape[1]:
         with problems.collected():
             _require_stiff_enough(model, mesh, bending, thickness.min(), hold, free)
@@ -378,7 +378,7 @@ def _require_no_softer(model: Model, total: Floats) -> None:
 def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: float, hold: _Hold, free: Floats) -> None:
     """Refuse elastic supports that the plate would float on, by the least λ of motions (3, d) that they alone hold."""
     # What nothing holds is a mechanism, and told as one.
-    if _free(np.concatenate([hold.rigid, hold.elastic])).shape[1]:
+    if null_space(np.concatenate([hold.rigid, hold.elastic]), _RANK).shape[1]:
         return
     # λ = Σ k w² / ∫ w² is the modulus of a bed under the whole plate that would hold the motion w as firmly.
     corners = mesh.points[mesh.elements[:, :4]]
@@ -405,14 +405,6 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
         f"it must be {least:g} or more. Give {least / result:.2g} times the stiffness, or hold the plate rigidly.",
         place=("support", which[0], "stiffness"),
     )
-
-
-def _free(rows: Floats) -> Floats:
-    """Motions (3, d) on which rows (n, 3) are zero."""
-    if not len(rows):
-        return np.eye(3)
-    _, values, basis = np.linalg.svd(_triangle(rows))
-    return np.asarray(basis[int((values > _RANK * max(1.0, values[0])).sum()) :].T)
 
 
 def _triangle(rows: Floats) -> Floats:

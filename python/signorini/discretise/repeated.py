@@ -10,7 +10,7 @@ from scipy.sparse import csr_array, vstack
 from signorini.base.components import components
 from signorini.discretise.held import Held, contradiction, rounding_of
 from signorini.discretise.places import region
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.supports import ContactPoints
 from signorini.errors import InputError
 from signorini.mesh import Mesh
@@ -233,14 +233,8 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
         sums = np.zeros((len(groups), len(mine)))
         sums[own, np.arange(len(mine))] = scale[mine]
         zero = ties[np.flatnonzero(of_tie == label[mine[0]])][:, groups].toarray()
-        result.append(Shared(rigid[mine], null_ways(np.hstack([sums, -zero.T]))[: len(mine)]))
+        result.append(Shared(rigid[mine], null_space(np.hstack([sums, -zero.T]), SAME)[: len(mine)]))
     return result
-
-
-def null_ways(rows: Floats) -> Floats:
-    """An orthonormal basis (n, k) of what rows (m, n) make nothing of."""
-    _, values, basis = np.linalg.svd(rows)
-    return np.asarray(basis[int((values > SAME * values.max(initial=1.0)).sum()) :].T)
 
 
 def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools:

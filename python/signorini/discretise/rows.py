@@ -147,3 +147,12 @@ class Table:
             return filled[0]
         columns: list[list[Any]] = [[getattr(part, one.name) for part in parts] for one in fields(cls)]
         return cls(*(Rows.join(each) if isinstance(each[0], Rows) else np.concatenate(each) for each in columns))
+
+
+def null_space(rows: Floats, rounding: float) -> Floats:
+    """Basis (n, k) of what rows (m, n) take to less than this part of their largest singular value, or of one."""
+    if not len(rows):
+        return np.eye(rows.shape[1])
+    # The triangle has the rows' products, few of them, and keeps small singular values.
+    _, values, basis = np.linalg.svd(np.linalg.qr(rows, mode="r"))
+    return np.asarray(basis[int((values > rounding * values.max(initial=1.0)).sum()) :].T)

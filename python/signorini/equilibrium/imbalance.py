@@ -216,7 +216,7 @@ def _least_holding(
     size = discretisation.mesh.size
     # The conditions of equilibrium over the free motions, forces in units of the load and lengths of the plate.
     scale = np.array([1.0, size, size])
-    resultant = (discretisation.rigid_motions.T @ nodal / scale) @ freedom.motions
+    resultant = work_of(discretisation, freedom, nodal)
     total = float(np.abs(resultant).max())
     sign = 1.0 if way == "down" else -1.0
     extra = sign * (np.array([1.0, *(at - discretisation.middle)]) / scale) @ freedom.motions
