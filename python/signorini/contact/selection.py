@@ -32,8 +32,6 @@ _LEFT_OVER = 64 * float(np.finfo(float).eps)
 
 def span_of_cone(sides: Floats) -> Floats:
     """Basis (d, e) of what the directions y with C y ≤ 0 span, given C (c, d), of rows about as long as one another."""
-    from scipy.linalg import null_space
-
     count, size = sides.shape
     if not count:
         return np.eye(size)
@@ -43,7 +41,7 @@ def span_of_cone(sides: Floats) -> Floats:
     cost = np.append(np.zeros(size), -np.ones(count))
     leave = minimise(cost, np.column_stack([sides, np.eye(count)]), (-np.inf, 0.0), bounds)
     never = np.ones(count, np.bool_) if leave is None else leave[size:] < 0.5
-    return np.asarray(null_space(sides[never], rcond=_ACTIVE) if never.any() else np.eye(size))
+    return null_space(sides[never], _ACTIVE)
 
 
 def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats:

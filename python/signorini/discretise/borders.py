@@ -7,9 +7,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Floats
 from signorini.shapes import Curve, Region
 from signorini.shapes.contours import Contour, along_side, circle
+from signorini.shapes.distances import distances
 from signorini.shapes.hull import diameter
 from signorini.shapes.outlines import Point
 
@@ -47,7 +48,7 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
     """
     sides: list[tuple[Floats, int | None]] = [(side, None) for border in borders for side in _sides_of(border)]
     sides += [(side, number) for number, line in enumerate(lines) for side in line.outline.segments[:, None]]
-    every = [*sides, *((side, -1) for contour in contours for side in _sides_around(contour))]
+    every = [*sides, *((_chords(*side), -1) for contour in contours for side in contour.sides)]
     boxes = np.array([[*side.min(axis=(0, 1)), *side.max(axis=(0, 1))] for side, _ in every]).reshape(-1, 4)
     touching = _TOUCHING * max(diameter(contour.points()) for contour in contours)
     outline = np.vstack([contour.points() for contour in contours])
@@ -76,22 +77,13 @@ def _sides_of(border: Line) -> Iterator[Floats]:
     for arc in border.outline.arcs.tolist():
         yield _chords(*arc)
     for x, y, radius in border.outline.circles.tolist():
-        yield _joined(circle((x, y), radius, "").points()[::_EVERY])
-
-
-def _sides_around(contour: Contour) -> Iterator[Floats]:
-    """Yield the sides of a contour, arcs by their chords, (k, 2, 2)."""
-    for side in contour.sides:
-        yield _chords(*side)
+        points = circle((x, y), radius, "").points()[::_EVERY]
+        yield np.stack([points, np.roll(points, -1, axis=0)], axis=1)
 
 
 def _chords(a: Point, through: Point | None, b: Point) -> Floats:
     along = np.vstack([along_side(a, through, b)[::_EVERY], b])
     return np.stack([along[:-1], along[1:]], axis=1)
-
-
-def _joined(points: Floats) -> Floats:
-    return np.stack([points, np.roll(points, -1, axis=0)], axis=1)
 
 
 def _clipped(chords: Floats, low: Floats, high: Floats) -> Floats:
@@ -121,25 +113,17 @@ def _divided(side: Floats, longest: float) -> Floats:
 
 def _distance(points: Floats, chords: Floats) -> Floats:
     """Distance (q,) of points from the nearest chord (k, 2, 2)."""
-    begin, along = chords[:, 0], chords[:, 1] - chords[:, 0]
-    offset = points[:, None] - begin
-    # A chord without length is its begin.
-    square = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
-    share = np.clip((offset * along).sum(axis=2) / square, 0.0, 1.0)
-    return np.asarray(np.hypot(*np.moveaxis(offset - share[..., None] * along, -1, 0)).min(axis=1))
+    return np.asarray(distances(points, chords[:, 0], chords[:, 1]).min(axis=1))
 
 
 def _meet(one: Floats, other: Floats, touching: float) -> bool:
     """Whether chords cross or touch others."""
-    near = min(_distance(one.reshape(-1, 2), other).min(), _distance(other.reshape(-1, 2), one).min())
-    return bool(near <= touching or _crossed(one, other).any())
-
-
-def _crossed(one: Floats, other: Floats) -> Bools:
+    if min(_distance(one.reshape(-1, 2), other).min(), _distance(other.reshape(-1, 2), one).min()) <= touching:
+        return True
     (a, b), (c, d) = ((part[..., 0, :], part[..., 1, :]) for part in (one[:, None], other[None]))
 
     def turn(p: Floats, q: Floats, r: Floats) -> Floats:
         u, v = q - p, r - p
         return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 
-    return np.asarray((turn(a, b, c) * turn(a, b, d) < 0.0) & (turn(c, d, a) * turn(c, d, b) < 0.0))
+    return bool(((turn(a, b, c) * turn(a, b, d) < 0.0) & (turn(c, d, a) * turn(c, d, b) < 0.0)).any())

@@ -18,6 +18,7 @@ from signorini.discretise.thickness import Thickness
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Place, Problems, path_in_words, point
 from signorini.mesh import Mesh
+from signorini.mesh.boxtree import BoxTree
 from signorini.mesh.sides import Sides
 from signorini.model import Model, OutlinedPlate, Support
 from signorini.model.curve import curve
@@ -32,10 +33,6 @@ _ALONG = 0.02
 is about a degree, are at one place there: they pry no more than parallel ones at the least distance."""
 _OF_SIDE, _OF_CIRCLE, _MOST = 8, 64, 1000
 """Pieces of a side of a line and of a circle that are looked at, at least, and of either, about at most."""
-_FEW = 300
-"""Points up to which all pairs are looked at: a tree takes a while to be imported."""
-_AT_ONE_PLACE = 8
-"""Points that thinning may leave at one place: one in each cell around."""
 
 
 class Near(NamedTuple):
@@ -103,30 +100,18 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
     # Any number of points may be at one place; of those one in each cell stands for all.
     _, first = np.unique(np.round((at - mesh.middle) / same), axis=0, return_index=True)
     first = np.sort(first)
-    distance, neighbour = _neighbours(at[first], min(len(first), 2 + _AT_ONE_PLACE))
-    limit = _limit(mesh, at[first], least)[:, None]
-    one, rank = np.nonzero((distance > same) & (distance < limit))
+    some, reach = at[first], float(least.max()) * np.array([-1.0, -1.0, 1.0, 1.0])
+    one, neighbour = BoxTree.build(np.tile(some, 2) + reach).pairs(some)
+    distance, limit = np.hypot(*(some[one] - some[neighbour]).T), _limit(mesh, some, least)[one]
     told = set[tuple[int, int]]()
-    for number, column in zip(one.tolist(), rank.tolist(), strict=True):
-        a, b = (int(first[k]) for k in (number, neighbour[number, column]))
+    for number in np.lexsort((neighbour, distance, one)).tolist():
+        a, b = int(first[one[number]]), int(first[neighbour[number]])
         pair = min(of[a][0], of[b][0]), max(of[a][0], of[b][0])
-        if pair not in told:
+        if same < distance[number] < limit[number] and pair not in told:
             told.add(pair)
             place, others = (("support", of[k][0], "at", of[k][1]) for k in (a, b))
             other = f"the point {point(at[b].tolist())} of {model.support[of[b][0]].name}, {path_in_words(others)}"
-            yield Near(of[a][0], place, at[a], float(distance[number, column]), float(limit[number, 0]), other)
-
-
-def _neighbours(at: Floats, count: int) -> tuple[Floats, Ints]:
-    """Distances (n, count) to the nearest of points, themselves first, and their numbers."""
-    if len(at) <= _FEW:
-        apart = np.hypot(*np.moveaxis(at[:, None] - at, 2, 0))
-        order = np.argsort(apart, axis=1)[:, :count]
-        return np.take_along_axis(apart, order, axis=1), order
-    from scipy.spatial import cKDTree
-
-    distance, neighbour = cKDTree(at).query(at, k=count)
-    return np.reshape(distance, (-1, count)), np.reshape(neighbour, (-1, count))
+            yield Near(of[a][0], place, at[a], float(distance[number]), float(limit[number]), other)
 
 
 def _limit(mesh: Mesh, at: Floats, least: Floats) -> Floats:

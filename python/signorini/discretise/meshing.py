@@ -79,12 +79,10 @@ def _made(model: Model, plate: OutlinedPlate) -> Mesh:
 
 def _require_sizes(model: Model, plate: OutlinedPlate) -> None:
     least = _FINEST * float(np.abs(plate.outline.bounds).max())
-    sizes: list[tuple[float, Place]] = []
-    if model.mesh.size is not None:
-        sizes.append((model.mesh.size, ("mesh", "size")))
+    sizes: list[tuple[float | None, Place]] = [(model.mesh.size, ("mesh", "size"))]
     sizes += [(part.size, ("mesh", "refine", number, "size")) for number, part in enumerate(model.mesh.refine)]
     for size, place in sizes:
-        if size < least:
+        if size is not None and size < least:
             raise InputError(
                 f"found {size:g}; it must be at least {least:.2g}, {_FINEST:g} of the largest coordinate: rounding "
                 "would shape smaller elements. Take larger ones, or put the origin nearer to the plate.",
@@ -108,10 +106,9 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
     from signorini.mesh.meshfile import read, read_numbered
 
     place = ("plate", "file")
-    named: list[Support | Load] = [*model.support, *model.load]
     points: Mapping[int, Point] = {}
     try:
-        if any(item.nodes is not None for item in named):
+        if any(item.nodes is not None for item in _acting(model)):
             in_file, points = read_numbered(plate.file)
             mesh = in_file if mesh is None else mesh
         elif mesh is None:
@@ -167,16 +164,14 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
         case RectanglePlate():
             (x, y), (a, b) = plate.origin, plate.size
             steps = (drawing for drawing, _ in _steps(model, (x, y, x + a, y + b)))
-            shapes = [*_borders(model), *_acted_on(model), *steps]
+            shapes = [*(zone.region for zone in model.zone), *_acted_on(model), *steps]
             x_lines = [line for shape in shapes for line in shape.x_lines]
             y_lines = [line for shape in shapes for line in shape.y_lines]
             refined = [(box, one.size) for one in model.mesh.refine for box in one.boxes((x, y, x + a, y + b))]
             x_lesser = [line for section in _sections(model) for line in section.x_lines]
             y_lesser = [line for section in _sections(model) for line in section.y_lines]
-            lesser = x_lesser, y_lesser
-            return rectangle(
-                plate.origin, plate.size, divisions, x_lines, y_lines, refined, *lesser, _axes(model, plate)
-            )
+            lines = x_lines, y_lines, refined, x_lesser, y_lesser
+            return rectangle(plate.origin, plate.size, divisions, *lines, _axes(model, plate))
         case DiscPlate():
             radii = _radii(model, plate.center, plate.radius)
             return disc(plate.center, plate.radius, divisions, plate.sector, radii)
@@ -189,17 +184,18 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
 def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     """A mesh along the outline, holes, borders of zones, circles, and straight lines of supports, loads and jumps."""
     size = plate.element_size(model.mesh)
-    borders, walls = (*_borders(model), *_rings(model, size)), _walls(model)
+    borders = [*(zone.region for zone in model.zone), *_rings(model, size)]
+    walls = [along for item in _acting(model) if isinstance(along := curve(item), Polyline)]
     lines = [(np.array(list(arcs_of(border))).reshape(-1, 6), False) for border in borders]
     lines += [(_straight(wall), True) for wall in walls]
     lines += [(_straight(border), False) for border in borders]
     for drawing, (x0, y0, x1, y1) in _steps(model, plate.outline.bounds):
         jumps = [[x, y0, x, y1] for x in drawing.x_lines] + [[x0, y, x1, y] for y in drawing.y_lines]
         lines.append((np.array(jumps).reshape(-1, 4), False))
-    lines += [(_straight(shape), False) for shape in _shapes(model) if shape not in walls]
+    lines += [(_straight(shape), False) for shape in [*_acted_on(model), *_sections(model)] if shape not in walls]
     refined = [rows for number, part in enumerate(model.mesh.refine) for rows in _refined(plate, part, number)]
     if _area(plate) <= MOST * size**2:
-        refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
+        refined += [room(borders, plate.contours, size, _stood_on(model))]
     points = [at for part in model.mesh.refine for at in part.at or ()]
     try:
         return outlined(
@@ -297,57 +293,40 @@ def _spread(low: float, high: float, step: float) -> Floats:
     return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
 
 
-def _borders(model: Model) -> tuple[Region, ...]:
-    """What the mesh follows first: the borders of zones."""
-    return tuple(zone.region for zone in model.zone)
-
-
-def _walls(model: Model) -> tuple[Polyline, ...]:
-    """Lines along which supports and loads are."""
-    items: list[Support | Load] = [*model.support, *model.load]
-    return tuple(along for item in items if isinstance(along := curve(item), Polyline))
+def _acting(model: Model) -> list[Support | Load]:
+    return [*model.support, *model.load]
 
 
 def _rings(model: Model, size: float) -> tuple[Ring, ...]:
     """Circles along which supports and loads are, each once, but for those that are small beside elements."""
-    items: list[Support | Load] = [*model.support, *model.load]
-    rings = (along for item in items if isinstance(along := curve(item), Ring) and worth_following(along, size))
-    return tuple(dict.fromkeys(rings))
+    rings = [curve(item) for item in _acting(model)]
+    return tuple(dict.fromkeys(one for one in rings if isinstance(one, Ring) and worth_following(one, size)))
 
 
-def _shapes(model: Model) -> Iterator[Region | Curve]:
-    """Outlines and lines of supports and loads, then those of sections."""
-    yield from _acted_on(model)
-    yield from _sections(model)
+def _sections(model: Model) -> list[Polyline]:
+    return [Polyline(section.line) for section in model.section]
 
 
-def _sections(model: Model) -> Iterator[Polyline]:
-    return (Polyline(section.line) for section in model.section)
-
-
-def _acted_on(model: Model) -> Iterator[Region | Curve]:
+def _acted_on(model: Model) -> list[Region | Curve]:
     """Outlines and lines of supports and loads."""
-    items: list[Support | Load] = [*model.support, *model.load]
-    for item in items:
-        for shape in (region(item.area), curve(item), *footprints(item)):
-            if shape is not None:
-                yield shape
+    every = [shape for item in _acting(model) for shape in (region(item.area), curve(item), *footprints(item))]
+    return [shape for shape in every if shape is not None]
 
 
-def _stood_on(model: Model) -> Iterator[Region | Curve]:
+def _stood_on(model: Model) -> list[Region | Curve]:
     """What is followed beside other things by smaller elements: lines, and areas and footprints of supports."""
-    items: list[Support | Load] = [*model.support, *model.load]
-    for item in items:
-        below = (region(item.area), *footprints(item)) if isinstance(item, Support) else ()
-        for shape in (curve(item), *below):
-            if shape is not None:
-                yield shape
+    shapes: list[Region | Curve | None] = []
+    for support in model.support:
+        shapes += [curve(support), region(support.area), *footprints(support)]
+    shapes += [curve(load) for load in model.load]
+    return [shape for shape in shapes if shape is not None]
 
 
 def _radii(model: Model, center: Point, outer: float) -> list[float]:
     (x, y), r = center, outer
-    steps = [drawing for drawing, _ in _steps(model, (x - r, y - r, x + r, y + r))]
-    return [radius for shape in [*_borders(model), *_shapes(model), *steps] for radius in shape.radii(center)]
+    steps = (drawing for drawing, _ in _steps(model, (x - r, y - r, x + r, y + r)))
+    shapes = [*(zone.region for zone in model.zone), *_acted_on(model), *_sections(model), *steps]
+    return [radius for shape in shapes for radius in shape.radii(center)]
 
 
 def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
