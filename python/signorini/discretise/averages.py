@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 
 from signorini.discretise.places import outline, region
-from signorini.discretise.quadrature.lines import arcs_of
+from signorini.discretise.quadrature.lines import arcs_of, breaks
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
 from signorini.mesh import Mesh
@@ -113,8 +113,8 @@ def _candidates(mesh: Mesh, support: Support) -> Floats:
     triples = mesh.edges_along(along)
     if triples is not None:
         return np.concatenate([corners, mesh.points[np.unique(triples[:, [0, 2]])]])
-    arcs = arcs_of(along)
-    return np.concatenate([corners, *(arc.at(arc.breaks(mesh.points[mesh.unique_sides]))[0] for arc in arcs)])
+    arcs = arcs_of(along.outline)
+    return np.concatenate([corners, *(arc.at(breaks(arc, mesh.points[mesh.unique_sides]))[0] for arc in arcs)])
 
 
 def _corners(shape: Region) -> Floats:
@@ -131,8 +131,8 @@ def _rim(shape: Region) -> Curve:
         return _rim(shape.around)
     if isinstance(shape, Circle):
         return Ring(shape.center, shape.radius)
-    points = shape.drawn.tolist()
-    return Polyline(tuple((x, y) for x, y in [*points, points[0]]))
+    points = [(x, y) for x, y in shape.drawn.tolist()]
+    return Polyline((*points, points[0]))
 
 
 def _spread(points: Floats, apart: float) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 
 from signorini.discretise.held import Held
 from signorini.discretise.places import region
-from signorini.discretise.quadrature.lines import FullCircle, arcs_of_outline
+from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.supports import ContactPoints, Springs
 from signorini.discretise.thickness import Thickness
@@ -170,9 +170,11 @@ def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterat
     x, y, radius = outline.circles[some].T
     centre = np.column_stack([x, y])
     yield centre + (to[some] - centre) * (radius / far[some])[:, None], False
-    for arc in arcs_of_outline(outline):
+    for arc in arcs_of(outline):
         step = max(0.5 * most, arc.length / _MOST)
-        count = max(_OF_CIRCLE if isinstance(arc, FullCircle) else _OF_SIDE, math.ceil(arc.length / step))
+        count = max(
+            _OF_CIRCLE if isinstance(arc, PartOfCircle) and arc.closed else _OF_SIDE, math.ceil(arc.length / step)
+        )
         yield arc.at(np.linspace(0.0, arc.length, count + 1))[0], True
 
 

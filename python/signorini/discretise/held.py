@@ -286,7 +286,7 @@ def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:
 def _hold_along(mesh: Mesh, holds: Holds, placed: Placed, sides: Ints) -> None:
     support, index = placed.support, placed.index
     if holds_deflection(support):
-        nodes = edge_nodes(mesh, sides).nodes
+        nodes, _ = edge_nodes(mesh, sides)
         _hold_deflections(mesh, holds, placed, nodes, np.zeros_like(nodes))
     if not {"slope", "twist"} & set(support.fixed):
         return

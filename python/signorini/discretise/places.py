@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -191,16 +190,8 @@ def _how_far(mesh: Mesh, shape: Region | Curve) -> str:
     return f", up to {far.max():.3g} beyond it at {point(corners[far.argmax()], mesh.size)}"
 
 
-@dataclass(frozen=True, eq=False)
-class OnNodes:
-    """Nodes (q,) of mesh edges and the lengths (q,) they stand for."""
-
-    nodes: Ints
-    weights: Floats
-
-
-def edge_nodes(mesh: Mesh, triples: Ints) -> OnNodes:
-    """Every node of mesh edges once; its length is the integral of its quadratic shape function along them."""
+def edge_nodes(mesh: Mesh, triples: Ints) -> tuple[Ints, Floats]:
+    """Every node (q,) of mesh edges once, and as its length (q,) the integral of its quadratic shape function."""
     a, m, b = (mesh.points[triples[:, i]] for i in range(3))
     root = np.sqrt(0.6)
     length = np.zeros((len(triples), 3))
@@ -209,7 +200,7 @@ def edge_nodes(mesh: Mesh, triples: Ints) -> OnNodes:
         slope = (s - 0.5) * a - 2 * s * m + (s + 0.5) * b
         length += weight * np.hypot(slope[:, 0], slope[:, 1])[:, None] * shape
     nodes, inverse = np.unique(triples, return_inverse=True)
-    return OnNodes(nodes, np.bincount(inverse.ravel(), length.ravel()).astype(np.float64))
+    return nodes, np.bincount(inverse.ravel(), length.ravel()).astype(np.float64)
 
 
 def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:

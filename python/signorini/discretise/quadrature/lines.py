@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -28,40 +28,8 @@ _STRAIGHT = 1e-9
 _NONE = np.zeros((0, 2))
 
 
-class Arc(ABC):
-    """A smooth piece of a curve, by arc length."""
-
-    @property
-    @abstractmethod
-    def length(self) -> float:
-        """Length."""
-
-    @abstractmethod
-    def at(self, s: Floats) -> tuple[Floats, Floats]:
-        """Compute positions and unit tangents (q, 2) at arc lengths (q,)."""
-
-    @abstractmethod
-    def crossings(self, sides: Floats) -> Floats:
-        """Find the arc lengths (r,) at which sides (k, 3, 2) meet the arc, in any order, some of them twice."""
-
-    @abstractmethod
-    def nearest(self, points: Floats) -> Floats:
-        """The arc lengths (q,) of the places nearest to points (q, 2)."""
-
-    def breaks(self, sides: Floats, beside: Floats = _NONE) -> Floats:
-        """Divide the arc where sides (k, 3, 2) meet it, and beside points (q, 2): increasing, once along it."""
-        s, least = np.concatenate([self.crossings(sides), self.nearest(beside)]), _TOUCHED * self.length
-        s = np.sort(s[(s > least) & (s < self.length - least)])
-        s = np.concatenate([[0.0], s, [self.length]])
-        return np.asarray(s[np.append(np.diff(s) > least, True)])
-
-    def pieces(self, breaks: Floats) -> Floats:
-        """Divide it further where Gauss points on its pieces would prefer a direction."""
-        return breaks
-
-
 @dataclass(frozen=True, eq=False)
-class Segment(Arc):
+class Segment:
     """A straight piece from one point (2,) to another."""
 
     begin: Floats
@@ -99,7 +67,7 @@ class Segment(Arc):
 
 
 @dataclass(frozen=True, eq=False)
-class PartOfCircle(Arc):
+class PartOfCircle:
     """A part of a circle from an angle on, in radians, counter-clockwise if the angle turned through is positive."""
 
     center: Floats
@@ -133,40 +101,47 @@ class PartOfCircle(Arc):
         turned = np.copysign(1.0, self.sweep) * (angle - self.start) - 0.5 * abs(self.sweep) + np.pi
         return np.asarray((np.mod(turned, 2.0 * np.pi) - np.pi + 0.5 * abs(self.sweep)) * self.radius)
 
-    def pieces(self, breaks: Floats) -> Floats:
-        """Divide what is longer than a third of it: Gauss points on three pieces of one length prefer no direction."""
-        turns = 3.0 * np.diff(breaks) / (2.0 * np.pi * self.radius)
-        parts = np.maximum(np.ceil(turns - _SAME), 1.0).astype(np.int64)
-        ends = zip(breaks[:-1], breaks[1:], parts, strict=True)
-        return np.append(np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in ends]), breaks[-1])
+    @property
+    def closed(self) -> bool:
+        """Whether it is a whole circle."""
+        return abs(self.sweep) == 2.0 * np.pi
 
 
-class FullCircle(PartOfCircle):
-    """A circle, counter-clockwise from its rightmost point."""
+Arc: TypeAlias = Segment | PartOfCircle
+"""A smooth piece of a curve, by arc length."""
 
-    def __init__(self, center: Floats, radius: float) -> None:
-        super().__init__(center, radius, 0.0, 2.0 * np.pi)
 
-    def breaks(self, sides: Floats, beside: Floats = _NONE) -> Floats:
-        """Divide it where sides (k, 3, 2) meet it, and beside points (q, 2): it begins and ends at the first place."""
-        s = np.sort(np.concatenate([self.crossings(sides), self.nearest(beside)]))
-        least = _TOUCHED * self.length
+def breaks(arc: Arc, sides: Floats, beside: Floats = _NONE) -> Floats:
+    """Divide an arc where sides (k, 3, 2) meet it, and beside points (q, 2): increasing, once along it.
+
+    A whole circle begins and ends at the first such place.
+    """
+    s, least = np.sort(np.concatenate([arc.crossings(sides), arc.nearest(beside)])), _TOUCHED * arc.length
+    if isinstance(arc, PartOfCircle) and arc.closed:
         s = s[np.append(True, np.diff(s) > least)[: len(s)]]
-        if len(s) > 1 and s[0] + self.length - s[-1] <= least:
+        if len(s) > 1 and s[0] + arc.length - s[-1] <= least:
             s = s[:-1]
-        return np.append(s, s[0] + self.length) if len(s) else np.array([0.0, self.length])
+        return np.append(s, s[0] + arc.length) if len(s) else np.array([0.0, arc.length])
+    s = np.concatenate([[0.0], s[(s > least) & (s < arc.length - least)], [arc.length]])
+    return np.asarray(s[np.append(np.diff(s) > least, True)])
 
 
-def arcs_of(curve: Curve) -> list[Arc]:
-    """Split a curve into smooth pieces, in order."""
-    return arcs_of_outline(curve.outline)
+def _in_thirds(arc: Arc, breaks: Floats) -> Floats:
+    """Divide what is longer than a third of a circle: Gauss points on three such pieces prefer no direction."""
+    if isinstance(arc, Segment):
+        return breaks
+    turns = 3.0 * np.diff(breaks) / (2.0 * np.pi * arc.radius)
+    parts = np.maximum(np.ceil(turns - _SAME), 1.0).astype(np.int64)
+    ends = zip(breaks[:-1], breaks[1:], parts, strict=True)
+    return np.append(np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in ends]), breaks[-1])
 
 
-def arcs_of_outline(outline: Outline) -> list[Arc]:
-    """Smooth pieces of an outline: segments in order, arcs, then circles."""
+def arcs_of(outline: Outline) -> list[Arc]:
+    """Smooth pieces of an outline: segments in order, arcs, then circles counter-clockwise from the right."""
     segments: list[Arc] = [Segment(a, b) for a, b in outline.segments]
     arcs = [arc_of((tuple(a), tuple(m), tuple(b))) for a, m, b in outline.arcs.tolist()]
-    return [*segments, *arcs, *(FullCircle(np.array([x, y]), radius) for x, y, radius in outline.circles.tolist())]
+    circles = [PartOfCircle(np.array([x, y]), r, 0.0, 2.0 * np.pi) for x, y, r in outline.circles.tolist()]
+    return [*segments, *arcs, *circles]
 
 
 def arc_of(side: Side) -> Arc:
@@ -235,12 +210,12 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0,
         beside = mesh.boundary_beside(curve)
         beside = beside[~np.isin(beside[:, 1], along[:, 1])]
         sides = sides[~np.isin(sides[:, 1], np.concatenate([along, beside])[:, 1])]
-    for arc in arcs_of(curve):
-        breaks = arc.pieces(arc.breaks(mesh.points[sides], mesh.points[beside[:, [0, 2]].ravel()]))
-        inside = mesh.locate(arc.at(0.5 * (breaks[1:] + breaks[:-1]))[0]).elements
+    for arc in arcs_of(curve.outline):
+        stops = _in_thirds(arc, breaks(arc, mesh.points[sides], mesh.points[beside[:, [0, 2]].ravel()]))
+        inside = mesh.locate(arc.at(0.5 * (stops[1:] + stops[:-1]))[0]).elements
         on = inside >= 0
-        piece, begin, end = divided(breaks[:-1][on], breaks[1:][on], partial(_along, arc), levels)
-        at_end = ((begin == breaks[0]) | (end == breaks[-1])) & (at_ends > 0 and not isinstance(curve, Ring))
+        piece, begin, end = divided(stops[:-1][on], stops[1:][on], partial(_along, arc), levels)
+        at_end = ((begin == stops[0]) | (end == stops[-1])) & (at_ends > 0 and not isinstance(curve, Ring))
         s, weights, part = _stations(begin, end, at_end, gauss(order), lobatto(max(at_ends - 1, 1)))
         points, tangents = arc.at(s)
         within, _ = arc.at(_inward(s, begin[part], end[part]))
