@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 
@@ -64,9 +64,8 @@ def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
     """Deflections (...,) by which loads (..., 3n) scale on the plate."""
     forces, *couples = np.moveaxis(np.abs(nodal.reshape(*nodal.shape[:-1], -1, 3)).sum(axis=-2), -1, 0)
     size = discretisation.mesh.size
-    return np.asarray(
-        (forces + sum(couples) / size) * size**2 / rigidity(discretisation, discretisation.thickness.min())
-    )
+    loads = (forces + sum(couples) / size) * size**2
+    return np.asarray(loads / rigidity(discretisation, discretisation.thickness.min()))
 
 
 def bending_force(discretisation: Discretisation, hi: Floats) -> float:
@@ -240,7 +239,9 @@ def certify_each(
         at_holds = np.where(held.dofs, imbalance - pushes, 0.0)
         at_free = np.where(held.dofs, 0.0, imbalance - pushes)
 
-        gap = _gap(discretisation, hi, lo, reaction)
+        rows = contacts.rows.arrays
+        each = (discretisation.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True))
+        gap = contacts.compliance * reaction + np.array(list(each))
         force = np.where(contacts.slope, reaction / size, reaction)
         slip = np.where(held.dofs, hi + lo - held.values, 0.0)
         # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
@@ -268,11 +269,8 @@ def certify_each(
         across = float(np.sqrt(discretisation.mesh.element_area.mean()))
         # Forces count from what bending to the deflection takes, less the rigid motion in it; under no load, from what
         # shearing to the travel does.
-        bent = np.where(
-            idle,
-            length,
-            largest_magnitudes(np.minimum(np.abs(bending_part(discretisation, deflection)), length[:, None])),
-        )
+        part = np.minimum(np.abs(bending_part(discretisation, deflection)), length[:, None])
+        bent = np.where(idle, length, largest_magnitudes(part))
         bending = rigidity(discretisation, discretisation.thickness.max()) * bent / size**2
         rest = maximum(_UNSEEN * bending, _CANCELLED * reached)
         shear = discretisation.model.young * discretisation.thickness.max()
@@ -297,13 +295,12 @@ def certify_each(
             "equilibrium": ratio(by_force(at_free, across), scale),
             "balance": ratio(out_of_balance, maximum(total, rest)),
         }
-        lost = [
-            _lost(discretisation, *one) for one in zip(loads, beside, against, at_holds, pull, reaction, strict=True)
-        ]
+        of_each = zip(loads, beside, against, at_holds, pull, reaction, strict=True)
+        lost = [_lost(discretisation, *one) for one in of_each]
     certificates = []
     for row, load_lost in enumerate(lost):
         figures = {name: float(values[row]) for name, values in by_name.items()}
-        sizes = _Sizes(float(scale[row]), float(pressing[row]), float(maximum(total, rest)[row]))
+        sizes = float(scale[row]), float(pressing[row]), float(maximum(total, rest)[row])
         certificates.append(_judged(discretisation, figures, load_lost, sizes, hi[row], lo[row], reaction[row]))
     return certificates
 
@@ -315,24 +312,16 @@ def imbalances(discretisation: Discretisation, loads: Sequence[CaseLoad], hi: Fl
     return np.array([discretisation.plate.residual(springs, load.nodal, one, rest) for load, one, rest in each])
 
 
-class _Sizes(NamedTuple):
-    """What imbalances, reactions and resultants are compared with."""
-
-    scale: float
-    pressing: float
-    total: float
-
-
 def _judged(
     discretisation: Discretisation,
     figures: dict[str, float],
     lost: float,
-    sizes: _Sizes,
+    sizes: tuple[float, float, float],
     hi: Floats,
     lo: Floats,
     reaction: Floats,
 ) -> Certificate:
-    """Certify figures, those over the tolerance by what double precision can show."""
+    """Certify figures by sizes of imbalances, reactions and resultants, or by what double precision can show."""
     worst = max(figures[name] for name in LIMITED)
     if worst <= TOLERANCE or not np.isfinite(worst):
         return Certificate(**figures, lost=lost)
@@ -379,13 +368,6 @@ def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
     return _NIL * float(loaded_deflection(discretisation, load.nodal))
 
 
-def _gap(discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
-    contacts = discretisation.contacts
-    rows = contacts.rows.arrays
-    open_by = [discretisation.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True)]
-    return np.asarray(contacts.compliance * reaction + np.array(open_by))
-
-
 def _lost(
     discretisation: Discretisation,
     load: CaseLoad,
@@ -415,10 +397,8 @@ def _lost(
     slope = np.concatenate([np.flatnonzero(held) % 3 > 0, np.zeros(len(pull), np.bool_), discretisation.contacts.slope])
     arm = np.where(slope, discretisation.mesh.size, 1.0)
     forces = np.concatenate([at_holds[held], pull, reaction]) / arm
-    rows = (
-        np.concatenate([motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions])
-        * arm[:, None]
-    )
+    moved = [motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions]
+    rows = np.concatenate(moved) * arm[:, None]
     largest = np.abs(forces).max(initial=0.0)
     acting = np.abs(forces) > _UNSEEN * largest
     resultant = np.einsum("ij,i->j", motions, load.weighing - against)

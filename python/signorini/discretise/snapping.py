@@ -252,11 +252,10 @@ class _Onto:
 
     def _corner(self, at: Point) -> tuple[Point, str]:
         """The corner, or else the place on a side, that a point moves onto, and what has it."""
-        edges = [one for one in _nearest(at, self.plate, "sides") if one[0] <= self.reach]
         # What is near two edges of the plate is near their corner.
-        reach = self.reach * (math.sqrt(2.0) if len(edges) > 1 else 1.0)
-        corners = [one for one in _nearest(at, self.plate, "corners") if one[0] <= reach]
-        before = [one for one in _nearest(at, self.before, "corners") if one[0] <= self.reach]
+        several = len(self._near(at, self.plate, "sides")) > 1
+        corners = self._near(at, self.plate, "corners", math.sqrt(2.0) if several else 1.0)
+        before = self._near(at, self.before, "corners")
         if not (corners or before):
             return self._side(at)
         _, place, name = min(corners, default=None) or before[0]
@@ -264,26 +263,25 @@ class _Onto:
 
     def _side(self, at: Point) -> tuple[Point, str]:
         """The place on a side that a point moves onto, and what has it; the point itself where there is none."""
-        behind = [one for one in self.behind if one.corners.nearest(np.array([at]))[1][0] > self.reach]
-        edges = [one for one in _nearest(at, self.plate, "sides") if one[0] <= self.reach]
-        others = [one for one in _nearest(at, [*self.before, *behind], "sides") if one[0] <= self.reach]
+        behind = [one for one in self.behind if not self._near(at, [one], "corners")]
+        edges, others = self._near(at, self.plate, "sides"), self._near(at, [*self.before, *behind], "sides")
         if not (edges or others):
             return at, ""
         _, place, name = min(edges, default=None) or others[0]
         return place, name
 
+    def _near(
+        self, at: Point, targets: Iterable[_Target], what: Literal["corners", "sides"], reaches: float = 1.0
+    ) -> list[tuple[float, Point, str]]:
+        """How far corners or sides of targets within reach of a point are, the nearest place of each, and its name."""
+        result = []
+        for target in targets:
+            (place,), (apart,) = getattr(target, what).nearest(np.array([at]))
+            if apart <= self.reach * reaches:
+                result.append((float(apart), (float(place[0]), float(place[1])), target.name))
+        return result
+
     def _comes_to_nothing(self, path: Place) -> InputError:
         return InputError(
             f"With mesh.snap = {self.reach:g} it comes to nothing. Take less, or draw it where it is to be.", place=path
         )
-
-
-def _nearest(
-    at: Point, targets: Iterable[_Target], what: Literal["corners", "sides"]
-) -> list[tuple[float, Point, str]]:
-    """How far the corners or sides of each target are from a point, the place of them that is nearest, and its name."""
-    result = []
-    for target in targets:
-        (place,), (apart,) = getattr(target, what).nearest(np.array([at]))
-        result.append((float(apart), (float(place[0]), float(place[1])), target.name))
-    return result

@@ -231,7 +231,8 @@ def _along_line(on: _Ground, placed: Placed) -> list[_Acting]:
             rows = Rows(x.elements, along[:, :1] * x.coefficients + along[:, 1:] * y.coefficients)
             rotation = prescribed_rotations(placed, turned.positions)
             result.append(_Acting.of(rows, turned, (along * rotation).sum(axis=1)))
-    return [replace(_means(one), shared=np.full((len(one), 4), -1)) for one in result] if in_means else result
+    means = map(_means, result) if in_means else ()
+    return [replace(one, shared=np.full_like(one.shared, -1)) for one in means] or result
 
 
 def _steps(support: Support) -> list[Level]:

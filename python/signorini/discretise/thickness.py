@@ -109,15 +109,11 @@ def _crossing(zones: Zones, mesh: Mesh) -> tuple[list[Callable[[Floats], Floats]
         sought.append(([level for level in formula.levels if level.jumps], mine))
     for zone, some in zip(zones.model.zone, zones.parted, strict=True):
         sought.append((sides_of(zone.region), some))
-    levels = [level for of, _ in sought for level in of]
-    return levels, np.concatenate([_crossed_among(mesh, some, of) for of, some in sought])
-
-
-def _crossed_among(mesh: Mesh, some: Bools, levels: Sequence[Callable[[Floats], Floats]]) -> Bools:
-    """Which elements (levels, ne) each of the levels crosses, of some (ne,) of them."""
-    result = np.zeros((len(levels), len(some)), np.bool_)
-    result[:, some] = crossed(mesh, np.flatnonzero(some), levels)
-    return result
+    across = []
+    for of, some in sought:
+        across.append(np.zeros((len(of), len(some)), np.bool_))
+        across[-1][:, some] = crossed(mesh, np.flatnonzero(some), of)
+    return [level for of, _ in sought for level in of], np.concatenate(across)
 
 
 def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tuple[Floats, Ints, Floats]:

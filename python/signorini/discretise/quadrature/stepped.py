@@ -190,7 +190,10 @@ def cut_by(
         crossing = changes if depth == 0 else crossing
         ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == _DEEPEST)
         if quarter:
-            changes, planes = _with_axes(boxes, changes, planes)
+            # The middles of the elements, ξ = 0 and η = 0, are levels too.
+            axes = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], (len(boxes), 2, 3))
+            changes = np.hstack([changes, (boxes[:, :2] < 0.0) & (boxes[:, 2:] > 0.0)])
+            planes = np.concatenate([planes, axes], axis=1)
         over = mesh.triangles[owner] & (boxes[:, 2:].sum(axis=1) > 1.0)
         clear = ready & ~changes.any(axis=1) & ~over
         fewer = max(2, order - depth)
@@ -206,11 +209,7 @@ def cut_by(
                 fronts.append((owner[square], ends))
         square, xi, weights = gauss_on_triangles(triangles, fewer)
         points.append((owner[square], xi, weights))
-        owner, boxes, crossing = (
-            np.repeat(owner[~ready], 4),
-            _quartered(boxes[~ready]),
-            crossing[~ready].repeat(4, axis=0),
-        )
+        owner, boxes, crossing = owner[~ready].repeat(4), _quartered(boxes[~ready]), crossing[~ready].repeat(4, axis=0)
         inside = ~mesh.triangles[owner] | (boxes[:, :2].sum(axis=1) < 1.0)
         owner, boxes, crossing = owner[inside], boxes[inside], crossing[inside]
     held, xi, weights = (np.concatenate(part) for part in zip(*points, strict=True))
@@ -252,22 +251,12 @@ def _planes(
     return changes, planes, bent
 
 
-def _with_axes(boxes: Floats, changes: Bools, planes: Floats) -> tuple[Bools, Floats]:
-    """Take the middles of the elements, ξ = 0 and η = 0, for levels too."""
-    across = (boxes[:, :2] < 0.0) & (boxes[:, 2:] > 0.0)
-    axes = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], (len(boxes), 2, 3))
-    return np.hstack([changes, across]), np.concatenate([planes, axes], axis=1)
-
-
 def _quartered(boxes: Floats) -> Floats:
     low, high = boxes[:, :2], boxes[:, 2:]
     ends = np.stack([low, low + _PARTED * (high - low), high], axis=1)
-    parts = [
-        np.column_stack([ends[:, i, 0], ends[:, j, 1], ends[:, i + 1, 0], ends[:, j + 1, 1]])
-        for i in (0, 1)
-        for j in (0, 1)
-    ]
-    return np.stack(parts, axis=1).reshape(-1, 4)
+    i, j = np.divmod(np.arange(4), 2)
+    parts = [ends[:, i, 0], ends[:, j, 1], ends[:, i + 1, 0], ends[:, j + 1, 1]]
+    return np.stack(parts, axis=2).reshape(-1, 4)
 
 
 def _square(count: int) -> Floats:
