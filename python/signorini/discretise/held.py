@@ -115,10 +115,12 @@ class Holds:
     by: dict[int, dict[int, tuple[int, float]]] = field(default_factory=dict)
     slopes: dict[int, list[_Slope]] = field(default_factory=dict)
 
-    def deflection(self, node: int, value: float, support: int, number: int) -> None:
-        """Hold a node's deflection; supports that do so share its reaction."""
-        if not self.bodies.inside[node]:
-            self.by.setdefault(node, {}).setdefault(support, (number, value))
+    def deflections(self, mesh: Mesh, placed: Placed, nodes: Ints, numbers: Ints) -> None:
+        """Hold deflections of nodes, points of a support by number; supports that do so share their reactions."""
+        settlement = placed.support.settlement(*mesh.points[nodes].T, place=(*placed.place, "settlement"))
+        for node, value, number in zip(nodes.tolist(), settlement.tolist(), numbers.tolist(), strict=True):
+            if not self.bodies.inside[node]:
+                self.by.setdefault(node, {}).setdefault(placed.index, (number, value))
 
     def slope(self, node: int, direction: tuple[float, float], rotation: Floats, support: int) -> None:
         """Hold a node's slope along a unit direction at that of a rotation (2,)."""
@@ -287,7 +289,7 @@ def _hold_along(mesh: Mesh, holds: Holds, placed: Placed, sides: Ints) -> None:
     support, index = placed.support, placed.index
     if holds_deflection(support):
         nodes, _ = edge_nodes(mesh, sides)
-        _hold_deflections(mesh, holds, placed, nodes, np.zeros_like(nodes))
+        holds.deflections(mesh, placed, nodes, np.zeros_like(nodes))
     if not {"slope", "twist"} & set(support.fixed):
         return
     tangents = tangents_at_nodes(mesh, sides)
@@ -304,18 +306,12 @@ def _hold_points(mesh: Mesh, holds: Holds, placed: Placed) -> None:
     (numbers,) = np.nonzero(placed.nodes >= 0)
     nodes = placed.nodes[numbers]
     if holds_deflection(placed.support):
-        _hold_deflections(mesh, holds, placed, nodes, numbers)
+        holds.deflections(mesh, placed, nodes, numbers)
     if "slope" in placed.support.fixed:
         rotations = prescribed_rotations(placed, mesh.points[nodes])
         for node, rotation in zip(nodes.tolist(), rotations, strict=True):
             holds.slope(node, (1.0, 0.0), rotation, placed.index)
             holds.slope(node, (0.0, 1.0), rotation, placed.index)
-
-
-def _hold_deflections(mesh: Mesh, holds: Holds, placed: Placed, nodes: Ints, numbers: Ints) -> None:
-    settlement = placed.support.settlement(*mesh.points[nodes].T, place=(*placed.place, "settlement"))
-    for node, value, number in zip(nodes.tolist(), settlement.tolist(), numbers.tolist(), strict=True):
-        holds.deflection(node, value, placed.index, number)
 
 
 def tangents_at_nodes(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:

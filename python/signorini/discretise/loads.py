@@ -15,7 +15,7 @@ from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_qua
 from signorini.discretise.quadrature.stepped import Levels, among, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
 from signorini.discretise.sections import Sections
-from signorini.discretise.sections.sections import Push, Spread
+from signorini.discretise.sections.sections import Spread
 from signorini.discretise.zones import Zones
 from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
@@ -151,11 +151,10 @@ def _load(
             order = _GAUSS if load.line_load.is_constant and load.circle is None else _GAUSS_VARYING
             formula = load.line_load
 
-            def along(levels: Levels) -> Push:
+            def along(levels: Levels) -> Quadrature:
                 levels = (*formula.levels, *levels)
                 points = along_curve(mesh, model.plate, load, place, sides, order, levels=levels)
-                force = points.weights * formula(*points.positions.T, place=(*place, "line_load"))
-                return Push(points.elements, points.xi, points.positions, force)
+                return points.times(formula(*points.positions.T, place=(*place, "line_load")))
 
             onto.draw(along)
         case "force":
@@ -164,8 +163,7 @@ def _load(
             for over, shape in zip(spread, shapes_of(load) if spread else (), strict=True):
                 onto.spread(over, Spread.even(shape, load.force / over.total))
             if not spread:
-                points = located(mesh, load.at, (*place, "at"))
-                onto.push(points, load.force * points.weights)
+                onto.push(located(mesh, load.at, (*place, "at")).times(load.force))
         case "moment" | "couple_about":
             assert load.couple is not None and load.at is not None
             spread = footprints.of(load, place)
@@ -194,22 +192,22 @@ class Onto:
         """All of it."""
         return CaseLoad(self._nodal, np.zeros(3), self._couples, self._nodal, self.through)
 
-    def push(self, points: Quadrature, force: Floats) -> None:
-        """Add forces (q,) at points."""
-        self._add(points.elements, points.xi, force)
-        self.through += self._sections.of_points(points.elements, points.xi, points.positions, force)
+    def push(self, forces: Quadrature) -> None:
+        """Add forces that points weigh."""
+        self._add(forces)
+        self.through += self._sections.of_points(forces)
 
-    def draw(self, along: Callable[[Levels], Push]) -> None:
+    def draw(self, along: Callable[[Levels], Quadrature]) -> None:
         """Add forces along a line, whose points are divided where levels change sign."""
         whole = along(())
-        self._add(whole.elements, whole.xi, whole.force)
+        self._add(whole)
         self.through += self._sections.of_line(whole, along)
 
     def spread(self, over: Quadrature, spread: Spread) -> None:
         """Add a pressure, integrated at points."""
-        force = over.weights * spread.pressure(over.elements, over.positions)
-        self._add(over.elements, over.xi, force)
-        self.through += self._sections.of_spread(over.elements, over.xi, force, spread)
+        forces = over.times(spread.pressure(over.elements, over.positions))
+        self._add(forces)
+        self.through += self._sections.of_spread(forces, spread)
 
     def twist(self, plate: _core.Plate, points: LineQuadrature, moment: tuple[float, float]) -> None:
         """Add a couple at each of some points."""
@@ -220,8 +218,8 @@ class Onto:
             np.add.at(self._couples, 2 * points.elements[:, None] + np.arange(2), couple * centre)
             self.through += self._sections.of_rows(points.elements, points.positions, couple * rows)
 
-    def _add(self, elements: Ints, xi: Floats, force: Floats) -> None:
-        self._nodal[::3] += self.mesh.nodal_forces(elements, xi, force)
+    def _add(self, forces: Quadrature) -> None:
+        self._nodal[::3] += self.mesh.nodal_forces(forces.elements, forces.xi, forces.weights)
 
 
 def _weigh(zones: Zones, onto: Onto) -> None:
@@ -324,7 +322,7 @@ def _position(onto: Onto, wheels: list[Wheel], patch: tuple[float, float] | None
         where = mesh.locate(positions)
         forces = np.array([force for _, _, force in wheels])
         on, at = where.inside, positions[where.inside]
-        onto.push(Quadrature(where.elements[on], where.xi[on], np.ones(len(at)), at), forces[on])
+        onto.push(Quadrature(where.elements[on], where.xi[on], forces[on], at))
     else:
         for middle, direction, force in wheels:
             shape = Polygon(_print(middle, direction, patch))

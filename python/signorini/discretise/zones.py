@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
@@ -10,6 +11,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from signorini.discretise.places import in_area
+from signorini.discretise.quadrature.lines import Segment, arcs_of
 from signorini.discretise.quadrature.stepped import sides_of
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import Place, Problems
@@ -18,7 +20,6 @@ from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import CENTROID
 from signorini.model import Material, Model
 from signorini.model.material import Modifiers, Stiffness
-from signorini.shapes.contours import along_side
 from signorini.shapes.outlines import Outline
 
 
@@ -288,23 +289,15 @@ class Zones:
 
 def _along(outline: Outline, step: float) -> tuple[Floats, Floats]:
     """Points (q, 2) along an outline, not farther apart than a step, and normals (q, 2)."""
-    points, normals = [np.zeros((0, 2))], [np.zeros((0, 2))]
-    for begin, end in outline.segments:
-        length = float(np.hypot(*(end - begin)))
-        count = int(np.ceil(length / step))
-        points.append(begin + (np.arange(count)[:, None] + 0.5) / count * (end - begin))
-        normals.append(np.tile([(end - begin)[1] / length, (begin - end)[0] / length], (count, 1)))
-    for x, y, radius in outline.circles:
-        count = 8 + int(np.ceil(2.0 * np.pi * radius / step))
-        turn = 2.0 * np.pi * (np.arange(count) + 0.5) / count
-        normals.append(np.column_stack([np.cos(turn), np.sin(turn)]))
-        points.append((x, y) + radius * normals[-1])
-    for (a, m, b), (x, y, radius) in zip(
-        outline.arcs.tolist(), outline.whole_circles[len(outline.circles) :].tolist(), strict=True
-    ):
-        points.append(along_side(a, m, b)[1:])
-        normals.append((points[-1] - (x, y)) / radius)
-    return np.concatenate(points), np.concatenate(normals)
+    points, tangents = [np.zeros((0, 2))], [np.zeros((0, 2))]
+    for arc in arcs_of(outline):
+        count = math.ceil(arc.length / step) + (0 if isinstance(arc, Segment) else 8)
+        for values, found in zip(
+            (points, tangents), arc.at(arc.length * (np.arange(count) + 0.5) / count), strict=True
+        ):
+            values.append(found)
+    along = np.concatenate(tangents)
+    return np.concatenate(points), np.column_stack([along[:, 1], -along[:, 0]])
 
 
 def _sections(model: Model) -> dict[int, Material | Stiffness]:

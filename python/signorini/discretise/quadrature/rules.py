@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
-from typing import TypeAlias
+from typing import Self, TypeAlias
 
 import numpy as np
 
@@ -28,6 +28,10 @@ class Quadrature(Table):
     xi: Floats
     weights: Floats
     positions: Floats
+
+    def times(self, values: Floats | float) -> Self:
+        """The same points, which weigh what they did times values (q,)."""
+        return replace(self, weights=self.weights * values)
 
     @property
     def total(self) -> float:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
@@ -50,15 +49,6 @@ class Spread:
     def even(cls, shape: Part, pressure: float) -> Spread:
         """One pressure over a footprint."""
         return cls(shape, _ORDER, (), lambda _, at: np.full(len(at), pressure))
-
-
-class Push(NamedTuple):
-    """Forces (q,), down, at reference points (q, 2) of elements (q,), their positions (q, 2)."""
-
-    elements: Ints
-    xi: Floats
-    positions: Floats
-    force: Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,11 +99,10 @@ class Sections(Brief):
         forces, stress = plate.element_forces(self.elements, hi, lo, (kx, ky, kxy), couples)
         return np.asarray(self._of_forces @ forces.ravel() + self._of_stress @ stress.ravel())
 
-    def of_points(self, elements: Ints, xi: Floats, positions: Floats, force: Floats) -> Floats:
-        """Give the part (3s,) of forces (q,), down, at points (q, 2) of elements (q,)."""
-        met = self._met[elements]
-        rows = _deflections(self.mesh, elements[met], xi[met], force[met])
-        return self.of_rows(elements[met], positions[met], rows)
+    def of_points(self, forces: Quadrature) -> Floats:
+        """Give the part (3s,) of forces, down, that points weigh."""
+        some = forces.pick(self._met[forces.elements])
+        return self.of_rows(some.elements, some.positions, _deflections(self.mesh, some))
 
     def of_rows(self, elements: Ints, positions: Floats, rows: Floats) -> Floats:
         """Give the part (3s,) of forces or couples with rows (q, 24) at points (q, 2) of elements (q,)."""
@@ -124,7 +113,7 @@ class Sections(Brief):
 
         return self._sum(elements, part)
 
-    def of_line(self, whole: Push, divided: Callable[[Levels], Push]) -> Floats:
+    def of_line(self, whole: Quadrature, divided: Callable[[Levels], Quadrature]) -> Floats:
         """Give the part (3s,) of forces along a line, that are given once more, divided where levels change sign."""
         if not self._met[whole.elements].any():
             return np.zeros(3 * len(self.cuts))
@@ -132,19 +121,19 @@ class Sections(Brief):
 
         def part(one: Cut) -> Floats:
             place, some = placed(one.elements, whole.elements)
-            nodal = _deflections(self.mesh, whole.elements[some], whole.xi[some], whole.force[some])
-            left = np.where(one.divided()[place], 0.0, one.lefts(whole.positions[some]))
-            result = one.work(place, nodal, left).sum(axis=0)
+            here = whole.pick(some)
+            left = np.where(one.divided()[place], 0.0, one.lefts(here.positions))
+            result = one.work(place, _deflections(self.mesh, here), left).sum(axis=0)
             place, some = placed(one.elements, crossed.elements)
-            force = one.lefts(crossed.positions[some]) * crossed.force[some]
-            rows = _deflections(self.mesh, crossed.elements[some], crossed.xi[some], force)
-            return np.asarray(result - np.einsum("qcd,qd->c", one.motion[place], rows))
+            here = crossed.pick(some)
+            on_left = _deflections(self.mesh, here.times(one.lefts(here.positions)))
+            return np.asarray(result - np.einsum("qcd,qd->c", one.motion[place], on_left))
 
         return self._sum(whole.elements, part)
 
-    def of_spread(self, elements: Ints, xi: Floats, force: Floats, spread: Spread) -> Floats:
-        """Give the part (3s,) of a pressure of which nodal forces are those of forces (q,) at points of elements."""
-        return self._sum(elements, lambda one: _of_spread(one, self.mesh, elements, xi, force, spread))
+    def of_spread(self, forces: Quadrature, spread: Spread) -> Floats:
+        """Give the part (3s,) of a pressure of which nodal forces are those that points weigh."""
+        return self._sum(forces.elements, lambda one: _of_spread(one, self.mesh, forces, spread))
 
     def of_supports(self, supports: Sequence[Support], acting: ContactPoints | Springs) -> csr_array:
         """Give the parts (3s, m) of reactions of 1, up, along rows (m,) of supports."""
@@ -227,15 +216,15 @@ def _require_on_plate(mesh: Mesh, points: Sequence[Point], place: Place) -> None
     raise InputError(f"{said}{advice}", place=(*place, "line"))
 
 
-def _of_spread(cut: Cut, mesh: Mesh, elements: Ints, xi: Floats, force: Floats, spread: Spread) -> Floats:
-    """What a pressure, of which nodal forces are those of forces (q,) at points of elements (q,), adds (3,)."""
-    place, some = placed(cut.elements, elements)
+def _of_spread(cut: Cut, mesh: Mesh, forces: Quadrature, spread: Spread) -> Floats:
+    """What a pressure, of which nodal forces are those that points weigh, adds (3,)."""
+    place, some = placed(cut.elements, forces.elements)
     if not len(place):
         return np.zeros(3)
-    nodal = _deflections(mesh, elements[some], xi[some], force[some])
+    nodal = _deflections(mesh, forces.pick(some))
     left = cut.on_left(mesh, spread.region, spread.order, spread.levels)
     on = cut.elements[left.elements]
-    share = _deflections(mesh, on, left.xi, left.weights * spread.pressure(on, left.positions))
+    share = _deflections(mesh, replace(left, elements=on).times(spread.pressure(on, left.positions)))
     on_left = np.einsum("qcd,qd->c", cut.motion[left.elements], share)
     return np.asarray(cut.work(place, nodal, np.zeros(len(place))).sum(axis=0) - on_left)
 
@@ -256,8 +245,7 @@ def _of_supports(
     result[rows] = -cut.work(place, acting.rows.coefficients[rows], left)
     for row, (shape, over) in prints.items():
         pressure = -acting.direction[row] / over.total
-        even = Spread.even(shape, pressure)
-        result[row] = _of_spread(cut, mesh, over.elements, over.xi, pressure * over.weights, even)
+        result[row] = _of_spread(cut, mesh, over.times(pressure), Spread.even(shape, pressure))
     rows = rows[spread]
     for index in np.unique(acting.support[rows]).tolist() if cut.divided().any() else ():
         for own, shares in _shares(cut, mesh, supports[index], acting, rows[acting.support[rows] == index]):
@@ -285,7 +273,7 @@ def _shares(
     covered = region(support.area)
     left = cut.on_left(mesh, covered, _ORDER, ())
     over = area_quadrature(mesh.part(cut.elements), covered, _ORDER)
-    rows = _deflections(mesh, cut.elements[left.elements], left.xi, left.weights)
+    rows = _deflections(mesh, replace(left, elements=cut.elements[left.elements]))
     work = np.einsum("qcd,qd->qc", cut.motion[left.elements], rows)
     for at in np.unique(left.elements).tolist():
         here, all_over = left.elements == at, over.elements == at
@@ -300,8 +288,8 @@ def _shares(
         yield mine, acting.direction[mine, None] * (points @ inverse @ (linear.T @ work[here]))
 
 
-def _deflections(mesh: Mesh, elements: Ints, xi: Floats, force: Floats) -> Floats:
-    """Rows (q, 24) of the deflection at points of elements, times forces (q,)."""
-    rows = np.zeros((len(elements), 24))
-    rows[:, ::3] = force[:, None] * mesh.shape_functions(elements, xi)
+def _deflections(mesh: Mesh, forces: Quadrature) -> Floats:
+    """Rows (q, 24) of the deflection at points, times the forces that they weigh."""
+    rows = np.zeros((len(forces), 24))
+    rows[:, ::3] = forces.weights[:, None] * mesh.shape_functions(forces.elements, forces.xi)
     return rows
