@@ -49,8 +49,8 @@ def shears_grow(angle: float, held: bool, other_held: bool, along: bool) -> bool
     that holds the deflection the slope is held too, as that of the deflection.
     """
     if held == other_held:
-        return bool(angle > np.pi + _STRAIGHT)
-    return bool(angle > 0.5 * np.pi + (_STRAIGHT if along else -_STRAIGHT))
+        return bool(angle > np.pi + STRAIGHT)
+    return bool(angle > 0.5 * np.pi + (STRAIGHT if along else -STRAIGHT))
 
 
 def moments_grow(angle: float, one: Slopes, other: Slopes, poisson: float) -> bool:
@@ -67,7 +67,7 @@ def moments_grow(angle: float, one: Slopes, other: Slopes, poisson: float) -> bo
     >>> moments_grow(np.radians(120), "twist", "twist", 0.3), moments_grow(np.radians(90), "twist", "twist", 0.3)
     (True, False)
     """
-    if abs(angle - np.pi) <= _STRAIGHT and one == other:
+    if abs(angle - np.pi) <= STRAIGHT and one == other:
         return False
     return exponents_below_one(angle, one, other, poisson) > 0
 
@@ -80,14 +80,11 @@ def exponents_below_one(angle: float, one: Slopes, other: Slopes, poisson: float
     # Finely beside 0 and 1, where there are exponents just outside the box.
     across, along = np.linspace(_LEAST, _MOST, _STEPS), _TALL * np.linspace(-1.0, 1.0, _STEPS) ** 3
     box = [across - 1j * _TALL, _MOST + 1j * along, across[::-1] + 1j * _TALL, _LEAST + 1j * along[::-1]]
-    value = _determinant(np.concatenate(box), angle, one, other, poisson)
+    at = np.concatenate(box)
+    rows = _conditions(at, 0.0, one, poisson) + _conditions(at, angle, other, poisson)
+    value = np.linalg.det(np.stack([np.stack(row, axis=-1) for row in rows], axis=-2))
     turned = np.angle(np.roll(value, -1) / value)
     return round(float(turned.sum()) / (2 * np.pi))
-
-
-def _determinant(exponent: Complexes, angle: float, one: Slopes, other: Slopes, poisson: float) -> Complexes:
-    rows = _conditions(exponent, 0.0, one, poisson) + _conditions(exponent, angle, other, poisson)
-    return np.asarray(np.linalg.det(np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)))
 
 
 def _conditions(exponent: Complexes, at: float, slopes: Slopes, poisson: float) -> list[tuple[Complexes, ...]]:
@@ -111,7 +108,7 @@ def _conditions(exponent: Complexes, at: float, slopes: Slopes, poisson: float) 
             return [across, slope]
 
 
-_STRAIGHT = np.radians(1.0)
+STRAIGHT = np.radians(1.0)
 """Turning at a node below which an edge runs on smoothly."""
 _OF_ROUND = 0.2
 """Part of what two round sides turn themselves by which they may turn between them: parabolas stand for an arc."""
@@ -168,7 +165,7 @@ class Boundary:
         following = np.array([first[node] for node in sides[:, 2].tolist()])
         own = _turn(tangents[:, 0], tangents[:, 2])
         turn = _turn(tangents[:, 2], tangents[following, 0])
-        slack = np.maximum(_STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
+        slack = np.maximum(STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
         angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
         poisson = discretisation.zones.poisson_of(mesh.find_sides(sides)[0])
         return cls(mesh, sides, following, angles, rigid, held, held & ~always, slope, twist, sheared, poisson)

@@ -15,14 +15,11 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.model import AnnulusPlate, DiscPlate, Load, Support
 from signorini.model.curve import curve
 from signorini.shapes import Curve, Polyline, Ring
-from signorini.singularities.boundary import Boundary, boundary_of, moments_grow, shears_along, slopes_held
+from signorini.singularities.boundary import STRAIGHT, Boundary, boundary_of, moments_grow, shears_along, slopes_held
 from signorini.singularities.singularity import Singularity, as_places
 
-_STRAIGHT = np.radians(1.0)
 _ENDS = 1e-9
 """Part of a line load's size at its points below which it has come to nothing at its end."""
-_TURN = 72
-"""Points of a circle that is named."""
 
 
 def ends_of_load(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
@@ -49,12 +46,12 @@ def _load_ends(edge: Boundary, at: Floats, into: Floats) -> bool:
     if not len(sides):
         return True
     along = np.abs([edge.tangent(int(side)) @ into for side in sides])
-    mine = sides[along > np.cos(_STRAIGHT)]
+    mine = sides[along > np.cos(STRAIGHT)]
     if len(mine):
         beside = np.setdiff1d(sides, mine)
         return _grows_on_edge(edge, int(mine[0]), int(beside[0]) if len(beside) else int(mine[0]))
     # Mirrored at a free edge a load across it runs on straight; at a held one its sign changes.
-    return bool(edge.held[sides].any() or (along > np.sin(_STRAIGHT)).any())
+    return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 
 def _grows_on_edge(edge: Boundary, mine: int, beside: int) -> bool:
@@ -64,7 +61,7 @@ def _grows_on_edge(edge: Boundary, mine: int, beside: int) -> bool:
     angle = np.pi
     if mine != beside:
         angle = edge.angles[mine if edge.following[mine] == beside else beside]
-    return bool(angle >= 0.5 * np.pi - _STRAIGHT if edge.held[beside] else abs(angle - np.pi) <= _STRAIGHT)
+    return bool(angle >= 0.5 * np.pi - STRAIGHT if edge.held[beside] else abs(angle - np.pi) <= STRAIGHT)
 
 
 def _ends_on_edges(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
@@ -94,26 +91,23 @@ def ends_of_line(
     for at, directions in zip(*_points_along(discretisation, along), strict=True):
         rays = edge.rays(at) if len(directions) == 1 else []
         within = [float(np.arccos(np.clip(ray @ directions[0], -1.0, 1.0))) for _, ray in rays]
-        if any(min(angle, np.pi - angle) <= _STRAIGHT for angle in within) or not (
-            rays or len(directions) == 1 or _bends(*directions)
-        ):
-            continue  # along an edge, which has corners of its own, or straight on
+        along_edge = any(min(angle, np.pi - angle) <= STRAIGHT for angle in within)
+        if along_edge or (len(directions) == 2 and not _bends(*directions)):
+            continue  # an edge has corners of its own
         if not rays:
             numbers = (("moment",) if own != "free" else ()) + of_deflection
         else:
             held = np.array([edge.held[side] for side, _ in rays])
-            askew = any(abs(angle - 0.5 * np.pi) > _STRAIGHT for angle in within)
-            sides = zip(within, rays, strict=True)
+            askew = any(abs(angle - 0.5 * np.pi) > STRAIGHT for angle in within)
             # At a right angle slopes part into those even about the line and those odd; where one is held, the other is
             # zero by symmetry, so that one of both parts is clamped.
             bends = any(
-                moments_grow(a, "clamped", edge.slopes(side), float(edge.poisson[side])) for a, (side, _) in sides
+                moments_grow(angle, "clamped", edge.slopes(side), float(edge.poisson[side]))
+                for angle, (side, _) in zip(within, rays, strict=True)
             )
             # A rigid line and an edge are a corner; an elastic one acts as a line load does.
-            strained = (
-                "twist" not in support.fixed
-                or shears_along(support, at[None], np.array(directions), discretisation.mesh.size).any()
-            )
+            sheared = shears_along(support, at[None], np.array(directions), discretisation.mesh.size).any()
+            strained = "twist" not in support.fixed or sheared
             grows = not held.all() and (askew or strained) if rigid else held.any() or askew
             numbers = (("moment",) if own != "free" and bends else ()) + (of_deflection if grows else ())
         if numbers:
@@ -122,19 +116,16 @@ def ends_of_line(
 
 
 def _points_along(discretisation: Discretisation, along: Curve) -> tuple[Floats, list[list[Floats]]]:
-    """Points (n, 2) of a line, and its directions (2,) from each: one at an end; of a circle those on the plate."""
+    """Points (n, 2) of a line, and directions (2,) of it from each: one at an end. Of a sector's arc ends and middle."""
     if isinstance(along, Polyline):
         return np.array(along.points), _directions(along)
     plate = discretisation.model.plate
-    sector = 360.0
-    if isinstance(plate, DiscPlate | AnnulusPlate) and along.center == plate.center:
-        sector = plate.sector
-    points = _around(along.center, along.radius, sector)
-    tangents = np.column_stack([along.center[1] - points[:, 1], points[:, 0] - along.center[0]]) / along.radius
-    directions = [[-tangent, tangent] for tangent in tangents]
-    if sector < 360:
-        directions[0], directions[-1] = [tangents[0]], [-tangents[-1]]
-    return points, directions
+    if not isinstance(plate, DiscPlate | AnnulusPlate) or along.center != plate.center or plate.sector == 360:
+        return np.zeros((0, 2)), []
+    turn = np.radians([0.0, 0.5 * plate.sector, plate.sector])
+    outward = np.column_stack([np.cos(turn), np.sin(turn)])
+    begin, middle, end = np.column_stack([-outward[:, 1], outward[:, 0]])
+    return along.center + along.radius * outward, [[begin], [-middle, middle], [-end]]
 
 
 def _directions(along: Polyline) -> list[list[Floats]]:
@@ -147,12 +138,7 @@ def _directions(along: Polyline) -> list[list[Floats]]:
 
 
 def _bends(back: Floats, on: Floats) -> bool:
-    return bool(-back @ on < np.cos(_STRAIGHT))
-
-
-def _around(center: tuple[float, float], radius: float, degrees: float = 360.0) -> Floats:
-    turn = np.radians(np.linspace(0.0, degrees, _TURN + 1))
-    return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
+    return bool(-back @ on < np.cos(STRAIGHT))
 
 
 _BESIDE = "take values from beside these elements."

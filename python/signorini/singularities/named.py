@@ -191,7 +191,7 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
 def _of_edges_on(discretisation: Discretisation, support: Support, advice: str) -> Iterator[Singularity]:
     """Edges that a bent plate stands on where it is all on a rigid area; one that is only pressed lies flat."""
     model, edge = discretisation.model, boundary_of(discretisation)
-    flat = len(model.support) == 1 and (support.gap is None or support.gap.is_constant)
+    flat = len(model.support) == 1 and support.gap.is_constant
     if flat and all(load.kind in ("pressure", "self_weight") for load in model.load):
         return
     for loop in edge.loops():
