@@ -243,24 +243,7 @@ class Discretisation(Remade):
 
 
 def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
-    """Mesh the plate, unless a mesh of it is given, and turn supports and loads into arrays.
-
-    Examples
-    --------
-    >>> from signorini.model import Model
-    >>> plate = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 2], "thickness": 0.2},
-    ...     mesh={"divisions": [8, 4]},
-    ...     support=[{"edge": ["left", "right"], "resists": "down"}],
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> result = discretise(plate)
-    >>> result.mesh.node_count, len(result.contacts)
-    (121, 18)
-    >>> print(round(result.cases["load"].nodal[::3].sum(), 6))
-    40000.0
-    """
+    """Mesh the plate, unless a mesh of it is given, and turn supports and loads into arrays."""
     made_by(model, Model, _advice(model), "model")
     begun = time.perf_counter()
     mesh, model, moved = mesh_of(model, mesh)

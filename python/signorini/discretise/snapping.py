@@ -34,14 +34,9 @@ _Numbers = TypeVar("_Numbers", bound=tuple[float, ...])
 class Snapped(NamedTuple):
     """A point, a corner, a circle or a rectangle that was moved.
 
-    Parameters
-    ----------
-    what : str
-        Where it stands in the input, such as ``support[2].line[1]``.
-    begin, end : tuple of float
-        [x, y] before and after; of a circle [x, y, radius], of a rectangle [x0, y0, x1, y1].
-    onto : str
-        An edge of the plate, or what stands elsewhere in the input.
+    ``what`` says where it stands in the input, such as ``support[2].line[1]``; ``begin`` and ``end`` are [x, y] before and
+    after, of a circle [x, y, radius], of a rectangle [x0, y0, x1, y1]. ``onto`` is an edge of the plate, or what stands
+    elsewhere in the input.
     """
 
     what: str
@@ -65,27 +60,7 @@ def snapped(model: Model, mesh: Mesh | None = None) -> tuple[Model, tuple[Snappe
     First come the edges of the plate, of a plate from a file those of its mesh, then supports, zones and loads in the
     order of the input. A point or corner moves onto a corner of what comes before it, else onto a side of anything
     else; a circle becomes one that comes before it. Nothing moves farther than ``mesh.snap``, but into a corner of the
-    plate from beside both of its sides.
-
-    Raises
-    ------
-    InputError
-        If a line or an area comes to nothing.
-
-    Examples
-    --------
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [6, 4], "thickness": 0.2},
-    ...     mesh={"snap": 0.005},
-    ...     support=[{"edge": "top"}, {"line": [[2, 0.004], [3, 3.997]]}, {"at": [5, 3.998], "resists": "down"}],
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> moved, what = snapped(model)
-    >>> moved.support[1].line, moved.support[2].at
-    (((2.0, 0.0), (3.0, 4.0)), ((5.0, 4.0),))
-    >>> what[0]
-    Snapped(what='support[2].line[1]', begin=(2.0, 0.004), end=(2.0, 0.0), onto='bottom')
+    plate from beside both of its sides. A line or an area that comes to nothing is refused.
     """
     if not model.mesh.snap:
         return model, ()

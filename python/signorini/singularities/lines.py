@@ -116,7 +116,7 @@ def ends_of_line(
 
 
 def _points_along(discretisation: Discretisation, along: Curve) -> tuple[Floats, list[list[Floats]]]:
-    """Points (n, 2) of a line, and directions (2,) of it from each: one at an end. Of a sector's arc ends and middle."""
+    """Points (n, 2) of a line, and directions (2,) of it from each: one at an end. Of a sector's arc ends, middle."""
     if isinstance(along, Polyline):
         return np.array(along.points), _directions(along)
     plate = discretisation.model.plate
