@@ -42,47 +42,39 @@ class Footprints:
         shapes = footprints(item)
         if not shapes or item.at is None:
             return []
-        across = 2.0 * item.radius if item.radius is not None else min(item.patch or ())
-        if across < _LEAST * self._mesh.size:
+        mesh, across = self._mesh, 2.0 * item.radius if item.radius is not None else min(item.patch or ())
+        if across < _LEAST * mesh.size:
             key = "patch" if item.radius is None else "radius"
             raise InputError(
                 f"The footprint is {across:g} across, less than a billionth of the plate's size. Leave {key} out for a "
                 "point, or give a larger one.",
                 place=(*place, key),
             )
-        result: list[Quadrature] = []
-        problems: list[InputError] = []
-        try:
-            located(self._mesh, item.at, (*place, "at"))
-        except InputError as error:
-            problems.append(error)
-        inside = self._mesh.locate(np.array(item.at)).inside
-        for index, (at, shape) in enumerate(zip(item.at, shapes, strict=True)):
-            if not inside[index]:
-                continue
-            points = area_quadrature(self._mesh, shape, _GAUSS)
-            whole = self._on_plate(at, shape)
-            missing = off_plate(self._mesh, shape, points, whole)
+        result, problems = [], Problems()
+        with problems.collected():
+            located(mesh, item.at, (*place, "at"))
+        inside = mesh.locate(np.array(item.at)).inside
+        for index in np.flatnonzero(inside).tolist():
+            at, shape = item.at[index], shapes[index]
+            result.append(area_quadrature(mesh, shape, _GAUSS))
+            missing = off_plate(mesh, shape, result[-1], self._on_plate(at, shape))
             if missing > 0:
-                problems.append(
-                    InputError(
-                        f"The footprint of the point {point(at, self._mesh.size)} has "
-                        f"{100 * missing / shape.area:.3g} % of its area off the plate. Move the point or make the "
-                        "footprint smaller; only an edge of symmetry may cut it, through its middle.",
+                with problems.collected():
+                    raise InputError(
+                        f"The footprint of the point {point(at, mesh.size)} has {100 * missing / shape.area:.3g} % of "
+                        "its area off the plate. Move the point or make the footprint smaller; only an edge of "
+                        "symmetry may cut it, through its middle.",
                         place=(*place, "at", index) if len(item.at) > 1 else (*place, "at"),
                     )
-                )
-            result.append(points)
-        if problems:
-            raise InputError.of(problems)
+        problems.tell()
         return result
 
     def _on_plate(self, at: tuple[float, float], shape: Rectangle | Circle | Polygon) -> float:
         """Part of a footprint that has to be on the plate: all, unless edges of symmetry cut it through its middle."""
-        near = self._axes[0], self._axes[1] - self._axes[0]
-        length = np.hypot(*near[1].T)
-        normals = np.column_stack([-near[1][:, 1], near[1][:, 0]]) / length[:, None]
-        off, along = np.abs(((at - near[0]) * normals).sum(axis=1)), ((at - near[0]) * near[1]).sum(axis=1) / length
+        begin, ahead = self._axes[:, 0], self._axes[:, 1] - self._axes[:, 0]
+        length = np.hypot(*ahead.T)
+        normals = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / length[:, None]
+        off, along = np.abs(((at - begin) * normals).sum(axis=1)), ((at - begin) * ahead).sum(axis=1) / length
         slack = self._mesh.near.place
         through = np.unique(normals[(off <= slack) & (along >= -slack) & (along <= length + slack)].round(9), axis=0)
         if not isinstance(shape, Circle):
@@ -95,14 +87,13 @@ class Footprints:
         return 0.5 if len(through) == 1 else 1.0
 
     @cached_property
-    def _axes(self) -> tuple[Floats, Floats]:
-        """Ends (k, 2) of the sides of elements along edges of symmetry, the plate on their left."""
+    def _axes(self) -> Floats:
+        """Ends (k, 2, 2) of the sides of elements along edges of symmetry, the plate on their left."""
         triples = [np.zeros((0, 3), np.int64)]
         for index, support in enumerate(self._supports):
             if support.edge is not None and "slope" in support.fixed and "w" not in support.fixed:
                 triples.append(edge_sides(self._mesh, support.edge, ("support", index)))
-        ends = self._mesh.points[np.concatenate(triples)[:, [0, 2]]]
-        return ends[:, 0], ends[:, 1]
+        return np.asarray(self._mesh.points[np.concatenate(triples)[:, [0, 2]]])
 
 
 def mean_deflections(mesh: Mesh, footprints: Sequence[Quadrature]) -> Rows:
@@ -178,7 +169,10 @@ def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[L
     Where one of two points holds both ways, what they say of the plate is then the same, and not nearly the same, which
     rounding would take for two things. Of two that only press one may always let go.
     """
-    nodes = _nodes_at(mesh, sampled)
+    around = mesh.elements[sampled.elements]
+    distance = np.hypot(*np.moveaxis(mesh.points[around] - sampled.positions[:, None], -1, 0))
+    picked = np.arange(len(around)), distance.argmin(axis=1)
+    nodes = np.where(distance[picked] <= mesh.near.place, around[picked], -1)
     positions = np.where((nodes >= 0)[:, None], mesh.points[nodes], sampled.positions)
     if len(taken):
         reach = mesh.near.place * np.array([-1.0, -1.0, 1.0, 1.0])
@@ -190,11 +184,3 @@ def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[L
         return sampled, nodes
     where = mesh.locate(positions)
     return replace(sampled, elements=where.elements, xi=where.xi), nodes
-
-
-def _nodes_at(mesh: Mesh, sampled: LineQuadrature) -> Ints:
-    nodes = mesh.elements[sampled.elements]
-    offset = mesh.points[nodes] - sampled.positions[:, None]
-    distance = np.hypot(offset[..., 0], offset[..., 1])
-    picked = np.arange(len(nodes)), distance.argmin(axis=1)
-    return np.where(distance[picked] <= mesh.near.place, nodes[picked], -1)

@@ -16,7 +16,7 @@ from signorini.discretise.quadrature import (
 )
 from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.errors import InputError, Place, length, point, unknown
+from signorini.errors import InputError, Place, Problems, length, point, unknown
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, Area, DiscPlate, Load, MeshPlate, Plate, Support
 from signorini.model.curve import curve
@@ -41,25 +41,19 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Li
     positions = np.array(at, dtype=np.float64)
     where = mesh.locate(positions)
     if not where.inside.all():
-        (left, bottom), (right, top) = (
-            [length(part, mesh.size) for part in corner]
-            for corner in (mesh.points.min(axis=0), mesh.points.max(axis=0))
-        )
-        off = np.flatnonzero(~where.inside).tolist()
-        lowest, highest = mesh.points.min(axis=0), mesh.points.max(axis=0)
-        among = ((positions >= lowest) & (positions <= highest)).all(axis=1)
-        within = f"which lies within x = {left} to {right}, y = {bottom} to {top}"
-        hole = "but in a hole or beyond an edge of it"
-        raise InputError.of(
-            [
-                InputError(
-                    f"The point {point(at[i])} is not on the plate, "
-                    f"{hole if among[i] else within}. Move the point onto the plate.",
+        low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+        (left, bottom), (right, top) = ([length(part, mesh.size) for part in corner] for corner in (low, high))
+        beyond = f"which lies within x = {left} to {right}, y = {bottom} to {top}"
+        among = ((positions >= low) & (positions <= high)).all(axis=1)
+        problems = Problems()
+        for i in np.flatnonzero(~where.inside).tolist():
+            which = "but in a hole or beyond an edge of it" if among[i] else beyond
+            with problems.collected():
+                raise InputError(
+                    f"The point {point(at[i])} is not on the plate, {which}. Move the point onto the plate.",
                     place=(*place, i) if len(at) > 1 else place,
                 )
-                for i in off
-            ]
-        )
+        problems.tell()
     # A point of a circle is all but on the curved side that stands for it.
     xi = mesh.onto_curved_sides(where, mesh.near.written)
     return LineQuadrature(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)

@@ -110,9 +110,8 @@ def followers(rows: csr_array) -> Followers:
             at = of.coords[0], mine[order[:rank]][of.coords[1]]
             shape = len(order) - rank, rows.shape[0]
             parts.append(Followers(mine[order[rank:]], csr_array((of.data, at), shape=shape)))
-    return Followers(
-        np.concatenate([part.rows for part in parts]), csr_array(vstack([part.combinations for part in parts]))
-    )
+    combinations = csr_array(vstack([part.combinations for part in parts]))
+    return Followers(np.concatenate([part.rows for part in parts]), combinations)
 
 
 def _entangled(rows: csr_array) -> Ints:
@@ -134,9 +133,8 @@ def _clearly_independent(products: csr_array) -> bool:
     from scipy.sparse.linalg import splu
 
     try:
-        factor = splu(
-            products.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
+        symmetric = {"SymmetricMode": True}
+        factor = splu(products.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
     except RuntimeError:
         return False
     return bool((factor.U.diagonal() > _CLEAR).all())
@@ -186,7 +184,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
             place=("support", int(contacts.support[equations[0]])),
         )
     points = contacts.pick(equations)
-    whole = held.bodies.onto_leaders(points.rows.matrix(mesh.elements, len(held.dofs)))
+    whole = _over_dofs(mesh, held, points)
     free = within(whole, ~held.dofs)
     scale = lengths(free)
     result = followers(times(free, 1.0 / scale))
@@ -237,6 +235,10 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
     return result
 
 
+def _over_dofs(mesh: Mesh, held: Held, points: ContactPoints) -> csr_array:
+    return held.bodies.onto_leaders(points.rows.matrix(mesh.elements, len(held.dofs)))
+
+
 def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools:
     """Whether results tell the reaction of a repeated point, or of another support that it may take some from."""
     mine = repeated.points.support
@@ -251,7 +253,7 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     """Leave out points whose every dof is held, unless they are compliant and pressed there."""
     if not held.dofs.any():
         return contacts
-    rows = held.bodies.onto_leaders(contacts.rows.matrix(mesh.elements, len(held.dofs)))
+    rows = _over_dofs(mesh, held, contacts)
     fixed = ~((abs(rows) > SAME) @ ~held.dofs)
     beyond = rows @ held.values - contacts.distance
     beyond[contacts.two_sided] = np.abs(beyond[contacts.two_sided])
@@ -261,16 +263,12 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
         first = int(np.argmax(wrong))
         by = held.support[rows[[first]].indices].max()
         raise contradiction(contacts.positions[first], mesh.size, by, contacts.support[first], float(beyond[first]))
-    return contacts.pick(~fixed | _with_its_other_way(contacts, fixed & pressed))
-
-
-def _with_its_other_way(contacts: ContactPoints, which: Bools) -> Bools:
-    """Mark, beside the rows marked, those of the same points' travel the other way."""
-    if not which.any():
-        return which
+    if not (fixed & pressed).any():
+        return contacts.pick(~fixed)
+    # Beside those pressed stay those of the same points' travel the other way.
     spots = np.column_stack([contacts.support, contacts.slope, contacts.positions])
     _, spot = np.unique(spots, axis=0, return_inverse=True)
-    return np.isin(spot, spot[which])
+    return contacts.pick(~fixed | np.isin(spot, spot[fixed & pressed]))
 
 
 def _rounding(mesh: Mesh, held: Held, contacts: ContactPoints) -> Floats:
@@ -287,7 +285,7 @@ def _require_agreement(mesh: Mesh, held: Held, contacts: ContactPoints) -> None:
     rigid = contacts.pick(contacts.compliance == 0)
     if not len(rigid):
         return
-    whole = held.bodies.onto_leaders(rigid.rows.matrix(mesh.elements, len(held.dofs)))
+    whole = _over_dofs(mesh, held, rigid)
     group, scale = parallel(within(whole, ~held.dofs))
     level = (rigid.distance - whole @ held.values) / scale
     count = int(group.max()) + 1
@@ -329,10 +327,8 @@ def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: 
         gap = support.gap(*at[inside].T, at_least=0.0, place=(*place, "gap"))
         most = np.where(support.resists == "up", np.inf, settlement + gap)
         least = np.where(support.resists == "down", -np.inf, settlement - gap)
-        beyond = np.maximum(
-            np.where(above[inside], least - value[inside], -np.inf),
-            np.where(below[inside], value[inside] - most, -np.inf),
-        )
+        too_low = np.where(above[inside], least - value[inside], -np.inf)
+        beyond = np.maximum(too_low, np.where(below[inside], value[inside] - most, -np.inf))
         if (beyond > rounding).any():
             first = int(np.argmax(beyond))
             one, other = sorted((index, int(who[inside[first]])))

@@ -87,10 +87,8 @@ class Rows:
         if not len(further.owners):
             return matrix
         behind = _matrix(further.elements, further.coefficients, elements, size)
-        owned = csr_array(
-            (np.ones(len(further.owners)), (further.owners, np.arange(len(further.owners)))),
-            shape=(len(self), len(further.owners)),
-        )
+        count = len(further.owners)
+        owned = csr_array((np.ones(count), (further.owners, np.arange(count))), shape=(len(self), count))
         return csr_array(matrix + owned @ behind)
 
     @staticmethod
@@ -102,11 +100,9 @@ class Rows:
             np.concatenate([np.zeros(0, np.int64), *(part.elements for part in parts)]),
             np.concatenate([np.zeros((0, 24)), *(part.coefficients for part in parts)]),
             Further(
-                np.concatenate(
-                    [np.zeros(0, np.int64), *(start + f.owners for start, f in zip(starts, further, strict=False))]
-                ),
-                np.concatenate([np.zeros(0, np.int64), *(f.elements for f in further)]),
-                np.concatenate([np.zeros((0, 24)), *(f.coefficients for f in further)]),
+                np.concatenate([np.zeros(0, np.int64), *map(np.add, starts, (one.owners for one in further))]),
+                np.concatenate([np.zeros(0, np.int64), *(one.elements for one in further)]),
+                np.concatenate([np.zeros((0, 24)), *(one.coefficients for one in further)]),
             ),
         )
 

@@ -34,9 +34,9 @@ _Numbers = TypeVar("_Numbers", bound=tuple[float, ...])
 class Snapped(NamedTuple):
     """A point, a corner, a circle or a rectangle that was moved.
 
-    ``what`` says where it stands in the input, such as ``support[2].line[1]``; ``begin`` and ``end`` are [x, y] before and
-    after, of a circle [x, y, radius], of a rectangle [x0, y0, x1, y1]. ``onto`` is an edge of the plate, or what stands
-    elsewhere in the input.
+    ``what`` says where it stands in the input, such as ``support[2].line[1]``; ``begin`` and ``end`` are [x, y] before
+    and after, of a circle [x, y, radius], of a rectangle [x0, y0, x1, y1]. ``onto`` is an edge of the plate, or what
+    stands elsewhere in the input.
     """
 
     what: str

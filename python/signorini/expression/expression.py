@@ -94,8 +94,8 @@ class Expression:
     ) -> _Array:
         """Evaluate at points x and y of one shape; errors name the place where the expression was given.
 
-        Values that are not finite, not greater than ``above`` or less than ``at_least`` are refused; the message names the
-        first such point.
+        Values that are not finite, not greater than ``above`` or less than ``at_least`` are refused; the message names
+        the first such point.
         """
         px, py = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
         try:
