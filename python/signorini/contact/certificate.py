@@ -68,13 +68,6 @@ def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
     return np.asarray(loads / rigidity(discretisation, discretisation.thickness.min()))
 
 
-def bending_force(discretisation: Discretisation, hi: Floats) -> float:
-    """Force that bends the plate as far as a deflection (3n,) is from a plane."""
-    area = float(discretisation.mesh.element_area.sum())
-    bent = float(np.abs(bending_part(discretisation, hi[None, ::3])).max())
-    return rigidity(discretisation, discretisation.thickness.min()) * bent * area / discretisation.mesh.size**4
-
-
 def rigidity(discretisation: Discretisation, thickness: float) -> float:
     """Bending stiffness E t³/12 of a thickness, Poisson's ratio left out."""
     return discretisation.model.young * float(thickness) ** 3 / 12
@@ -335,7 +328,9 @@ def _judged(
     many = np.sqrt(discretisation.dof_count)
     resultant = many * left_by_rounding(np.ones_like(held.dofs))
     # Beside settlements a load may be nothing: what bends the plate, and what supports push with, count as well.
-    bending = float(maximum(scale, bending_force(discretisation, hi)))
+    bent = float(np.abs(bending_part(discretisation, hi[None, ::3])).max())
+    bending = rigidity(discretisation, discretisation.thickness.min()) * bent / discretisation.mesh.size**4
+    bending = max(scale, bending * float(discretisation.mesh.element_area.sum()))
     pushing = float(maximum(size, reaching(discretisation, push_magnitudes(discretisation, hi, lo, reaction))))
     # A reaction that balances nothing but rounding may have either sign.
     limits = {

@@ -76,24 +76,20 @@ def can_be_factored(discretisation: Discretisation, base: Base) -> bool:
 def factored(discretisation: Discretisation, freedom: RigidFreedom, base: Base) -> _core.ContactProblem:
     """Order and factor; for Lemke's algorithm, condense."""
     if base == "lemke":
-        _require_condensable(len(discretisation.contacts), discretisation.model.solver.method)
+        points, advice = len(discretisation.contacts), "Take a coarser mesh, or give long lines and areas a stiffness."
+        if discretisation.model.solver.method == "lemke":
+            advice = 'Leave solver.method at "auto", which condenses fewer.'
+        if points > MOST_POINTS:
+            raise InputError(
+                f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. {advice}",
+                place=("support",),
+            )
+        require_memory_for_points(points, advice, ("support",))
         footprints = len(np.unique(discretisation.contacts.rows.further.owners))
         require_memory_for_footprints(footprints, discretisation.dof_count, ("support",))
     return core_problem(
         discretisation, discretisation.contacts, regularization(discretisation, freedom), freedom.motions, base
     )
-
-
-def _require_condensable(points: int, asked: str) -> None:
-    advice = "Take a coarser mesh, or give long lines and areas a stiffness."
-    if asked == "lemke":
-        advice = 'Leave solver.method at "auto", which condenses fewer.'
-    if points > MOST_POINTS:
-        raise InputError(
-            f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. {advice}",
-            place=("support",),
-        )
-    require_memory_for_points(points, advice, ("support",))
 
 
 def core_problem(

@@ -143,7 +143,9 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
     points, count = discretisation.points, len(answer.reaction)
     together: list[Iterable[int]] = list(discretisation.held_together)
     reaction, closed = answer.shared.copy(), answer.closed.copy()
-    touching = _touching(discretisation, answer)
+    gap = np.append(answer.gap, np.zeros(len(discretisation.repeated)))
+    largest = max(float(np.abs(answer.hi[::3]).max()), _HARDLY * float(_bending(discretisation, answer.reaction)))
+    touching = points.two_sided | (gap <= _NIL * np.maximum(largest, np.abs(points.distance)))
     nothing = _NIL * _force(discretisation, nodal, answer)
     nodes, holders = np.unique(discretisation.held.holders[:, 0], return_counts=True)
     for shared in discretisation.shared:
@@ -181,14 +183,6 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
     return replace(answer, reaction=folded, shared=reaction, closed=closed, gap=gap, not_unique=several)
 
 
-def _touching(discretisation: Discretisation, answer: Answer) -> Bools:
-    """Whether the plate is at each point (m + r,)."""
-    gap = np.append(answer.gap, np.zeros(len(discretisation.repeated)))
-    largest = max(float(np.abs(answer.hi[::3]).max()), _HARDLY * float(_bending(discretisation, answer.reaction)))
-    near = gap <= _NIL * np.maximum(largest, np.abs(discretisation.points.distance))
-    return np.asarray(near | discretisation.points.two_sided)
-
-
 def _bending(discretisation: Discretisation, reaction: Floats) -> Floats:
     """Deflections (...,) by which reactions (..., m) scale on the plate."""
     rigidity = discretisation.model.young * discretisation.thickness.max() ** 3 / 12 / discretisation.mesh.size**2
@@ -213,10 +207,9 @@ def _force(discretisation: Discretisation, nodal: Floats, answer: Answer) -> flo
     forces = np.abs(nodal.reshape(-1, 3)).max(axis=0) / [1.0, size, size]
     bending = 0.0
     if not nodal.any():
-        bending = (
-            discretisation.model.young * discretisation.thickness.max() ** 3 / 12 * float(np.abs(answer.hi[::3]).max())
-        )
-    return max(float(forces.max()), bending / size**2, float(np.abs(answer.reaction).max(initial=0.0))) or 1.0
+        rigidity = discretisation.model.young * discretisation.thickness.max() ** 3 / 12
+        bending = rigidity * float(np.abs(answer.hi[::3]).max()) / size**2
+    return max(float(forces.max()), bending, float(np.abs(answer.reaction).max(initial=0.0))) or 1.0
 
 
 def _with_least_deflection(

@@ -117,8 +117,13 @@ def attempts(problem: ContactProblem) -> Iterator[Attempt]:
     if problem.reference is not None:
         yield Attempt(problem)
     for other in _methods(replace(problem, reference=None)):
-        forms = _forms(other) if other.method == "lemke" else ("auto",)
-        yield from (Attempt(other, form) for form in forms)
+        if other.method != "lemke":
+            yield Attempt(other)
+            continue
+        yield Attempt(other, other.better_form)
+        # Where the LCP has no rows its other form is the same.
+        if not other.discretisation.contacts.two_sided.all():
+            yield Attempt(other, "dual" if other.better_form == "stiffness" else "stiffness")
 
 
 def methods_along(problem: ContactProblem) -> Iterator[ContactProblem]:
@@ -145,13 +150,6 @@ def _fits(problem: ContactProblem) -> bool:
     if problem.method != "interior_point":
         return True
     return fits(needed_by_interior_point(discretisation.dof_count, len(discretisation.contacts)))
-
-
-def _forms(problem: ContactProblem) -> tuple[Form, ...]:
-    """The better form of the LCP, then the other one, which is the same where the LCP has no rows."""
-    if problem.discretisation.contacts.two_sided.all():
-        return (problem.better_form,)
-    return ("stiffness", "dual") if problem.better_form == "stiffness" else ("dual", "stiffness")
 
 
 def answered(

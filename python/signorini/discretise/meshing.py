@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TypeVar
 
 import numpy as np
 
@@ -40,8 +39,6 @@ from signorini.model.footprint import footprints
 from signorini.shapes import Curve, Floats, Polyline, Region, Ring
 from signorini.shapes.contours import along_arc, circle
 from signorini.shapes.outlines import Box, Point
-
-_Item = TypeVar("_Item", Support, Load)
 
 _FINEST = 1e-8
 """Part of the plate's coordinates below which rounding would tell in the shapes of elements: from 1e-9 nodes of rows
@@ -137,26 +134,24 @@ def _require_element(plate: MeshPlate | OutlinedPlate, mesh: Mesh) -> None:
 
 def _at_nodes(model: Model, points: Mapping[int, Point]) -> Model:
     """Put supports and loads that name nodes at their points."""
-    problems = Problems()
-    support = tuple(_placed(item, ("support", i), points, problems) for i, item in enumerate(model.support))
-    load = tuple(_placed(item, ("load", i), points, problems) for i, item in enumerate(model.load))
+    problems, update = Problems(), dict[str, object]()
+    for key in ("support", "load"):
+        items: list[Support | Load] = list(getattr(model, key))
+        for i, item in enumerate(items):
+            for position, number in enumerate(item.nodes or ()):
+                if number not in points:
+                    with problems.collected():
+                        raise InputError(
+                            f"The mesh file has no node {number}; its {len(points)} nodes have numbers from "
+                            f"{min(points)} to {max(points)}.",
+                            place=(key, i, "nodes", position),
+                        )
+            if item.nodes is not None:
+                at = tuple(points[number] for number in item.nodes if number in points)
+                items[i] = item.model_copy(update={"at": at, "nodes": None})
+        update[key] = tuple(items)
     problems.tell()
-    return model.model_copy(update={"support": support, "load": load})
-
-
-def _placed(item: _Item, place: Place, points: Mapping[int, Point], problems: Problems) -> _Item:
-    if item.nodes is None:
-        return item
-    for position, number in enumerate(item.nodes):
-        if number not in points:
-            with problems.collected():
-                raise InputError(
-                    f"The mesh file has no node {number}; its {len(points)} nodes have numbers from {min(points)} to "
-                    f"{max(points)}.",
-                    place=(*place, "nodes", position),
-                )
-    at = tuple(points[number] for number in item.nodes if number in points)
-    return item.model_copy(update={"at": at, "nodes": None})
+    return model.model_copy(update=update)
 
 
 def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -> Mesh:

@@ -119,11 +119,8 @@ def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floa
         _require_reach(discretisation, freedom, nodal)
         return None
     # Of all such motions the one with most work for its turning.
-    most = steepest(
-        freedom.motions,
-        freedom.outline.moves,
-        work_of(discretisation, freedom, nodal) / load_size(discretisation, nodal),
-    )
+    work = work_of(discretisation, freedom, nodal) / load_size(discretisation, nodal)
+    most = steepest(freedom.motions, freedom.outline.moves, work)
     return _tipping(discretisation, freedom, nodal, best if most is None else most)
 
 
@@ -171,11 +168,9 @@ def _require_reach(discretisation: Discretisation, freedom: RigidFreedom, nodal:
     if _unresisted(discretisation, freedom, freedom.on_mesh, nodal) is None:
         return
     down, mx, my = discretisation.rigid_motions.T @ nodal
-    where = (
-        ""
-        if abs(down) <= WORK * load_size(discretisation, nodal)
-        else (f" near {point(discretisation.middle + np.array([mx, my]) / down, discretisation.mesh.size)}")
-    )
+    where = ""
+    if abs(down) > WORK * load_size(discretisation, nodal):
+        where = f" near {point(discretisation.middle + np.array([mx, my]) / down, discretisation.mesh.size)}"
     raise InputError(
         f"The load acts{where} so near the outline of the supports that they can balance it, but not at the contact "
         "points of this mesh, which lie within that outline. Take a finer mesh there.",
@@ -244,7 +239,12 @@ def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
         return ""
     force = discretisation.model.units.force
     unit = f" {force}" if force else ""
-    text = _lifting_in_words(why, unit) if why.axis is None else _tipping_in_words(discretisation, why, unit)
+    if why.axis is None:
+        verb, resultant = "lifts off" if why.way == "up" else "drops away from", f"{abs(why.resultant):.6g}{unit}"
+        text = f"The plate {verb} its supports: the load's resultant is {resultant} {why.way}, and no support resists "
+        text += "that way."
+    else:
+        text = _tipping_in_words(discretisation, why, why.axis, unit)
     if why.holding is not None:
         at = point(why.holding.at, discretisation.mesh.size)
         text += f" An extra {why.holding.force:.6g}{unit} {why.holding.way} at {at} would just hold it."
@@ -254,16 +254,7 @@ def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
     return text
 
 
-def _lifting_in_words(why: Imbalance, unit: str) -> str:
-    verb = "lifts off" if why.way == "up" else "drops away from"
-    return (
-        f"The plate {verb} its supports: the load's resultant is {abs(why.resultant):.6g}{unit} {why.way}, and no "
-        "support resists that way."
-    )
-
-
-def _tipping_in_words(discretisation: Discretisation, why: Imbalance, unit: str) -> str:
-    assert why.axis is not None
+def _tipping_in_words(discretisation: Discretisation, why: Imbalance, axis: Axis, unit: str) -> str:
     size, owners = discretisation.mesh.size, dict[str, dict[str, None]]()
     for at, support in zip(why.hinges, why.supports, strict=True):
         owners.setdefault(point(at, size), {})[discretisation.model.support[support].name] = None
@@ -276,7 +267,7 @@ def _tipping_in_words(discretisation: Discretisation, why: Imbalance, unit: str)
     )
     hinges = f" through {through}" if through else ""
     moment_unit = f"{unit} {discretisation.model.units.length}".rstrip() if unit else ""
-    line = line_in_words(why.axis.normal, why.axis.offset, size)
+    line = line_in_words(axis.normal, axis.offset, size)
     return f"The plate tips about the line {line}{hinges}, short by a moment of {why.moment:.6g}{moment_unit}."
 
 

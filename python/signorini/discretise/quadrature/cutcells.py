@@ -105,15 +105,6 @@ class Pieces(Table):
         return np.asarray(y0 + t * (y1 + t * y2))
 
 
-def straightened(curves: Floats) -> Floats:
-    """Leave out of quadratics (k, 2, 3) a bend that is only rounding."""
-    bend = np.abs(curves[..., 2]).max(axis=1)
-    size = np.abs(curves[..., 1]).max(axis=1) + np.abs(curves[..., 0]).max(axis=1)
-    result = curves.copy()
-    result[bend <= _STRAIGHT * size, :, 2] = 0.0
-    return result
-
-
 _THIN = 1e-13
 _ROUNDED = 8.0 * np.finfo(float).eps
 """Width of a strip, over the element's coordinates, that is their rounding: ends of sides that meet may be so far
@@ -227,7 +218,11 @@ def _pieces(
 ) -> tuple[Pieces, tuple[Ints, Floats]]:
     """Collect the curves of every cut element, of sides (c, 4, 3, 2), and where in x strips have to begin and end."""
     by_segment, by_circle = owners
-    sides = straightened(quadratics(sides.reshape(-1, 3, 2))).reshape(-1, 4, 2, 3)
+    curves = quadratics(sides.reshape(-1, 3, 2))
+    # A bend that is only rounding is none.
+    size = np.abs(curves[..., 1]).max(axis=1) + np.abs(curves[..., 0]).max(axis=1)
+    curves[np.abs(curves[..., 2]).max(axis=1) <= _STRAIGHT * size, :, 2] = 0.0
+    sides = curves.reshape(-1, 4, 2, 3)
     middles = 0.5 * (segments[:, :1] + segments[:, 1:])
     lines = quadratics(np.concatenate([segments[:, :1], middles, segments[:, 1:]], axis=1))
     lines[..., 2] = 0.0
