@@ -316,10 +316,8 @@ class ContactProblem(Statement, Remade):
                 if near is None:
                     raise
                 raise InputError(f"{error}.", place="start") from None
-        return self._chosen(load, solution)
-
-    def _chosen(self, load: CaseLoad, solution: _core.ContactSolution) -> Answer:
-        return chosen(self.discretisation, self.freedom, load.nodal, Answer.of(self.discretisation, solution))
+        answer = Answer.of(self.discretisation, solution)
+        return chosen(self.discretisation, self.freedom, load.nodal, answer)
 
     @property
     def seconds(self) -> Mapping[str, float]:

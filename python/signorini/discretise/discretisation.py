@@ -15,7 +15,6 @@ from scipy.sparse import csr_array
 from signorini import _core
 from signorini.base.arguments import known, made_by
 from signorini.base.remade import Remade
-from signorini.discretise.averages import PlateStiffness
 from signorini.discretise.domain import require_domain
 from signorini.discretise.held import Bodies, Held, hold
 from signorini.discretise.loads import CaseLoad, Cases, case_loads, loaded_sides
@@ -38,7 +37,7 @@ from signorini.discretise.sections import Sections
 from signorini.discretise.snapping import Snapped
 from signorini.discretise.stressnodes import Sides, StressNodes, solid_thickness, stress_nodes_of
 from signorini.discretise.supports import ContactPoints, Parts, Springs, parts_of, springs_and_contacts
-from signorini.discretise.thickness import Thickness, thickness_of
+from signorini.discretise.thickness import PlateStiffness, Thickness, thickness_of
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems
 from signorini.mesh import Location, Mesh

@@ -36,21 +36,16 @@ class Bodies:
     rigid: Bools
 
     @classmethod
-    def none(cls, mesh: Mesh) -> Self:
-        """Let every node move by itself."""
-        every = np.arange(mesh.node_count)
-        return cls(mesh.points, every, np.zeros(len(every), np.bool_), np.zeros(len(mesh.elements), np.bool_))
-
-    @classmethod
     def of(cls, mesh: Mesh, zones: Zones, problems: Problems) -> Self:
         """Join the nodes of rigid zones; zones that share a node are one body. Cut elements are among the problems."""
         numbers = [number for number, zone in enumerate(zones.model.zone) if zone.rigid]
-        if not numbers:
-            return cls.none(mesh)
         for number in numbers:
             with problems.collected():
                 _require_followed(mesh, zones, number)
         elements = mesh.elements[zones.inside[numbers].any(axis=0)]
+        if not len(elements):
+            none = np.zeros(mesh.node_count, np.bool_), np.zeros(len(mesh.elements), np.bool_)
+            return cls(mesh.points, np.arange(mesh.node_count), *none)
         group = components(mesh.node_count, np.repeat(elements[:, 0], 7), elements[:, 1:].ravel())
         first = np.unique(group, return_index=True)[1]
         inside = np.zeros(mesh.node_count, np.bool_)

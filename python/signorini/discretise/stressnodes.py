@@ -112,13 +112,12 @@ class StressNodes(Remade):
         return Sides(*self.mesh.holding(positions))
 
 
-def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints] = (), rigid: Bools | None = None) -> StressNodes:
+def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints], rigid: Bools) -> StressNodes:
     """Part nodes on jumps: elements around a node that meet in sides without a jump have it in common.
 
     Moments and shears jump where what the plate is made of does, at rigid elements (ne,), shears along sides (k, 3) of
     supports and of loads, moments where such a support holds a slope.
     """
-    rigid = np.zeros(len(mesh.elements), np.bool_) if rigid is None else rigid
     own = replace(StressNodes.of_mesh(mesh), left_out=rigid | zones.without_extremes)
     on_lines = np.concatenate([np.zeros(0, np.int64), *(sides[:, 1] for sides in along)])
     if not zones.model.zone and not any(level.jumps for level in zones.formulas[0].levels) and not len(on_lines):

@@ -9,13 +9,22 @@ import numpy as np
 
 from signorini import _core
 from signorini.base.brief import Brief
-from signorini.discretise.averages import MOST, STRIP, OutlinePoints, PlateStiffness, missing_corners, outline_points
 from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
 from signorini.discretise.placed import Placed, mean_deflections
-from signorini.discretise.places import along_curve, edge_nodes, in_area
+from signorini.discretise.places import (
+    MOST,
+    STRIP,
+    OutlinePoints,
+    along_curve,
+    edge_nodes,
+    in_area,
+    missing_corners,
+    outline_points,
+)
 from signorini.discretise.quadrature import LineQuadrature, Quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Rows, Table
+from signorini.discretise.thickness import PlateStiffness
 from signorini.errors import Place, Problems
 from signorini.expression.levels import Level
 from signorini.mesh import Mesh
@@ -298,7 +307,7 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
 
 
 def _means(through: _Acting) -> _Acting:
-    """The mean of every element; see `averages`."""
+    """The mean of every element; see `places`."""
     elements, inverse = np.unique(through.rows.elements, return_inverse=True)
     area = np.bincount(inverse, through.weights).astype(np.float64)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -66,6 +67,25 @@ class Thickness:
     def for_core(self) -> float | Floats:
         """The thickness as `_core.Plate` takes it."""
         return float(self.at_points[0, 0]) if self.at_points.size == 1 else self.at_points
+
+
+@dataclass(frozen=True, eq=False)
+class PlateStiffness:
+    """How stiff the plate is by element (ne,): per area, against waves two elements long, and per point, in shear."""
+
+    in_waves: Floats
+    in_shear: Floats
+
+    @classmethod
+    def of(cls, mesh: Mesh, zones: Zones, thickness: Floats) -> Self:
+        """Take the thickness (ne, p) at the points of the elements' integrals, or (1, 1)."""
+        h = np.broadcast_to(thickness.mean(axis=1), len(mesh.elements))
+        number = zones.of_elements.rigidity
+        unit = np.array([[rigidity.in_waves, rigidity.in_shear] for rigidity in zones.rigidities])[number]
+        bending, shear = unit[:, 0] * h**3, unit[:, 1] * h
+        # sin(πx/a) sin(πy/a), with a² the element's area.
+        wave = 2.0 * np.pi**2 / mesh.element_area
+        return cls(1.0 / (1.0 / (bending * wave**2) + 1.0 / (shear * wave)), shear)
 
 
 def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini.discretise import Discretisation
-from signorini.discretise.averages import STRIP
+from signorini.discretise.places import STRIP
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.results.quantities import Catalogue
 

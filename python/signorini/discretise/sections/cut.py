@@ -169,7 +169,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
     length = _length(line.line, pieces)
     if not length > 0.0:
         raise InputError("The line is not on the plate. Move it onto the plate.")
-    near = line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
+    near = line.line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
     taken = line.taken(near).reshape(-1, 8)
     # Where no node is beside the line, v is 0 in an element that the line is in, and too little by all of it.
     of_line = (pieces.begin >= 0.0) & (pieces.end <= line.line.lengths[pieces.piece])
@@ -210,10 +210,6 @@ class _Followed:
         self.line, self.inside = followed(mesh, points)
         self.reach = _BEYOND * float(np.hypot(*(mesh.boxes[:, 2:] - mesh.boxes[:, :2]).T).max())
         self.beyond = np.where(self.inside, self.reach, 0.0)
-
-    def near(self, points: Floats) -> Near:
-        """Find where points (q, 2) are from the line."""
-        return self.line.near(points)
 
     def taken(self, near: Near) -> Floats:
         """1 at points beside the line, 0 beyond an end inside the plate, a half beside the end itself."""
@@ -350,7 +346,7 @@ def _rest(
     xi = mesh.invert(at, positions)
     wanted = np.zeros((len(at), 3, 3))
     wanted[:, 0, 1:], wanted[:, 1, 1:], wanted[:, 2, 0] = -normal, -along, 1.0
-    wanted *= line.taken(line.near(positions))[:, None, None]
+    wanted *= line.taken(line.line.near(positions))[:, None, None]
     rows = np.stack([plate.interpolation_rows(at, xi, field)[0] for field in range(3)], axis=1)
     w, x, y = np.moveaxis(wanted - np.einsum("qcd,qfd->qcf", v[place], rows), -1, 0)
     nx, ny = (part[:, None] for part in normal.T)
