@@ -28,57 +28,6 @@ _ACTIVE = 1e-10
 
 _LEFT_OVER = 64 * float(np.finfo(float).eps)
 """What a few sums of products of the free least leave of it."""
-
-
-def span_of_cone(sides: Floats) -> Floats:
-    """Basis (d, e) of what the directions y with C y ≤ 0 span, given C (c, d), of rows about as long as one another."""
-    count, size = sides.shape
-    if not count:
-        return np.eye(size)
-    # A cone holds the sum of its directions and their multiples: every side that one of them leaves, one leaves at all.
-    free, stays = np.full(size, np.inf), np.zeros(count)
-    bounds = np.append(-free, stays), np.append(free, stays + 1.0)
-    cost = np.append(np.zeros(size), -np.ones(count))
-    leave = minimise(cost, np.column_stack([sides, np.eye(count)]), (-np.inf, 0.0), bounds)
-    never = np.ones(count, np.bool_) if leave is None else leave[size:] < 0.5
-    return null_space(sides[never], _ACTIVE)
-
-
-def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats:
-    """The y with C y ≤ r, r ≥ 0, that minimises ‖A y + b‖; 0 where arithmetic tells no better one."""
-    from scipy.optimize import nnls
-
-    q, r = np.linalg.qr(matrix)
-    free = -np.linalg.solve(r, q.T @ offset)
-    if ((sides @ free) <= room).all():
-        return np.asarray(free)
-    # With x = R y + Qᵀb it is the least x with −C R⁻¹ x ≥ C y_free − r; rows and sizes are brought to one.
-    rows = np.linalg.solve(r.T, sides.T).T
-    size = np.linalg.norm(rows, axis=1)
-    kept = np.flatnonzero(size > 0)
-    beyond = (sides @ free - room)[kept] / size[kept]
-    # A side far away must not make those that are in the way look like rounding.
-    unit = float(beyond.max())
-    facing = np.vstack([-(rows[kept] / size[kept, None]).T, beyond / unit])
-    try:
-        multipliers, _ = nnls(facing, np.append(np.zeros(len(r)), 1.0))
-    except RuntimeError:
-        return np.zeros(len(r))
-    # The sides that it rests on are equations; solved as such it is right to the last digits. One of them may have a
-    # multiplier that is rounding.
-    on = multipliers[: len(kept)] > _ACTIVE * multipliers.max(initial=0.0)
-    for _ in kept:
-        rests = kept[on]
-        y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
-        # It is what is left of the free least, whose rounding it has.
-        rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _LEFT_OVER * (np.abs(sides) @ np.abs(free))
-        over = (sides @ y - room - rounding)[kept]
-        if not (over > 0.0).any():
-            return np.asarray(y)
-        on[int(over.argmax())] = True
-    return np.zeros(len(r))
-
-
 _NIL = 1e-11
 """Part of the largest force, or deflection, below which solvers take one for rounding."""
 _HARDLY = 1e-6
@@ -91,8 +40,6 @@ _ROUNDING = 16 * float(np.finfo(float).eps)
 """What sums of a few products round off."""
 _DOUBTFUL = 1e-9
 """As `_NIL`, where all that hangs on it is whether a combination is solved by itself."""
-
-
 Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
 
 
@@ -279,3 +226,52 @@ def _in_words(ways: Floats, discretisation: Discretisation) -> str:
             return "by two rigid motions and what is between them"
         case _:
             return "by any small rigid motion"
+
+
+def span_of_cone(sides: Floats) -> Floats:
+    """Basis (d, e) of what the directions y with C y ≤ 0 span, given C (c, d), of rows about as long as one another."""
+    count, size = sides.shape
+    if not count:
+        return np.eye(size)
+    # A cone holds the sum of its directions and their multiples: every side that one of them leaves, one leaves at all.
+    free, stays = np.full(size, np.inf), np.zeros(count)
+    bounds = np.append(-free, stays), np.append(free, stays + 1.0)
+    cost = np.append(np.zeros(size), -np.ones(count))
+    leave = minimise(cost, np.column_stack([sides, np.eye(count)]), (-np.inf, 0.0), bounds)
+    never = np.ones(count, np.bool_) if leave is None else leave[size:] < 0.5
+    return null_space(sides[never], _ACTIVE)
+
+
+def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats:
+    """The y with C y ≤ r, r ≥ 0, that minimises ‖A y + b‖; 0 where arithmetic tells no better one."""
+    from scipy.optimize import nnls
+
+    q, r = np.linalg.qr(matrix)
+    free = -np.linalg.solve(r, q.T @ offset)
+    if ((sides @ free) <= room).all():
+        return np.asarray(free)
+    # With x = R y + Qᵀb it is the least x with −C R⁻¹ x ≥ C y_free − r; rows and sizes are brought to one.
+    rows = np.linalg.solve(r.T, sides.T).T
+    size = np.linalg.norm(rows, axis=1)
+    kept = np.flatnonzero(size > 0)
+    beyond = (sides @ free - room)[kept] / size[kept]
+    # A side far away must not make those that are in the way look like rounding.
+    unit = float(beyond.max())
+    facing = np.vstack([-(rows[kept] / size[kept, None]).T, beyond / unit])
+    try:
+        multipliers, _ = nnls(facing, np.append(np.zeros(len(r)), 1.0))
+    except RuntimeError:
+        return np.zeros(len(r))
+    # The sides that it rests on are equations; solved as such it is right to the last digits. One of them may have a
+    # multiplier that is rounding.
+    on = multipliers[: len(kept)] > _ACTIVE * multipliers.max(initial=0.0)
+    for _ in kept:
+        rests = kept[on]
+        y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
+        # It is what is left of the free least, whose rounding it has.
+        rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _LEFT_OVER * (np.abs(sides) @ np.abs(free))
+        over = (sides @ y - room - rounding)[kept]
+        if not (over > 0.0).any():
+            return np.asarray(y)
+        on[int(over.argmax())] = True
+    return np.zeros(len(r))

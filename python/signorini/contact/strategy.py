@@ -32,6 +32,25 @@ _PIVOTS = 64
 """From one call of whoever watches Lemke's algorithm to the next; each goes through a tableau once."""
 
 
+_FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle", "interior_point")
+"""Methods that take over, in turn, where one does not settle; a prescribed one is only the first."""
+WORDS: dict[Method, str] = {
+    "lemke": "Lemke's algorithm",
+    "active_set": "the active set",
+    "saddle": "the saddle-point system",
+    "interior_point": "the interior point method",
+}
+"""What methods are called where they tell how far they are."""
+Told: TypeAlias = Callable[[str, int, int, float], object]
+"""Called with what is at work, in words, and what `Steps` are called with; what it raises ends it."""
+_PUSHING = 100.0
+"""Sum of reactions, over that of the loads, from which supports push against each other more than they carry."""
+_MARGINAL = (
+    "Rounding decides which supports are in contact. Take a finer mesh or fewer supports that nearly repeat each "
+    "other, or give the rigid ones a stiffness."
+)
+
+
 class BudgetSpent(Exception):
     """Raised out of a method that takes over where nothing is left."""
 
@@ -66,21 +85,6 @@ class Budget:
         newton = _A_SOLVE * self._dofs + _FACTORED * factor
         saddle = _A_FACTOR * math.pow(self._dofs + self._points, _FILL)
         return {"lemke": pivots, "active_set": newton, "saddle": saddle, "interior_point": factor}[method]
-
-
-_FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle", "interior_point")
-"""Methods that take over, in turn, where one does not settle; a prescribed one is only the first."""
-
-WORDS: dict[Method, str] = {
-    "lemke": "Lemke's algorithm",
-    "active_set": "the active set",
-    "saddle": "the saddle-point system",
-    "interior_point": "the interior point method",
-}
-"""What methods are called where they tell how far they are."""
-
-Told: TypeAlias = Callable[[str, int, int, float], object]
-"""Called with what is at work, in words, and what `Steps` are called with; what it raises ends it."""
 
 
 class Attempt(NamedTuple):
@@ -199,14 +203,6 @@ def answered(
     assert first is not None, "there are attempts"
     contradiction = not consistent and supports_contradict(discretisation)
     return Tried(methods, first.answer, first.certificate, contradiction)
-
-
-_PUSHING = 100.0
-"""Sum of reactions, over that of the loads, from which supports push against each other more than they carry."""
-_MARGINAL = (
-    "Rounding decides which supports are in contact. Take a finer mesh or fewer supports that nearly repeat each "
-    "other, or give the rigid ones a stiffness."
-)
 
 
 def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: Answer, certificate: Certificate) -> str:

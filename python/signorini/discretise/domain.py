@@ -48,8 +48,6 @@ _ROUNDING = 1e-9
 """Part by which a limit may be exceeded: coordinates and formulas are rounded."""
 _RANK = 1e-9
 """Part of the largest singular value of rows below which they do not hold a motion."""
-
-
 _ALONG = 0.02
 """Slope of the distance between two lines up to which one runs along the other. Lines that meet or cross at more, which
 is about a degree, are at one place there: they pry no more than parallel ones at the least distance."""

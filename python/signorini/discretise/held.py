@@ -21,6 +21,11 @@ from signorini.errors import InputError, Problems, path_in_words, point
 from signorini.mesh import Mesh
 from signorini.model import Support
 
+PARALLEL = np.sin(np.radians(10.0))
+"""Directions closer than this count as one: a rim's tangent, from its parabolas, is not quite square to a radius."""
+CONSISTENT = 1e-9
+"""Part of the largest settlement, gap or rotation by which those at one place may differ: their rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
@@ -82,12 +87,6 @@ def _require_followed(mesh: Mesh, zones: Zones, number: int) -> None:
         f"{to_follow(zones.model, 'around it')}",
         place=("zone", number, "area"),
     )
-
-
-PARALLEL = np.sin(np.radians(10.0))
-"""Directions closer than this count as one: a rim's tangent, from its parabolas, is not quite square to a radius."""
-CONSISTENT = 1e-9
-"""Part of the largest settlement, gap or rotation by which those at one place may differ: their rounding."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,6 +32,8 @@ CANCELLED = 16 * float(np.finfo(float).eps)
 """Part of two loads below which their sum is rounding: a plate held up by its buoyancy must not drift away on it."""
 _BALANCED = 1e-12
 """Part of the magnitudes that a resultant is made of below which it is their rounding."""
+_NOTHING = 1e-9
+"""Part of a print that is rounding where it ends with the plate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,10 +262,6 @@ def _turning(over: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, F
     resultant = np.array([0.0, *couple]) / [1.0, size, size]
     pressure = np.linalg.solve(at.T @ (over.weights[:, None] * at), resultant)
     return lambda _, positions: np.asarray(linear(positions) @ pressure)
-
-
-_NOTHING = 1e-9
-"""Part of a print that is rounding where it ends with the plate."""
 
 
 class Cases(Mapping[str, CaseLoad]):

@@ -38,6 +38,21 @@ from signorini.shapes.overlap import overlap
 
 _SECTOR_SLACK = 1e-3
 """Part of a circle that a sector's outline, made of parabolas, may leave out; and of a hole that its own may."""
+_TURN = 360
+"""Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""
+STRIP = 1e-2
+"""Part of an element's area that each point on the outline stands for: enough to act where a bed is a little stiff."""
+MOST = 0.25
+"""Part that all on it stand for at most, however many corners an outline has there."""
+_ON_OUTLINE = 1e-4
+"""Distance, over the plate's diameter, within which a point is on the hull; that of a circle is a polygon."""
+_APART = 0.25
+"""Distance, over an element's size, below which one of two points is enough: sides may cross an outline in a corner."""
+_FOUR = 4
+"""Points on the hull, whether of a circle or a rectangle, that hold both slopes and prefer no direction."""
+_NUDGE = 1e-4
+"""Distance, over an element's size, at which to look for the elements around a point."""
+_ROUND = np.radians(22.5 + 45.0 * np.arange(8))
 
 
 def region(area: Area | str | None) -> Region | None:
@@ -213,10 +228,6 @@ def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:
     return np.asarray(slopes / np.linalg.norm(slopes, axis=2, keepdims=True))
 
 
-_TURN = 360
-"""Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""
-
-
 def outline(mesh: Mesh, plate: Plate, support: Support) -> Floats:
     """Points (k, 2) whose hull is that of the support: its corners in order or ends, and points of circles.
 
@@ -262,21 +273,6 @@ def _arc(center: Point, radius: float, sector: float) -> Floats:
     """An arc from the x axis on, both its ends included."""
     turn = np.radians(np.linspace(0.0, sector, 1 + int(np.ceil(_TURN * sector / 360.0))))
     return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
-
-
-STRIP = 1e-2
-"""Part of an element's area that each point on the outline stands for: enough to act where a bed is a little stiff."""
-MOST = 0.25
-"""Part that all on it stand for at most, however many corners an outline has there."""
-_ON_OUTLINE = 1e-4
-"""Distance, over the plate's diameter, within which a point is on the hull; that of a circle is a polygon."""
-_APART = 0.25
-"""Distance, over an element's size, below which one of two points is enough: sides may cross an outline in a corner."""
-_FOUR = 4
-"""Points on the hull, whether of a circle or a rectangle, that hold both slopes and prefer no direction."""
-_NUDGE = 1e-4
-"""Distance, over an element's size, at which to look for the elements around a point."""
-_ROUND = np.radians(22.5 + 45.0 * np.arange(8))
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,8 @@ SAME = 1e-12
 element from each other are two all the same."""
 _CLEAR = 1e-10
 """Pivots of products of rows down to which these are independent beyond rounding."""
+_MOST = 10_000
+"""Two-sided points between nodes; to tell which follow from others takes a dense matrix of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,10 +140,6 @@ def _clearly_independent(products: csr_array) -> bool:
     except RuntimeError:
         return False
     return bool((factor.U.diagonal() > _CLEAR).all())
-
-
-_MOST = 10_000
-"""Two-sided points between nodes; to tell which follow from others takes a dense matrix of them."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,16 @@ from signorini.model import Material, Model
 from signorini.model.material import Modifiers, Stiffness
 from signorini.shapes.outlines import Outline
 
+_SLIVER = 0.01
+"""Part of an element, or of a zone that is smaller, by which a border may miss the sides that follow it: of a circle
+around which elements take up to 45° a parabola misses as much."""
+_ROUNDING = 1e-6
+"""The same of elements with a narrow strip between zones, which is more than a border that is a little off."""
+_NARROW = 0.05
+"""Width of a strip, over the side of an element, that may be less than a sliver of it; of a flat element too."""
+_BESIDE = 1e-6
+"""Part of the plate's size beside a border at which it is looked what there is."""
+
 
 @dataclass(frozen=True, eq=False)
 class Rigidity:
@@ -101,17 +111,6 @@ class Rigidity:
     def in_shear(self) -> float:
         """Mean rigidity in shear of all directions."""
         return float(self.shear.trace() / 2)
-
-
-_SLIVER = 0.01
-"""Part of an element, or of a zone that is smaller, by which a border may miss the sides that follow it: of a circle
-around which elements take up to 45° a parabola misses as much."""
-_ROUNDING = 1e-6
-"""The same of elements with a narrow strip between zones, which is more than a border that is a little off."""
-_NARROW = 0.05
-"""Width of a strip, over the side of an element, that may be less than a sliver of it; of a flat element too."""
-_BESIDE = 1e-6
-"""Part of the plate's size beside a border at which it is looked what there is."""
 
 
 class Made(NamedTuple):

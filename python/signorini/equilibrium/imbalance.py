@@ -24,32 +24,6 @@ _UP_AND_DOWN = 1e-5
 """What moving up and down counts for beside turning by as much: little, so that of equal turns the nearest is found."""
 _HOLDS = 1e-9
 """Part of the largest reaction, and of the motion, that is rounding."""
-
-
-def steepest(motions: Floats, moves: Floats, work: Floats) -> Floats | None:
-    """Find the allowed motion (d,), of largest entry one, whose work (d,) is largest for its turning.
-
-    It minimises ½ turning² - work under moves ≤ 0, whose dual is a nonnegative least-squares problem in the reactions;
-    those that act there name the supports it turns about, and these the motion. ``motions`` (3, d) and ``moves`` (k, d)
-    are those of `RigidFreedom`. None where arithmetic does not tell one.
-    """
-    from scipy.linalg import null_space
-    from scipy.optimize import nnls
-
-    weighed = np.array([_UP_AND_DOWN, 1.0, 1.0])[:, None] * motions
-    metric = weighed.T @ weighed
-    half = np.linalg.inv(np.linalg.cholesky(metric))
-    try:
-        reactions, _ = nnls(half @ moves.T, half @ work)
-    except RuntimeError:
-        return None
-    closed = moves[reactions > _HOLDS * reactions.max(initial=0.0)]
-    free = null_space(closed, rcond=_HOLDS) if len(closed) else np.eye(len(work))
-    motion = free @ np.linalg.solve(free.T @ metric @ free, free.T @ work)
-    motion = motion / max(np.abs(motion).max(initial=0.0), np.finfo(float).tiny)
-    return motion if (moves @ motion).max(initial=0.0) <= _HOLDS and work @ motion > 0 else None
-
-
 WORK = 1e-10
 """Work below this part of the load times the motion is rounding."""
 _COARSE = 1e-5
@@ -58,6 +32,8 @@ _CLOSED = 1e-7
 """Part of the largest opening below which a point stays closed as the plate tips."""
 _LIFTS = 1e-9
 """Part of the plate's size below which a motion of unit turning lifts the plate nowhere."""
+_MOST_HINGES = 4
+"""Points of a support that a plate tips about."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,10 +205,6 @@ def _least_holding(
     return total * float((needed[helping] / helped[helping]).max()) if helping.any() else None
 
 
-_MOST_HINGES = 4
-"""Points of a support that a plate tips about."""
-
-
 def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
     """Say why no reactions balance a load, what would, or nothing where they exist."""
     if why is None:
@@ -290,3 +262,27 @@ def line_in_words(normal: Floats, offset: float, size: float) -> str:
     first = "x" if a == 1.0 else f"{a:.6g} x"
     second = "y" if abs(b) == 1.0 else f"{abs(b):.6g} y"
     return f"{first} {'+' if b > 0 else '-'} {second} = {equals}"
+
+
+def steepest(motions: Floats, moves: Floats, work: Floats) -> Floats | None:
+    """Find the allowed motion (d,), of largest entry one, whose work (d,) is largest for its turning.
+
+    It minimises ½ turning² - work under moves ≤ 0, whose dual is a nonnegative least-squares problem in the reactions;
+    those that act there name the supports it turns about, and these the motion. ``motions`` (3, d) and ``moves`` (k, d)
+    are those of `RigidFreedom`. None where arithmetic does not tell one.
+    """
+    from scipy.linalg import null_space
+    from scipy.optimize import nnls
+
+    weighed = np.array([_UP_AND_DOWN, 1.0, 1.0])[:, None] * motions
+    metric = weighed.T @ weighed
+    half = np.linalg.inv(np.linalg.cholesky(metric))
+    try:
+        reactions, _ = nnls(half @ moves.T, half @ work)
+    except RuntimeError:
+        return None
+    closed = moves[reactions > _HOLDS * reactions.max(initial=0.0)]
+    free = null_space(closed, rcond=_HOLDS) if len(closed) else np.eye(len(work))
+    motion = free @ np.linalg.solve(free.T @ metric @ free, free.T @ work)
+    motion = motion / max(np.abs(motion).max(initial=0.0), np.finfo(float).tiny)
+    return motion if (moves @ motion).max(initial=0.0) <= _HOLDS and work @ motion > 0 else None

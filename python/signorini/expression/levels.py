@@ -24,6 +24,11 @@ _ZERO = 1e-14
 _NAMED = {"pi": math.pi, "e": math.e}
 
 
+_MOST_LINES = 200
+"""Steps of one floor or ceil that are drawn: no mesh follows more."""
+Box = tuple[float, float, float, float]
+
+
 @dataclass(frozen=True)
 class Polynomial:
     """The sum of c xⁱyʲ, with c for (i, j)."""
@@ -139,12 +144,6 @@ def _joined(a: Polynomial, op: ast.operator, b: Polynomial) -> Polynomial | None
             except OverflowError:
                 return None
     return None
-
-
-_MOST_LINES = 200
-"""Steps of one floor or ceil that are drawn: no mesh follows more."""
-
-Box = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,15 @@ _LEAST, _MOST, _TALL = 4e-3, 0.98, 2.0
 theirs; what grows as r^-0.02 shows on no mesh, and a hard corner of 179 degrees has 0.0056."""
 _STEPS = 400
 """Points on each side of the box around them, on which the determinant turns by far less than half a circle a step."""
+STRAIGHT = np.radians(1.0)
+"""Turning at a node below which an edge runs on smoothly."""
+_OF_ROUND = 0.2
+"""Part of what two round sides turn themselves by which they may turn between them: parabolas stand for an arc."""
+_OFF_ROUND = 0.1
+"""Part of a side's rise within which a point of the circle that it stands for is on it."""
+_NEAR, _NONE = 1e-4, 1e-6
+"""Part of the plate's size over which the slope of a settlement is taken, and of that slope or the prescribed one what
+their difference is at least: the first by its square, of curves, stays below the second."""
 
 
 def slopes_held(across: bool, along: bool) -> Slopes:
@@ -106,17 +115,6 @@ def _conditions(exponent: Complexes, at: float, slopes: Slopes, poisson: float) 
             return [along, value]
         case "slope":
             return [across, slope]
-
-
-STRAIGHT = np.radians(1.0)
-"""Turning at a node below which an edge runs on smoothly."""
-_OF_ROUND = 0.2
-"""Part of what two round sides turn themselves by which they may turn between them: parabolas stand for an arc."""
-_OFF_ROUND = 0.1
-"""Part of a side's rise within which a point of the circle that it stands for is on it."""
-_NEAR, _NONE = 1e-4, 1e-6
-"""Part of the plate's size over which the slope of a settlement is taken, and of that slope or the prescribed one what
-their difference is at least: the first by its square, of curves, stays below the second."""
 
 
 @dataclass(frozen=True, eq=False)

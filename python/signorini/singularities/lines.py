@@ -20,6 +20,10 @@ from signorini.singularities.singularity import Singularity, as_places
 
 _ENDS = 1e-9
 """Part of a line load's size at its points below which it has come to nothing at its end."""
+_BESIDE = "take values from beside these elements."
+_AS_ZONE = "Or say it with a zone, whose border the mesh follows."
+_ON_SIDE = 1e-6
+"""Part of an element within which a line is on its side."""
 
 
 def ends_of_load(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
@@ -139,12 +143,6 @@ def _directions(along: Polyline) -> list[list[Floats]]:
 
 def _bends(back: Floats, on: Floats) -> bool:
     return bool(-back @ on < np.cos(STRAIGHT))
-
-
-_BESIDE = "take values from beside these elements."
-_AS_ZONE = "Or say it with a zone, whose border the mesh follows."
-_ON_SIDE = 1e-6
-"""Part of an element within which a line is on its side."""
 
 
 def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:

@@ -8,6 +8,7 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.shapes.outlines import Outline
 
 _BISECTIONS = 54
+_ZERO = 1e-12
 
 
 def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
@@ -54,9 +55,6 @@ def _bisect(coefficients: Floats, lower: Floats, upper: Floats) -> Floats:
         low, high = np.where(right, middle, low), np.where(right, high, middle)
     result[which, at] = 0.5 * (low + high)[:, 0]
     return result
-
-
-_ZERO = 1e-12
 
 
 def quadratics(sides: Floats) -> Floats:

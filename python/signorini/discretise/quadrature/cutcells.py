@@ -20,6 +20,16 @@ from signorini.mesh.isoparametric import real_sides
 from signorini.shapes.cuts import Part
 
 _STRAIGHT = 1e-14
+_THIN = 1e-13
+_ROUNDED = 8.0 * np.finfo(float).eps
+"""Width of a strip, over the element's coordinates, that is their rounding: ends of sides that meet may be so far
+apart."""
+_SLIVER = 1e-12
+_ALONG = 1e-9
+"""Part of the mesh's size within which nodes are on a circle that the mesh follows."""
+_CONVERGED = 1e-13
+_CURVED_POINTS = 8
+_BISECTIONS = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,18 +113,6 @@ class Pieces(Table):
             t = np.where(x1 * sign > 0.0, 2.0 * (x - x0) / (x1 + root), (root - x1) / (2.0 * x2))
         t = np.clip(np.nan_to_num(t), -1.0, 1.0)
         return np.asarray(y0 + t * (y1 + t * y2))
-
-
-_THIN = 1e-13
-_ROUNDED = 8.0 * np.finfo(float).eps
-"""Width of a strip, over the element's coordinates, that is their rounding: ends of sides that meet may be so far
-apart."""
-_SLIVER = 1e-12
-_ALONG = 1e-9
-"""Part of the mesh's size within which nodes are on a circle that the mesh follows."""
-_CONVERGED = 1e-13
-_CURVED_POINTS = 8
-_BISECTIONS = 40
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,11 @@ _TOUCHED = 1e-6
 _STRAIGHT = 1e-9
 """Part of its length that a side may be off a line on which it lies."""
 _NONE = np.zeros((0, 2))
+_INSIDE = 1e-6
+"""Part of an interval, at either end, in which a jump counts as one at the end."""
+_SEEN = 17
+"""Points at which an interval is looked at: what begins and ends between two of them is missed."""
+_BISECTIONS = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,15 +158,6 @@ def arc_of(side: Side) -> Arc:
 
 def _margin(sides: Floats) -> float:
     return _SAME * float(np.abs(sides).max(initial=0.0))
-
-
-_INSIDE = 1e-6
-"""Part of an interval, at either end, in which a jump counts as one at the end."""
-
-_SEEN = 17
-"""Points at which an interval is looked at: what begins and ends between two of them is missed."""
-
-_BISECTIONS = 50
 
 
 def divided(

@@ -25,6 +25,22 @@ _EMPTY = 1e-14
 """Area, over that of the box it is part of, below which a triangle is left out."""
 
 
+Levels = Sequence[Callable[[Floats], Floats]]
+"""Functions of positions (q, 2): steps are where one changes its sign. NaN counts as negative."""
+OFF = 1e-4
+"""How far a cut may lie from a curved step, over the side of the element."""
+_DEEPEST = 7
+INSIDE = 1.0 - 1e-6
+"""How far from the middle elements and pieces are looked at: a step along their sides is no step inside."""
+_PARTED = 0.4863
+"""Where parts are quartered: not in the middle, where steps are wont to run, and would be met on neither side."""
+_SEEN = 9
+"""Points a direction at which an element is looked at: what is smaller than an eighth of it may be missed."""
+_CHUNK = 200_000
+_HYPOTENUSE = np.array([1.0, -1.0, -1.0])
+"""Of triangles the plane above zero inside them."""
+
+
 @dataclass(frozen=True, eq=False)
 class Triangles(Table):
     """Triangles with the box (t,) each is a part of, corners (t, 3, 2), and the area (t,) of the box."""
@@ -92,28 +108,6 @@ def gauss_on_boxes(boxes: Floats, order: int) -> tuple[Ints, Floats, Floats]:
     points = middle[:, None] + half[:, None] * station
     weights = half.prod(axis=1)[:, None] * np.outer(weight, weight).ravel()
     return np.repeat(np.arange(len(boxes)), order**2), points.reshape(-1, 2), weights.ravel()
-
-
-Levels = Sequence[Callable[[Floats], Floats]]
-"""Functions of positions (q, 2): steps are where one changes its sign. NaN counts as negative."""
-
-OFF = 1e-4
-"""How far a cut may lie from a curved step, over the side of the element."""
-
-_DEEPEST = 7
-INSIDE = 1.0 - 1e-6
-"""How far from the middle elements and pieces are looked at: a step along their sides is no step inside."""
-
-_PARTED = 0.4863
-"""Where parts are quartered: not in the middle, where steps are wont to run, and would be met on neither side."""
-
-_SEEN = 9
-"""Points a direction at which an element is looked at: what is smaller than an eighth of it may be missed."""
-
-_CHUNK = 200_000
-
-_HYPOTENUSE = np.array([1.0, -1.0, -1.0])
-"""Of triangles the plane above zero inside them."""
 
 
 class Cut(NamedTuple):

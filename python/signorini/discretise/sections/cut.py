@@ -39,6 +39,15 @@ from signorini.shapes.outlines import Point
 
 BESIDE = 1e-6
 """How far from an edge, of the plate's size, an end is on it, and from a node of an edge in it: more than rounding."""
+_BEYOND = 2.0
+"""Diagonals of the largest element by which a line is followed beyond an end inside the plate: v ends within one."""
+_ORDER = 5
+_AROUND = [0, 4, 1, 5, 2, 6, 3, 7]
+_POINTS = {"mitc9": 9, "q8r": 4}
+"""Points of an element's stiffness."""
+_WORK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0])
+"""σ : ε is −mx κx − my κy − mxy 2κxy + qx γx + qy γy."""
+_TRIANGULAR = np.array([(i, j) for i in range(3) for j in range(3 - i)])
 
 
 def followed(mesh: Mesh, points: Sequence[Point]) -> tuple[CutLine, tuple[bool, bool]]:
@@ -103,16 +112,6 @@ def _out(beside: Floats, outward: Floats, touching: float) -> Floats | None:
     half = 0.5 * _turn(beside)
     c, s = math.cos(half), math.sin(half)
     return np.asarray(np.array([[c, -s], [s, c]]) @ beside[0] / np.hypot(*beside[0]))
-
-
-_BEYOND = 2.0
-"""Diagonals of the largest element by which a line is followed beyond an end inside the plate: v ends within one."""
-_ORDER = 5
-_AROUND = [0, 4, 1, 5, 2, 6, 3, 7]
-_POINTS = {"mitc9": 9, "q8r": 4}
-"""Points of an element's stiffness."""
-_WORK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0])
-"""σ : ε is −mx κx − my κy − mxy 2κxy + qx γx + qy γy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -322,9 +321,6 @@ def _between(mesh: Mesh, kind: str, elements: Ints, xi: Floats) -> Floats:
 
 def _square(count: int) -> Ints:
     return np.array([(i, j) for i in range(count) for j in range(count)])
-
-
-_TRIANGULAR = np.array([(i, j) for i in range(3) for j in range(3 - i)])
 
 
 def _monomials(xi: Floats, degrees: Ints) -> Floats:
