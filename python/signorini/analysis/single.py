@@ -8,8 +8,7 @@ from signorini.base.arguments import made_by, watching
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import ContactProblem
 from signorini.contact.strategy import answered, refusal, uncertain
-from signorini.equilibrium.imbalance import explain
-from signorini.equilibrium.limits import CONTRADICTION, imbalance_of
+from signorini.equilibrium.imbalance import CONTRADICTION, explain, imbalance_of
 from signorini.errors import NotCertifiedError
 from signorini.model import Combination
 from signorini.results.result import Result, unsolved_result

@@ -13,7 +13,7 @@ from typing import Self
 
 import numpy as np
 
-from signorini.contact.answer import Answer
+from signorini.contact.selection import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.loads import CANCELLED
 from signorini.discretise.rows import Bools, Floats

@@ -11,12 +11,12 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from signorini.base.memory import fits, needed_by_interior_point
-from signorini.contact.answer import Answer
 from signorini.contact.certificate import CERTIFIABLE, Certificate, certified, forces_at_nodes
 from signorini.contact.factoring import Method, base_of, can_be_factored
 from signorini.contact.problem import ContactProblem, Form, Steps
+from signorini.contact.selection import Answer
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.equilibrium.limits import supports_contradict
+from signorini.equilibrium.imbalance import supports_contradict
 from signorini.errors import point
 
 _MOST = 1e11

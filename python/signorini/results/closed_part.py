@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from signorini.contact.answer import Answer
+from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.results.support_points import SupportPoints

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from signorini.contact.answer import Answer
+from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.results.closed_part import Scales, closed_by_point, in_falling_order

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from signorini.contact.answer import Answer
+from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.errors import point
 from signorini.model import Support
