@@ -36,10 +36,7 @@ def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
 
 
 def _value(coefficients: Floats, t: Floats) -> Floats:
-    total = np.zeros_like(t)
-    for i in range(coefficients.shape[1] - 1, -1, -1):
-        total = total * t + coefficients[:, i, None]
-    return total
+    return np.asarray(np.polynomial.polynomial.polyval(t, coefficients.T[..., None], tensor=False))
 
 
 def _bisect(coefficients: Floats, lower: Floats, upper: Floats) -> Floats:
@@ -92,15 +89,9 @@ def with_circles(curves: Floats, circles: Floats) -> tuple[Ints, Floats]:
     a, b, c = curves[..., 0] - circles[:, :2], curves[..., 1], curves[..., 2]
     radius = circles[:, 2]
     distance = np.hypot(*a.T)
-    coefficients = np.column_stack(
-        [
-            (distance - radius) * (distance + radius),
-            2.0 * (a * b).sum(axis=1),
-            (b * b + 2.0 * a * c).sum(axis=1),
-            2.0 * (b * c).sum(axis=1),
-            (c * c).sum(axis=1),
-        ]
-    )
+    products = 2.0 * a * b, b * b + 2.0 * a * c, 2.0 * b * c, c * c
+    constant = (distance - radius) * (distance + radius)
+    coefficients = np.column_stack([constant, *(product.sum(axis=1) for product in products)])
     pair, t = roots(coefficients, _ZERO * (distance + radius) ** 2)
     return pair, evaluate(curves[pair], t)
 

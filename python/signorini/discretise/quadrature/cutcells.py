@@ -8,7 +8,7 @@ height-function quadrature of Saye (2015); what remains is bisected until area a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -139,14 +139,10 @@ class _Cells(Table):
     singular: Bools
 
     def halves(self) -> _Cells:
-        middle = self.x.mean(axis=1)
-        no = np.zeros(len(middle), dtype=bool)
-        return _Cells(
-            np.tile(self.owner, 2),
-            np.vstack([np.column_stack([self.x[:, 0], middle]), np.column_stack([middle, self.x[:, 1]])]),
-            np.tile(self.between, (2, 1)),
-            np.vstack([np.column_stack([self.singular[:, 0], no]), np.column_stack([no, self.singular[:, 1]])]),
-        )
+        left, right, middle = self.x.copy(), self.x.copy(), self.x.mean(axis=1)
+        left[:, 1] = right[:, 0] = middle
+        first, second = self.singular & [True, False], self.singular & [False, True]
+        return _Cells.join([replace(self, x=left, singular=first), replace(self, x=right, singular=second)])
 
 
 def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool = False) -> Parts:
