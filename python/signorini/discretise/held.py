@@ -256,10 +256,7 @@ def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Probl
     holds = Holds(bodies)
     for placed in supports:
         with problems.collected():
-            if placed.sides is not None:
-                _hold_along(mesh, holds, placed, placed.sides)
-            elif placed.points is not None:
-                _hold_points(mesh, holds, placed)
+            _collect(mesh, holds, placed)
     with problems.collected():
         return holds.settle()
     return Holds(bodies).settle()
@@ -279,33 +276,29 @@ def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:
     return np.column_stack([one(*positions.T, place=(*placed.place, "rotation")) for one in rotation])
 
 
-def _hold_along(mesh: Mesh, holds: Holds, placed: Placed, sides: Ints) -> None:
-    support, index = placed.support, placed.index
+def _collect(mesh: Mesh, holds: Holds, placed: Placed) -> None:
+    """Hold deflections and slopes at nodes of a support's edge or line, or at those that its points are at."""
+    support, tangents = placed.support, dict[int, list[tuple[float, float]]]()
+    if placed.sides is not None:
+        nodes, _ = edge_nodes(mesh, placed.sides)
+        numbers = np.zeros_like(nodes)
+        if {"slope", "twist"} & set(support.fixed):
+            tangents = tangents_at_nodes(mesh, placed.sides)
+    else:
+        (numbers,) = np.nonzero(placed.nodes >= 0)
+        nodes = placed.nodes[numbers]
+        if "slope" in support.fixed:
+            # Across these two are both axes.
+            tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
     if holds_deflection(support):
-        nodes, _ = edge_nodes(mesh, sides)
-        holds.deflections(mesh, placed, nodes, np.zeros_like(nodes))
-    if not {"slope", "twist"} & set(support.fixed):
-        return
-    tangents = tangents_at_nodes(mesh, sides)
+        holds.deflections(mesh, placed, nodes, numbers)
     rotations = prescribed_rotations(placed, mesh.points[list(tangents)])
     for (node, directions), rotation in zip(tangents.items(), rotations, strict=True):
         for tx, ty in directions:
             if "slope" in support.fixed:
-                holds.slope(node, (ty, -tx), rotation, index)
+                holds.slope(node, (ty, -tx), rotation, placed.index)
             if "twist" in support.fixed:
-                holds.slope(node, (tx, ty), rotation, index)
-
-
-def _hold_points(mesh: Mesh, holds: Holds, placed: Placed) -> None:
-    (numbers,) = np.nonzero(placed.nodes >= 0)
-    nodes = placed.nodes[numbers]
-    if holds_deflection(placed.support):
-        holds.deflections(mesh, placed, nodes, numbers)
-    if "slope" in placed.support.fixed:
-        rotations = prescribed_rotations(placed, mesh.points[nodes])
-        for node, rotation in zip(nodes.tolist(), rotations, strict=True):
-            holds.slope(node, (1.0, 0.0), rotation, placed.index)
-            holds.slope(node, (0.0, 1.0), rotation, placed.index)
+                holds.slope(node, (tx, ty), rotation, placed.index)
 
 
 def tangents_at_nodes(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:
