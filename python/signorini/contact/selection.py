@@ -29,7 +29,7 @@ _AGAINST_EACH_OTHER = 1e6
 """Times the least reactions that others may be: ten of sixteen digits are left for their sum."""
 _ACTIVE = 1e-10
 """Part of the largest multiplier below which one is rounding."""
-_LEFT_OVER = 64 * float(np.finfo(float).eps)
+_OF_SUMS = 64 * float(np.finfo(float).eps)
 """What a few sums of products of the free least leave of it."""
 _NIL = 1e-11
 """Part of the largest force, or deflection, below which solvers take one for rounding."""
@@ -367,7 +367,7 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
         rests = kept[on]
         y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
         # It is what is left of the free least, whose rounding it has.
-        rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _LEFT_OVER * (np.abs(sides) @ np.abs(free))
+        rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _OF_SUMS * (np.abs(sides) @ np.abs(free))
         over = (sides @ y - room - rounding)[kept]
         if not (over > 0.0).any():
             return np.asarray(y)
