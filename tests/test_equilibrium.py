@@ -13,9 +13,7 @@ from signorini import path, validate
 from signorini.analysis.check import check
 from signorini.discretise import discretise
 from signorini.equilibrium.balance import rigid_freedom
-from signorini.equilibrium.imbalance import imbalance
-from signorini.equilibrium.limits import imbalance_of
-from signorini.equilibrium.words import explain
+from signorini.equilibrium.imbalance import explain, imbalance, imbalance_of
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PLATE = {

@@ -10,7 +10,7 @@ from signorini import InputError, Model, path, solve
 from signorini.contact.problem import contact_problem
 from signorini.discretise import discretise
 from signorini.equilibrium.balance import rigid_freedom
-from signorini.equilibrium.limits import nearest_limit
+from signorini.equilibrium.imbalance import nearest_limit
 from signorini.model.output import Output
 from signorini.results.result import vtk_fields
 

@@ -9,7 +9,7 @@ from halving import halved
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from signorini.discretise.borders import arcs_of
+from signorini.discretise.meshing import arcs_of
 from signorini.discretise.quadrature import area_quadrature, curve_quadrature, off_plate
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import disc, rectangle

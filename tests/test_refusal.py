@@ -5,7 +5,7 @@ from models import rectangular
 from signorini import Model
 from signorini.contact.certificate import Certificate
 from signorini.contact.problem import contact_problem
-from signorini.contact.refusal import refusal
+from signorini.contact.strategy import refusal
 
 
 def on_a_soft_bed(part: float) -> Model:

@@ -13,7 +13,7 @@ from signorini.formats.vtk import as_meshio, write_vtu
 from signorini.mesh import meshers
 from signorini.output.tables import results_json
 from signorini.results.quantities import RESULTANTS
-from signorini.singularities.corners import exponents_below_one, moments_grow
+from signorini.singularities.boundary import exponents_below_one, moments_grow
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import away_from
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from signorini.analysis.results import Results
     from signorini.analysis.solve import solve
     from signorini.base.progress import Progress
-    from signorini.contact.lemke import lemke
+    from signorini.contact.lcp import lemke
     from signorini.contact.own_rows import RowProblem, with_rows
     from signorini.contact.problem import ContactProblem, contact_problem
     from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
@@ -49,7 +49,7 @@ _HOME = {
     "analysis.results": ("Results",),
     "analysis.solve": ("solve",),
     "base.progress": ("Progress",),
-    "contact.lemke": ("lemke",),
+    "contact.lcp": ("lemke",),
     "contact.own_rows": ("RowProblem", "with_rows"),
     "contact.problem": ("ContactProblem", "contact_problem"),
     "errors": ("InputError", "NoEquilibriumError", "NotCertifiedError", "SignoriniError"),

@@ -12,7 +12,7 @@ from halving import halved
 import signorini
 from signorini import _core
 from signorini.discretise.quadrature import area_quadrature
-from signorini.discretise.rigidity import Rigidity
+from signorini.discretise.zones import Rigidity
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import rectangle
 

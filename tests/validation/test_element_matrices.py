@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.linalg import block_diag
 
 from signorini import _core
-from signorini.discretise.rigidity import Rigidity
+from signorini.discretise.zones import Rigidity
 from signorini.mesh.isoparametric import determinants
 
 E, NU, KAPPA = 3.0, 0.27, 5 / 6

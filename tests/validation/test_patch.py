@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from signorini import _core
-from signorini.discretise.rigidity import Rigidity
+from signorini.discretise.zones import Rigidity
 
 E, NU, KAPPA = 1e6, 0.25, 5 / 6
 RIGIDITY = Rigidity.isotropic(E, NU, KAPPA).for_core

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from signorini.discretise.rigidity import Rigidity
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.zones import Zones
+from signorini.discretise.zones import Rigidity, Zones
 from signorini.errors import point
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support

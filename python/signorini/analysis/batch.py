@@ -8,10 +8,9 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from signorini import _core
-from signorini.contact.answer import Answer
 from signorini.contact.certificate import certified
 from signorini.contact.problem import ContactProblem
-from signorini.contact.selection import chosen
+from signorini.contact.selection import Answer, chosen
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import allowed_motions, work_of

@@ -14,9 +14,7 @@ from signorini.base.regular import open_regular
 from signorini.discretise import Discretisation, discretise
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import NO_FORCE, RigidFreedom, allowed_motions, rigid_freedom
-from signorini.equilibrium.imbalance import WORK, Imbalance
-from signorini.equilibrium.limits import imbalance_of, nearest_limit, on_the_brink
-from signorini.equilibrium.words import explain
+from signorini.equilibrium.imbalance import WORK, Imbalance, explain, imbalance_of, nearest_limit, on_the_brink
 from signorini.errors import InputError
 from signorini.mesh.quality import Quality
 from signorini.model import Combination, Model

@@ -11,13 +11,12 @@ from signorini.analysis.path_check import confirmed
 from signorini.analysis.path_judge import PathJudge
 from signorini.analysis.path_loads import PathLoads
 from signorini.base.progress import Progress, Watcher
-from signorini.contact.answer import Answer
 from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem
-from signorini.contact.refusal import uncertain
-from signorini.contact.strategy import WORDS, methods_along
+from signorini.contact.selection import Answer
+from signorini.contact.strategy import WORDS, methods_along, uncertain
 from signorini.discretise.rows import Ints
-from signorini.equilibrium.limits import CONTRADICTION, supports_contradict
+from signorini.equilibrium.imbalance import CONTRADICTION, supports_contradict
 from signorini.errors import NoEquilibriumError, NotCertifiedError
 from signorini.results.exact_path import ExactPath
 from signorini.results.load_path import AT_LIMIT, Ending

@@ -8,8 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from signorini.analysis.sampler import Sampler, State
-from signorini.contact.certificate import least_deflection
-from signorini.contact.magnitudes import by_force
+from signorini.contact.certificate import by_force, least_deflection
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
 

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from signorini.contact.answer import Answer
 from signorini.contact.certificate import Certificate, certified, certify_each, imbalances
 from signorini.contact.problem import ContactProblem
-from signorini.contact.selection import chosen, doubtful
+from signorini.contact.selection import Answer, chosen, doubtful
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import NotCertifiedError

@@ -10,9 +10,7 @@ import numpy as np
 from signorini.base import arguments
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.equilibrium.imbalance import imbalance
-from signorini.equilibrium.limits import floats, largest_factor
-from signorini.equilibrium.words import explain
+from signorini.equilibrium.imbalance import explain, floats, imbalance, largest_factor
 from signorini.errors import InputError, NoEquilibriumError, unknown
 
 _NAMED = 10_000

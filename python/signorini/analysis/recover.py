@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from signorini.base.arguments import array, known, made_by, vector
-from signorini.contact.answer import Answer
 from signorini.contact.certificate import TOLERANCE, certified
 from signorini.contact.own_rows import RowProblem
 from signorini.contact.problem import ContactProblem
-from signorini.contact.refusal import refusal
-from signorini.contact.selection import chosen
+from signorini.contact.selection import Answer, chosen
+from signorini.contact.strategy import refusal
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError, NotCertifiedError, point

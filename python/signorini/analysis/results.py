@@ -18,7 +18,7 @@ from signorini.base.named import Named
 from signorini.base.on_demand import OnDemand
 from signorini.base.packages import package
 from signorini.contact.problem import ContactProblem
-from signorini.equilibrium.limits import nearest_limit
+from signorini.equilibrium.imbalance import nearest_limit
 from signorini.model import Combination
 from signorini.results.envelope import Envelope, States
 from signorini.results.result import Result
@@ -160,7 +160,7 @@ class Results(States[str], Mapping[str, Result]):
     def limits(self) -> Mapping[str, tuple[str, float] | None]:
         """How far each combination is from the end of equilibrium: a case, and the factor on its own that leads there.
 
-        None where no case has one (`signorini.equilibrium.limits.nearest_limit`). Of rows of a table each is found
+        None where no case has one (`signorini.equilibrium.imbalance.nearest_limit`). Of rows of a table each is found
         when it is asked for.
         """
         result, freedom = self.discretisation, self.problem.freedom

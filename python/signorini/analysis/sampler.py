@@ -9,14 +9,13 @@ import numpy as np
 
 from signorini.analysis.path_loads import PathLoads
 from signorini.base.progress import Progress, Watcher
-from signorini.contact.answer import Answer
 from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem
-from signorini.contact.refusal import uncertain
-from signorini.contact.strategy import answered
+from signorini.contact.selection import Answer
+from signorini.contact.strategy import answered, uncertain
 from signorini.discretise.rows import Floats
 from signorini.discretise.supports import can_let_go
-from signorini.equilibrium.limits import CONTRADICTION, supports_contradict
+from signorini.equilibrium.imbalance import CONTRADICTION, supports_contradict
 from signorini.errors import NoEquilibriumError, NotCertifiedError
 from signorini.results.load_path import beside
 from signorini.results.path_events import LEVELS, Threshold, margins

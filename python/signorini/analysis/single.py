@@ -7,10 +7,8 @@ import time
 from signorini.base.arguments import made_by, watching
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import ContactProblem
-from signorini.contact.refusal import refusal, uncertain
-from signorini.contact.strategy import answered
-from signorini.equilibrium.limits import CONTRADICTION, imbalance_of
-from signorini.equilibrium.words import explain
+from signorini.contact.strategy import answered, refusal, uncertain
+from signorini.equilibrium.imbalance import CONTRADICTION, explain, imbalance_of
 from signorini.errors import NotCertifiedError
 from signorini.model import Combination
 from signorini.results.result import Result, unsolved_result

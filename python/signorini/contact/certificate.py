@@ -6,28 +6,14 @@ three global balances from them. It reads no factor, no condensed matrix, and no
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 
-from signorini.contact.answer import Answer
-from signorini.contact.magnitudes import (
-    bending_force,
-    bending_part,
-    by_force,
-    forces_at_nodes,
-    largest_magnitudes,
-    loaded_deflection,
-    maximum,
-    push_magnitudes,
-    ratio,
-    reaching,
-    resultants_and_sizes,
-    rigidity,
-    scaled_motions,
-)
+from signorini.contact.selection import Answer
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.loads import CANCELLED
 from signorini.discretise.rows import Bools, Floats
@@ -47,7 +33,6 @@ _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
 """Part of a size which, as a scale, turns the tolerance into that size's rounding."""
 _CANCELLED = CANCELLED / TOLERANCE
 """As `_UNSEEN`, of loads that are added: as much of them counts as nothing where they cancel."""
-
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 LIMITED = ("tension", "equilibrium", "balance")
 """Figures that the rounding of the plate's own forces may limit."""
@@ -137,25 +122,6 @@ def certify(
     its closed ones are open counts as complementarity too. An answer at both ends of a stretch that stands on one set
     proves all between them, which is linear. ``beside`` are the loads that this one is the sum of: their rounding, and
     that of the reactions to them, is none of the answer's fault where they cancel.
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> from signorini.contact.problem import contact_problem
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     mesh={"divisions": [4, 4]},
-    ...     support=[{"edge": ["left"], "fix": "clamped"}, {"at": [4, 2], "resists": "down"}],
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> problem = contact_problem(model)
-    >>> result, load = problem.discretisation, problem.discretisation.cases["load"]
-    >>> answer = problem.solve(load)
-    >>> certify(result, load, answer.hi, answer.lo, answer.reaction).passed
-    True
-    >>> certify(result, load, answer.hi, answer.lo, -answer.reaction).passed
-    False
     """
     sets = [those[None] for those in closed]
     return certify_each(discretisation, [load], hi[None], lo[None], reaction[None], sets, [beside])[0]
@@ -188,7 +154,9 @@ def certify_each(
         at_holds = np.where(held.dofs, imbalance - pushes, 0.0)
         at_free = np.where(held.dofs, 0.0, imbalance - pushes)
 
-        gap = _gap(discretisation, hi, lo, reaction)
+        rows = contacts.rows.arrays
+        each = (discretisation.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True))
+        gap = contacts.compliance * reaction + np.array(list(each))
         force = np.where(contacts.slope, reaction / size, reaction)
         slip = np.where(held.dofs, hi + lo - held.values, 0.0)
         # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
@@ -216,11 +184,8 @@ def certify_each(
         across = float(np.sqrt(discretisation.mesh.element_area.mean()))
         # Forces count from what bending to the deflection takes, less the rigid motion in it; under no load, from what
         # shearing to the travel does.
-        bent = np.where(
-            idle,
-            length,
-            largest_magnitudes(np.minimum(np.abs(bending_part(discretisation, deflection)), length[:, None])),
-        )
+        part = np.minimum(np.abs(bending_part(discretisation, deflection)), length[:, None])
+        bent = np.where(idle, length, largest_magnitudes(part))
         bending = rigidity(discretisation, discretisation.thickness.max()) * bent / size**2
         rest = maximum(_UNSEEN * bending, _CANCELLED * reached)
         shear = discretisation.model.young * discretisation.thickness.max()
@@ -245,13 +210,12 @@ def certify_each(
             "equilibrium": ratio(by_force(at_free, across), scale),
             "balance": ratio(out_of_balance, maximum(total, rest)),
         }
-        lost = [
-            _lost(discretisation, *one) for one in zip(loads, beside, against, at_holds, pull, reaction, strict=True)
-        ]
+        of_each = zip(loads, beside, against, at_holds, pull, reaction, strict=True)
+        lost = [_lost(discretisation, *one) for one in of_each]
     certificates = []
     for row, load_lost in enumerate(lost):
         figures = {name: float(values[row]) for name, values in by_name.items()}
-        sizes = _Sizes(float(scale[row]), float(pressing[row]), float(maximum(total, rest)[row]))
+        sizes = float(scale[row]), float(pressing[row]), float(maximum(total, rest)[row])
         certificates.append(_judged(discretisation, figures, load_lost, sizes, hi[row], lo[row], reaction[row]))
     return certificates
 
@@ -263,24 +227,16 @@ def imbalances(discretisation: Discretisation, loads: Sequence[CaseLoad], hi: Fl
     return np.array([discretisation.plate.residual(springs, load.nodal, one, rest) for load, one, rest in each])
 
 
-class _Sizes(NamedTuple):
-    """What imbalances, reactions and resultants are compared with."""
-
-    scale: float
-    pressing: float
-    total: float
-
-
 def _judged(
     discretisation: Discretisation,
     figures: dict[str, float],
     lost: float,
-    sizes: _Sizes,
+    sizes: tuple[float, float, float],
     hi: Floats,
     lo: Floats,
     reaction: Floats,
 ) -> Certificate:
-    """Certify figures, those over the tolerance by what double precision can show."""
+    """Certify figures by sizes of imbalances, reactions and resultants, or by what double precision can show."""
     worst = max(figures[name] for name in LIMITED)
     if worst <= TOLERANCE or not np.isfinite(worst):
         return Certificate(**figures, lost=lost)
@@ -294,7 +250,9 @@ def _judged(
     many = np.sqrt(discretisation.dof_count)
     resultant = many * left_by_rounding(np.ones_like(held.dofs))
     # Beside settlements a load may be nothing: what bends the plate, and what supports push with, count as well.
-    bending = float(maximum(scale, bending_force(discretisation, hi)))
+    bent = float(np.abs(bending_part(discretisation, hi[None, ::3])).max())
+    bending = rigidity(discretisation, discretisation.thickness.min()) * bent / discretisation.mesh.size**4
+    bending = max(scale, bending * float(discretisation.mesh.element_area.sum()))
     pushing = float(maximum(size, reaching(discretisation, push_magnitudes(discretisation, hi, lo, reaction))))
     # A reaction that balances nothing but rounding may have either sign.
     limits = {
@@ -327,13 +285,6 @@ def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
     return _NIL * float(loaded_deflection(discretisation, load.nodal))
 
 
-def _gap(discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
-    contacts = discretisation.contacts
-    rows = contacts.rows.arrays
-    open_by = [discretisation.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True)]
-    return np.asarray(contacts.compliance * reaction + np.array(open_by))
-
-
 def _lost(
     discretisation: Discretisation,
     load: CaseLoad,
@@ -358,15 +309,13 @@ def _lost(
     part = float(ratio(missing, maximum(of_loads, totals)))
     if not part > 0.0:
         return part
-    motions, held = scaled_motions(discretisation), discretisation.held.dofs
+    motions, held = discretisation.scaled_motions, discretisation.held.dofs
     # A couple counts as a force at the plate's size.
     slope = np.concatenate([np.flatnonzero(held) % 3 > 0, np.zeros(len(pull), np.bool_), discretisation.contacts.slope])
     arm = np.where(slope, discretisation.mesh.size, 1.0)
     forces = np.concatenate([at_holds[held], pull, reaction]) / arm
-    rows = (
-        np.concatenate([motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions])
-        * arm[:, None]
-    )
+    moved = [motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions]
+    rows = np.concatenate(moved) * arm[:, None]
     largest = np.abs(forces).max(initial=0.0)
     acting = np.abs(forces) > _UNSEEN * largest
     resultant = np.einsum("ij,i->j", motions, load.weighing - against)
@@ -386,3 +335,79 @@ def _totals(discretisation: Discretisation, at_holds: Floats, pull: Floats, reac
         + np.bincount(discretisation.springs.support, pull, many)
         + np.bincount(contacts.support, forces, many)
     )
+
+
+def forces_at_nodes(
+    discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats, at: Bools | None = None
+) -> tuple[float, float]:
+    """Largest sum of what cancels at one of some dofs (3n,), or of the free ones: in the plate, and between supports.
+
+    Their rounding is what arithmetic leaves out of balance.
+    """
+    at = ~discretisation.held.dofs if at is None else at
+    across = float(np.sqrt(discretisation.mesh.element_area.mean()))
+    internal = discretisation.plate.internal_magnitude(~at, hi, lo)
+    pushes = np.where(at, push_magnitudes(discretisation, hi, lo, reaction), 0.0)
+    return float(internal), float(by_force(pushes[None], across)[0])
+
+
+def push_magnitudes(discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
+    """Sums (3n,) of the magnitudes that supports push with.
+
+    Those that nearly repeat each other push against each other, and their forces are carried as doubles.
+    """
+    pull = np.abs(discretisation.spring_forces(hi, lo))
+    return np.asarray(abs(discretisation.contact_rows).T @ np.abs(reaction) + abs(discretisation.spring_rows).T @ pull)
+
+
+def resultants_and_sizes(discretisation: Discretisation, nodal: Floats, against: Floats) -> tuple[Floats, Floats]:
+    """Largest resultants (k,) of loads (k, 3n) and of what supports set against them, and the whole sizes."""
+    # Threads of a linear algebra library would cost more than these sums.
+    resultant = np.einsum("ij,ki->kj", discretisation.scaled_motions, nodal - against)
+    return largest_magnitudes(resultant), maximum(reaching(discretisation, nodal), reaching(discretisation, against))
+
+
+def reaching(discretisation: Discretisation, nodal: Floats) -> Floats:
+    """Sums (...,) of the magnitudes that nodal forces (..., 3n) have in a resultant."""
+    return np.asarray((np.abs(nodal) * np.abs(discretisation.scaled_motions).max(axis=1)).sum(axis=-1))
+
+
+def bending_part(discretisation: Discretisation, deflection: Floats) -> Floats:
+    """Deflections (k, n) of the nodes without the rigid motions nearest to them."""
+    motions = discretisation.rigid_motions[::3]
+    return np.asarray(deflection - (motions @ np.linalg.lstsq(motions, deflection.T)[0]).T)
+
+
+def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
+    """Deflections (...,) by which loads (..., 3n) scale on the plate."""
+    forces, *couples = np.moveaxis(np.abs(nodal.reshape(*nodal.shape[:-1], -1, 3)).sum(axis=-2), -1, 0)
+    size = discretisation.mesh.size
+    loads = (forces + sum(couples) / size) * size**2
+    return np.asarray(loads / rigidity(discretisation, discretisation.thickness.min()))
+
+
+def rigidity(discretisation: Discretisation, thickness: float) -> float:
+    """Bending stiffness E t³/12 of a thickness, Poisson's ratio left out."""
+    return discretisation.model.young * float(thickness) ** 3 / 12
+
+
+def by_force(nodal: Floats, across: float) -> Floats:
+    """Largest of nodal forces (k, 3n); couples count by the force they are at an element's size apart."""
+    return largest_magnitudes(nodal.reshape(len(nodal), -1, 3) / [1.0, across, across])
+
+
+def largest_magnitudes(values: Floats) -> Floats:
+    """Largest magnitudes (k,) of values (k, ...); NaN where there is one."""
+    return np.asarray(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
+
+
+def maximum(*sizes: Floats | float) -> Floats:
+    """The largest of each; NaN where there is one."""
+    return np.asarray(functools.reduce(np.maximum, sizes))
+
+
+def ratio(error: Floats | float, size: Floats | float) -> Floats:
+    """Errors over sizes: none of no error, infinite of no size."""
+    error, size = np.asarray(error), np.asarray(size)
+    part = np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), np.inf)
+    return np.asarray(np.where(error == 0.0, 0.0, part))

@@ -74,17 +74,17 @@ def can_be_factored(discretisation: Discretisation, base: Base) -> bool:
 
 
 def factored(discretisation: Discretisation, freedom: RigidFreedom, base: Base) -> _core.ContactProblem:
-    """Order and factor; for Lemke's algorithm, condense.
-
-    Raises
-    ------
-    InputError
-        If there are more points than can be condensed, or K cannot be factored.
-    SignoriniError
-        If it does not fit into memory.
-    """
+    """Order and factor; for Lemke's algorithm, condense."""
     if base == "lemke":
-        _require_condensable(len(discretisation.contacts), discretisation.model.solver.method)
+        points, advice = len(discretisation.contacts), "Take a coarser mesh, or give long lines and areas a stiffness."
+        if discretisation.model.solver.method == "lemke":
+            advice = 'Leave solver.method at "auto", which condenses fewer.'
+        if points > MOST_POINTS:
+            raise InputError(
+                f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. {advice}",
+                place=("support",),
+            )
+        require_memory_for_points(points, advice, ("support",))
         footprints = len(np.unique(discretisation.contacts.rows.further.owners))
         require_memory_for_footprints(footprints, discretisation.dof_count, ("support",))
     return core_problem(
@@ -92,40 +92,18 @@ def factored(discretisation: Discretisation, freedom: RigidFreedom, base: Base) 
     )
 
 
-def _require_condensable(points: int, asked: str) -> None:
-    advice = "Take a coarser mesh, or give long lines and areas a stiffness."
-    if asked == "lemke":
-        advice = 'Leave solver.method at "auto", which condenses fewer.'
-    if points > MOST_POINTS:
-        raise InputError(
-            f"Found {points} contact points that need condensing; at most {MOST_POINTS} can be. {advice}",
-            place=("support",),
-        )
-    require_memory_for_points(points, advice, ("support",))
-
-
 def core_problem(
     discretisation: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, base: Base
 ) -> _core.ContactProblem:
     """Order and factor for a method; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
     free = available()
-    free_motions = (
-        motions.T
-        @ (discretisation.rigid_motions / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])).T
-    )
     try:
         return _core.ContactProblem(
             discretisation.plate,
             discretisation.held.dofs,
             discretisation.springs.arrays,
-            (
-                *contacts.rows.arrays,
-                contacts.distance,
-                contacts.compliance,
-                contacts.two_sided,
-                carried,
-            ),
-            free_motions,
+            (*contacts.rows.arrays, contacts.distance, contacts.compliance, contacts.two_sided, carried),
+            motions.T @ discretisation.scaled_motions.T,
             base,
             room=None if math.isinf(free) else int(free),
         )

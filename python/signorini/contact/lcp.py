@@ -1,12 +1,17 @@
-"""The linear complementarity problem of one load."""
+"""The linear complementarity problem of one load, and Lemke's algorithm on plain arrays."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from signorini import _core
+from signorini._core import LcpSolution
+from signorini.base.arguments import array
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.errors import InputError
 
 
 class Lcp(NamedTuple):
@@ -36,3 +41,98 @@ class Lcp(NamedTuple):
         """
         w = self.M @ z + self.q
         return np.where(self.gap_is_z, w, z), np.where(self.gap_is_z, z, w)
+
+
+def lemke(
+    M: ArrayLike,
+    q: ArrayLike,
+    covering: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+    max_pivots: int | None = None,
+) -> LcpSolution:
+    """Solve a linear complementarity problem by Lemke's algorithm, with the lexicographic ratio test.
+
+    Find z and w such that ::
+
+        w = M z + q,   z ≥ 0,   w ≥ 0,   zᵀw = 0.
+
+    Of the paper's dual, ``lemke(P, -s)``, z are the reactions and w the gaps. The path is finite for every M, also of
+    degenerate problems. M and q are scaled by powers of two first; z and w are solved for afresh on the last basis.
+
+    Parameters
+    ----------
+    M : (m, m) array_like
+        Any square matrix, symmetric or not, in the units of w over those of z.
+    q : (m,) array_like
+        In the units of w.
+    covering : (m,) array_like, optional
+        The covering vector d > 0 of w = M z + q + d z₀, in the units of w; ones by default.
+    start : (m,) array_like of bool, optional
+        Where z is basic in the solution of a similar problem, `LcpSolution.basis`: the path then begins there, and ends
+        there without a pivot if it is the solution.
+    max_pivots : int, optional
+        The most pivots to make; 50 (m + 100) by default.
+
+    Returns
+    -------
+    LcpSolution
+        ``status``, one of
+
+        - "solved": ``z`` and ``w`` (m,) are a solution, ``basis`` (m,) is True where z is basic;
+        - "ray": the path left along a secondary ray ``ray`` (m,), v ≥ 0. If M is copositive-plus, as every positive
+          semidefinite matrix is, Mᵀv ≤ 0 and qᵀv < 0 prove that there is no solution. Of other M it says nothing;
+        - "pivot_limit": the limit was reached, or rounding kept every basis infeasible.
+
+        z and w are NaN unless it is solved; ``pivots`` counts, and ``message`` says the status in a sentence.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit each other, numbers are not finite, or the covering vector is not positive.
+
+    Notes
+    -----
+    A path takes a few m pivots on plates, each of the order of m² operations, and 2ᵐ at the worst (Murty 1978).
+
+    With rows and columns of M scaled to largest entries of about one, numbers below 1e-11 of the largest by which q is
+    negative are rounding of the elimination: to q = [-1, -1e-12] the second entry is zero.
+
+    References
+    ----------
+    .. [1] C. E. Lemke, "Bimatrix equilibrium points and mathematical programming", *Management Science* 11 (1965),
+       681-689.
+    .. [2] R. W. Cottle, J.-S. Pang, R. E. Stone, *The Linear Complementarity Problem*, Academic Press, 1992,
+       sections 4.4 and 4.9.
+
+    Examples
+    --------
+    >>> M = [[60, 26, 37], [26, 36, 29], [37, 29, 30]]
+    >>> result = lemke(M, [-1, -1, -1])
+    >>> result.status, (239 * result.z).round(9).tolist(), result.basis.tolist()
+    ('solved', [0.0, 1.0, 7.0], [False, True, True])
+
+    A similar problem begins where this one ended:
+
+    >>> lemke(M, [-1, -1, -1.01], start=result.basis).pivots
+    0
+
+    One that has no solution, and the proof of it:
+
+    >>> M, q = [[1, -1], [-1, 1]], [-1, -1]
+    >>> none = lemke(M, q)
+    >>> none.status, none.ray.tolist(), (none.ray @ M).tolist(), float(none.ray @ q)
+    ('ray', [1.0, 1.0], [0.0, 0.0], -2.0)
+    """
+    matrix, vector = array(M, "M", 2), array(q, "q", 1)
+    above = None if covering is None else array(covering, "covering", 1)
+    if max_pivots is not None and (not isinstance(max_pivots, int | np.integer) or max_pivots < 0):
+        raise InputError(f"found {max_pivots!r}; it must be a whole number, 0 or more.", place="max_pivots")
+    basis = None if start is None else np.asarray(start)
+    if basis is not None and (basis.dtype != np.bool_ or basis.ndim != 1):
+        raise InputError(
+            f"found an array of {basis.dtype}, shape {basis.shape}; it must be one of bool, as basis is.", place="start"
+        )
+    try:
+        return _core.lemke(matrix, vector, above, max_pivots, basis)
+    except ValueError as error:
+        raise InputError(f"{error}.") from None

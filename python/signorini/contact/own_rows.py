@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array, issparse, sparray, vstack
 
 from signorini.base.arguments import array, made_by
 from signorini.base.brief import Brief
-from signorini.contact.lemke import lemke
+from signorini.contact.lcp import lemke
 from signorini.contact.problem import ContactProblem
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-    from scipy.sparse import csr_array, sparray
 
 _REPEATED = 1e-10
 """Least eigenvalue of P over two-sided rows, its diagonal scaled to 1, that is more than the rounding of P."""
@@ -44,8 +41,6 @@ class RowProblem(Brief):
     @cached_property
     def G(self) -> csr_array:
         """All rows (m + r, 3n); Gu ≤ gaps."""
-        from scipy.sparse import csr_array, vstack
-
         return csr_array(vstack([self.problem.G, self.rows]))
 
     @property
@@ -169,8 +164,6 @@ def with_rows(
     >>> bool(reactions[0] > 0), round(at_corner.deflection - at_middle.deflection, 12), result.certificate.passed
     (True, 0.001, True)
     """
-    from scipy.sparse import csr_array, issparse
-
     made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
     result = csr_array(G) if issparse(G) else csr_array(array(G, "G", 2))
     count, size = result.shape[0], problem.discretisation.dof_count

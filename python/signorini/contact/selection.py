@@ -1,27 +1,36 @@
-"""Of answers that are equally right, the one with the least reactions and then the least deflection.
+"""An answer to a contact problem, and of answers that are equally right the least: in reactions, then in deflection.
 
 Solutions of the contact problem make a convex set: any displacement of one goes with any reactions of another. So the
 two are chosen apart, by rules that know no order of supports, points or pivots: reactions by their least sum of squares
 and, where the plate may still move between its supports, the deflection by its least integral of w². docs/theory.md,
-section 5, has the weights.
+section 5, has the weights. Each is a small least-squares problem with inequalities, solved as a least-distance problem
+(Lawson and Hanson 1974, *Solving Least Squares Problems*, chapter 23).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
-from typing import TypeAlias
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Literal, Self, TypeAlias
 
 import numpy as np
 
-from signorini.contact.answer import Answer, NotUnique
-from signorini.contact.least_norm import least, span_of_cone
+from signorini import _core
+from signorini.base.linear_program import minimise
+from signorini.base.remade import Remade
 from signorini.discretise import Discretisation
 from signorini.discretise.quadrature import area_quadrature
-from signorini.discretise.repeated import null_ways
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.repeated import SAME
+from signorini.discretise.rows import Bools, Floats, null_space
 from signorini.equilibrium.balance import RigidFreedom, describe_motion
 
+_AGAINST_EACH_OTHER = 1e6
+"""Times the least reactions that others may be: ten of sixteen digits are left for their sum."""
+_ACTIVE = 1e-10
+"""Part of the largest multiplier below which one is rounding."""
+_OF_SUMS = 64 * float(np.finfo(float).eps)
+"""What a few sums of products of the free least leave of it."""
 _NIL = 1e-11
 """Part of the largest force, or deflection, below which solvers take one for rounding."""
 _HARDLY = 1e-6
@@ -34,9 +43,102 @@ _ROUNDING = 16 * float(np.finfo(float).eps)
 """What sums of a few products round off."""
 _DOUBTFUL = 1e-9
 """As `_NIL`, where all that hangs on it is whether a combination is solved by itself."""
-
-
 Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
+
+
+@dataclass(frozen=True)
+class NotUnique:
+    """What the load and the supports leave open, so that the answer shown is the least of many.
+
+    Parameters
+    ----------
+    what : str
+        "reactions": rigid supports that repeat each other may share their forces in more ways than one. "deflection":
+        the plate may move as a rigid body between its supports.
+    supports : tuple of str
+        Supports that share the forces; none of a deflection.
+    motion : str
+        How the plate may move, in words; empty of reactions.
+    """
+
+    what: Literal["reactions", "deflection"]
+    supports: tuple[str, ...] = ()
+    motion: str = ""
+
+    @property
+    def otherwise(self) -> str:
+        """What else would be as right."""
+        if self.what == "reactions":
+            return f"reactions of {', '.join(self.supports)} could be shared otherwise"
+        return f"the plate could rest elsewhere, {self.motion}"
+
+    def __str__(self) -> str:
+        """Say it in a line."""
+        shown = "the least are shown" if self.what == "reactions" else "the least deflection is shown"
+        return f"{self.otherwise}; {shown}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Answer(Remade):
+    """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
+
+    Displacements ``hi + lo`` (3n,) are the sum of two doubles. ``reaction``, ``gap`` and ``closed`` (m,) are those of
+    every contact point; reactions of two-sided points are those of all that repeat them, too. ``shared`` (m + r,) has
+    the reaction of every contact point and, behind these, of every repeated one, each with its own share.
+    ``not_unique`` is empty where this is the only answer; ``somehow`` is what the solver came to, where this was chosen
+    instead. ``solution`` is the solver's own, for other loads of the same problem to begin with; not pickled.
+    """
+
+    status: Literal["solved", "no_equilibrium", "unsolved"]
+    hi: Floats
+    lo: Floats
+    reaction: Floats
+    gap: Floats
+    closed: Bools
+    shared: Floats
+    pivots: int
+    iterations: int
+    gradients: int
+    factorizations: int
+    corrections: int
+    not_unique: tuple[NotUnique, ...] = ()
+    somehow: Self | None = None
+    solution: _core.ContactSolution | None = None
+
+    _made = MappingProxyType({"solution": lambda answer: None})
+
+    @property
+    def in_turn(self) -> tuple[Self, ...]:
+        """The answer itself, then what stands where arithmetic does not carry the choice: what the solver came to.
+
+        Not where supports there push against each other so hard that their sum has lost the load's digits.
+        """
+        if self.somehow is None:
+            return (self,)
+        most = [float(np.abs(one.reaction).max(initial=0.0)) for one in (self, self.somehow)]
+        if most[1] > _AGAINST_EACH_OTHER * most[0]:
+            return (self,)
+        return (self, replace(self.somehow, not_unique=self.not_unique))
+
+    @classmethod
+    def of(cls, discretisation: Discretisation, solution: _core.ContactSolution) -> Self:
+        """Take a solution as it comes."""
+        reaction = solution.reaction
+        return cls(
+            solution.status,
+            solution.hi,
+            solution.lo,
+            reaction,
+            solution.gap,
+            solution.closed,
+            np.concatenate([reaction, np.zeros(len(discretisation.repeated))]),
+            solution.pivots,
+            solution.iterations,
+            solution.gradients,
+            solution.factorizations,
+            solution.corrections,
+            solution=solution,
+        )
 
 
 def chosen(
@@ -50,24 +152,6 @@ def chosen(
 
     On a load path ``elsewhere`` gives reactions (m,) of other loads just before and after: points that push there hold
     the plate here too, so that it moves on without a jump. It is called where the plate could move.
-
-    Examples
-    --------
-    Of two bearings at one place an LCP would have the first carry all.
-
-    >>> from signorini import Model, contact_problem
-    >>> corners = [[0, 0], [4, 0], [4, 4], [0, 4]]
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     mesh={"divisions": [4, 4]},
-    ...     support=[{"at": corners, "resists": "down"}, {"name": "twin", "at": [4, 4], "resists": "down"}],
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> problem = contact_problem(model)
-    >>> answer = problem.solve(problem.discretisation.cases["load"])
-    >>> answer.reaction.round(6).tolist(), str(answer.not_unique[0])[:42]
-    ([20000.0, 20000.0, 10000.0, 20000.0, 10000.0], 'reactions of support 1, twin could be shar')
     """
     if answer.status != "solved":
         return answer
@@ -104,13 +188,15 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
     points, count = discretisation.points, len(answer.reaction)
     together: list[Iterable[int]] = list(discretisation.held_together)
     reaction, closed = answer.shared.copy(), answer.closed.copy()
-    touching = _touching(discretisation, answer)
+    gap = np.append(answer.gap, np.zeros(len(discretisation.repeated)))
+    largest = max(float(np.abs(answer.hi[::3]).max()), _HARDLY * float(_bending(discretisation, answer.reaction)))
+    touching = points.two_sided | (gap <= _NIL * np.maximum(largest, np.abs(points.distance)))
     nothing = _NIL * _force(discretisation, nodal, answer)
     nodes, holders = np.unique(discretisation.held.holders[:, 0], return_counts=True)
     for shared in discretisation.shared:
         meet = touching[shared.points]
         mine = shared.points[meet]
-        ways = shared.ways @ null_ways(shared.ways[~meet]) if not meet.all() else shared.ways
+        ways = shared.ways @ null_space(shared.ways[~meet], SAME) if not meet.all() else shared.ways
         ways = ways[meet]
         if not ways.shape[1]:
             continue
@@ -142,14 +228,6 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
     return replace(answer, reaction=folded, shared=reaction, closed=closed, gap=gap, not_unique=several)
 
 
-def _touching(discretisation: Discretisation, answer: Answer) -> Bools:
-    """Whether the plate is at each point (m + r,)."""
-    gap = np.append(answer.gap, np.zeros(len(discretisation.repeated)))
-    largest = max(float(np.abs(answer.hi[::3]).max()), _HARDLY * float(_bending(discretisation, answer.reaction)))
-    near = gap <= _NIL * np.maximum(largest, np.abs(discretisation.points.distance))
-    return np.asarray(near | discretisation.points.two_sided)
-
-
 def _bending(discretisation: Discretisation, reaction: Floats) -> Floats:
     """Deflections (...,) by which reactions (..., m) scale on the plate."""
     rigidity = discretisation.model.young * discretisation.thickness.max() ** 3 / 12 / discretisation.mesh.size**2
@@ -174,10 +252,9 @@ def _force(discretisation: Discretisation, nodal: Floats, answer: Answer) -> flo
     forces = np.abs(nodal.reshape(-1, 3)).max(axis=0) / [1.0, size, size]
     bending = 0.0
     if not nodal.any():
-        bending = (
-            discretisation.model.young * discretisation.thickness.max() ** 3 / 12 * float(np.abs(answer.hi[::3]).max())
-        )
-    return max(float(forces.max()), bending / size**2, float(np.abs(answer.reaction).max(initial=0.0))) or 1.0
+        rigidity = discretisation.model.young * discretisation.thickness.max() ** 3 / 12
+        bending = rigidity * float(np.abs(answer.hi[::3]).max()) / size**2
+    return max(float(forces.max()), bending, float(np.abs(answer.reaction).max(initial=0.0))) or 1.0
 
 
 def _with_least_deflection(
@@ -191,12 +268,12 @@ def _with_least_deflection(
     )
     if (answer.reaction[pushing] <= rounding).all():
         pushing[:] = False
-    free = _unmoved(freedom.moves[pushing], freedom.count)
+    free = null_space(freedom.moves[pushing], _STILL)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():
             # Where a path begins without load all reactions are rounding.
             pushing |= one_sided & (reaction > max(_NIL * float(np.abs(reaction).max()), rounding))
-        free = _unmoved(freedom.moves[pushing], freedom.count)
+        free = null_space(freedom.moves[pushing], _STILL)
     if not free.shape[1]:
         return answer
     length = np.maximum(float(np.abs(answer.hi[::3]).max()), np.abs(discretisation.contacts.distance))
@@ -239,14 +316,6 @@ def _with_least_deflection(
     )
 
 
-def _unmoved(moves: Floats, count: int) -> Floats:
-    """Motions (d, e) that do not move points, given how these go with each (k, d)."""
-    if not len(moves):
-        return np.eye(count)
-    _, values, basis = np.linalg.svd(np.linalg.qr(moves, mode="r"))
-    return np.asarray(basis[int((values > _STILL * max(1.0, values[0])).sum()) :].T)
-
-
 def _in_words(ways: Floats, discretisation: Discretisation) -> str:
     match ways.shape[1]:
         case 1:
@@ -255,3 +324,52 @@ def _in_words(ways: Floats, discretisation: Discretisation) -> str:
             return "by two rigid motions and what is between them"
         case _:
             return "by any small rigid motion"
+
+
+def span_of_cone(sides: Floats) -> Floats:
+    """Basis (d, e) of what the directions y with C y ≤ 0 span, given C (c, d), of rows about as long as one another."""
+    count, size = sides.shape
+    if not count:
+        return np.eye(size)
+    # A cone holds the sum of its directions and their multiples: every side that one of them leaves, one leaves at all.
+    free, stays = np.full(size, np.inf), np.zeros(count)
+    bounds = np.append(-free, stays), np.append(free, stays + 1.0)
+    cost = np.append(np.zeros(size), -np.ones(count))
+    leave = minimise(cost, np.column_stack([sides, np.eye(count)]), (-np.inf, 0.0), bounds)
+    never = np.ones(count, np.bool_) if leave is None else leave[size:] < 0.5
+    return null_space(sides[never], _ACTIVE)
+
+
+def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats:
+    """The y with C y ≤ r, r ≥ 0, that minimises ‖A y + b‖; 0 where arithmetic tells no better one."""
+    from scipy.optimize import nnls
+
+    q, r = np.linalg.qr(matrix)
+    free = -np.linalg.solve(r, q.T @ offset)
+    if ((sides @ free) <= room).all():
+        return np.asarray(free)
+    # With x = R y + Qᵀb it is the least x with −C R⁻¹ x ≥ C y_free − r; rows and sizes are brought to one.
+    rows = np.linalg.solve(r.T, sides.T).T
+    size = np.linalg.norm(rows, axis=1)
+    kept = np.flatnonzero(size > 0)
+    beyond = (sides @ free - room)[kept] / size[kept]
+    # A side far away must not make those that are in the way look like rounding.
+    unit = float(beyond.max())
+    facing = np.vstack([-(rows[kept] / size[kept, None]).T, beyond / unit])
+    try:
+        multipliers, _ = nnls(facing, np.append(np.zeros(len(r)), 1.0))
+    except RuntimeError:
+        return np.zeros(len(r))
+    # The sides that it rests on are equations; solved as such it is right to the last digits. One of them may have a
+    # multiplier that is rounding.
+    on = multipliers[: len(kept)] > _ACTIVE * multipliers.max(initial=0.0)
+    for _ in kept:
+        rests = kept[on]
+        y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
+        # It is what is left of the free least, whose rounding it has.
+        rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _OF_SUMS * (np.abs(sides) @ np.abs(free))
+        over = (sides @ y - room - rounding)[kept]
+        if not (over > 0.0).any():
+            return np.asarray(y)
+        on[int(over.argmax())] = True
+    return np.zeros(len(r))

@@ -1,24 +1,39 @@
-"""Which method a load is solved by: each once, in turn, until an answer is certified."""
+"""Which method a load is solved by: each once, in turn, until an answer is certified; and why none is."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple, TypeAlias
 
+import numpy as np
+
 from signorini.base.memory import fits, needed_by_interior_point
-from signorini.contact.answer import Answer
-from signorini.contact.budget import Budget, BudgetSpent
-from signorini.contact.certificate import Certificate, certified
+from signorini.contact.certificate import CERTIFIABLE, Certificate, certified, forces_at_nodes
 from signorini.contact.factoring import Method, base_of, can_be_factored
 from signorini.contact.problem import ContactProblem, Form, Steps
-from signorini.discretise import CaseLoad
-from signorini.equilibrium.limits import supports_contradict
+from signorini.contact.selection import Answer
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.equilibrium.imbalance import supports_contradict
+from signorini.errors import point
+
+_MOST = 1e11
+"""Operations of all methods that take over together: one or two minutes. The random plate that took longest to be
+certified, of 3285 points, had used 5e10."""
+
+_A_FACTOR, _FILL = 6000.0, 1.2
+"""Of a factor, times this power of the dofs: 3.4 s on 58,563, 0.5 s on 14,883."""
+_A_SOLVE, _FACTORED = 1000.0, 0.125
+"""Of a step of an active set, a dof: it reads a factor a few times. And the part of the steps that need a new one: 6 of
+69, 22 of 150 and, of the longest, 197 of 732."""
+_PIVOTS = 64
+"""From one call of whoever watches Lemke's algorithm to the next; each goes through a tableau once."""
+
 
 _FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle", "interior_point")
 """Methods that take over, in turn, where one does not settle; a prescribed one is only the first."""
-
 WORDS: dict[Method, str] = {
     "lemke": "Lemke's algorithm",
     "active_set": "the active set",
@@ -26,9 +41,50 @@ WORDS: dict[Method, str] = {
     "interior_point": "the interior point method",
 }
 """What methods are called where they tell how far they are."""
-
 Told: TypeAlias = Callable[[str, int, int, float], object]
 """Called with what is at work, in words, and what `Steps` are called with; what it raises ends it."""
+_PUSHING = 100.0
+"""Sum of reactions, over that of the loads, from which supports push against each other more than they carry."""
+_MARGINAL = (
+    "Rounding decides which supports are in contact. Take a finer mesh or fewer supports that nearly repeat each "
+    "other, or give the rigid ones a stiffness."
+)
+
+
+class BudgetSpent(Exception):
+    """Raised out of a method that takes over where nothing is left."""
+
+
+class Budget:
+    """What is left for the methods that take over, on a plate of so many dofs and contact points."""
+
+    def __init__(self, dofs: int, points: int) -> None:
+        self._left = _MOST
+        self._dofs, self._points = float(dofs), float(points)
+
+    def allows(self, method: Method) -> bool:
+        """Whether the first step of a method can still be made."""
+        return self._a_step(method) <= self._left
+
+    def watching(self, method: Method, progress: Steps | None) -> Steps:
+        """Watch a method: count its steps, hand them on to whoever watches it, and raise `BudgetSpent` at the end."""
+        a_step = self._a_step(method)
+
+        def watch(step: int, changing: int, residual: float) -> None:
+            self._left -= a_step
+            if self._left < 0.0:
+                raise BudgetSpent
+            if progress is not None:
+                progress(step, changing, residual)
+
+        return watch
+
+    def _a_step(self, method: Method) -> float:
+        pivots = 2.0 * _PIVOTS * self._points**2
+        factor = _A_FACTOR * math.pow(self._dofs, _FILL)
+        newton = _A_SOLVE * self._dofs + _FACTORED * factor
+        saddle = _A_FACTOR * math.pow(self._dofs + self._points, _FILL)
+        return {"lemke": pivots, "active_set": newton, "saddle": saddle, "interior_point": factor}[method]
 
 
 class Attempt(NamedTuple):
@@ -65,8 +121,13 @@ def attempts(problem: ContactProblem) -> Iterator[Attempt]:
     if problem.reference is not None:
         yield Attempt(problem)
     for other in _methods(replace(problem, reference=None)):
-        forms = _forms(other) if other.method == "lemke" else ("auto",)
-        yield from (Attempt(other, form) for form in forms)
+        if other.method != "lemke":
+            yield Attempt(other)
+            continue
+        yield Attempt(other, other.better_form)
+        # Where the LCP has no rows its other form is the same.
+        if not other.discretisation.contacts.two_sided.all():
+            yield Attempt(other, "dual" if other.better_form == "stiffness" else "stiffness")
 
 
 def methods_along(problem: ContactProblem) -> Iterator[ContactProblem]:
@@ -93,13 +154,6 @@ def _fits(problem: ContactProblem) -> bool:
     if problem.method != "interior_point":
         return True
     return fits(needed_by_interior_point(discretisation.dof_count, len(discretisation.contacts)))
-
-
-def _forms(problem: ContactProblem) -> tuple[Form, ...]:
-    """The better form of the LCP, then the other one, which is the same where the LCP has no rows."""
-    if problem.discretisation.contacts.two_sided.all():
-        return (problem.better_form,)
-    return ("stiffness", "dual") if problem.better_form == "stiffness" else ("dual", "stiffness")
 
 
 def answered(
@@ -149,3 +203,54 @@ def answered(
     assert first is not None, "there are attempts"
     contradiction = not consistent and supports_contradict(discretisation)
     return Tried(methods, first.answer, first.certificate, contradiction)
+
+
+def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: Answer, certificate: Certificate) -> str:
+    """Say why the answer to a load of that name is refused, and what to do."""
+    vain = ""
+    why = [_of_supports(discretisation, load, answer)]
+    if certificate.rounding > CERTIFIABLE:
+        vain = (
+            f" Rounding may be {certificate.rounding:.0e} of the forces that act; over {CERTIFIABLE:g} of them it "
+            "certifies nothing."
+        )
+        why.append(_of_element(discretisation))
+    elif not any(why):
+        why.append(_MARGINAL)
+    # Where more than that failed, it is what the others say.
+    if certificate.lost > CERTIFIABLE and replace(certificate, lost=0.0).passed:
+        why = [
+            f"Over {CERTIFIABLE:g} that proves nothing: a stress-free curvature, or a load that balances itself, is so "
+            "much larger than the others that these are lost in its rounding. Correct it, or give it a combination of "
+            "its own."
+        ]
+    return (
+        f'"{name}" is refused, its certificate {certificate}.{vain}{"".join(f" {reason}" for reason in why if reason)}'
+    )
+
+
+def uncertain(discretisation: Discretisation) -> str:
+    """Say why there is no answer to refuse, and what to do."""
+    return f"{_MARGINAL} {_of_element(discretisation)}".rstrip()
+
+
+def _of_element(discretisation: Discretisation) -> str:
+    if discretisation.model.plate.element != "q8r":
+        return ""
+    return 'Elements of q8r bend in some shapes with hardly any resistance: "mitc9" may do better.'
+
+
+def _of_supports(discretisation: Discretisation, load: CaseLoad, answer: Answer) -> str:
+    """Say that supports push against each other, where that takes much more than the loads."""
+    internal, pushes = forces_at_nodes(discretisation, answer.hi, answer.lo, answer.reaction)
+    pressed = np.abs(answer.reaction).sum()
+    if not (pushes > internal or pressed > _PUSHING * np.abs(load.nodal[::3]).sum() > 0.0):
+        return ""
+    where = discretisation.mesh.points[
+        int(np.abs(discretisation.contact_rows.T @ np.abs(answer.reaction)).argmax()) // 3
+    ]
+    return (
+        f"Supports near {point(where)} push against each other with forces that outweigh all others, "
+        "and so does their rounding. Leave out those that nearly repeat each other, give the rigid ones a stiffness, "
+        "or correct a settlement."
+    )

@@ -15,26 +15,29 @@ from scipy.sparse import csr_array
 from signorini import _core
 from signorini.base.arguments import known, made_by
 from signorini.base.remade import Remade
-from signorini.discretise.averages import PlateStiffness
-from signorini.discretise.bodies import Bodies
-from signorini.discretise.dependence import followers, lengths, parallel, times, within
 from signorini.discretise.domain import require_domain
-from signorini.discretise.frames import Held
-from signorini.discretise.holds import hold
-from signorini.discretise.loads import CaseLoad, case_loads, loaded_sides
+from signorini.discretise.held import Bodies, Held, hold
+from signorini.discretise.loads import CaseLoad, Cases, case_loads, loaded_sides
 from signorini.discretise.meshing import mesh_of
-from signorini.discretise.moving import Cases
-from signorini.discretise.parts import Parts, parts_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located, sides_beside
-from signorini.discretise.repeated import Repeated, Shared, shared_by, that_can_act
+from signorini.discretise.repeated import (
+    Repeated,
+    Shared,
+    followers,
+    lengths,
+    parallel,
+    shared_by,
+    that_can_act,
+    times,
+    within,
+)
 from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.discretise.sections import Sections
-from signorini.discretise.sections.acting import Acting
 from signorini.discretise.snapping import Snapped
 from signorini.discretise.stressnodes import Sides, StressNodes, solid_thickness, stress_nodes_of
-from signorini.discretise.supports import ContactPoints, Springs, springs_and_contacts
-from signorini.discretise.thickness import Thickness, thickness_of
+from signorini.discretise.supports import ContactPoints, Parts, Springs, parts_of, springs_and_contacts
+from signorini.discretise.thickness import PlateStiffness, Thickness, thickness_of
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems
 from signorini.mesh import Location, Mesh
@@ -68,7 +71,7 @@ class Discretisation(Remade):
     probe_positions: Floats
     seconds: Mapping[str, float]
 
-    _made = MappingProxyType({"plate": lambda result: _plate_of(result)})
+    _made = MappingProxyType({"plate": lambda r: _plate(r.mesh, r.zones, r.thickness, r.stress_nodes, r.held)})
 
     @property
     def dof_count(self) -> int:
@@ -192,24 +195,18 @@ class Discretisation(Remade):
     @cached_property
     def _reactions_through(self) -> tuple[csr_array, csr_array]:
         """What reactions of ``points`` (3s, m + r) and of springs (3s, k) do at sections."""
-        springs, points = self.springs, self.points
-        up = Acting(
-            springs.rows,
-            springs.positions,
-            np.ones(len(springs)),
-            springs.support,
-            springs.numbers,
-            np.zeros(len(springs), np.bool_),
-        )
-        averaged = points.shared[:, 0] >= 0
-        both = Acting(points.rows, points.positions, points.direction, points.support, points.numbers, averaged)
-        supports = self.model.support
-        return self.sections.of_supports(supports, both), self.sections.of_supports(supports, up)
+        of = self.sections.of_supports
+        return of(self.model.support, self.points), of(self.model.support, self.springs)
 
     @cached_property
     def rigid_motions(self) -> Floats:
         """Nodal vectors (3n, 3) of the rigid motions w = 1, w = x − x0, w = y − y0 about the plate's middle."""
         return self.held.rigid_motions(self.mesh.points, self.middle)
+
+    @cached_property
+    def scaled_motions(self) -> Floats:
+        """The same, those that turn the plate over its size, so that all have deflections of about one."""
+        return np.asarray(self.rigid_motions / [1.0, self.mesh.size, self.mesh.size])
 
     @cached_property
     def probe_sides(self) -> Sides:
@@ -236,13 +233,7 @@ class Discretisation(Remade):
         return self.mesh.middle
 
     def load(self, combination: Combination) -> CaseLoad:
-        """Sum of the cases times their factors.
-
-        Raises
-        ------
-        InputError
-            If it is no combination, or names a load case that there is not.
-        """
+        """Sum of the cases times their factors."""
         made_by(combination, Combination, "Take one of model.effective_combinations.", "combination")
         total = CaseLoad.none(self.mesh.node_count, len(self.mesh.elements))
         for case, factor in (combination.factors or {}).items():
@@ -251,29 +242,7 @@ class Discretisation(Remade):
 
 
 def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
-    """Mesh the plate, unless a mesh of it is given, and turn supports and loads into arrays.
-
-    Raises
-    ------
-    InputError
-        If something lies off the plate, a mesh cannot be read, or a value makes no sense somewhere.
-
-    Examples
-    --------
-    >>> from signorini.model import Model
-    >>> plate = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 2], "thickness": 0.2},
-    ...     mesh={"divisions": [8, 4]},
-    ...     support=[{"edge": ["left", "right"], "resists": "down"}],
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> result = discretise(plate)
-    >>> result.mesh.node_count, len(result.contacts)
-    (121, 18)
-    >>> print(round(result.cases["load"].nodal[::3].sum(), 6))
-    40000.0
-    """
+    """Mesh the plate, unless a mesh of it is given, and turn supports and loads into arrays."""
     made_by(model, Model, _advice(model), "model")
     begun = time.perf_counter()
     mesh, model, moved = mesh_of(model, mesh)
@@ -340,16 +309,6 @@ def _advice(given: object) -> str:
             return "Make one of the mapping first: signorini.validate(mapping)."
         case _:
             return "Make one with signorini.Model(...) or signorini.load(file)."
-
-
-def _plate_of(discretisation: Discretisation) -> _core.Plate:
-    return _plate(
-        discretisation.mesh,
-        discretisation.zones,
-        discretisation.thickness,
-        discretisation.stress_nodes,
-        discretisation.held,
-    )
 
 
 def _plate(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressNodes, held: Held) -> _core.Plate:

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from signorini.discretise.frames import Held
-from signorini.discretise.nearness import Near, too_near
-from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.held import Held
+from signorini.discretise.places import region
+from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
+from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.supports import ContactPoints, Springs
 from signorini.discretise.thickness import Thickness
 from signorini.discretise.zones import Zones
-from signorini.errors import InputError, Problems, point
+from signorini.errors import InputError, Place, Problems, path_in_words, point
 from signorini.mesh import Mesh
-from signorini.model import Model
+from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.sides import Sides
+from signorini.model import Model, OutlinedPlate, Support
+from signorini.model.curve import curve
 from signorini.model.plate import SLIMMEST
+from signorini.shapes import Region
+from signorini.shapes.nearest import Targets, edges_of
+from signorini.shapes.outlines import Outline
 from signorini.shapes.tolerances import Tolerances
 
 LONGEST = 1000.0
@@ -39,6 +48,11 @@ _ROUNDING = 1e-9
 """Part by which a limit may be exceeded: coordinates and formulas are rounded."""
 _RANK = 1e-9
 """Part of the largest singular value of rows below which they do not hold a motion."""
+_ALONG = 0.02
+"""Slope of the distance between two lines up to which one runs along the other. Lines that meet or cross at more, which
+is about a degree, are at one place there: they pry no more than parallel ones at the least distance."""
+_OF_SIDE, _OF_CIRCLE, _MOST = 8, 64, 1000
+"""Pieces of a side of a line and of a circle that are looked at, at least, and of either, about at most."""
 
 
 class _Hold(NamedTuple):
@@ -63,23 +77,6 @@ def require_domain(
     """Put among the problems what of a model lies outside the domain of validity.
 
     The thickness itself is judged where it is evaluated.
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> discretise(
-    ...     Model(
-    ...         material={"E": 30e9, "nu": 0.2},
-    ...         plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-    ...         support=[{"name": "posts", "at": [[2, 5], [2.01, 5], [8, 5]], "fix": "clamped"}],
-    ...         load=[{"pressure": 5e3}],
-    ...     )
-    ... )
-    Traceback (most recent call last):
-    signorini.errors.InputError: support[1].at[1]: posts holds the plate rigidly at [2, 5], 0.01 from the point \
-[2.01, 5] of posts, support[1].at[2]. Rigid supports must be at one place, or at least a tenth of the thickness apart, \
-here 0.03. Join them by mesh.snap = 0.02, move one, or give one a stiffness.
     """
     with problems.collected():
         _require_wide(mesh, thickness)
@@ -88,7 +85,7 @@ here 0.03. Join them by mesh.snap = 0.02, move one, or give one a stiffness.
     unit = np.array([rigidity.in_waves for rigidity in zones.rigidities])[zones.of_elements.rigidity]
     bending = float((unit * np.broadcast_to(thickness.at_points.mean(axis=1), len(unit)) ** 3).max())
     hold = _hold(mesh, held, springs, contacts)
-    free = _free(hold.rigid)
+    free = null_space(hold.rigid, _RANK)
     if free.shape[1]:
         with problems.collected():
             _require_stiff_enough(model, mesh, bending, thickness.min(), hold, free)
@@ -101,25 +98,11 @@ here 0.03. Join them by mesh.snap = 0.02, move one, or give one a stiffness.
     rigid = {i for i, one in enumerate(model.support) if one.is_rigid}
     rigid |= set(contacts.support[(contacts.compliance == 0) & ~contacts.slope].tolist())
     rigid |= set(np.flatnonzero(total > RIGID).tolist())
-    for one in too_near(model, mesh, sorted(rigid), _least(mesh, thickness)):
-        with problems.collected():
-            raise _in_words(model, one)
-
-
-def _least(mesh: Mesh, thickness: Thickness) -> Floats:
-    """Least distance (ne,) of rigid supports in each element."""
     nominal = np.broadcast_to(thickness.nominal.min(axis=1), len(mesh.elements))
-    return np.asarray((1.0 - _ROUNDING) * Tolerances(mesh.diameter, nominal).apart)
-
-
-def _in_words(model: Model, near: Near) -> InputError:
-    snap = "a larger mesh.snap" if model.mesh.snap else f"mesh.snap = {2.0 * near.distance:.1g}"
-    return InputError(
-        f"{model.support[near.support].name} holds the plate rigidly at {point(near.at.tolist())}, "
-        f"{near.distance:.3g} from {near.other}. Rigid supports must be at one place, or at least a tenth of the "
-        f"thickness apart, here {near.least:.3g}. Join them by {snap}, move one, or give one a stiffness.",
-        place=near.place,
-    )
+    least = np.asarray((1.0 - _ROUNDING) * Tolerances(mesh.diameter, nominal).apart)
+    for error in _too_near(model, mesh, sorted(rigid), least):
+        with problems.collected():
+            raise error
 
 
 def _require_wide(mesh: Mesh, thickness: Thickness) -> None:
@@ -195,7 +178,7 @@ def _require_no_softer(model: Model, total: Floats) -> None:
 def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: float, hold: _Hold, free: Floats) -> None:
     """Refuse elastic supports that the plate would float on, by the least λ of motions (3, d) that they alone hold."""
     # What nothing holds is a mechanism, and told as one.
-    if _free(np.concatenate([hold.rigid, hold.elastic])).shape[1]:
+    if null_space(np.concatenate([hold.rigid, hold.elastic]), _RANK).shape[1]:
         return
     # λ = Σ k w² / ∫ w² is the modulus of a bed under the whole plate that would hold the motion w as firmly.
     corners = mesh.points[mesh.elements[:, :4]]
@@ -224,14 +207,168 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
     )
 
 
-def _free(rows: Floats) -> Floats:
-    """Motions (3, d) on which rows (n, 3) are zero."""
-    if not len(rows):
-        return np.eye(3)
-    _, values, basis = np.linalg.svd(_triangle(rows))
-    return np.asarray(basis[int((values > _RANK * max(1.0, values[0])).sum()) :].T)
-
-
 def _triangle(rows: Floats) -> Floats:
     """The triangle R (3, d) of rows (n, d), which has their products RᵀR and keeps small singular values."""
     return np.asarray(np.linalg.qr(rows, mode="r"))
+
+
+@dataclass(frozen=True, eq=False)
+class _Rigid:
+    """What of a rigid support others may be near: its edges, its line, or the outline of what it covers."""
+
+    index: int
+    targets: Targets | Sides
+    edges: Mapping[str, Targets | Sides]
+    covers: Region | None = None
+
+    def has(self, at: Floats) -> Bools:
+        """Which places are within it."""
+        return np.zeros(len(at), np.bool_) if self.covers is None else self.covers.contains(at)
+
+
+def _too_near(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> Iterator[InputError]:
+    """Pairs of rigid supports, by number, nearer than the least distance (ne,) of the element there, the first of each.
+
+    Points are those of footprints too, by their middles, since these are what a plate turns about.
+    """
+    most = float(least.max())
+    yield from _points(model, mesh, rigid, least)
+    drawn = [_drawn(model, mesh, i, most) for i in rigid]
+    lines = [one for one in drawn if one is not None]
+    if not lines:
+        return
+    boxes = np.array([one.targets.bounds for one in lines]) + most * np.array([-1.0, -1.0, 1.0, 1.0])
+    told = set[tuple[int, int]]()
+    for index in rigid:
+        support = model.support[index]
+        for other in (lines[number] for number in _reached(support, boxes)):
+            pair = min(index, other.index), max(index, other.index)
+            if other.index == index or pair in told:
+                continue
+            for places, along in _looked_at(support, other.targets, most):
+                if (near := _nearest(mesh, support, places, along, other, least)) is not None:
+                    told.add(pair)
+                    what = _name(model.support[other.index], other, near[0])
+                    yield _in_words(model, ("support", index, support.place), *near, what)
+                    break
+
+
+def _in_words(model: Model, place: Place, at: Floats, distance: float, least: float, other: str) -> InputError:
+    snap = "a larger mesh.snap" if model.mesh.snap else f"mesh.snap = {2.0 * distance:.1g}"
+    return InputError(
+        f"{model.support[int(place[1])].name} holds the plate rigidly at {point(at.tolist())}, {distance:.3g} from "
+        f"{other}. Rigid supports must be at one place, or at least a tenth of the thickness apart, here {least:.3g}. "
+        f"Join them by {snap}, move one, or give one a stiffness.",
+        place=place,
+    )
+
+
+def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> Iterator[InputError]:
+    """Points near other ones, the first of each two supports."""
+    of = [(i, j) for i in rigid for j in range(len(model.support[i].at or ()))]
+    if len(of) < 2:
+        return
+    at = np.array([place for i in rigid for place in model.support[i].at or ()])
+    same = mesh.near.place
+    # Any number of points may be at one place; of those one in each cell stands for all.
+    _, first = np.unique(np.round((at - mesh.middle) / same), axis=0, return_index=True)
+    first = np.sort(first)
+    some, reach = at[first], float(least.max()) * np.array([-1.0, -1.0, 1.0, 1.0])
+    one, neighbour = BoxTree.build(np.tile(some, 2) + reach).pairs(some)
+    distance, limit = np.hypot(*(some[one] - some[neighbour]).T), _limit(mesh, some, least)[one]
+    told = set[tuple[int, int]]()
+    for number in np.lexsort((neighbour, distance, one)).tolist():
+        a, b = int(first[one[number]]), int(first[neighbour[number]])
+        pair = min(of[a][0], of[b][0]), max(of[a][0], of[b][0])
+        if same < distance[number] < limit[number] and pair not in told:
+            told.add(pair)
+            place, others = (("support", of[k][0], "at", of[k][1]) for k in (a, b))
+            other = f"the point {point(at[b].tolist())} of {model.support[of[b][0]].name}, {path_in_words(others)}"
+            yield _in_words(model, place, at[a], float(distance[number]), float(limit[number]), other)
+
+
+def _limit(mesh: Mesh, at: Floats, least: Floats) -> Floats:
+    """The least distance (q,) at places (q, 2); off the plate there is none."""
+    if (least == least[0]).all():
+        return np.full(len(at), least[0])
+    where = mesh.locate(at)
+    return np.where(where.inside, least[where.elements], 0.0)
+
+
+def _drawn(model: Model, mesh: Mesh, index: int, within: float) -> _Rigid | None:
+    """The edges, line, circle or outline of an area that a support has."""
+    support = model.support[index]
+    if support.edge is not None:
+        if isinstance(model.plate, OutlinedPlate):
+            drawn = edges_of(model.plate.contours, set(support.edge))
+            return _Rigid(index, Targets.join(list(drawn.values())), drawn)
+        meshed = {name: Sides(mesh.points[mesh.edges[name]], within) for name in support.edge}
+        return _Rigid(index, Sides(np.concatenate([one.nodes for one in meshed.values()]), within), meshed)
+    outline = _outline(support)
+    return None if outline is None else _Rigid(index, Targets.along(outline), {}, region(support.area))
+
+
+def _name(support: Support, drawn: _Rigid, at: Floats) -> str:
+    """What of a support is nearest to a place (2,)."""
+    apart = {name: float(one.nearest(at[None])[1][0]) for name, one in drawn.edges.items()}
+    what = f"{support.place} {min(apart, key=lambda name: apart[name], default='')}".rstrip()
+    return f"the {what} of {support.name}, {path_in_words(('support', drawn.index, support.place))}"
+
+
+def _reached(support: Support, boxes: Floats) -> list[int]:
+    """Which of some boxes (k, 4) a support may reach; those on edges are looked at from the other side."""
+    outline = _outline(support)
+    if support.at is None and outline is None:
+        return []
+    x0, y0, x1, y1 = Targets.of(support.at or ()).bounds if outline is None else Targets.along(outline).bounds
+    return np.flatnonzero(((boxes[:, :2] <= [x1, y1]) & (boxes[:, 2:] >= [x0, y0])).all(axis=1)).tolist()
+
+
+def _outline(support: Support) -> Outline | None:
+    """What the line or circle of a support is drawn with, or the outline of its area."""
+    shape = curve(support) or region(support.area)
+    return None if shape is None else shape.outline
+
+
+def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterator[tuple[Floats, bool]]:
+    """Places of a support by themselves, such as points and ends; then those along its lines."""
+    if support.at is not None:
+        yield np.array(support.at), False
+    if (outline := _outline(support)) is None:
+        return
+    yield np.concatenate([outline.segments.reshape(-1, 2), outline.arcs[:, ::2].reshape(-1, 2)]), False
+    # A circle is nearest on the ray from its centre to the nearest place.
+    to, far = beside.nearest(outline.circles[:, :2])
+    some = (far > 0.0) & np.isfinite(far)
+    x, y, radius = outline.circles[some].T
+    centre = np.column_stack([x, y])
+    yield centre + (to[some] - centre) * (radius / far[some])[:, None], False
+    for arc in arcs_of(outline):
+        fewest = _OF_CIRCLE if isinstance(arc, PartOfCircle) and arc.closed else _OF_SIDE
+        count = max(fewest, math.ceil(arc.length / max(0.5 * most, arc.length / _MOST)))
+        yield arc.at(np.linspace(0.0, arc.length, count + 1))[0], True
+
+
+def _nearest(
+    mesh: Mesh, support: Support, at: Floats, along: bool, other: _Rigid, least: Floats
+) -> tuple[Floats, float, float] | None:
+    """The nearest of the places that are too near to another support and no part of it; how far, and the limit."""
+    to, apart = other.targets.nearest(at)
+    on = max(mesh.near.place, other.targets.off_arcs if isinstance(other.targets, Sides) else 0.0)
+    near = (apart > on) & (apart < least.max())
+    if along:
+        # Where the distance hardly changes from one place to the next, on both sides.
+        change = np.abs(np.diff(np.minimum(apart, 2.0 * float(least.max()))))
+        flat = change <= _ALONG * np.hypot(*np.diff(at, axis=0).T)
+        near &= np.append(flat, True) & np.insert(flat, 0, True)
+    if not near.any():
+        return None
+    near &= apart < _limit(mesh, at, least)
+    near &= ~other.has(at)
+    covered = region(support.area)
+    if covered is not None:
+        near[near] &= ~covered.contains(to[near])
+    if not near.any():
+        return None
+    chosen = int(np.where(near, apart, np.inf).argmin())
+    return at[chosen], float(apart[chosen]), float(_limit(mesh, at[[chosen]], least)[0])

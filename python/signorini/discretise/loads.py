@@ -1,26 +1,28 @@
-"""Loads as work-equivalent nodal forces."""
+"""Loads as work-equivalent nodal forces; those of moving loads' positions are made when they are asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.footprints import Footprints
-from signorini.discretise.frames import Held
-from signorini.discretise.places import Sampled, along_curve, in_area, located, mesh_edges, region
-from signorini.discretise.quadrature import Quadrature, area_quadrature
-from signorini.discretise.quadrature.stepped import Levels, crossed, cut_by
+from signorini.discretise.held import Held
+from signorini.discretise.placed import Footprints
+from signorini.discretise.places import along_curve, in_area, located, mesh_edges, region
+from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
+from signorini.discretise.quadrature.stepped import Levels, among, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
 from signorini.discretise.sections import Sections
-from signorini.discretise.sections.acting import Push, Spread
+from signorini.discretise.sections.sections import Spread
 from signorini.discretise.zones import Zones
 from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
-from signorini.model import Load, Model
+from signorini.model import Load, Model, Moving
 from signorini.model.footprint import footprints as shapes_of
+from signorini.model.moving import Wheel
+from signorini.shapes import Polygon
 
 _GAUSS = 3
 _GAUSS_VARYING = 5
@@ -30,27 +32,18 @@ CANCELLED = 16 * float(np.finfo(float).eps)
 """Part of two loads below which their sum is rounding: a plate held up by its buoyancy must not drift away on it."""
 _BALANCED = 1e-12
 """Part of the magnitudes that a resultant is made of below which it is their rounding."""
+_NOTHING = 1e-9
+"""Part of a print that is rounding where it ends with the plate."""
 
 
 @dataclass(frozen=True, eq=False)
 class CaseLoad:
-    """One load case, or a combination of them.
+    """One load case, or a combination of them, ``acting``.
 
-    Parameters
-    ----------
-    nodal : (3n,) array
-        Forces and couples in the nodes' frames.
-    curvature : (3,) array
-        Stress-free curvatures kx, ky, kxy.
-    couples : (2e,) array
-        Couples on the centre rotations of the elements.
-    weighing: (3n,) array
-        Of ``nodal`` what has a resultant: without stress-free curvatures, and without loads that balance themselves.
-    through : (3s,) array
-        Of the moment, twist and shear of each section what the load itself does where its line is; of nodal forces
-        nothing.
-    acting : frozenset of str
-        The load cases that it is made of.
+    ``nodal`` (3n,) are forces and couples in the nodes' frames, ``curvature`` (3,) stress-free kx, ky, kxy, ``couples``
+    (2e,) act on the centre rotations of elements. ``weighing`` (3n,) is what of ``nodal`` has a resultant: without
+    stress-free curvatures, and without loads that balance themselves. ``through`` (3s,) is what of the moment, twist
+    and shear of each section the load itself does where its line is; of nodal forces nothing.
     """
 
     nodal: Floats
@@ -160,11 +153,10 @@ def _load(
             order = _GAUSS if load.line_load.is_constant and load.circle is None else _GAUSS_VARYING
             formula = load.line_load
 
-            def along(levels: Levels) -> Push:
+            def along(levels: Levels) -> Quadrature:
                 levels = (*formula.levels, *levels)
                 points = along_curve(mesh, model.plate, load, place, sides, order, levels=levels)
-                force = points.weights * formula(*points.positions.T, place=(*place, "line_load"))
-                return Push(points.elements, points.xi, points.positions, force)
+                return points.times(formula(*points.positions.T, place=(*place, "line_load")))
 
             onto.draw(along)
         case "force":
@@ -173,8 +165,7 @@ def _load(
             for over, shape in zip(spread, shapes_of(load) if spread else (), strict=True):
                 onto.spread(over, Spread.even(shape, load.force / over.total))
             if not spread:
-                points = located(mesh, load.at, (*place, "at"))
-                onto.push(points, load.force * points.weights)
+                onto.push(located(mesh, load.at, (*place, "at")).times(load.force))
         case "moment" | "couple_about":
             assert load.couple is not None and load.at is not None
             spread = footprints.of(load, place)
@@ -203,34 +194,34 @@ class Onto:
         """All of it."""
         return CaseLoad(self._nodal, np.zeros(3), self._couples, self._nodal, self.through)
 
-    def push(self, points: Sampled | Quadrature, force: Floats) -> None:
-        """Add forces (q,) at points."""
-        self._add(points.elements, points.xi, force)
-        self.through += self._sections.of_points(points.elements, points.xi, points.positions, force)
+    def push(self, forces: Quadrature) -> None:
+        """Add forces that points weigh."""
+        self._add(forces)
+        self.through += self._sections.of_points(forces)
 
-    def draw(self, along: Callable[[Levels], Push]) -> None:
+    def draw(self, along: Callable[[Levels], Quadrature]) -> None:
         """Add forces along a line, whose points are divided where levels change sign."""
         whole = along(())
-        self._add(whole.elements, whole.xi, whole.force)
+        self._add(whole)
         self.through += self._sections.of_line(whole, along)
 
     def spread(self, over: Quadrature, spread: Spread) -> None:
         """Add a pressure, integrated at points."""
-        force = over.weights * spread.pressure(over.elements, over.positions)
-        self._add(over.elements, over.xi, force)
-        self.through += self._sections.of_spread(over.elements, over.xi, force, spread)
+        forces = over.times(spread.pressure(over.elements, over.positions))
+        self._add(forces)
+        self.through += self._sections.of_spread(forces, spread)
 
-    def twist(self, plate: _core.Plate, points: Sampled, moment: tuple[float, float]) -> None:
+    def twist(self, plate: _core.Plate, points: LineQuadrature, moment: tuple[float, float]) -> None:
         """Add a couple at each of some points."""
         dofs = (3 * self.mesh.elements[points.elements][:, :, None] + np.arange(3)).reshape(-1, 24)
         for field_, couple in enumerate(moment, start=1):
             rows, centre = plate.interpolation_rows(points.elements, points.xi, field_)
             np.add.at(self._nodal, dofs, couple * rows)
             np.add.at(self._couples, 2 * points.elements[:, None] + np.arange(2), couple * centre)
-            self.through += self._sections.of_couples(points.elements, points.positions, couple * rows)
+            self.through += self._sections.of_rows(points.elements, points.positions, couple * rows)
 
-    def _add(self, elements: Ints, xi: Floats, force: Floats) -> None:
-        self._nodal[::3] += self.mesh.nodal_forces(elements, xi, force)
+    def _add(self, forces: Quadrature) -> None:
+        self._nodal[::3] += self.mesh.nodal_forces(forces.elements, forces.xi, forces.weights)
 
 
 def _weigh(zones: Zones, onto: Onto) -> None:
@@ -254,15 +245,8 @@ def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrat
     if not len(parted):
         return over
     levels = [*levels, *zones.borders]
-    across = crossed(mesh, parted, levels)
-    cut = cut_by(mesh, parted, [level for level, some in zip(levels, across, strict=True) if some.any()], order)
-    rest = ~np.isin(over.elements, parted)
-    return Quadrature(
-        np.concatenate([over.elements[rest], cut.elements]),
-        np.concatenate([over.xi[rest], cut.xi]),
-        np.concatenate([over.weights[rest], cut.weights]),
-        np.concatenate([over.positions[rest], cut.positions]),
-    )
+    cut = cut_by(mesh, parted, among(levels, crossed(mesh, parted, levels)), order)
+    return Quadrature.join([over.pick(~np.isin(over.elements, parted)), cut.points])
 
 
 def _turning(over: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:
@@ -278,3 +262,76 @@ def _turning(over: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, F
     resultant = np.array([0.0, *couple]) / [1.0, size, size]
     pressure = np.linalg.solve(at.T @ (over.weights[:, None] * at), resultant)
     return lambda _, positions: np.asarray(linear(positions) @ pressure)
+
+
+class Cases(Mapping[str, CaseLoad]):
+    """Load cases by name: those that stay where they are, and every position of moving loads.
+
+    Wheels, or parts of their prints, that are not on the plate do not act.
+    """
+
+    def __init__(
+        self, still: Mapping[str, CaseLoad], moving: tuple[Moving, ...], mesh: Mesh, sections: Sections
+    ) -> None:
+        self._still = still
+        self._places = {at: (load, s) for load in moving for at, s in load.positions.items()}
+        self._mesh, self._sections = mesh, sections
+
+    def __getitem__(self, case: str) -> CaseLoad:
+        """Return a case."""
+        if case in self._still:
+            return self._still[case]
+        load, travelled = self._places[case]
+        result = _position(Onto(self._mesh, self._sections), load.wheels(travelled), load.patch)
+        return replace(result, acting=frozenset([case]))
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names."""
+        yield from self._still
+        yield from self._places
+
+    def __len__(self) -> int:
+        """Count the cases."""
+        return len(self._still) + len(self._places)
+
+    def partly_off(self) -> Iterator[tuple[str, str, int, float]]:
+        """Where wheels' prints are partly off the plate: moving load, position, axle from 1, part of the force lost.
+
+        Wheels wholly off it have not arrived yet, or are gone.
+        """
+        for name, (load, travelled) in self._places.items():
+            if load.patch is None:
+                continue
+            wheels = load.wheels(travelled)
+            prints = np.array([_print(at, direction, load.patch) for at, direction, _ in wheels])
+            inside = self._mesh.locate(prints.reshape(-1, 2)).inside.reshape(-1, 4)
+            for wheel in np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1)).tolist():
+                shape = Polygon(tuple(map(tuple, prints[wheel].tolist())))
+                on = float(area_quadrature(self._mesh, shape, _GAUSS).weights.sum())
+                lost = 1.0 - on / (load.patch[0] * load.patch[1])
+                if lost > _NOTHING:
+                    yield load.case, name, wheel * len(load.axles) // len(wheels) + 1, lost
+
+
+def _position(onto: Onto, wheels: list[Wheel], patch: tuple[float, float] | None) -> CaseLoad:
+    mesh = onto.mesh
+    if patch is None:
+        positions = np.array([at for at, _, _ in wheels])
+        where = mesh.locate(positions)
+        forces = np.array([force for _, _, force in wheels])
+        on, at = where.inside, positions[where.inside]
+        onto.push(Quadrature(where.elements[on], where.xi[on], forces[on], at))
+    else:
+        for middle, direction, force in wheels:
+            shape = Polygon(_print(middle, direction, patch))
+            onto.spread(area_quadrature(mesh, shape, _GAUSS), Spread.even(shape, force / (patch[0] * patch[1])))
+    return onto.load
+
+
+def _print(
+    at: tuple[float, float], direction: tuple[float, float], patch: tuple[float, float]
+) -> tuple[tuple[float, float], ...]:
+    """Corners of a wheel's print."""
+    (x, y), (tx, ty), (length, width) = at, direction, patch
+    corners = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
+    return tuple((x + a * length * tx - b * width * ty, y + a * length * ty + b * width * tx) for a, b in corners)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import TypeVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
 from signorini.base.memory import elements_that_fit, require_memory
-from signorini.discretise.borders import arcs_of, room
 from signorini.discretise.places import region
+from signorini.discretise.rows import Floats
 from signorini.discretise.snapping import Snapped, snapped
 from signorini.errors import InputError, Place, Problems
 from signorini.expression import Expression
@@ -37,12 +37,26 @@ from signorini.model import (
 )
 from signorini.model.curve import curve, worth_following
 from signorini.model.footprint import footprints
-from signorini.shapes import Curve, Floats, Polyline, Region, Ring
-from signorini.shapes.contours import along_arc, circle
+from signorini.shapes import Curve, Polyline, Region, Ring
+from signorini.shapes.contours import Contour, along_arc, along_side, circle
+from signorini.shapes.distances import distances
+from signorini.shapes.hull import diameter
 from signorini.shapes.outlines import Box, Point
 
-_Item = TypeVar("_Item", Support, Load)
+Line: TypeAlias = Region | Curve
 
+_AROUND = 12
+"""Elements around a circle at least."""
+_LEAST = 0.125
+"""Part of the element size below which room is not made: so near things are seldom meant to be apart."""
+_LEAST_BESIDE_LINES = 0.25
+"""The same of lines: many small elements along them would cost more than following them brings."""
+_FOLLOWED = 0.55 * _LEAST_BESIDE_LINES
+"""Distance over the element size below which elements of the least size do not follow a line."""
+_EVERY = 5
+"""Degrees of the chords that arcs are drawn by here."""
+_TOUCHING = 5e-4
+"""Part of the plate's diameter by which things meet: such chords are up to so far off an arc."""
 _FINEST = 1e-8
 """Part of the plate's coordinates below which rounding would tell in the shapes of elements: from 1e-9 nodes of rows
 with other elements beside them miss each other."""
@@ -53,11 +67,6 @@ def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model, tuple[
 
     In the model nodes that it names by number have become points, and what ``mesh.snap`` asks for is moved; what was is
     told.
-
-    Raises
-    ------
-    InputError
-        If there is not the memory for it, or a file holds no mesh of a plate.
     """
     plate = model.plate
     if isinstance(plate, MeshPlate):
@@ -84,12 +93,10 @@ def _made(model: Model, plate: OutlinedPlate) -> Mesh:
 
 def _require_sizes(model: Model, plate: OutlinedPlate) -> None:
     least = _FINEST * float(np.abs(plate.outline.bounds).max())
-    sizes: list[tuple[float, Place]] = []
-    if model.mesh.size is not None:
-        sizes.append((model.mesh.size, ("mesh", "size")))
+    sizes: list[tuple[float | None, Place]] = [(model.mesh.size, ("mesh", "size"))]
     sizes += [(part.size, ("mesh", "refine", number, "size")) for number, part in enumerate(model.mesh.refine)]
     for size, place in sizes:
-        if size < least:
+        if size is not None and size < least:
             raise InputError(
                 f"found {size:g}; it must be at least {least:.2g}, {_FINEST:g} of the largest coordinate: rounding "
                 "would shape smaller elements. Take larger ones, or put the origin nearer to the plate.",
@@ -113,10 +120,9 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
     from signorini.mesh.meshfile import read, read_numbered
 
     place = ("plate", "file")
-    named: list[Support | Load] = [*model.support, *model.load]
     points: Mapping[int, Point] = {}
     try:
-        if any(item.nodes is not None for item in named):
+        if any(item.nodes is not None for item in _acting(model)):
             in_file, points = read_numbered(plate.file)
             mesh = in_file if mesh is None else mesh
         elif mesh is None:
@@ -145,26 +151,24 @@ def _require_element(plate: MeshPlate | OutlinedPlate, mesh: Mesh) -> None:
 
 def _at_nodes(model: Model, points: Mapping[int, Point]) -> Model:
     """Put supports and loads that name nodes at their points."""
-    problems = Problems()
-    support = tuple(_placed(item, ("support", i), points, problems) for i, item in enumerate(model.support))
-    load = tuple(_placed(item, ("load", i), points, problems) for i, item in enumerate(model.load))
+    problems, update = Problems(), dict[str, object]()
+    for key in ("support", "load"):
+        items: list[Support | Load] = list(getattr(model, key))
+        for i, item in enumerate(items):
+            for position, number in enumerate(item.nodes or ()):
+                if number not in points:
+                    with problems.collected():
+                        raise InputError(
+                            f"The mesh file has no node {number}; its {len(points)} nodes have numbers from "
+                            f"{min(points)} to {max(points)}.",
+                            place=(key, i, "nodes", position),
+                        )
+            if item.nodes is not None:
+                at = tuple(points[number] for number in item.nodes if number in points)
+                items[i] = item.model_copy(update={"at": at, "nodes": None})
+        update[key] = tuple(items)
     problems.tell()
-    return model.model_copy(update={"support": support, "load": load})
-
-
-def _placed(item: _Item, place: Place, points: Mapping[int, Point], problems: Problems) -> _Item:
-    if item.nodes is None:
-        return item
-    for position, number in enumerate(item.nodes):
-        if number not in points:
-            with problems.collected():
-                raise InputError(
-                    f"The mesh file has no node {number}; its {len(points)} nodes have numbers from {min(points)} to "
-                    f"{max(points)}.",
-                    place=(*place, "nodes", position),
-                )
-    at = tuple(points[number] for number in item.nodes if number in points)
-    return item.model_copy(update={"at": at, "nodes": None})
+    return model.model_copy(update=update)
 
 
 def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -> Mesh:
@@ -172,16 +176,14 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
         case RectanglePlate():
             (x, y), (a, b) = plate.origin, plate.size
             steps = (drawing for drawing, _ in _steps(model, (x, y, x + a, y + b)))
-            shapes = [*_borders(model), *_acted_on(model), *steps]
+            shapes = [*(zone.region for zone in model.zone), *_acted_on(model), *steps]
             x_lines = [line for shape in shapes for line in shape.x_lines]
             y_lines = [line for shape in shapes for line in shape.y_lines]
             refined = [(box, one.size) for one in model.mesh.refine for box in one.boxes((x, y, x + a, y + b))]
             x_lesser = [line for section in _sections(model) for line in section.x_lines]
             y_lesser = [line for section in _sections(model) for line in section.y_lines]
-            lesser = x_lesser, y_lesser
-            return rectangle(
-                plate.origin, plate.size, divisions, x_lines, y_lines, refined, *lesser, _axes(model, plate)
-            )
+            lines = x_lines, y_lines, refined, x_lesser, y_lesser
+            return rectangle(plate.origin, plate.size, divisions, *lines, _axes(model, plate))
         case DiscPlate():
             radii = _radii(model, plate.center, plate.radius)
             return disc(plate.center, plate.radius, divisions, plate.sector, radii)
@@ -194,17 +196,18 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
 def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     """A mesh along the outline, holes, borders of zones, circles, and straight lines of supports, loads and jumps."""
     size = plate.element_size(model.mesh)
-    borders, walls = (*_borders(model), *_rings(model, size)), _walls(model)
+    borders = [*(zone.region for zone in model.zone), *_rings(model, size)]
+    walls = [along for item in _acting(model) if isinstance(along := curve(item), Polyline)]
     lines = [(np.array(list(arcs_of(border))).reshape(-1, 6), False) for border in borders]
     lines += [(_straight(wall), True) for wall in walls]
     lines += [(_straight(border), False) for border in borders]
     for drawing, (x0, y0, x1, y1) in _steps(model, plate.outline.bounds):
         jumps = [[x, y0, x, y1] for x in drawing.x_lines] + [[x0, y, x1, y] for y in drawing.y_lines]
         lines.append((np.array(jumps).reshape(-1, 4), False))
-    lines += [(_straight(shape), False) for shape in _shapes(model) if shape not in walls]
+    lines += [(_straight(shape), False) for shape in [*_acted_on(model), *_sections(model)] if shape not in walls]
     refined = [rows for number, part in enumerate(model.mesh.refine) for rows in _refined(plate, part, number)]
     if _area(plate) <= MOST * size**2:
-        refined += [room(borders, plate.contours, size, list(_stood_on(model)))]
+        refined += [room(borders, plate.contours, size, _stood_on(model))]
     points = [at for part in model.mesh.refine for at in part.at or ()]
     try:
         return outlined(
@@ -302,57 +305,40 @@ def _spread(low: float, high: float, step: float) -> Floats:
     return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
 
 
-def _borders(model: Model) -> tuple[Region, ...]:
-    """What the mesh follows first: the borders of zones."""
-    return tuple(zone.region for zone in model.zone)
-
-
-def _walls(model: Model) -> tuple[Polyline, ...]:
-    """Lines along which supports and loads are."""
-    items: list[Support | Load] = [*model.support, *model.load]
-    return tuple(along for item in items if isinstance(along := curve(item), Polyline))
+def _acting(model: Model) -> list[Support | Load]:
+    return [*model.support, *model.load]
 
 
 def _rings(model: Model, size: float) -> tuple[Ring, ...]:
     """Circles along which supports and loads are, each once, but for those that are small beside elements."""
-    items: list[Support | Load] = [*model.support, *model.load]
-    rings = (along for item in items if isinstance(along := curve(item), Ring) and worth_following(along, size))
-    return tuple(dict.fromkeys(rings))
+    rings = [curve(item) for item in _acting(model)]
+    return tuple(dict.fromkeys(one for one in rings if isinstance(one, Ring) and worth_following(one, size)))
 
 
-def _shapes(model: Model) -> Iterator[Region | Curve]:
-    """Outlines and lines of supports and loads, then those of sections."""
-    yield from _acted_on(model)
-    yield from _sections(model)
+def _sections(model: Model) -> list[Polyline]:
+    return [Polyline(section.line) for section in model.section]
 
 
-def _sections(model: Model) -> Iterator[Polyline]:
-    return (Polyline(section.line) for section in model.section)
-
-
-def _acted_on(model: Model) -> Iterator[Region | Curve]:
+def _acted_on(model: Model) -> list[Region | Curve]:
     """Outlines and lines of supports and loads."""
-    items: list[Support | Load] = [*model.support, *model.load]
-    for item in items:
-        for shape in (region(item.area), curve(item), *footprints(item)):
-            if shape is not None:
-                yield shape
+    every = [shape for item in _acting(model) for shape in (region(item.area), curve(item), *footprints(item))]
+    return [shape for shape in every if shape is not None]
 
 
-def _stood_on(model: Model) -> Iterator[Region | Curve]:
+def _stood_on(model: Model) -> list[Region | Curve]:
     """What is followed beside other things by smaller elements: lines, and areas and footprints of supports."""
-    items: list[Support | Load] = [*model.support, *model.load]
-    for item in items:
-        below = (region(item.area), *footprints(item)) if isinstance(item, Support) else ()
-        for shape in (curve(item), *below):
-            if shape is not None:
-                yield shape
+    shapes: list[Region | Curve | None] = []
+    for support in model.support:
+        shapes += [curve(support), region(support.area), *footprints(support)]
+    shapes += [curve(load) for load in model.load]
+    return [shape for shape in shapes if shape is not None]
 
 
 def _radii(model: Model, center: Point, outer: float) -> list[float]:
     (x, y), r = center, outer
-    steps = [drawing for drawing, _ in _steps(model, (x - r, y - r, x + r, y + r))]
-    return [radius for shape in [*_borders(model), *_shapes(model), *steps] for radius in shape.radii(center)]
+    steps = (drawing for drawing, _ in _steps(model, (x - r, y - r, x + r, y + r)))
+    shapes = [*(zone.region for zone in model.zone), *_acted_on(model), *_sections(model), *steps]
+    return [radius for shape in shapes for radius in shape.radii(center)]
 
 
 def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
@@ -376,3 +362,102 @@ def _within(item: Support | Load | Zone | None, box: Box) -> Box:
     if shape is None:
         return box
     return tuple(f(a, b) for f, a, b in zip((max, max, min, min), box, shape.bounds, strict=True))  # type: ignore[return-value]
+
+
+def arcs_of(border: Line) -> Iterator[tuple[float, ...]]:
+    """Yield arcs, of circles their quarters, each by three points."""
+    for x, y, radius in border.outline.circles.tolist():
+        for begin, through, end in circle((x, y), radius, "").sides:
+            assert through is not None  # a circle is of arcs
+            yield (*begin, *through, *end)
+    yield from (tuple(arc) for arc in border.outline.arcs.reshape(-1, 6).tolist())
+
+
+def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, lines: Sequence[Line] = ()) -> Floats:
+    """Give straight pieces with sizes (k, 5) that let a mesh of elements of a size follow borders and lines.
+
+    They are short sides and small circles of borders, and where a side, or a straight part of a line, is near to
+    another one, or to one of the plate's contours, that it does not meet. Parts of one line are not asked for each
+    other's sake, nor those that are nearer to something else than can be followed.
+    """
+    sides: list[tuple[Floats, int | None]] = [(side, None) for border in borders for side in _sides_of(border)]
+    sides += [(side, number) for number, line in enumerate(lines) for side in line.outline.segments[:, None]]
+    every = [*sides, *((_chords(*side), -1) for contour in contours for side in contour.sides)]
+    boxes = np.array([[*side.min(axis=(0, 1)), *side.max(axis=(0, 1))] for side, _ in every]).reshape(-1, 4)
+    touching = _TOUCHING * max(diameter(contour.points()) for contour in contours)
+    outline = np.vstack([contour.points() for contour in contours])
+    bounds = outline.min(axis=0) - size, outline.max(axis=0) + size
+    result = [np.zeros((0, 5))]
+    for (side, number), box in zip(sides, boxes, strict=False):
+        length = float(np.hypot(*(side[:, 1] - side[:, 0]).T).sum())
+        closed = bool((side[0, 0] == side[-1, 1]).all())
+        own = np.inf if number is not None else length / _AROUND if closed else length
+        pieces = _divided(_clipped(side, *bounds), 0.5 * size)
+        apart = np.full(len(pieces), min(own, size))
+        close = ((boxes[:, :2] <= box[2:] + size) & (boxes[:, 2:] >= box[:2] - size)).all(axis=1)
+        for other, of in (every[at] for at in np.flatnonzero(close)):
+            alike = other is side or (number is not None and of == number)
+            if not alike and not _meet(side, other, touching):
+                apart = np.minimum(apart, _distance(pieces.mean(axis=1), other))
+        near = (apart < size) & ((number is None) | (apart > _FOLLOWED * size))
+        sizes = np.maximum(apart[near], min((_LEAST if number is None else _LEAST_BESIDE_LINES) * size, own))
+        result.append(np.column_stack([pieces[near].reshape(-1, 4), sizes]))
+    return np.concatenate(result)
+
+
+def _sides_of(border: Line) -> Iterator[Floats]:
+    """Yield straight sides, and circles and arcs by their chords, (k, 2, 2)."""
+    yield from border.outline.segments[:, None]
+    for arc in border.outline.arcs.tolist():
+        yield _chords(*arc)
+    for x, y, radius in border.outline.circles.tolist():
+        points = circle((x, y), radius, "").points()[::_EVERY]
+        yield np.stack([points, np.roll(points, -1, axis=0)], axis=1)
+
+
+def _chords(a: Point, through: Point | None, b: Point) -> Floats:
+    along = np.vstack([along_side(a, through, b)[::_EVERY], b])
+    return np.stack([along[:-1], along[1:]], axis=1)
+
+
+def _clipped(chords: Floats, low: Floats, high: Floats) -> Floats:
+    """What of chords (k, 2, 2) is in a box (Liang and Barsky 1984): circles in another unit are kilometres long."""
+    begin, along = chords[:, 0], chords[:, 1] - chords[:, 0]
+    still = along == 0.0
+    beside = (still & ((begin < low) | (begin > high))).any(axis=1)
+    at = (np.stack([low, high])[:, None] - begin) / np.where(still, 1.0, along)
+    enters = np.where(still, 0.0, at.min(axis=0)).max(axis=1).clip(0.0)
+    leaves = np.where(still, 1.0, at.max(axis=0)).min(axis=1).clip(None, 1.0)
+    ends = begin[:, None] + np.stack([enters, leaves], axis=1)[..., None] * along[:, None]
+    # Those that are wholly in it stay as they are.
+    ends = np.where(((enters == 0.0) & (leaves == 1.0))[:, None, None], chords, ends)
+    return np.asarray(ends[~beside & (enters < leaves)])
+
+
+def _divided(side: Floats, longest: float) -> Floats:
+    """Pieces (q, 2, 2) of chords that are no longer."""
+    parts = [np.zeros((0, 2, 2))]
+    for a, b in side:
+        # Rounding makes no further piece.
+        count = max(1, int(np.ceil(np.hypot(*(b - a)) / longest - 1e-6)))
+        stations = a + np.linspace(0.0, 1.0, count + 1)[:, None] * (b - a)
+        parts.append(np.stack([stations[:-1], stations[1:]], axis=1))
+    return np.concatenate(parts)
+
+
+def _distance(points: Floats, chords: Floats) -> Floats:
+    """Distance (q,) of points from the nearest chord (k, 2, 2)."""
+    return np.asarray(distances(points, chords[:, 0], chords[:, 1]).min(axis=1))
+
+
+def _meet(one: Floats, other: Floats, touching: float) -> bool:
+    """Whether chords cross or touch others."""
+    if min(_distance(one.reshape(-1, 2), other).min(), _distance(other.reshape(-1, 2), one).min()) <= touching:
+        return True
+    (a, b), (c, d) = ((part[..., 0, :], part[..., 1, :]) for part in (one[:, None], other[None]))
+
+    def turn(p: Floats, q: Floats, r: Floats) -> Floats:
+        u, v = q - p, r - p
+        return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+
+    return bool(((turn(a, b, c) * turn(a, b, d) < 0.0) & (turn(c, d, a) * turn(c, d, b) < 0.0)).any())

@@ -1,41 +1,135 @@
-"""Where every support is on the mesh, found once."""
+"""Where every support is on the mesh, found once; and the footprints of points."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from signorini.discretise.footprints import Footprints
-from signorini.discretise.places import Sampled, located, mesh_edges
-from signorini.discretise.quadrature import Quadrature
-from signorini.discretise.rows import Floats, Ints
-from signorini.errors import Place, Problems
+from signorini.discretise.places import edge_sides, located, mesh_edges
+from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature, off_plate
+from signorini.discretise.rows import Floats, Further, Ints, Rows
+from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.mesh.boxtree import BoxTree
-from signorini.model import Model, Support
+from signorini.model import Load, Model, Support
+from signorini.model.footprint import footprints
+from signorini.shapes import Circle, Polygon, Rectangle
+
+_GAUSS = 3
+_LEAST = 1e-9
+"""Size of a footprint, over the plate's, below which its coordinates have not the digits to tell it from a point."""
+_PARALLEL = 1e-9
+"""Sine of the angle up to which directions are one."""
+
+
+class Footprints:
+    """Footprints on a mesh; of all supports those on edges say where edges of symmetry are.
+
+    A footprint that an edge of symmetry cuts through its middle counts as far as it is on the plate: there the plate
+    stands for two or four of them.
+    """
+
+    def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:
+        self._mesh = mesh
+        self._supports = supports
+
+    def of(self, item: Support | Load, place: Place) -> list[Quadrature]:
+        """Quadrature over the footprint of every point, all on the plate; none where points are points."""
+        shapes = footprints(item)
+        if not shapes or item.at is None:
+            return []
+        mesh, across = self._mesh, 2.0 * item.radius if item.radius is not None else min(item.patch or ())
+        if across < _LEAST * mesh.size:
+            key = "patch" if item.radius is None else "radius"
+            raise InputError(
+                f"The footprint is {across:g} across, less than a billionth of the plate's size. Leave {key} out for a "
+                "point, or give a larger one.",
+                place=(*place, key),
+            )
+        result, problems = [], Problems()
+        with problems.collected():
+            located(mesh, item.at, (*place, "at"))
+        inside = mesh.locate(np.array(item.at)).inside
+        for index in np.flatnonzero(inside).tolist():
+            at, shape = item.at[index], shapes[index]
+            result.append(area_quadrature(mesh, shape, _GAUSS))
+            missing = off_plate(mesh, shape, result[-1], self._on_plate(at, shape))
+            if missing > 0:
+                with problems.collected():
+                    raise InputError(
+                        f"The footprint of the point {point(at, mesh.size)} has {100 * missing / shape.area:.3g} % of "
+                        "its area off the plate. Move the point or make the footprint smaller; only an edge of "
+                        "symmetry may cut it, through its middle.",
+                        place=(*place, "at", index) if len(item.at) > 1 else (*place, "at"),
+                    )
+        problems.tell()
+        return result
+
+    def _on_plate(self, at: tuple[float, float], shape: Rectangle | Circle | Polygon) -> float:
+        """Part of a footprint that has to be on the plate: all, unless edges of symmetry cut it through its middle."""
+        begin, ahead = self._axes[:, 0], self._axes[:, 1] - self._axes[:, 0]
+        length = np.hypot(*ahead.T)
+        normals = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / length[:, None]
+        off, along = np.abs(((at - begin) * normals).sum(axis=1)), ((at - begin) * ahead).sum(axis=1) / length
+        slack = self._mesh.near.place
+        through = np.unique(normals[(off <= slack) & (along >= -slack) & (along <= length + slack)].round(9), axis=0)
+        if not isinstance(shape, Circle):
+            side = shape.corners[1] - shape.corners[0]
+            sines = np.stack([through @ side, through @ [-side[1], side[0]]]) / np.hypot(*side)
+            if (np.abs(sines) > _PARALLEL).all(axis=0).any():
+                return 1.0
+        if len(through) == 2:
+            return math.acos(float(np.clip(-through[0] @ through[1], -1.0, 1.0))) / (2 * math.pi)
+        return 0.5 if len(through) == 1 else 1.0
+
+    @cached_property
+    def _axes(self) -> Floats:
+        """Ends (k, 2, 2) of the sides of elements along edges of symmetry, the plate on their left."""
+        triples = [np.zeros((0, 3), np.int64)]
+        for index, support in enumerate(self._supports):
+            if support.edge is not None and "slope" in support.fixed and "w" not in support.fixed:
+                triples.append(edge_sides(self._mesh, support.edge, ("support", index)))
+        return np.asarray(self._mesh.points[np.concatenate(triples)[:, [0, 2]]])
+
+
+def mean_deflections(mesh: Mesh, footprints: Sequence[Quadrature]) -> Rows:
+    """Rows of the mean deflection over each footprint, which spread a force evenly over it."""
+    elements, values, owners = [], [], []
+    for number, over in enumerate(footprints):
+        own, inverse = np.unique(over.elements, return_inverse=True)
+        shape = np.zeros((len(own), 8))
+        np.add.at(shape, inverse, (over.weights / over.total)[:, None] * mesh.shape_functions(over.elements, over.xi))
+        # A node of several elements has all of it in the first one, so that no dof stands twice.
+        _, first, node = np.unique(mesh.elements[own], return_index=True, return_inverse=True)
+        gathered = np.zeros(shape.size)
+        gathered[first] = np.bincount(node.ravel(), shape.ravel())
+        elements.append(own)
+        values.append(gathered.reshape(shape.shape))
+        owners.append(np.full(len(own), number))
+    element, value, owner = (np.concatenate(parts) for parts in (elements, values, owners))
+    coefficients = np.zeros((len(element), 24))
+    coefficients[:, ::3] = value
+    leads = np.diff(owner, prepend=-1) > 0
+    further = Further(owner[~leads], element[~leads], coefficients[~leads])
+    return Rows(element[leads], coefficients[leads], further)
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A support on the mesh.
+    """A support, at a place of the model, on the mesh.
 
-    Parameters
-    ----------
-    place : path
-        Where it stands in the model.
-    support : Support
-    points : Sampled or None
-        Its points, if it is at points; ``nodes`` (q,) are those that they coincide with, −1 where there is none.
-    sides : (k, 3) array or None
-        Sides of elements along its edge, line or circle, if the mesh follows it.
-    footprints : list of Quadrature
-        What each of its points is spread over, if it is; such points coincide with no node.
+    ``nodes`` (q,) are those that its ``points`` coincide with, −1 where there is none; ``sides`` (k, 3) those of
+    elements along its edge, line or circle, if the mesh follows it; ``footprints`` what each of its points is spread
+    over, if it is: such points coincide with no node.
     """
 
     place: Place
     support: Support
-    points: Sampled | None
+    points: LineQuadrature | None
     nodes: Ints
     sides: Ints | None
     footprints: list[Quadrature]
@@ -69,7 +163,7 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
     return result
 
 
-def _at_one_place(mesh: Mesh, sampled: Sampled, taken: Floats) -> tuple[Sampled, Ints]:
+def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[LineQuadrature, Ints]:
     """Put points that are all but at a node, or at a point (k, 2) that is taken, at just that; return the nodes too.
 
     Where one of two points holds both ways, what they say of the plate is then the same, and not nearly the same, which

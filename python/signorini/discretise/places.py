@@ -1,4 +1,10 @@
-"""Where supports and loads act: from the words of the model to points of the mesh."""
+"""Where supports and loads act: from the words of the model to points of the mesh.
+
+An area that the plate does not yield to acts on the mean of every element, and at points on its outline. Points within
+an element would outnumber the deflections that answer them. The means alone end half an element short of the outline,
+where a plate that tips rests. The corners of elements there carry it instead: they leave the midsides between them to
+answer the means, so that pressures are answered as well as by the means alone (docs/theory.md, section 5).
+"""
 
 from __future__ import annotations
 
@@ -15,33 +21,38 @@ from signorini.discretise.quadrature import (
     edge_quadrature,
     off_plate,
 )
+from signorini.discretise.quadrature.lines import arcs_of, breaks
 from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.errors import InputError, Place, length, point, unknown
+from signorini.errors import InputError, Place, Problems, length, point, unknown
 from signorini.mesh import Mesh
-from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
+from signorini.mesh.boxtree import BoxTree
+from signorini.model import AnnulusPlate, Area, DiscPlate, Load, MeshPlate, Plate, Support
 from signorini.model.curve import curve
-from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring
+from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring, Rounded
+from signorini.shapes.contours import along_arc
 from signorini.shapes.distances import distances
+from signorini.shapes.hull import hull
+from signorini.shapes.outlines import Point
 from signorini.shapes.overlap import overlap
 
 _SECTOR_SLACK = 1e-3
 """Part of a circle that a sector's outline, made of parabolas, may leave out; and of a hole that its own may."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sampled:
-    """Points (q, 2) of the plate with their elements, reference points, weights (1, length or area) and tangents.
-
-    ``within`` (q, 2) is where formulas that jump are evaluated: at the point, or beside it in what it stands for.
-    """
-
-    elements: Ints
-    xi: Floats
-    weights: Floats
-    positions: Floats
-    tangents: Floats
-    within: Floats
+_TURN = 360
+"""Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""
+STRIP = 1e-2
+"""Part of an element's area that each point on the outline stands for: enough to act where a bed is a little stiff."""
+MOST = 0.25
+"""Part that all on it stand for at most, however many corners an outline has there."""
+_ON_OUTLINE = 1e-4
+"""Distance, over the plate's diameter, within which a point is on the hull; that of a circle is a polygon."""
+_APART = 0.25
+"""Distance, over an element's size, below which one of two points is enough: sides may cross an outline in a corner."""
+_FOUR = 4
+"""Points on the hull, whether of a circle or a rectangle, that hold both slopes and prefer no direction."""
+_NUDGE = 1e-4
+"""Distance, over an element's size, at which to look for the elements around a point."""
+_ROUND = np.radians(22.5 + 45.0 * np.arange(8))
 
 
 def region(area: Area | str | None) -> Region | None:
@@ -49,49 +60,31 @@ def region(area: Area | str | None) -> Region | None:
     return area.region if isinstance(area, Area) else None
 
 
-def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> Sampled:
-    """Points given by their coordinates.
-
-    Raises
-    ------
-    InputError
-        If a point is not on the plate.
-    """
+def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> LineQuadrature:
+    """Points given by their coordinates; those that are not on the plate are refused."""
     positions = np.array(at, dtype=np.float64)
     where = mesh.locate(positions)
     if not where.inside.all():
-        (left, bottom), (right, top) = (
-            [length(part, mesh.size) for part in corner]
-            for corner in (mesh.points.min(axis=0), mesh.points.max(axis=0))
-        )
-        off = np.flatnonzero(~where.inside).tolist()
-        lowest, highest = mesh.points.min(axis=0), mesh.points.max(axis=0)
-        among = ((positions >= lowest) & (positions <= highest)).all(axis=1)
-        within = f"which lies within x = {left} to {right}, y = {bottom} to {top}"
-        hole = "but in a hole or beyond an edge of it"
-        raise InputError.of(
-            [
-                InputError(
-                    f"The point {point(at[i])} is not on the plate, "
-                    f"{hole if among[i] else within}. Move the point onto the plate.",
+        low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+        (left, bottom), (right, top) = ([length(part, mesh.size) for part in corner] for corner in (low, high))
+        beyond = f"which lies within x = {left} to {right}, y = {bottom} to {top}"
+        among = ((positions >= low) & (positions <= high)).all(axis=1)
+        problems = Problems()
+        for i in np.flatnonzero(~where.inside).tolist():
+            which = "but in a hole or beyond an edge of it" if among[i] else beyond
+            with problems.collected():
+                raise InputError(
+                    f"The point {point(at[i])} is not on the plate, {which}. Move the point onto the plate.",
                     place=(*place, i) if len(at) > 1 else place,
                 )
-                for i in off
-            ]
-        )
+        problems.tell()
     # A point of a circle is all but on the curved side that stands for it.
     xi = mesh.onto_curved_sides(where, mesh.near.written)
-    return Sampled(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
+    return LineQuadrature(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
 
 
 def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
-    """Sides of elements (k, 3) that make up edges.
-
-    Raises
-    ------
-    InputError
-        If the mesh has no edge of that name.
-    """
+    """Sides of elements (k, 3) that make up edges, all of which the mesh has to have."""
     problems = [
         InputError(unknown("edge", name, mesh.edges, "This mesh"), place=(*place, "edge", position))
         for position, name in enumerate(names)
@@ -103,13 +96,7 @@ def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
 
 
 def mesh_edges(mesh: Mesh, plate: Plate, item: Support | Load, place: Place) -> Ints | None:
-    """Sides of elements (k, 3) that make up the item's edge, line or circle; None if the mesh does not follow it.
-
-    Raises
-    ------
-    InputError
-        If the mesh has no edge of that name, or the circle leaves the plate.
-    """
+    """Sides of elements (k, 3) that make up the item's edge, line or circle; None if the mesh does not follow it."""
     if item.edge is not None:
         return edge_sides(mesh, item.edge, place)
     along = curve(item)
@@ -140,26 +127,20 @@ def along_curve(
     order: int,
     at_ends: int = 0,
     levels: Levels = (),
-) -> Sampled:
+) -> LineQuadrature:
     """Gauss points of the item's edge, line or circle, divided where levels change sign; weights are lengths.
 
-    ``sides`` are those of `mesh_edges`.
-
-    If ``at_ends`` is not 0, so many points of Lobatto's rule on pieces at ends and corners.
-
-    Raises
-    ------
-    InputError
-        If the curve leaves the plate.
+    ``sides`` are those of `mesh_edges`. If ``at_ends`` is not 0, so many points of Lobatto's rule on pieces at ends and
+    corners.
     """
     if sides is not None:
-        return _sampled(edge_quadrature(mesh, sides, order, at_ends > 0, levels))
+        return edge_quadrature(mesh, sides, order, at_ends > 0, levels)
     along = curve(item)
     assert along is not None  # an item on a curve has an edge, a line or a circle
     points = curve_quadrature(mesh, along, order, at_ends, levels)
     key = "line" if item.line is not None else "circle"
     _require_on_plate(mesh, plate, along, points, f"The {key}", (*place, key))
-    return _sampled(points)
+    return points
 
 
 def in_area(
@@ -173,14 +154,9 @@ def in_area(
     off: float = OFF,
     follow: bool = False,
 ) -> Quadrature:
-    """Quadrature of an area, whose elements are cut where levels change sign; weights are areas.
+    """Quadrature of an area of the plate, whose elements are cut where levels change sign; weights are areas.
 
     Elements (ne,) marked have points on its outline. Arcs that the mesh follows may be the sides that stand for them.
-
-    Raises
-    ------
-    InputError
-        If the area leaves the plate.
     """
     wanted = region(area)
     points = area_quadrature(mesh, wanted, order, to_outline, levels, off, follow)
@@ -232,20 +208,8 @@ def _how_far(mesh: Mesh, shape: Region | Curve) -> str:
     return f", up to {far.max():.3g} beyond it at {point(corners[far.argmax()], mesh.size)}"
 
 
-def _sampled(points: LineQuadrature) -> Sampled:
-    return Sampled(points.elements, points.xi, points.weights, points.positions, points.tangents, points.within)
-
-
-@dataclass(frozen=True, eq=False)
-class OnNodes:
-    """Nodes (q,) of mesh edges and the lengths (q,) they stand for."""
-
-    nodes: Ints
-    weights: Floats
-
-
-def edge_nodes(mesh: Mesh, triples: Ints) -> OnNodes:
-    """Every node of mesh edges once; its length is the integral of its quadratic shape function along them."""
+def edge_nodes(mesh: Mesh, triples: Ints) -> tuple[Ints, Floats]:
+    """Every node (q,) of mesh edges once, and as its length (q,) the integral of its quadratic shape function."""
     a, m, b = (mesh.points[triples[:, i]] for i in range(3))
     root = np.sqrt(0.6)
     length = np.zeros((len(triples), 3))
@@ -254,7 +218,7 @@ def edge_nodes(mesh: Mesh, triples: Ints) -> OnNodes:
         slope = (s - 0.5) * a - 2 * s * m + (s + 0.5) * b
         length += weight * np.hypot(slope[:, 0], slope[:, 1])[:, None] * shape
     nodes, inverse = np.unique(triples, return_inverse=True)
-    return OnNodes(nodes, np.bincount(inverse.ravel(), length.ravel()).astype(np.float64))
+    return nodes, np.bincount(inverse.ravel(), length.ravel()).astype(np.float64)
 
 
 def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:
@@ -262,3 +226,143 @@ def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:
     a, m, b = (mesh.points[triples[:, i]] for i in range(3))
     slopes = np.stack([4 * m - 3 * a - b, b - a, a - 4 * m + 3 * b], axis=1)
     return np.asarray(slopes / np.linalg.norm(slopes, axis=2, keepdims=True))
+
+
+def outline(mesh: Mesh, plate: Plate, support: Support) -> Floats:
+    """Points (k, 2) whose hull is that of the support: its corners in order or ends, and points of circles.
+
+    They are those of the input, whatever the mesh; only of a plate that is a mesh they are the mesh's.
+    """
+    if support.at is not None:
+        return np.array(support.at, dtype=np.float64)
+    shape = curve(support) or region(support.area)
+    if shape is not None:
+        points = _of_shape(plate, shape)
+    else:
+        names = support.edge if support.edge is not None else (None,)
+        points = np.concatenate([_edge(mesh, plate, name) for name in names])
+    return np.asarray(points[hull(points)])
+
+
+def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
+    """A region or curve, of which only circles about the center of a sector may leave the plate."""
+    drawn = shape.outline
+    points = [drawn.segments.reshape(-1, 2)]
+    points += [along_arc(*arc) for arc in drawn.arcs.tolist()]
+    for x, y, radius in drawn.circles:
+        if isinstance(plate, DiscPlate | AnnulusPlate) and (x, y) == tuple(plate.center):
+            points.append(_arc(plate.center, radius, plate.sector))
+            if plate.sector < 360:
+                inner = plate.inner if isinstance(plate, AnnulusPlate) else 0.0
+                points.append(_arc(plate.center, min(inner, radius), plate.sector))
+        else:
+            points.append(_arc((x, y), radius, 360.0))
+    return np.concatenate(points)
+
+
+def _edge(mesh: Mesh, plate: Plate, name: str | None) -> Floats:
+    """Points of an edge of the plate, of all where there is no name."""
+    if isinstance(plate, MeshPlate):
+        return mesh.points[np.unique(mesh.boundary if name is None else mesh.edges[name])]
+    if name is None:
+        return plate.outline.points()
+    return np.concatenate([contour.points(name) for contour in plate.contours if name in contour.edges])
+
+
+def _arc(center: Point, radius: float, sector: float) -> Floats:
+    """An arc from the x axis on, both its ends included."""
+    turn = np.radians(np.linspace(0.0, sector, 1 + int(np.ceil(_TURN * sector / 360.0))))
+    return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
+
+
+@dataclass(frozen=True, eq=False)
+class OutlinePoints:
+    """Points on the hull of an area: positions (v, 2), and up to four elements (v, 4) that share each; else −1."""
+
+    positions: Floats
+    shared: Ints
+
+
+def outline_points(mesh: Mesh, plate: Plate, support: Support, covered: Bools) -> OutlinePoints:
+    """Corners of an area that covers elements (ne,), and of elements on its outline, as far as they are on its hull."""
+    size = float(np.sqrt(mesh.element_area[covered].mean()))
+    corners, all_of_them = outline(mesh, plate, support), _candidates(mesh, support)
+    candidates = _spread(all_of_them, _APART * size)
+    if len(candidates) < _FOUR:
+        # Within an element or two: a mean and fewer points may hold one of two slopes, by which corner comes first.
+        candidates = _spread(all_of_them, _APART * float(np.ptp(corners, axis=0).min()))
+    return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.diameter], size, covered)
+
+
+def missing_corners(mesh: Mesh, plate: Plate, support: Support, covered: Bools, reached: Floats) -> OutlinePoints:
+    """Corners of an area's hull at which none of its points (q, 2) is: tips, where a quadrature has no weight."""
+    shape = region(support.area)
+    corners = np.zeros((0, 2)) if shape is None else _corners(shape)
+    corners = corners[_off_hull(outline(mesh, plate, support), corners) <= _ON_OUTLINE * mesh.diameter]
+    near = mesh.near.place
+    along = np.sort(corners[:, 0])
+    beside = np.searchsorted(along, reached[:, 0] - near) < np.searchsorted(along, reached[:, 0] + near, "right")
+    if beside.any():
+        there, _ = BoxTree.build(np.hstack([reached[beside] - near, reached[beside] + near])).pairs(corners)
+        corners = np.delete(corners, there, axis=0)
+    if not len(corners):
+        return OutlinePoints(corners, np.zeros((0, 4), np.int64))
+    return _around(mesh, corners, float(np.sqrt(mesh.element_area[covered].min())), covered)
+
+
+def _around(mesh: Mesh, points: Floats, size: float, covered: Bools) -> OutlinePoints:
+    """Points with the covered elements around them."""
+    around = np.concatenate([np.zeros((1, 2)), _NUDGE * size * np.column_stack([np.cos(_ROUND), np.sin(_ROUND)])])
+    near = mesh.locate((points[:, None] + around).reshape(-1, 2)).elements.reshape(len(points), len(around))
+    near = np.sort(np.where((near >= 0) & covered[near], near, -1), axis=1)[:, ::-1]
+    near[:, 1:][near[:, 1:] == near[:, :-1]] = -1
+    shared = np.sort(near, axis=1)[:, :-5:-1]
+    some = shared[:, 0] >= 0
+    return OutlinePoints(points[some], shared[some])
+
+
+def _candidates(mesh: Mesh, support: Support) -> Floats:
+    """Corners (v, 2) of the area, then those of elements on its outline and where sides of elements cross it."""
+    shape = region(support.area)
+    if shape is None:
+        return np.asarray(mesh.points[np.unique(mesh.boundary[:, [0, 2]])])
+    along = _rim(shape)
+    corners = _corners(shape)
+    triples = mesh.edges_along(along)
+    if triples is not None:
+        return np.concatenate([corners, mesh.points[np.unique(triples[:, [0, 2]])]])
+    arcs = arcs_of(along.outline)
+    return np.concatenate([corners, *(arc.at(breaks(arc, mesh.points[mesh.unique_sides]))[0] for arc in arcs)])
+
+
+def _corners(shape: Region) -> Floats:
+    """Corners of a region (c, 2), and of its arcs the points farthest along x and y."""
+    if isinstance(shape, Hollow):
+        return _corners(shape.around)
+    if isinstance(shape, Circle):
+        return np.asarray(shape.center + shape.radius * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]))
+    return shape.tips if isinstance(shape, Rounded) else shape.drawn
+
+
+def _rim(shape: Region) -> Curve:
+    if isinstance(shape, Hollow):
+        return _rim(shape.around)
+    if isinstance(shape, Circle):
+        return Ring(shape.center, shape.radius)
+    points = [(x, y) for x, y in shape.drawn.tolist()]
+    return Polyline((*points, points[0]))
+
+
+def _spread(points: Floats, apart: float) -> Floats:
+    """Leave out points (v, 2) that are too near to one before them."""
+    from scipy.spatial import cKDTree
+
+    keep = np.ones(len(points), np.bool_)
+    for i, j in sorted(cKDTree(points).query_pairs(apart)):
+        keep[j] &= not keep[i]
+    return np.asarray(points[keep])
+
+
+def _off_hull(corners: Floats, points: Floats) -> Floats:
+    """Distance (v,) of points from the sides between corners (k, 2) of a hull, in order."""
+    return np.asarray(distances(points, corners, np.roll(corners, -1, axis=0)).min(axis=1))

@@ -1,35 +1,152 @@
-"""Contact points that say again what the plate is held to already."""
+"""Contact points that say again what the plate is held to already: their rows follow from others."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from signorini.base.components import components
-from signorini.discretise.dependence import SAME, followers, lengths, parallel, times, within
-from signorini.discretise.frames import Held, contradiction, rounding_of
+from signorini.discretise.held import Held, contradiction, rounding_of
 from signorini.discretise.places import region
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.supports import ContactPoints
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.model import Model
 
+SAME = 1e-12
+"""Part of a row of length one below which it is rounding: rows are right to about 1e-15, and points a billionth of an
+element from each other are two all the same."""
+_CLEAR = 1e-10
+"""Pivots of products of rows down to which these are independent beyond rounding."""
 _MOST = 10_000
 """Two-sided points between nodes; to tell which follow from others takes a dense matrix of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Followers:
+    """Rows (r,) that follow from others, each as a combination (r, g) of all rows but these."""
+
+    rows: Ints
+    combinations: csr_array
+
+    @property
+    def ties(self) -> csr_array:
+        """Independent combinations (r, g) of rows that are zero."""
+        count = len(self.rows)
+        own = csr_array((np.ones(count), (np.arange(count), self.rows)), shape=self.combinations.shape)
+        return csr_array(own - self.combinations)
+
+
+def within(rows: csr_array, dofs: Bools) -> csr_array:
+    """Rows where they are not rounding, and only on some dofs."""
+    rows = csr_array(rows, copy=True)
+    rows.data[~dofs[rows.indices] | (np.abs(rows.data) <= SAME)] = 0.0
+    rows.eliminate_zeros()
+    return rows
+
+
+def lengths(rows: csr_array) -> Floats:
+    """Lengths (m,) of rows."""
+    return np.asarray(np.sqrt(rows.multiply(rows).sum(axis=1)))
+
+
+def times(rows: csr_array, factor: Floats) -> csr_array:
+    """Rows times a number each (m,)."""
+    out = csr_array(rows, copy=True)
+    out.data *= np.repeat(factor, np.diff(out.indptr))
+    return out
+
+
+def parallel(rows: csr_array) -> tuple[Ints, Floats]:
+    """Number the directions (m,) of rows (m, n), and give their lengths along these, of either sign."""
+    # Two rows are parallel where they say the same of two fields that no row was made for.
+    fields = np.random.default_rng(0).normal(size=(rows.shape[1], 2))
+    length = lengths(rows)
+    said = (rows @ fields) / length[:, None]
+    sign = np.where(said[:, 0] < 0, -1.0, 1.0)
+    said *= sign[:, None]
+    order = np.argsort(said[:, 0], kind="stable")
+    new = np.append(True, (np.abs(np.diff(said[order], axis=0)) > SAME).any(axis=1))
+    group = np.empty(len(length), np.int64)
+    group[order] = np.cumsum(new)[: len(order)] - 1
+    return group, sign * length
+
+
+def followers(rows: csr_array) -> Followers:
+    """Find rows (g, n), of length one, that follow from others: combinations of these leave only rounding of them.
+
+    Examples
+    --------
+    >>> rows = np.array([[1.0, 0.0, 0.0], [0.6, 0.8, 0.0], [0.0, 1.0, 0.0]])
+    >>> result = followers(csr_array(rows))
+    >>> result.rows.tolist(), result.combinations.toarray().round(9).tolist()
+    ([1], [[0.6, 0.0, 0.8]])
+
+    Rows that nearly follow do not:
+
+    >>> rows[1] = [0.6, 0.8, 1e-9]
+    >>> followers(csr_array(rows)).rows.tolist()
+    []
+    """
+    some = _entangled(rows)
+    parts = [Followers(np.zeros(0, np.int64), csr_array((0, rows.shape[0])))]
+    here = rows[some]
+    products = csr_array(here @ here.T)
+    if len(some) and not _clearly_independent(products):
+        # What follows takes a while to be imported; most plates do not come here.
+        from scipy.linalg import qr, solve_triangular
+
+        near = products.tocoo()
+        label = components(len(some), *(at.astype(np.int64) for at in near.coords))
+        for part in range(int(label.max()) + 1):
+            mine = some[label == part]
+            dense = rows[mine][:, np.unique(rows[mine].indices)].toarray()
+            r, order = qr(dense.T, mode="r", pivoting=True)
+            rank = int((np.abs(np.diagonal(r)) > SAME).sum())
+            combination = solve_triangular(r[:rank, :rank], r[:rank, rank:]).T
+            combination[np.abs(combination) <= SAME] = 0.0
+            of = csr_array(combination).tocoo()
+            at = of.coords[0], mine[order[:rank]][of.coords[1]]
+            shape = len(order) - rank, rows.shape[0]
+            parts.append(Followers(mine[order[rank:]], csr_array((of.data, at), shape=shape)))
+    combinations = csr_array(vstack([part.combinations for part in parts]))
+    return Followers(np.concatenate([part.rows for part in parts]), combinations)
+
+
+def _entangled(rows: csr_array) -> Ints:
+    """Rows that remain when those go, again and again, that have a dof to themselves."""
+    pattern = csr_array((np.ones(rows.nnz), rows.indices, rows.indptr), shape=rows.shape)
+    some = np.arange(rows.shape[0])
+    while len(some):
+        here = pattern[some]
+        alone = np.bincount(here.indices, minlength=rows.shape[1]) == 1
+        stay = (here @ alone.astype(np.float64)) == 0
+        if stay.all():
+            break
+        some = some[stay]
+    return some
+
+
+def _clearly_independent(products: csr_array) -> bool:
+    """Whether no pivot of the rows' products is so small that rounding may have made it."""
+    from scipy.sparse.linalg import splu
+
+    try:
+        symmetric = {"SymmetricMode": True}
+        factor = splu(products.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
+    except RuntimeError:
+        return False
+    return bool((factor.U.diagonal() > _CLEAR).all())
 
 
 @dataclass(frozen=True, eq=False)
 class Repeated:
     """Two-sided points (r,) that follow from others, which carry the reactions of all in the equations.
 
-    Parameters
-    ----------
-    points : ContactPoints
-    follows : (r, m) array
-        Each row as a combination of the rows of contact points.
+    ``follows`` (r, m) has each row as a combination of the rows of contact points.
     """
 
     points: ContactPoints
@@ -52,12 +169,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     """Leave out points that are held at every dof, and set apart two-sided ones that follow from others.
 
     Of the latter slopes, and points of a line or area that follow from others of the same, are left out too: results
-    do not tell their reactions.
-
-    Raises
-    ------
-    InputError
-        If rigid ones at one place ask for different deflections, or contradict a held node.
+    do not tell their reactions. Rigid ones at one place that ask for different deflections are refused.
     """
     contacts = _not_held(mesh, held, contacts)
     _require_agreement(mesh, held, contacts)
@@ -70,7 +182,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
             place=("support", int(contacts.support[equations[0]])),
         )
     points = contacts.pick(equations)
-    whole = held.bodies.onto_leaders(points.rows.matrix(mesh.elements, len(held.dofs)))
+    whole = _over_dofs(mesh, held, points)
     free = within(whole, ~held.dofs)
     scale = lengths(free)
     result = followers(times(free, 1.0 / scale))
@@ -118,14 +230,12 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
         sums = np.zeros((len(groups), len(mine)))
         sums[own, np.arange(len(mine))] = scale[mine]
         zero = ties[np.flatnonzero(of_tie == label[mine[0]])][:, groups].toarray()
-        result.append(Shared(rigid[mine], null_ways(np.hstack([sums, -zero.T]))[: len(mine)]))
+        result.append(Shared(rigid[mine], null_space(np.hstack([sums, -zero.T]), SAME)[: len(mine)]))
     return result
 
 
-def null_ways(rows: Floats) -> Floats:
-    """An orthonormal basis (n, k) of what rows (m, n) make nothing of."""
-    _, values, basis = np.linalg.svd(rows)
-    return np.asarray(basis[int((values > SAME * values.max(initial=1.0)).sum()) :].T)
+def _over_dofs(mesh: Mesh, held: Held, points: ContactPoints) -> csr_array:
+    return held.bodies.onto_leaders(points.rows.matrix(mesh.elements, len(held.dofs)))
 
 
 def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools:
@@ -142,7 +252,7 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     """Leave out points whose every dof is held, unless they are compliant and pressed there."""
     if not held.dofs.any():
         return contacts
-    rows = held.bodies.onto_leaders(contacts.rows.matrix(mesh.elements, len(held.dofs)))
+    rows = _over_dofs(mesh, held, contacts)
     fixed = ~((abs(rows) > SAME) @ ~held.dofs)
     beyond = rows @ held.values - contacts.distance
     beyond[contacts.two_sided] = np.abs(beyond[contacts.two_sided])
@@ -152,16 +262,12 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
         first = int(np.argmax(wrong))
         by = held.support[rows[[first]].indices].max()
         raise contradiction(contacts.positions[first], mesh.size, by, contacts.support[first], float(beyond[first]))
-    return contacts.pick(~fixed | _with_its_other_way(contacts, fixed & pressed))
-
-
-def _with_its_other_way(contacts: ContactPoints, which: Bools) -> Bools:
-    """Mark, beside the rows marked, those of the same points' travel the other way."""
-    if not which.any():
-        return which
+    if not (fixed & pressed).any():
+        return contacts.pick(~fixed)
+    # Beside those pressed stay those of the same points' travel the other way.
     spots = np.column_stack([contacts.support, contacts.slope, contacts.positions])
     _, spot = np.unique(spots, axis=0, return_inverse=True)
-    return np.isin(spot, spot[which])
+    return contacts.pick(~fixed | np.isin(spot, spot[fixed & pressed]))
 
 
 def _rounding(mesh: Mesh, held: Held, contacts: ContactPoints) -> Floats:
@@ -178,7 +284,7 @@ def _require_agreement(mesh: Mesh, held: Held, contacts: ContactPoints) -> None:
     rigid = contacts.pick(contacts.compliance == 0)
     if not len(rigid):
         return
-    whole = held.bodies.onto_leaders(rigid.rows.matrix(mesh.elements, len(held.dofs)))
+    whole = _over_dofs(mesh, held, rigid)
     group, scale = parallel(within(whole, ~held.dofs))
     level = (rigid.distance - whole @ held.values) / scale
     count = int(group.max()) + 1
@@ -220,10 +326,8 @@ def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: 
         gap = support.gap(*at[inside].T, at_least=0.0, place=(*place, "gap"))
         most = np.where(support.resists == "up", np.inf, settlement + gap)
         least = np.where(support.resists == "down", -np.inf, settlement - gap)
-        beyond = np.maximum(
-            np.where(above[inside], least - value[inside], -np.inf),
-            np.where(below[inside], value[inside] - most, -np.inf),
-        )
+        too_low = np.where(above[inside], least - value[inside], -np.inf)
+        beyond = np.maximum(too_low, np.where(below[inside], value[inside] - most, -np.inf))
         if (beyond > rounding).any():
             first = int(np.argmax(beyond))
             one, other = sorted((index, int(who[inside[first]])))

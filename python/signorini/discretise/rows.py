@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, fields
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -87,10 +87,8 @@ class Rows:
         if not len(further.owners):
             return matrix
         behind = _matrix(further.elements, further.coefficients, elements, size)
-        owned = csr_array(
-            (np.ones(len(further.owners)), (further.owners, np.arange(len(further.owners)))),
-            shape=(len(self), len(further.owners)),
-        )
+        count = len(further.owners)
+        owned = csr_array((np.ones(count), (further.owners, np.arange(count))), shape=(len(self), count))
         return csr_array(matrix + owned @ behind)
 
     @staticmethod
@@ -102,11 +100,9 @@ class Rows:
             np.concatenate([np.zeros(0, np.int64), *(part.elements for part in parts)]),
             np.concatenate([np.zeros((0, 24)), *(part.coefficients for part in parts)]),
             Further(
-                np.concatenate(
-                    [np.zeros(0, np.int64), *(start + f.owners for start, f in zip(starts, further, strict=False))]
-                ),
-                np.concatenate([np.zeros(0, np.int64), *(f.elements for f in further)]),
-                np.concatenate([np.zeros((0, 24)), *(f.coefficients for f in further)]),
+                np.concatenate([np.zeros(0, np.int64), *map(np.add, starts, (one.owners for one in further))]),
+                np.concatenate([np.zeros(0, np.int64), *(one.elements for one in further)]),
+                np.concatenate([np.zeros((0, 24)), *(one.coefficients for one in further)]),
             ),
         )
 
@@ -123,3 +119,36 @@ def _matrix(owners: Ints, coefficients: Floats, elements: Ints, size: int) -> cs
     matrix = csr_array((values.ravel(), dofs.take(owners, axis=0).ravel(), starts), shape=(len(owners), size))
     matrix.eliminate_zeros()
     return matrix
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Arrays, or rows, of equal length, one entry a row."""
+
+    def __len__(self) -> int:
+        """Count the rows."""
+        return len(getattr(self, fields(self)[0].name))
+
+    def pick(self, which: Bools | Ints) -> Self:
+        """Keep the rows marked; where that is every one, no copy is made."""
+        if which.dtype == np.bool_ and which.all():
+            return self
+        return type(self)(*(getattr(self, one.name)[which] for one in fields(self)))
+
+    @classmethod
+    def join(cls, parts: Sequence[Self]) -> Self:
+        """Put tables behind one another; of one that is not empty no copy is made."""
+        filled = [part for part in parts if len(part)]
+        if len(filled) == 1:
+            return filled[0]
+        columns: list[list[Any]] = [[getattr(part, one.name) for part in parts] for one in fields(cls)]
+        return cls(*(Rows.join(each) if isinstance(each[0], Rows) else np.concatenate(each) for each in columns))
+
+
+def null_space(rows: Floats, rounding: float) -> Floats:
+    """Basis (n, k) of what rows (m, n) take to less than this part of their largest singular value, or of one."""
+    if not len(rows):
+        return np.eye(rows.shape[1])
+    # The triangle has the rows' products, few of them, and keeps small singular values.
+    _, values, basis = np.linalg.svd(np.linalg.qr(rows, mode="r"))
+    return np.asarray(basis[int((values > rounding * values.max(initial=1.0)).sum()) :].T)

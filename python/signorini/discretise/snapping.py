@@ -34,14 +34,9 @@ _Numbers = TypeVar("_Numbers", bound=tuple[float, ...])
 class Snapped(NamedTuple):
     """A point, a corner, a circle or a rectangle that was moved.
 
-    Parameters
-    ----------
-    what : str
-        Where it stands in the input, such as ``support[2].line[1]``.
-    begin, end : tuple of float
-        [x, y] before and after; of a circle [x, y, radius], of a rectangle [x0, y0, x1, y1].
-    onto : str
-        An edge of the plate, or what stands elsewhere in the input.
+    ``what`` says where it stands in the input, such as ``support[2].line[1]``; ``begin`` and ``end`` are [x, y] before
+    and after, of a circle [x, y, radius], of a rectangle [x0, y0, x1, y1]. ``onto`` is an edge of the plate, or what
+    stands elsewhere in the input.
     """
 
     what: str
@@ -65,27 +60,7 @@ def snapped(model: Model, mesh: Mesh | None = None) -> tuple[Model, tuple[Snappe
     First come the edges of the plate, of a plate from a file those of its mesh, then supports, zones and loads in the
     order of the input. A point or corner moves onto a corner of what comes before it, else onto a side of anything
     else; a circle becomes one that comes before it. Nothing moves farther than ``mesh.snap``, but into a corner of the
-    plate from beside both of its sides.
-
-    Raises
-    ------
-    InputError
-        If a line or an area comes to nothing.
-
-    Examples
-    --------
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [6, 4], "thickness": 0.2},
-    ...     mesh={"snap": 0.005},
-    ...     support=[{"edge": "top"}, {"line": [[2, 0.004], [3, 3.997]]}, {"at": [5, 3.998], "resists": "down"}],
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> moved, what = snapped(model)
-    >>> moved.support[1].line, moved.support[2].at
-    (((2.0, 0.0), (3.0, 4.0)), ((5.0, 4.0),))
-    >>> what[0]
-    Snapped(what='support[2].line[1]', begin=(2.0, 0.004), end=(2.0, 0.0), onto='bottom')
+    plate from beside both of its sides. A line or an area that comes to nothing is refused.
     """
     if not model.mesh.snap:
         return model, ()
@@ -252,11 +227,10 @@ class _Onto:
 
     def _corner(self, at: Point) -> tuple[Point, str]:
         """The corner, or else the place on a side, that a point moves onto, and what has it."""
-        edges = [one for one in _nearest(at, self.plate, "sides") if one[0] <= self.reach]
         # What is near two edges of the plate is near their corner.
-        reach = self.reach * (math.sqrt(2.0) if len(edges) > 1 else 1.0)
-        corners = [one for one in _nearest(at, self.plate, "corners") if one[0] <= reach]
-        before = [one for one in _nearest(at, self.before, "corners") if one[0] <= self.reach]
+        several = len(self._near(at, self.plate, "sides")) > 1
+        corners = self._near(at, self.plate, "corners", math.sqrt(2.0) if several else 1.0)
+        before = self._near(at, self.before, "corners")
         if not (corners or before):
             return self._side(at)
         _, place, name = min(corners, default=None) or before[0]
@@ -264,26 +238,25 @@ class _Onto:
 
     def _side(self, at: Point) -> tuple[Point, str]:
         """The place on a side that a point moves onto, and what has it; the point itself where there is none."""
-        behind = [one for one in self.behind if one.corners.nearest(np.array([at]))[1][0] > self.reach]
-        edges = [one for one in _nearest(at, self.plate, "sides") if one[0] <= self.reach]
-        others = [one for one in _nearest(at, [*self.before, *behind], "sides") if one[0] <= self.reach]
+        behind = [one for one in self.behind if not self._near(at, [one], "corners")]
+        edges, others = self._near(at, self.plate, "sides"), self._near(at, [*self.before, *behind], "sides")
         if not (edges or others):
             return at, ""
         _, place, name = min(edges, default=None) or others[0]
         return place, name
 
+    def _near(
+        self, at: Point, targets: Iterable[_Target], what: Literal["corners", "sides"], reaches: float = 1.0
+    ) -> list[tuple[float, Point, str]]:
+        """How far corners or sides of targets within reach of a point are, the nearest place of each, and its name."""
+        result = []
+        for target in targets:
+            (place,), (apart,) = getattr(target, what).nearest(np.array([at]))
+            if apart <= self.reach * reaches:
+                result.append((float(apart), (float(place[0]), float(place[1])), target.name))
+        return result
+
     def _comes_to_nothing(self, path: Place) -> InputError:
         return InputError(
             f"With mesh.snap = {self.reach:g} it comes to nothing. Take less, or draw it where it is to be.", place=path
         )
-
-
-def _nearest(
-    at: Point, targets: Iterable[_Target], what: Literal["corners", "sides"]
-) -> list[tuple[float, Point, str]]:
-    """How far the corners or sides of each target are from a point, the place of them that is nearest, and its name."""
-    result = []
-    for target in targets:
-        (place,), (apart,) = getattr(target, what).nearest(np.array([at]))
-        result.append((float(apart), (float(place[0]), float(place[1])), target.name))
-    return result

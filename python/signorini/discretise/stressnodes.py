@@ -37,13 +37,6 @@ class Sides:
         """Of numbers (..., k, f) of every side the largest in size of each point: (..., q, f).
 
         Of two that are alike in size, but for rounding, it is the positive one.
-
-        Examples
-        --------
-        >>> nowhere = Location(np.zeros(3, np.int64), np.zeros((3, 2)))
-        >>> Sides(np.array([0, 0, 1]), nowhere).larger(np.array([[1.0, 5.0], [-2.0, 3.0], [4.0, 4.0]]))
-        array([[-2.,  5.],
-               [ 4.,  4.]])
         """
         first = np.flatnonzero(np.diff(self.point, prepend=-1))
         if len(first) == len(self.point):
@@ -60,17 +53,9 @@ class Sides:
 class StressNodes(Remade):
     """Nodes of moments and shears: the mesh's (n,), and behind them further ones (d,) on jumps.
 
-    Parameters
-    ----------
-    mesh : Mesh
-    further : (d,) int array
-        The mesh's node that each further one is at: for every node on a jump there is one for each further side.
-    around : (k,) int array
-        Elements that have any of them.
-    rows : (k, 8) int array
-        The nodes of these elements.
-    left_out : (ne,) bool array
-        Elements whose values count in no extreme and no scale of colours: rigid ones, and of zones that say so.
+    ``further`` (d,) is the mesh's node that each further one is at: for every node on a jump there is one for each
+    further side. ``around`` (k,) are elements that have any of them, ``rows`` (k, 8) the nodes of these. Elements (ne,)
+    that are ``left_out`` count in no extreme and no scale of colours: rigid ones, and of zones that say so.
     """
 
     mesh: Mesh
@@ -127,29 +112,12 @@ class StressNodes(Remade):
         return Sides(*self.mesh.holding(positions))
 
 
-def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints] = (), rigid: Bools | None = None) -> StressNodes:
+def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints], rigid: Bools) -> StressNodes:
     """Part nodes on jumps: elements around a node that meet in sides without a jump have it in common.
 
     Moments and shears jump where what the plate is made of does, at rigid elements (ne,), shears along sides (k, 3) of
     supports and of loads, moments where such a support holds a slope.
-
-    Examples
-    --------
-    >>> from signorini.errors import Problems
-    >>> from signorini.mesh.meshers import rectangle
-    >>> from signorini.model import Model
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 2], "thickness": 0.2},
-    ...     zone=[{"area": {"rectangle": [2, 0, 4, 2]}, "thickness": 0.4}],
-    ...     load=[{"pressure": 1e3}],
-    ... )
-    >>> mesh = rectangle((0.0, 0.0), (4.0, 2.0), (2, 1))
-    >>> result = stress_nodes_of(mesh, Zones.of(model, mesh, Problems()))
-    >>> mesh.node_count, mesh.points[result.nodes[13:]].tolist()
-    (13, [[2.0, 0.0], [2.0, 1.0], [2.0, 2.0]])
     """
-    rigid = np.zeros(len(mesh.elements), np.bool_) if rigid is None else rigid
     own = replace(StressNodes.of_mesh(mesh), left_out=rigid | zones.without_extremes)
     on_lines = np.concatenate([np.zeros(0, np.int64), *(sides[:, 1] for sides in along)])
     if not zones.model.zone and not any(level.jumps for level in zones.formulas[0].levels) and not len(on_lines):

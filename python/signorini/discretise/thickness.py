@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.quadrature.stepped import Cut, crossed, cut_by, sides_of
-from signorini.discretise.rigidity import Rigidity
+from signorini.discretise.quadrature import Quadrature
+from signorini.discretise.quadrature.stepped import Cut, among, crossed, cut_by, sides_of
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.zones import Zones
+from signorini.discretise.zones import Rigidity, Zones
 from signorini.errors import InputError, point
 from signorini.mesh import Mesh
 
@@ -68,14 +69,27 @@ class Thickness:
         return float(self.at_points[0, 0]) if self.at_points.size == 1 else self.at_points
 
 
-def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
-    """Evaluate the thickness.
+@dataclass(frozen=True, eq=False)
+class PlateStiffness:
+    """How stiff the plate is by element (ne,): per area, against waves two elements long, and per point, in shear."""
 
-    Raises
-    ------
-    InputError
-        If it is not that of a plate somewhere; the message names the place.
-    """
+    in_waves: Floats
+    in_shear: Floats
+
+    @classmethod
+    def of(cls, mesh: Mesh, zones: Zones, thickness: Floats) -> Self:
+        """Take the thickness (ne, p) at the points of the elements' integrals, or (1, 1)."""
+        h = np.broadcast_to(thickness.mean(axis=1), len(mesh.elements))
+        number = zones.of_elements.rigidity
+        unit = np.array([[rigidity.in_waves, rigidity.in_shear] for rigidity in zones.rigidities])[number]
+        bending, shear = unit[:, 0] * h**3, unit[:, 1] * h
+        # sin(πx/a) sin(πy/a), with a² the element's area.
+        wave = 2.0 * np.pi**2 / mesh.element_area
+        return cls(1.0 / (1.0 / (bending * wave**2) + 1.0 / (shear * wave)), shear)
+
+
+def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
+    """Evaluate the thickness, which is refused where it is not that of a plate."""
     formulas, kind = zones.formulas, zones.model.plate.element
     cut_by_zones = zones.parted.any(axis=0)
     if not cut_by_zones.any() and all(formula.is_constant for formula in formulas):
@@ -98,9 +112,8 @@ def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
     elements = np.flatnonzero(across.any(axis=0) | cut_by_zones)
     if not len(elements):
         return Thickness(at_points, nominal)
-    levels = [level for level, by_element in zip(levels, across, strict=True) if by_element.any()]
-    cut = cut_by(mesh, elements, levels, _ORDER, quarter=True)
-    inside = _evaluated(zones, mesh, cut.elements, cut.positions)[:2]
+    cut = cut_by(mesh, elements, among(levels, across), _ORDER, quarter=True)
+    inside = _evaluated(zones, mesh, cut.points.elements, cut.points.positions)[:2]
     fronts = _jumps(zones, mesh, cut)
     jumping = np.unique(fronts.elements)
     sections = _sections(zones.rigidities, mesh, xi[jumping], jumping, cut, inside, fronts)
@@ -116,15 +129,11 @@ def _crossing(zones: Zones, mesh: Mesh) -> tuple[list[Callable[[Floats], Floats]
         sought.append(([level for level in formula.levels if level.jumps], mine))
     for zone, some in zip(zones.model.zone, zones.parted, strict=True):
         sought.append((sides_of(zone.region), some))
-    levels = [level for of, _ in sought for level in of]
-    return levels, np.concatenate([_crossed_among(mesh, some, of) for of, some in sought])
-
-
-def _crossed_among(mesh: Mesh, some: Bools, levels: Sequence[Callable[[Floats], Floats]]) -> Bools:
-    """Which elements (levels, ne) each of the levels crosses, of some (ne,) of them."""
-    result = np.zeros((len(levels), len(some)), np.bool_)
-    result[:, some] = crossed(mesh, np.flatnonzero(some), levels)
-    return result
+    across = []
+    for of, some in sought:
+        across.append(np.zeros((len(of), len(some)), np.bool_))
+        across[-1][:, some] = crossed(mesh, np.flatnonzero(some), of)
+    return [level for of, _ in sought for level in of], np.concatenate(across)
 
 
 def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tuple[Floats, Ints, Floats]:
@@ -198,7 +207,7 @@ def _sections(
     place = np.searchsorted(elements, fronts.elements)
     weights = fronts.weights / np.bincount(place, fronts.weights, len(elements))[place]
     used, number = np.unique(inside[1], return_inverse=True)
-    means = _quarter_means(mesh, xi, elements, cut, inside[0], number)
+    means = _quarter_means(mesh, xi, elements, cut.points, inside[0], number)
     own = [rigidities[i] for i in used]
     b = _laminate(means, 3, np.array([one.bending for one in own]), bent, place, weights)
     s = _laminate(means, 1, np.array([one.shear for one in own]), n, place, weights)
@@ -207,7 +216,7 @@ def _sections(
 
 
 def _quarter_means(
-    mesh: Mesh, xi: Floats, elements: Ints, cut: Cut, thickness: Floats, number: Ints
+    mesh: Mesh, xi: Floats, elements: Ints, cut: Quadrature, thickness: Floats, number: Ints
 ) -> Callable[[int], Floats]:
     """Mean of a power of the thickness over the quarters around each point (k, p, 2) of the elements.
 
@@ -234,18 +243,9 @@ def _laminate(
 ) -> Floats:
     """Rigidities (k, p, d, d): the mean along the step; across it, the inverse of the mean of inverses.
 
-    Parameters
-    ----------
-    means : function
-        Means (m, k, p) of a power of the thickness.
-    power : int
-        That with which the rigidities go.
-    plates : (m, d, d) array
-        Rigidities of the materials at thickness 1.
-    strains : (f, d) array
-        Across each front.
-    place, weights : (f,) arrays
-        Its element, and how much it counts there.
+    ``means`` are those (m, k, p) of a power of the thickness; rigidities ``plates`` (m, d, d) of the materials at
+    thickness 1 go with that ``power``. ``strains`` (f, d) are across each front, which is at a place among the elements
+    and counts there by its weight.
     """
     along, part, inverse = means(power), means(0), means(-power)
     mean = np.einsum("mkp,mij->kpij", along, plates)

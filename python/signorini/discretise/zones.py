@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
@@ -10,16 +11,15 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from signorini.discretise.places import in_area
+from signorini.discretise.quadrature.lines import Segment, arcs_of
 from signorini.discretise.quadrature.stepped import sides_of
-from signorini.discretise.rigidity import Rigidity
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import Place, Problems
 from signorini.expression import Expression
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import CENTROID
 from signorini.model import Material, Model
-from signorini.model.material import Stiffness
-from signorini.shapes.contours import along_side
+from signorini.model.material import Modifiers, Stiffness
 from signorini.shapes.outlines import Outline
 
 _SLIVER = 0.01
@@ -31,6 +31,86 @@ _NARROW = 0.05
 """Width of a strip, over the side of an element, that may be less than a sliver of it; of a flat element too."""
 _BESIDE = 1e-6
 """Part of the plate's size beside a border at which it is looked what there is."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rigidity:
+    """Rigidities of a plate of thickness 1.
+
+    ``bending`` (3, 3) makes [mxx, myy, mxy] of [κxx, κyy, 2κxy] and goes with the thickness cubed; ``shear`` (2, 2)
+    makes [qx, qy] of [γx, γy] and goes with the thickness.
+    """
+
+    bending: Floats
+    shear: Floats
+
+    @classmethod
+    def isotropic(cls, E: float, nu: float, factor: float) -> Self:
+        """Take Young's modulus, Poisson's ratio and the shear correction factor."""
+        d = E / (12 * (1 - nu**2))
+        bending = d * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, 0.5 * (1 - nu)]])
+        return cls(bending, factor * E / (2 * (1 + nu)) * np.eye(2))
+
+    @classmethod
+    def made_of(cls, material: Material, factor: float, modifiers: Modifiers) -> Self:
+        """Take a material's, those of an orthotropic one turned from its axes to x and y."""
+        if material.E is not None and material.nu is not None:
+            return cls.isotropic(material.E, material.nu, factor).modified(modifiers)
+        axes = material.axes
+        stiffer = axes.Ey / axes.Ex
+        d = axes.Ex / (12 * (1 - axes.nu_xy**2 * stiffer))
+        coupled, twist = d * axes.nu_xy * stiffer, axes.Gxy / 12
+        bending = np.array([[d, coupled, 0], [coupled, d * stiffer, 0], [0, 0, twist]])
+        return cls(bending, factor * np.diag([axes.Gxz, axes.Gyz])).modified(modifiers).turned(axes.angle)
+
+    @classmethod
+    def given(cls, by: Stiffness, thickness: float, modifiers: Modifiers) -> Self:
+        """Take those of a section that has a thickness, turned from its axes to x and y.
+
+        Examples
+        --------
+        >>> from signorini.model.material import Modifiers, Stiffness
+        >>> ribbed = Stiffness(Dx=8.0, Dy=1.6, D1=0.8, Dxy=0.4, Sx=6.0, Sy=2.0, angle=90)
+        >>> Rigidity.given(ribbed, 2.0, Modifiers()).for_core.round(12).tolist()
+        [0.2, 0.1, 0.0, 1.0, 0.0, 0.05, 1.0, 0.0, 3.0]
+        """
+        bending = np.array([[by.Dx, by.D1, 0], [by.D1, by.Dy, 0], [0, 0, by.Dxy]]) / thickness**3
+        return cls(bending, np.diag([by.Sx, by.Sy]) / thickness).modified(modifiers).turned(by.angle)
+
+    def turned(self, degrees: float) -> Self:
+        """Turn from axes of their own, the first by so many degrees from x, to x and y."""
+        c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+        turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+        ahead = np.array([[c, s], [-s, c]])
+        return type(self)(turn.T @ self.bending @ turn, ahead.T @ self.shear @ ahead)
+
+    def modified(self, by: Modifiers) -> Self:
+        """Multiply by the plate's factors of bending, twist and shear."""
+        bending = by.bending * self.bending
+        bending[2, 2] = by.twist * self.bending[2, 2]
+        return type(self)(bending, by.shear * self.shear)
+
+    @property
+    def for_core(self) -> Floats:
+        """The rigidities (9,) as `_core.Plate` takes them."""
+        return np.concatenate([self.bending[np.triu_indices(3)], self.shear[np.triu_indices(2)]])
+
+    @property
+    def in_waves(self) -> float:
+        """Rigidity in bending against waves sin(x) sin(y); D of an isotropic plate."""
+        b = self.bending
+        return float((b[0, 0] + 2 * (b[0, 1] + 2 * b[2, 2]) + b[1, 1]) / 4)
+
+    @property
+    def in_twist(self) -> float:
+        """Mean rigidity in twist of all directions."""
+        b = self.bending
+        return float((b[0, 0] + b[1, 1] - 2 * b[0, 1] + 4 * b[2, 2]) / 8)
+
+    @property
+    def in_shear(self) -> float:
+        """Mean rigidity in shear of all directions."""
+        return float(self.shear.trace() / 2)
 
 
 class Made(NamedTuple):
@@ -49,19 +129,11 @@ class Made(NamedTuple):
 class Zones:
     """The zones of a model on a mesh.
 
-    Parameters
-    ----------
-    model : Model
-    inside, parted : (z, ne) bool arrays
-        Elements in each zone, of those that its border parts by their middles; and those that it parts.
-    rigidities : tuple of Rigidity
-        The plate's, and what others there may be.
-    young : (r,) array
-        The largest Young's modulus of each.
-    equivalent : (r,) array
-        Thickness of a solid plate that is as stiff as a section given by its stiffness; NaN of solid ones.
-    number : (2z + 2, z + 1) int array
-        Which rigidities a section, see `Made`, has with the modifiers of a zone or the plate.
+    ``inside`` and ``parted`` (z, ne) are elements in each zone, those that its border parts by their middles, and those
+    that it parts. ``rigidities`` are the plate's, and what others there may be; ``young`` (r,) their largest Young's
+    moduli, ``equivalent`` (r,) the thickness of a solid plate that is as stiff as a section given by its stiffness, NaN
+    of solid ones. ``number`` (2z + 2, z + 1) says which of them a section, see `Made`, has with the modifiers of a zone
+    or the plate.
     """
 
     model: Model
@@ -217,23 +289,15 @@ class Zones:
 
 def _along(outline: Outline, step: float) -> tuple[Floats, Floats]:
     """Points (q, 2) along an outline, not farther apart than a step, and normals (q, 2)."""
-    points, normals = [np.zeros((0, 2))], [np.zeros((0, 2))]
-    for begin, end in outline.segments:
-        length = float(np.hypot(*(end - begin)))
-        count = int(np.ceil(length / step))
-        points.append(begin + (np.arange(count)[:, None] + 0.5) / count * (end - begin))
-        normals.append(np.tile([(end - begin)[1] / length, (begin - end)[0] / length], (count, 1)))
-    for x, y, radius in outline.circles:
-        count = 8 + int(np.ceil(2.0 * np.pi * radius / step))
-        turn = 2.0 * np.pi * (np.arange(count) + 0.5) / count
-        normals.append(np.column_stack([np.cos(turn), np.sin(turn)]))
-        points.append((x, y) + radius * normals[-1])
-    for (a, m, b), (x, y, radius) in zip(
-        outline.arcs.tolist(), outline.whole_circles[len(outline.circles) :].tolist(), strict=True
-    ):
-        points.append(along_side(a, m, b)[1:])
-        normals.append((points[-1] - (x, y)) / radius)
-    return np.concatenate(points), np.concatenate(normals)
+    points, tangents = [np.zeros((0, 2))], [np.zeros((0, 2))]
+    for arc in arcs_of(outline):
+        count = math.ceil(arc.length / step) + (0 if isinstance(arc, Segment) else 8)
+        for values, found in zip(
+            (points, tangents), arc.at(arc.length * (np.arange(count) + 0.5) / count), strict=True
+        ):
+            values.append(found)
+    along = np.concatenate(tangents)
+    return np.concatenate(points), np.column_stack([along[:, 1], -along[:, 0]])
 
 
 def _sections(model: Model) -> dict[int, Material | Stiffness]:

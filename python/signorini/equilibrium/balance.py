@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini.discretise import Discretisation
-from signorini.discretise.outlines import outline
-from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.places import outline
+from signorini.discretise.rows import Floats, Ints, null_space
 from signorini.errors import InputError, point
 from signorini.shapes.hull import hull
 
@@ -30,12 +30,7 @@ _MOST_NUMBERS = 1 << 20
 class Bearing:
     """Places at which one-sided supports act, of many that act the same way the corners of their hull.
 
-    Parameters
-    ----------
-    positions : (k, 2) array
-    moves : (k, d) array
-        How far each of the free rigid motions presses the plate into the support there.
-    support : (k,) array
+    ``moves`` (k, d) is how far each of the free rigid motions presses the plate into the support there.
     """
 
     positions: Floats
@@ -47,22 +42,12 @@ class Bearing:
 class RigidFreedom:
     """What the bilateral supports leave free.
 
-    Parameters
-    ----------
-    motions : (3, d) array
-        Basis of the free rigid motions; components are w, and the slopes times the plate's size, about its middle.
-    moves : (m, d) array
-        How each contact point's row changes with them; two-sided points are among the bilateral supports.
-    outline : Bearing
-        The outlines of one-sided supports: they decide whether the plate can be balanced.
-    on_mesh : Bearing
-        Their contact points: they decide whether the mesh can show it.
-    regular : bool
-        Whether held dofs and springs alone hold the plate, so that K has an inverse.
-    unheld : (3, h) array
-        Basis of the motions that held dofs alone leave free.
-    of_springs, at_contacts : (s, 3), (m, 3) arrays
-        What springs and contact points do in the three motions w, and slopes times the plate's size.
+    ``motions`` (3, d) are a basis of the free rigid motions, as w and the slopes times the plate's size, about its
+    middle; ``moves`` (m, d) how each contact point's row changes with them, two-sided points being among the bilateral
+    supports. The ``outline`` of one-sided supports decides whether the plate can be balanced, their contact points
+    ``on_mesh`` whether the mesh can show it. K is ``regular`` where held dofs and springs alone hold the plate;
+    ``unheld`` (3, h) are motions that held dofs alone leave free. ``of_springs`` (s, 3) and ``at_contacts`` (m, 3) is
+    what springs and contact points do in the three motions.
     """
 
     motions: Floats
@@ -83,14 +68,11 @@ class RigidFreedom:
 def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     """Find the rigid motions that held dofs, springs and two-sided points leave free.
 
-    Raises
-    ------
-    InputError
-        If a motion meets no support at all, one-sided ones included: the plate is a mechanism.
+    A mechanism is refused: a motion that meets no support at all, one-sided ones included.
     """
     contacts = discretisation.contacts
     size = discretisation.mesh.size
-    scaled = discretisation.rigid_motions / np.array([1.0, size, size])
+    scaled = discretisation.scaled_motions
     at_contacts, of_springs = discretisation.contact_rows @ scaled, discretisation.spring_rows @ scaled
     at_contacts[contacts.slope] *= size
     # A held slope is compared with slopes times the plate's size.
@@ -99,9 +81,9 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
         * np.tile([1.0, size, size], discretisation.mesh.node_count)[discretisation.held.dofs, None]
     )
     in_stiffness = np.vstack([held, of_springs])
-    motions = _null_space(np.vstack([in_stiffness, at_contacts[contacts.two_sided]]))
+    motions = null_space(np.vstack([in_stiffness, at_contacts[contacts.two_sided]]), RANK)
     moves = at_contacts @ motions
-    loose = motions @ _null_space(moves) if motions.size else np.zeros((3, 0))
+    loose = motions @ null_space(moves, RANK) if motions.size else np.zeros((3, 0))
     if loose.size:
         raise InputError(
             f"Nothing holds the plate against this motion: {_name_motion(loose, discretisation)}. "
@@ -110,8 +92,8 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
         )
     one_sided = contacts.pick(~contacts.two_sided)
     on_mesh = _bearing(discretisation, motions, one_sided.positions, one_sided.direction, one_sided.support)
-    regular = _null_space(in_stiffness).shape[1] == 0
-    rows = (_null_space(held), of_springs, at_contacts)
+    regular = null_space(in_stiffness, RANK).shape[1] == 0
+    rows = (null_space(held, RANK), of_springs, at_contacts)
     return RigidFreedom(motions, moves, _outlines(discretisation, motions), on_mesh, regular, *rows)
 
 
@@ -143,15 +125,6 @@ def _bearing(
     which = np.concatenate(deciding)
     at = np.column_stack([np.ones(len(which)), (positions[which] - discretisation.middle) / discretisation.mesh.size])
     return Bearing(positions[which], directions[which, None] * (at @ motions), supports[which])
-
-
-def _null_space(rows: Floats) -> Floats:
-    if not len(rows):
-        return np.eye(rows.shape[1])
-    # The Gram matrix has at most three columns, whatever the number of rows; QR keeps the small singular values.
-    _, values, basis = np.linalg.svd(np.linalg.qr(rows, mode="r"))
-    rank = int((values > RANK * max(1.0, values[0])).sum()) if len(values) else 0
-    return np.asarray(basis[rank:].T)
 
 
 def _name_motion(loose: Floats, discretisation: Discretisation) -> str:
@@ -212,8 +185,7 @@ def load_size(discretisation: Discretisation, nodal: Floats) -> float:
 
 def work_of(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats:
     """Work (d,) of a nodal load on the free motions."""
-    size = discretisation.mesh.size
-    return np.asarray((discretisation.rigid_motions.T @ nodal / np.array([1.0, size, size])) @ freedom.motions)
+    return np.asarray((discretisation.scaled_motions.T @ nodal) @ freedom.motions)
 
 
 def allowed_motions(bearing: Bearing) -> Floats:

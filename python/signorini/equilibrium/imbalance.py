@@ -1,24 +1,31 @@
-"""Whether reactions exist that balance a load: decided on the plate as a rigid body, before anything is factorized.
+"""Whether reactions exist that balance a load, and how near a load is to the end of its equilibrium.
 
-Reactions of one-sided supports have a sign, so by Farkas' lemma they balance the load exactly if no rigid motion that
-every support allows lets the load do work. The motion with the most work is found by a linear program in at most
-three unknowns. Supports reach as far as their outlines, whatever the mesh.
+It is decided on the plate as a rigid body, before anything is factorized. Reactions of one-sided supports have a sign,
+so by Farkas' lemma they balance the load exactly if no rigid motion that every support allows lets the load do work.
+The motion with the most work is found by a linear program in at most three unknowns. Supports reach as far as their
+outlines, whatever the mesh. A plate tips about the line of the allowed motion with the most work for its turning: that
+work is the moment that is short, by duality the least couple with which reactions would balance the load.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
+from scipy.sparse import csr_array, hstack, vstack
 
 from signorini.base.linear_program import minimise
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.equilibrium.balance import RANK, Bearing, RigidFreedom, allowed_motions, load_size, work_of
-from signorini.equilibrium.tipping import steepest
-from signorini.errors import InputError, point
+from signorini.errors import InputError, length, point
+from signorini.model import Combination
 
+_UP_AND_DOWN = 1e-5
+"""What moving up and down counts for beside turning by as much: little, so that of equal turns the nearest is found."""
+_HOLDS = 1e-9
+"""Part of the largest reaction, and of the motion, that is rounding."""
 WORK = 1e-10
 """Work below this part of the load times the motion is rounding."""
 _COARSE = 1e-5
@@ -27,6 +34,21 @@ _CLOSED = 1e-7
 """Part of the largest opening below which a point stays closed as the plate tips."""
 _LIFTS = 1e-9
 """Part of the plate's size below which a motion of unit turning lifts the plate nowhere."""
+_MOST_HINGES = 4
+"""Points of a support that a plate tips about."""
+_MOST = 1e6
+"""Times a case's factor beyond which it counts as without limit."""
+_ALIKE = 1e-9
+"""Ratio of limits, less one, that is rounding."""
+_OVERLAP = 1e-7
+"""Part of the largest travel by which rigid supports must overlap to contradict each other."""
+_BRINK = 1e-9
+"""Part of the load that must be to spare at every support for the plate not to be on the brink."""
+CONTRADICTION = (
+    "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and settlements. "
+    "Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
+)
+"""What there is to say where `supports_contradict`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,22 +78,11 @@ class Holding:
 class Imbalance:
     """Why no reactions balance a load: it moves the plate off all its supports, or tips it about a line.
 
-    Parameters
-    ----------
-    resultant : float
-        Sum of the load's forces, positive down.
-    way : "up", "down" or None
-        Which way the plate moves off its supports; None where it tips.
-    axis : Axis or None
-        The line about which it tips, if it does.
-    moment : float
-        The moment that is short about that line.
-    hinges, supports : (k, 2) and (k,) arrays
-        Points of the supports' outlines on the line, and whose they are.
-    holding : Holding or None
-        What would hold the plate; None if no force at one point does.
-    limit : (case, factor) or None
-        A case of a combination that at this factor on top of its own would just let it stand.
+    ``resultant`` is the sum of the load's forces, positive down; ``way`` the way in which the plate moves off its
+    supports, or ``axis`` the line about which it tips, ``moment`` what is short about it. ``hinges`` (k, 2) are points
+    of the supports' outlines on the line, ``supports`` (k,) whose they are. ``holding`` is None if no force at one
+    point holds the plate; ``limit`` is a case of a combination and the factor on top of its own at which it would just
+    stand.
     """
 
     resultant: float
@@ -87,26 +98,7 @@ class Imbalance:
 def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
     """Find out why no reactions balance a nodal load (3n,); None where they exist.
 
-    Raises
-    ------
-    InputError
-        If they exist, but the contact points of the mesh do not reach as far as they act.
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> from signorini.equilibrium.balance import rigid_freedom
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     support=[{"at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
-    ...     load=[{"force": 20e3, "at": [4, 2]}],
-    ... )
-    >>> result = discretise(model)
-    >>> why = imbalance(result, rigid_freedom(result), result.cases["load"].weighing)
-    >>> round(why.moment, 6), round(why.axis.offset, 9), why.hinges.tolist()
-    (20000.0, -3.0, [[3.0, 1.0], [3.0, 3.0]])
+    Where they exist, but the contact points of the mesh do not reach as far as they act, the load is refused.
     """
     if way := _lifting(discretisation, freedom, nodal):
         down, mx, my = (float(part) for part in discretisation.rigid_motions.T @ nodal)
@@ -118,11 +110,8 @@ def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floa
         _require_reach(discretisation, freedom, nodal)
         return None
     # Of all such motions the one with most work for its turning.
-    most = steepest(
-        freedom.motions,
-        freedom.outline.moves,
-        work_of(discretisation, freedom, nodal) / load_size(discretisation, nodal),
-    )
+    work = work_of(discretisation, freedom, nodal) / load_size(discretisation, nodal)
+    most = steepest(freedom.motions, freedom.outline.moves, work)
     return _tipping(discretisation, freedom, nodal, best if most is None else most)
 
 
@@ -170,11 +159,9 @@ def _require_reach(discretisation: Discretisation, freedom: RigidFreedom, nodal:
     if _unresisted(discretisation, freedom, freedom.on_mesh, nodal) is None:
         return
     down, mx, my = discretisation.rigid_motions.T @ nodal
-    where = (
-        ""
-        if abs(down) <= WORK * load_size(discretisation, nodal)
-        else (f" near {point(discretisation.middle + np.array([mx, my]) / down, discretisation.mesh.size)}")
-    )
+    where = ""
+    if abs(down) > WORK * load_size(discretisation, nodal):
+        where = f" near {point(discretisation.middle + np.array([mx, my]) / down, discretisation.mesh.size)}"
     raise InputError(
         f"The load acts{where} so near the outline of the supports that they can balance it, but not at the contact "
         "points of this mesh, which lie within that outline. Take a finer mesh there.",
@@ -215,7 +202,7 @@ def _least_holding(
     size = discretisation.mesh.size
     # The conditions of equilibrium over the free motions, forces in units of the load and lengths of the plate.
     scale = np.array([1.0, size, size])
-    resultant = (discretisation.rigid_motions.T @ nodal / scale) @ freedom.motions
+    resultant = work_of(discretisation, freedom, nodal)
     total = float(np.abs(resultant).max())
     sign = 1.0 if way == "down" else -1.0
     extra = sign * (np.array([1.0, *(at - discretisation.middle)]) / scale) @ freedom.motions
@@ -231,3 +218,199 @@ def _least_holding(
     needed, helped = rays @ resultant / total, -(rays @ extra)
     helping = (helped > RANK) & (needed > 0.0)
     return total * float((needed[helping] / helped[helping]).max()) if helping.any() else None
+
+
+def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
+    """Say why no reactions balance a load, what would, or nothing where they exist."""
+    if why is None:
+        return ""
+    force = discretisation.model.units.force
+    unit = f" {force}" if force else ""
+    if why.axis is None:
+        verb, resultant = "lifts off" if why.way == "up" else "drops away from", f"{abs(why.resultant):.6g}{unit}"
+        text = f"The plate {verb} its supports: the load's resultant is {resultant} {why.way}, and no support resists "
+        text += "that way."
+    else:
+        text = _tipping_in_words(discretisation, why, why.axis, unit)
+    if why.holding is not None:
+        at = point(why.holding.at, discretisation.mesh.size)
+        text += f" An extra {why.holding.force:.6g}{unit} {why.holding.way} at {at} would just hold it."
+    if why.limit is not None:
+        case, factor = why.limit
+        text += f' With the case "{case}" at {factor:.4g} times its factor it would just stand.'
+    return text
+
+
+def _tipping_in_words(discretisation: Discretisation, why: Imbalance, axis: Axis, unit: str) -> str:
+    size, owners = discretisation.mesh.size, dict[str, dict[str, None]]()
+    for at, support in zip(why.hinges, why.supports, strict=True):
+        owners.setdefault(point(at, size), {})[discretisation.model.support[support].name] = None
+    alike: dict[str, list[str]] = {}
+    for spot, names in owners.items():
+        alike.setdefault(" and ".join(names), []).append(spot)
+    through = ", ".join(
+        f"{', '.join(spots[:_MOST_HINGES])}{', ...' if len(spots) > _MOST_HINGES else ''} of {names}"
+        for names, spots in alike.items()
+    )
+    hinges = f" through {through}" if through else ""
+    moment_unit = f"{unit} {discretisation.model.units.length}".rstrip() if unit else ""
+    line = line_in_words(axis.normal, axis.offset, size)
+    return f"The plate tips about the line {line}{hinges}, short by a moment of {why.moment:.6g}{moment_unit}."
+
+
+def line_in_words(normal: Floats, offset: float, size: float) -> str:
+    """Equation of the line normal · x + offset = 0 on a plate of some size, the larger of its coefficients one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> line_in_words(np.array([-0.6, -0.8]), 1.6, 4.0)
+    '0.75 x + y = 2'
+    >>> line_in_words(np.array([1.0, 1e-17]), 1e-16, 4.0)
+    'x = 0'
+    """
+    leading = int(abs(normal[1]) > abs(normal[0]) * (1 + 1e-9))
+    a, b = (round(float(part / normal[leading]), 9) for part in normal)
+    equals = length(-offset / normal[leading], size)
+    if a == 0.0 or b == 0.0:
+        return f"{'xy'[leading]} = {equals}"
+    first = "x" if a == 1.0 else f"{a:.6g} x"
+    second = "y" if abs(b) == 1.0 else f"{abs(b):.6g} y"
+    return f"{first} {'+' if b > 0 else '-'} {second} = {equals}"
+
+
+def steepest(motions: Floats, moves: Floats, work: Floats) -> Floats | None:
+    """Find the allowed motion (d,), of largest entry one, whose work (d,) is largest for its turning.
+
+    It minimises ½ turning² - work under moves ≤ 0, whose dual is a nonnegative least-squares problem in the reactions;
+    those that act there name the supports it turns about, and these the motion. ``motions`` (3, d) and ``moves`` (k, d)
+    are those of `RigidFreedom`. None where arithmetic does not tell one.
+    """
+    from scipy.linalg import null_space
+    from scipy.optimize import nnls
+
+    weighed = np.array([_UP_AND_DOWN, 1.0, 1.0])[:, None] * motions
+    metric = weighed.T @ weighed
+    half = np.linalg.inv(np.linalg.cholesky(metric))
+    try:
+        reactions, _ = nnls(half @ moves.T, half @ work)
+    except RuntimeError:
+        return None
+    closed = moves[reactions > _HOLDS * reactions.max(initial=0.0)]
+    free = null_space(closed, rcond=_HOLDS) if len(closed) else np.eye(len(work))
+    motion = free @ np.linalg.solve(free.T @ metric @ free, free.T @ work)
+    motion = motion / max(np.abs(motion).max(initial=0.0), np.finfo(float).tiny)
+    return motion if (moves @ motion).max(initial=0.0) <= _HOLDS and work @ motion > 0 else None
+
+
+def imbalance_of(discretisation: Discretisation, freedom: RigidFreedom, combination: Combination) -> Imbalance | None:
+    """Find out why no reactions balance a combination, with the case that would let it stand; None where they do."""
+    why = imbalance(discretisation, freedom, discretisation.load(combination).weighing)
+    return None if why is None else replace(why, limit=nearest_limit(discretisation, freedom, combination))
+
+
+def nearest_limit(
+    discretisation: Discretisation, freedom: RigidFreedom, combination: Combination
+) -> tuple[str, float] | None:
+    """Find the case, and the factor on top of its own, by which the combination comes to the limit of equilibrium.
+
+    All other cases stay as they are. Of several the nearest to 1 in ratio, of equally near ones the case that the
+    combination names last. Reactions of one-sided supports make a cone, so a load alone has no limit: where it can be
+    balanced, any multiple of it can. None where no case on its own has a limit, or where the combination is out of
+    balance and none brings it back.
+    """
+    acting = {case: factor for case, factor in (combination.factors or {}).items() if factor != 0.0}
+    nodal = {case: factor * discretisation.cases[case].weighing for case, factor in acting.items()}
+    whole = discretisation.load(combination).weighing
+    if len(acting) < 2 or not freedom.count or not whole.any():
+        return None
+    limits = [
+        (case, limit)
+        for case in acting
+        for limit in _limits(discretisation, freedom, freedom.outline, whole - nodal[case], nodal[case])
+        if 1 / _MOST < limit < _MOST
+    ]
+    # Two cases have each other's limit upside down, and rounding must not choose between them.
+    return min(reversed(limits), key=lambda pair: round(abs(np.log(pair[1])) / _ALIKE), default=None)
+
+
+def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> bool:
+    """Whether a load that can be balanced no longer could be if it moved, however little, some way."""
+    total = load_size(discretisation, nodal)
+    if not freedom.count or total == 0:
+        return False
+    one_sided = freedom.outline.moves
+    # Reactions with as much as can be to spare at all of them: the first unknown.
+    cost = np.append(-1.0, np.zeros(len(one_sided)))
+    spare = np.column_stack([np.ones(len(one_sided)), -np.eye(len(one_sided))])
+    balance = np.column_stack([np.zeros(freedom.count), one_sided.T])
+    wanted = work_of(discretisation, freedom, nodal) / total
+    none, beyond = np.zeros(len(one_sided)), np.full(len(one_sided), np.inf)
+    bound = np.concatenate([-beyond, wanted]), np.concatenate([none, wanted])
+    most = minimise(cost, np.vstack([spare, balance]), bound, (0.0, np.append(1.0, beyond)))
+    return most is not None and bool(most[0] <= _BRINK)
+
+
+def floats(discretisation: Discretisation, freedom: RigidFreedom, *loads: Floats) -> bool:
+    """Whether no nodal load (3n,) of these, be it none, does work in a motion that one-sided supports alone hold."""
+    sizes = [
+        (np.abs(work_of(discretisation, freedom, nodal)).max(initial=0.0), load_size(discretisation, nodal))
+        for nodal in loads
+    ]
+    return freedom.count > 0 and all(work <= _BRINK * size for work, size in sizes)
+
+
+def supports_contradict(discretisation: Discretisation) -> bool:
+    """Whether no deflection of the plate agrees with all rigid supports: a linear program for the least overlap."""
+    contacts, held = discretisation.contacts, discretisation.held
+    rigid = contacts.compliance == 0
+    rows = csr_array(discretisation.contact_rows[np.flatnonzero(rigid)])
+    distance = contacts.distance[rigid] - rows @ held.values
+    size = float(np.abs(distance).max(initial=0.0))
+    if size == 0.0:
+        return False
+    moving = np.unique(rows.indices)
+    rows = rows[:, moving[~held.dofs[moving]]]
+    rows = vstack([rows, -rows[np.flatnonzero(contacts.two_sided[rigid])]])
+    distance = np.append(distance, -distance[contacts.two_sided[rigid]])
+    overlap = csr_array(-np.ones((len(distance), 1)))
+    cost = np.append(np.zeros(rows.shape[1]), 1.0)
+    lower = np.append(np.full(rows.shape[1], -np.inf), 0.0)
+    facing: Any = hstack([rows, overlap])
+    least = minimise(cost, facing, (-np.inf, distance / size), (lower, np.inf))
+    return least is not None and bool(least[-1] > _OVERLAP)
+
+
+def largest_factor(
+    discretisation: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats
+) -> float:
+    """Find the largest factor of a nodal load (3n,) with which a bearing's reactions balance it beside the rest.
+
+    Infinite if there is none; NaN if no factor from 0 on has such reactions.
+    """
+    size = load_size(discretisation, case)
+    if not freedom.count or size == 0:
+        return np.inf
+    unit = (load_size(discretisation, rest) or size) / size
+    limits = _limits(discretisation, freedom, bearing, rest, unit * case)
+    if not limits:
+        return np.nan
+    most = limits[-1]
+    return np.inf if most >= _MOST else 0.0 if most <= _BRINK else unit * most
+
+
+def _limits(
+    discretisation: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats
+) -> list[float]:
+    """Least and largest factor of a case beside the rest of the load for which reactions balance both."""
+    total = load_size(discretisation, rest) + load_size(discretisation, case)
+    one_sided = bearing.moves
+    balance = np.column_stack([-work_of(discretisation, freedom, case) / total, one_sided.T])
+    wanted = work_of(discretisation, freedom, rest) / total
+    bounds = 0.0, np.append(_MOST, np.full(len(one_sided), np.inf))
+    found_limits = []
+    for sign in (1.0, -1.0):
+        cost = np.append(sign, np.zeros(len(one_sided)))
+        end = minimise(cost, balance, (wanted, wanted), bounds)
+        found_limits += [] if end is None else [float(end[0])]
+    return found_limits

@@ -73,13 +73,7 @@ class Expression:
 
     @property
     def value(self) -> float:
-        """The number, when the expression does not depend on x and y.
-
-        Raises
-        ------
-        InputError
-            If it does.
-        """
+        """The number, when the expression does not depend on x and y; it is refused if it does."""
         if not self.is_constant:
             raise InputError(f"'{self.source}' varies with x and y; a constant is needed here.")
         return float(self(0.0, 0.0))
@@ -98,25 +92,10 @@ class Expression:
         at_least: float | None = None,
         place: str | Place = "",
     ) -> _Array:
-        """Evaluate at points.
+        """Evaluate at points x and y of one shape; errors name the place where the expression was given.
 
-        Parameters
-        ----------
-        x, y : array_like
-            Coordinates, of one shape.
-        above, at_least : float, optional
-            Bounds that every value must keep: greater than ``above``, not less than ``at_least``.
-        place : str or path
-            Where the expression was given, for the message of an error.
-
-        Returns
-        -------
-        ndarray of float64, the shape of x
-
-        Raises
-        ------
-        InputError
-            If a value is not a finite number or breaks a bound; the message names the first such point.
+        Values that are not finite, not greater than ``above`` or less than ``at_least`` are refused; the message names
+        the first such point.
         """
         px, py = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
         try:

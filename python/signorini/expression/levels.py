@@ -2,7 +2,7 @@
 
 A comparison jumps where its two sides are equal, ``floor`` and ``ceil`` where their argument is a whole number,
 ``sign`` where it is zero; ``abs``, ``min`` and ``max`` have a kink there. Where a branch is not chosen these lines mean
-nothing, and do no harm.
+nothing, and do no harm. What of them are straight lines and circles is told by polynomials of degree two at most.
 """
 
 from __future__ import annotations
@@ -16,13 +16,134 @@ from itertools import combinations, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from signorini.expression.polynomial import Polynomial, polynomial
 from signorini.expression.tree import evaluate, operands
+
+_ZERO = 1e-14
+"""Part of the largest coefficient of a degree below which another is rounding."""
+
+_NAMED = {"pi": math.pi, "e": math.e}
+
 
 _MOST_LINES = 200
 """Steps of one floor or ceil that are drawn: no mesh follows more."""
-
 Box = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Polynomial:
+    """The sum of c xⁱyʲ, with c for (i, j)."""
+
+    terms: dict[tuple[int, int], float]
+
+    @classmethod
+    def constant(cls, value: float) -> Polynomial:
+        """Make a constant."""
+        return cls({(0, 0): value})
+
+    def __call__(self, x: float, y: float) -> float:
+        """Evaluate at a point."""
+        return sum(c * x**i * y**j for (i, j), c in self.terms.items())
+
+    def __add__(self, other: Polynomial) -> Polynomial:
+        """Add."""
+        terms = dict(self.terms)
+        for power, c in other.terms.items():
+            terms[power] = terms.get(power, 0.0) + c
+        return Polynomial(terms)
+
+    def __sub__(self, other: Polynomial) -> Polynomial:
+        """Subtract."""
+        return self + Polynomial({power: -c for power, c in other.terms.items()})
+
+    def __mul__(self, other: Polynomial) -> Polynomial | None:
+        """Multiply; None if the degree exceeds two."""
+        terms: dict[tuple[int, int], float] = {}
+        for (i, j), c in self.terms.items():
+            for (k, m), d in other.terms.items():
+                if c * d != 0.0:
+                    terms[i + k, j + m] = terms.get((i + k, j + m), 0.0) + c * d
+        if any(i + j > 2 for i, j in terms):
+            return None
+        return Polynomial(terms)
+
+    def _of(self, i: int, j: int) -> float:
+        """Coefficient, without what is rounding beside others of its degree."""
+        c = self.terms.get((i, j), 0.0)
+        largest = max((abs(d) for (k, m), d in self.terms.items() if k + m == i + j), default=0.0)
+        return c if abs(c) > _ZERO * largest else 0.0
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it depends on neither x nor y."""
+        return not any(self._of(i, j) for i, j in self.terms if i + j > 0)
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether it has no term of degree two."""
+        return not any(self._of(i, j) for i, j in self.terms if i + j > 1)
+
+    def zeros(self) -> tuple[tuple[float, ...], tuple[float, ...], tuple[tuple[float, float, float], ...]]:
+        """Lines x = c, lines y = c and circles (x, y, radius) on which it is zero; none if that is another curve."""
+        xx, xy, yy = self._of(2, 0), self._of(1, 1), self._of(0, 2)
+        x, y, one = self._of(1, 0), self._of(0, 1), self._of(0, 0)
+        if not (xy or yy or y):
+            return _roots(xx, x, one), (), ()
+        if not (xy or xx or x):
+            return (), _roots(yy, y, one), ()
+        if xy or not xx or abs(xx - yy) > _ZERO * abs(xx):
+            return (), (), ()
+        center = (-0.5 * x / xx, -0.5 * y / xx)
+        square = center[0] ** 2 + center[1] ** 2 - one / xx
+        return (), (), ((*center, math.sqrt(square)),) if square > 0.0 else ()
+
+
+def _roots(square: float, linear: float, one: float) -> tuple[float, ...]:
+    if not square:
+        return (-one / linear,) if linear else ()
+    half = -0.5 * linear / square
+    spread = half * half - one / square
+    return (half - math.sqrt(spread), half + math.sqrt(spread)) if spread > 0.0 else ()
+
+
+def polynomial(node: ast.expr) -> Polynomial | None:
+    """The polynomial that a checked syntax tree is, if it is one of degree two at most."""
+    match node:
+        case ast.Constant():
+            return Polynomial.constant(float(node.value))  # type: ignore[arg-type]
+        case ast.Name(id="x"):
+            return Polynomial({(1, 0): 1.0})
+        case ast.Name(id="y"):
+            return Polynomial({(0, 1): 1.0})
+        case ast.Name(id=name) if name in _NAMED:
+            return Polynomial.constant(_NAMED[name])
+        case ast.UnaryOp(op=ast.UAdd() | ast.USub() as op, operand=inner):
+            value = polynomial(inner)
+            return value if value is None or isinstance(op, ast.UAdd) else Polynomial({}) - value
+        case ast.BinOp(left=left, op=op, right=right):
+            a, b = polynomial(left), polynomial(right)
+            return None if a is None or b is None else _joined(a, op, b)
+    return None
+
+
+def _joined(a: Polynomial, op: ast.operator, b: Polynomial) -> Polynomial | None:
+    value = b(0.0, 0.0)
+    match op:
+        case ast.Add():
+            return a + b
+        case ast.Sub():
+            return a - b
+        case ast.Mult():
+            return a * b
+        case ast.Div() if b.is_constant and value != 0.0:
+            return a * Polynomial.constant(1.0 / value)
+        case ast.Pow() if b.is_constant and value in (1.0, 2.0):
+            return a if value == 1.0 else a * a
+        case ast.Pow() if b.is_constant and a.is_constant and a(0.0, 0.0) > 0.0:
+            try:
+                return Polynomial.constant(a(0.0, 0.0) ** value)
+            except OverflowError:
+                return None
+    return None
 
 
 @dataclass(frozen=True)
@@ -79,15 +200,7 @@ def _steps(inner: Polynomial, box: Box) -> Iterator[Polynomial]:
 
 
 def levels(tree: ast.expr) -> tuple[Level, ...]:
-    """Every such function of a checked tree, each once, those that jump first.
-
-    Examples
-    --------
-    >>> from signorini.expression import Expression
-    >>> (step,) = Expression("where(x < 5, 0.1, 1)").levels
-    >>> step(np.array([[4.0, 0.0], [7.0, 0.0]])), step.drawing((0, 0, 10, 1)).x_lines
-    (array([-1.,  2.]), (5.0,))
-    """
+    """Every such function of a checked tree, each once, those that jump first."""
     result: dict[str, Level] = {}
     for level in _levels(tree):
         key = ast.dump(level._tree)

@@ -139,10 +139,7 @@ def operands(node: ast.expr) -> list[ast.expr]:
 def evaluate(node: ast.expr, x: _Array, y: _Array, strict: bool = True) -> Any:
     """Value of a checked node: an array of x's shape, or a scalar where nothing varies.
 
-    Raises
-    ------
-    InputError
-        If a value is not finite; unless ``strict`` it is given as it is.
+    What is not finite is refused; unless ``strict`` it is given as it is.
     """
     match node:
         case ast.Constant():

@@ -10,13 +10,11 @@ import numpy as np
 
 from signorini import _core
 from signorini.base.brief import Brief
-from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import certified
 from signorini.contact.factoring import Method
 from signorini.contact.problem import ContactProblem
-from signorini.contact.refusal import refusal
-from signorini.contact.selection import chosen
-from signorini.contact.strategy import answered
+from signorini.contact.selection import Answer, NotUnique, chosen
+from signorini.contact.strategy import answered, refusal
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import NotCertifiedError

@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from signorini.base import arguments
-from signorini.contact.answer import NotUnique
 from signorini.contact.certificate import Certificate
 from signorini.contact.factoring import Method
 from signorini.contact.problem import ContactProblem
-from signorini.contact.refusal import refusal, uncertain
-from signorini.contact.strategy import answered
+from signorini.contact.selection import NotUnique
+from signorini.contact.strategy import answered, refusal, uncertain
 from signorini.discretise import CaseLoad
 from signorini.errors import InputError, NotCertifiedError, point
 from signorini.mesh import Mesh

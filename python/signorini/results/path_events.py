@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from signorini.contact.answer import Answer
+from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError, point, unknown

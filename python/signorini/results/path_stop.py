@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 
 from signorini.base.brief import Brief
-from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import imbalances
+from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.results.extremes import peak

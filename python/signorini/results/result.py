@@ -19,8 +19,8 @@ from signorini.base.numbers import estimated, number, size_of
 from signorini.base.on_demand import OnDemand
 from signorini.base.packages import package
 from signorini.base.remade import Remade
-from signorini.contact.answer import Answer, NotUnique
 from signorini.contact.certificate import Certificate
+from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes

@@ -11,9 +11,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from scipy.sparse import csr_array
 
-from signorini.contact.answer import Answer
+from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
-from signorini.discretise.averages import STRIP
+from signorini.discretise.places import STRIP
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.results.quantities import Catalogue
 

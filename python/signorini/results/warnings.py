@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from signorini.contact.answer import NotUnique
+from signorini.contact.selection import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.meshing import to_follow
 from signorini.discretise.places import region

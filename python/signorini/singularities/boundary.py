@@ -1,12 +1,18 @@
-"""The boundary of a plate: what its edges hold, its corners, and where points are on it."""
+"""The boundary of a plate: what its edges hold, and at which corners numbers have no limit.
+
+Near a corner the deflection and the slopes part (Rössle & Sändig 2011): w solves Laplace's equation, θ the equations of
+plane stress with the plate's ν. Along rays they grow as r^λ, and where some λ < 1, shears or moments as r^(λ - 1).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 from weakref import WeakKeyDictionary
 
 import numpy as np
+import numpy.typing as npt
 
 from signorini.discretise import Discretisation
 from signorini.discretise.places import quadratic_tangents
@@ -16,9 +22,17 @@ from signorini.mesh import Mesh
 from signorini.mesh.sides import onto
 from signorini.model import Load, Support
 from signorini.model.curve import curve
-from signorini.singularities.corners import Slopes, moments_grow, shears_grow, slopes_held
 
-_STRAIGHT = np.radians(1.0)
+Complexes = npt.NDArray[np.complex128]
+Slopes = Literal["free", "slope", "twist", "clamped"]
+"""What is held of the slopes along an edge: nothing, the one across it, the one along it, or both."""
+
+_LEAST, _MOST, _TALL = 4e-3, 0.98, 2.0
+"""Real parts between which exponents are looked for, and their largest imaginary part. At 0 and 1 rigid motions have
+theirs; what grows as r^-0.02 shows on no mesh, and a hard corner of 179 degrees has 0.0056."""
+_STEPS = 400
+"""Points on each side of the box around them, on which the determinant turns by far less than half a circle a step."""
+STRAIGHT = np.radians(1.0)
 """Turning at a node below which an edge runs on smoothly."""
 _OF_ROUND = 0.2
 """Part of what two round sides turn themselves by which they may turn between them: parabolas stand for an arc."""
@@ -29,30 +43,89 @@ _NEAR, _NONE = 1e-4, 1e-6
 their difference is at least: the first by its square, of curves, stays below the second."""
 
 
+def slopes_held(across: bool, along: bool) -> Slopes:
+    """What is held of the slopes, given whether those across and along an edge are."""
+    if across:
+        return "clamped" if along else "slope"
+    return "twist" if along else "free"
+
+
+def shears_grow(angle: float, held: bool, other_held: bool, along: bool) -> bool:
+    """Whether shears have no limit at a corner between edges that hold the deflection or not.
+
+    Between one that does and one that does not, at a right angle, they grow by the logarithm of the distance: along the
+    one there is no shear strain ∂w/∂s - θs but -θs, and along the other none across it. Not so if ``along`` the edge
+    that holds the deflection the slope is held too, as that of the deflection.
+    """
+    if held == other_held:
+        return bool(angle > np.pi + STRAIGHT)
+    return bool(angle > 0.5 * np.pi + (STRAIGHT if along else -STRAIGHT))
+
+
+def moments_grow(angle: float, one: Slopes, other: Slopes, poisson: float) -> bool:
+    """Whether moments have no limit at a corner between edges that hold these slopes.
+
+    Examples
+    --------
+    A corner inwards, one of a cantilever's root, and an obtuse one of a hard simple support.
+
+    >>> moments_grow(np.radians(270), "free", "free", 0.2), moments_grow(np.radians(90), "free", "free", 0.2)
+    (True, False)
+    >>> moments_grow(np.radians(90), "clamped", "free", 0.3), moments_grow(np.radians(50), "clamped", "free", 0.3)
+    (True, False)
+    >>> moments_grow(np.radians(120), "twist", "twist", 0.3), moments_grow(np.radians(90), "twist", "twist", 0.3)
+    (True, False)
+    """
+    if abs(angle - np.pi) <= STRAIGHT and one == other:
+        return False
+    return exponents_below_one(angle, one, other, poisson) > 0
+
+
+def exponents_below_one(angle: float, one: Slopes, other: Slopes, poisson: float) -> int:
+    """Count the exponents with real parts between 0 and 1, by the argument principle.
+
+    They are where Williams' functions of plane stress (1952) can meet both edges' conditions: a determinant is zero.
+    """
+    # Finely beside 0 and 1, where there are exponents just outside the box.
+    across, along = np.linspace(_LEAST, _MOST, _STEPS), _TALL * np.linspace(-1.0, 1.0, _STEPS) ** 3
+    box = [across - 1j * _TALL, _MOST + 1j * along, across[::-1] + 1j * _TALL, _LEAST + 1j * along[::-1]]
+    at = np.concatenate(box)
+    rows = _conditions(at, 0.0, one, poisson) + _conditions(at, angle, other, poisson)
+    value = np.linalg.det(np.stack([np.stack(row, axis=-1) for row in rows], axis=-2))
+    turned = np.angle(np.roll(value, -1) / value)
+    return round(float(turned.sum()) / (2 * np.pi))
+
+
+def _conditions(exponent: Complexes, at: float, slopes: Slopes, poisson: float) -> list[tuple[Complexes, ...]]:
+    """Two rows over the four functions: slopes that are held, and moments that are zero, without common factors."""
+    more, less = exponent + 1, exponent - 1
+    # Airy's function is r^(λ + 1) F, and both slopes have a part of their own of its last two functions.
+    value = np.cos(more * at), np.sin(more * at), np.cos(less * at), np.sin(less * at)
+    slope = -more * value[1], more * value[0], -less * value[3], less * value[2]
+    own = 1 + (3 - poisson) / (1 + poisson)
+    none = np.zeros_like(exponent)
+    along = tuple(-more * f + own * g for f, g in zip(value, (none, none, value[2], value[3]), strict=True))
+    across = tuple(-f + own * g for f, g in zip(slope, (none, none, value[3], -value[2]), strict=True))
+    match slopes:
+        case "free":
+            return [value, slope]
+        case "clamped":
+            return [along, across]
+        case "twist":
+            return [along, value]
+        case "slope":
+            return [across, slope]
+
+
 @dataclass(frozen=True, eq=False)
 class Boundary:
     """The sides of elements along the boundary, the plate on their left; rigid zones are no part of it, and clamp it.
 
-    Parameters
-    ----------
-    sides : (k, 3) array
-        Nodes: corner, midside, corner.
-    following : (k,) array
-        The next side.
-    angles : (k,) array
-        Angle of the plate between each side and the next; π where they run on smoothly.
-    rigid : (k,) array
-        Whether the side is a rigid zone's.
-    held : (k,) array
-        Whether the deflection is held, or may be: by a rigid support of any kind.
-    lets_go : (k,) array
-        Whether the deflection is held by what may let go only.
-    slope, twist : (k,) arrays
-        Whether the slopes across and along the side are held.
-    sheared : (k, 2) array
-        Whether the slope along the side is held to another one than the deflection's, where it begins and ends.
-    poisson : (k,) array
-        Poisson's ratio of the material beside each side.
+    ``sides`` (k, 3) are nodes: corner, midside, corner; ``following`` (k,) the next side, ``angles`` (k,) the angle of
+    the plate between both, π where they run on smoothly. ``rigid`` marks sides of a rigid zone, ``held`` those whose
+    deflection is held, or may be, by a rigid support of any kind, ``lets_go`` by what may let go only. ``slope`` and
+    ``twist`` mark slopes held across and along a side, ``sheared`` (k, 2) whether the latter is held to another one
+    than the deflection's, where the side begins and ends. ``poisson`` (k,) is that of the material beside it.
     """
 
     mesh: Mesh
@@ -90,7 +163,7 @@ class Boundary:
         following = np.array([first[node] for node in sides[:, 2].tolist()])
         own = _turn(tangents[:, 0], tangents[:, 2])
         turn = _turn(tangents[:, 2], tangents[following, 0])
-        slack = np.maximum(_STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
+        slack = np.maximum(STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
         angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
         poisson = discretisation.zones.poisson_of(mesh.find_sides(sides)[0])
         return cls(mesh, sides, following, angles, rigid, held, held & ~always, slope, twist, sheared, poisson)

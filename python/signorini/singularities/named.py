@@ -15,12 +15,10 @@ from signorini.errors import point
 from signorini.model import Load, Support
 from signorini.model.curve import curve
 from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.shapes import Circle, Curve, Ring
-from signorini.singularities.boundary import boundary_of
-from signorini.singularities.corners import shears_grow
-from signorini.singularities.ends import ends_of_line, ends_of_load
+from signorini.shapes import Circle, Curve, Polyline, Region, Ring
+from signorini.singularities.boundary import boundary_of, shears_grow
+from signorini.singularities.lines import ends_of_line, ends_of_load, of_cut_elements, of_held_slopes
 from signorini.singularities.singularity import Singularity, as_places
-from signorini.singularities.unfollowed import of_cut_elements, of_held_slopes
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
 _AROUND = 1e-5
@@ -39,20 +37,6 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
     """Name the singularities under some load cases, under all if none are given.
 
     Supports are there whether they act or not: that is known only when it is solved.
-
-    Examples
-    --------
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     support=[{"edge": ["left", "right"], "fix": "hard"}],
-    ...     load=[{"force": 20e3, "at": [2, 1.5]}, {"force": 20e3, "at": [2, 2.5], "patch": [0.3, 0.3]}],
-    ... )
-    >>> for one in singularities(discretise(model)):
-    ...     print(one.where, one)
-    ((2.0, 1.5),) Force at a point of load[1]: deflection, moment and shear have no limit as the mesh is refined. ...
     """
     acting = [case for case in discretisation.cases if cases is None or case in cases]
     return (
@@ -66,11 +50,9 @@ def singularities_of(discretisation: Discretisation, case: str | None = None) ->
     known = _KNOWN.setdefault(discretisation, {})
     if case not in known:
         if case is None:
-            measured = _measured(
-                discretisation,
-                (*_of_supports(discretisation), *_of_corners(discretisation), *_of_zones(discretisation)),
-            )
-            known[case] = (*measured, *of_cut_elements(discretisation), *of_held_slopes(discretisation))
+            always = *_of_supports(discretisation), *_of_corners(discretisation), *_of_zones(discretisation)
+            within = *of_cut_elements(discretisation), *of_held_slopes(discretisation)
+            known[case] = (*_measured(discretisation, always), *within)
         else:
             known[case] = _measured(discretisation, _of_loads(discretisation, case))
     return known[case]
@@ -99,7 +81,7 @@ def _of_loads(discretisation: Discretisation, case: str) -> Iterator[Singularity
             yield from _unresolved(discretisation, load.at, _width(load), f"footprint of {place}", case)
         elif load.line_load is not None:
             if (along := curve(load)) is not None:
-                yield from _unresolved_line(discretisation, along, place, case)
+                yield from _unresolved_shape(discretisation, along, place, case)
             if ends := ends_of_load(discretisation, load):
                 what = f"End or corner of the line load of {place}"
                 yield Singularity(ends, what, ("shear",), "Take shears from beside it.", case)
@@ -109,9 +91,8 @@ def _of_loads(discretisation: Discretisation, case: str) -> Iterator[Singularity
             wheels = np.array([at for at, _, _ in moving.wheels(travelled)])
             on = discretisation.mesh.locate(wheels).inside
             if moving.patch is not None:
-                yield from _unresolved(
-                    discretisation, wheels, max(moving.patch), f"footprint of wheels of {moving.case}", case
-                )
+                name = f"footprint of wheels of {moving.case}"
+                yield from _unresolved(discretisation, wheels, max(moving.patch), name, case)
             elif on.any():
                 places = as_places(wheels[on])
                 numbers = ("deflection", "moment", "shear")
@@ -131,9 +112,8 @@ def _of_supports(discretisation: Discretisation) -> Iterator[Singularity]:
                 yield Singularity(support.at, f"{support.name} at a point", numbers, advice, support.name)
                 yield from _on_rigid_areas(discretisation, support.at, f"{support.name} at a point")
             else:
-                yield from _unresolved(
-                    discretisation, support.at, _width(support), f"footprint of {support.name}", support.name
-                )
+                name = f"footprint of {support.name}"
+                yield from _unresolved(discretisation, support.at, _width(support), name, support.name)
             continue
         yield from _of_outline(discretisation, support)
         steps = any(level.jumps for one in (support.settlement, support.gap) for level in one.levels)
@@ -154,13 +134,8 @@ def _on_rigid_areas(
         on = np.ones(len(points), np.bool_) if shape is None else shape.contains(points)
         if on.any():
             where = tuple(place for place, inside in zip(at, on.tolist(), strict=True) if inside)
-            yield Singularity(
-                where,
-                f"{what} on the rigid area of {support.name}",
-                ("pressure",),
-                "Give the area a stiffness.",
-                support.name,
-            )
+            name = f"{what} on the rigid area of {support.name}"
+            yield Singularity(where, name, ("pressure",), "Give the area a stiffness.", support.name)
 
 
 def _unresolved(
@@ -171,23 +146,17 @@ def _unresolved(
     here = discretisation.mesh.locate(places)
     coarse = here.inside & (size < _RESOLVED * np.sqrt(discretisation.mesh.element_area[here.elements]))
     if coarse.any():
-        what, advice = (
-            f"The {name}, {size:.3g} wide,",
-            f"Take elements of {0.5 * size:.2g} there (mesh.refine).",
-        )
+        what, advice = f"The {name}, {size:.3g} wide,", f"Take elements of {0.5 * size:.2g} there (mesh.refine)."
         yield Singularity(as_places(places[coarse]), what, ("moment", "shear"), advice, source, limited=True)
 
 
-def _unresolved_line(discretisation: Discretisation, along: Curve, name: str, source: str) -> Iterator[Singularity]:
-    if isinstance(along, Ring):
-        yield from _unresolved(discretisation, [along.center], 2.0 * along.radius, f"circle of {name}", source)
-    else:
-        yield from _unresolved_within(discretisation, np.array(along.points), f"line of {name}", source)
-
-
-def _unresolved_within(discretisation: Discretisation, points: Floats, name: str, source: str) -> Iterator[Singularity]:
-    low, high = points.min(axis=0), points.max(axis=0)
-    yield from _unresolved(discretisation, 0.5 * (low + high), float((high - low).max()), name, source)
+def _unresolved_shape(
+    discretisation: Discretisation, shape: Curve | Region, name: str, source: str
+) -> Iterator[Singularity]:
+    what = {Ring: "circle", Polyline: "line"}.get(type(shape), "area")
+    x0, y0, x1, y1 = shape.bounds
+    middle, width = (0.5 * (x0 + x1), 0.5 * (y0 + y1)), max(x1 - x0, y1 - y0)
+    yield from _unresolved(discretisation, [middle], width, f"{what} of {name}", source)
 
 
 def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Singularity]:
@@ -195,15 +164,14 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
     rigid = support.is_rigid
     along, shape = curve(support), region(support.area)
     if along is not None:
-        yield from _unresolved_line(discretisation, along, support.name, support.name)
+        yield from _unresolved_shape(discretisation, along, support.name, support.name)
         for numbers, ends in ends_of_line(discretisation, along, support).items():
             advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
     if support.area is None:
         return
     if shape is not None:
-        name = support.name
-        yield from _unresolved_within(discretisation, np.concatenate(shape.loops), f"area of {name}", name)
+        yield from _unresolved_shape(discretisation, shape, support.name, support.name)
     if not rigid:
         return
     advice = "Give the area a stiffness."
@@ -211,25 +179,19 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
         yield from _of_edges_on(discretisation, support, advice)
     else:
         for drawn in shape.loops:
-            closed = as_places(np.concatenate([drawn, drawn[:1]]))
-            yield Singularity(
-                closed, f"Outline of the rigid area of {support.name}", ("pressure",), advice, support.name, True
-            )
-        if len(shape.corners):
-            corners = [
-                at
-                for at in shape.corners
-                if discretisation.mesh.locate(at[None]).inside[0] and not len(boundary_of(discretisation).at(at))
-            ]
-            if corners:
-                what = f"Corner of the rigid area of {support.name}"
-                yield Singularity(as_places(np.array(corners)), what, ("shear",), advice, support.name)
+            closed, what = as_places(np.concatenate([drawn, drawn[:1]])), f"Outline of the rigid area of {support.name}"
+            yield Singularity(closed, what, ("pressure",), advice, support.name, True)
+        mesh, edge = discretisation.mesh, boundary_of(discretisation)
+        corners = [at for at in shape.corners if mesh.locate(at[None]).inside[0] and not len(edge.at(at))]
+        if corners:
+            what = f"Corner of the rigid area of {support.name}"
+            yield Singularity(as_places(np.array(corners)), what, ("shear",), advice, support.name)
 
 
 def _of_edges_on(discretisation: Discretisation, support: Support, advice: str) -> Iterator[Singularity]:
     """Edges that a bent plate stands on where it is all on a rigid area; one that is only pressed lies flat."""
     model, edge = discretisation.model, boundary_of(discretisation)
-    flat = len(model.support) == 1 and (support.gap is None or support.gap.is_constant)
+    flat = len(model.support) == 1 and support.gap.is_constant
     if flat and all(load.kind in ("pressure", "self_weight") for load in model.load):
         return
     for loop in edge.loops():

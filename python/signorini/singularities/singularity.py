@@ -18,25 +18,12 @@ _AS_FAR = 1e-9
 class Singularity:
     """Numbers that have no limit as the mesh is refined.
 
-    Parameters
-    ----------
-    where : tuple of (x, y)
-        Points; or, if ``line``, the vertices of a line all along which it is so.
-    what : str
-        What it is, in words.
-    numbers : tuple of str
-        What has no limit there: "deflection", "rotation", "moment", "shear", "pressure" (per area, or along a line per
-        length) or "reaction" (of a support at points).
-    advice : str
-        What to do about it.
-    source : str
-        The support's name, the load case, or "plate".
-    line : bool
-    limited : bool
-        Whether it has a limit, of which elements of this size know nothing: a footprint smaller than they are.
-    within : float
-        How far from there numbers are taken for its peak: the thickness there, of a zone's border the thinner side's; 0
-        of nodes of cut elements.
+    ``where`` are points (x, y) or, if ``line``, the vertices of a line all along which it is so; ``what`` says what it
+    is. ``numbers`` are those that have no limit there: "deflection", "rotation", "moment", "shear", "pressure" (per
+    area, or along a line per length) or "reaction" (of a support at points). ``source`` is the support's name, the load
+    case, or "plate". What is ``limited`` has a limit, of which elements of this size know nothing: a footprint smaller
+    than they are. Numbers ``within`` a distance are taken for its peak: the thickness there, of a zone's border the
+    thinner side's; 0 of nodes of cut elements.
     """
 
     where: tuple[tuple[float, float], ...]

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini._core import serendipity, triangular
 from signorini.discretise.quadrature.cutcells import cut
-from signorini.discretise.quadrature.rules import collapsed, gauss, lobatto, radon
-from signorini.discretise.quadrature.stepped import OFF, Levels, crossed, cut_by, sides_of
+from signorini.discretise.quadrature.rules import Quadrature, collapsed, gauss, lobatto, radon
+from signorini.discretise.quadrature.stepped import OFF, Levels, among, crossed, cut_by, sides_of
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.mesh.curves import at_ends
 from signorini.mesh.isoparametric import TRIANGLE_CORNERS, determinants, real_sides
 from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.cuts import Part
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
 
 _ON_PLATE = 1e-9
 _RADON = 3
@@ -29,33 +24,6 @@ _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (2, 0), 6: (0, 1), 5: (1, 2), 7: (0
 """From which corners of a triangle the lines of a rule run to its sides on the outline, which are 1, 2 and 4 in sum."""
 _ROUNDINGS = 16.0
 """Of a coordinate, on the way from corners to an area."""
-
-
-@dataclass(frozen=True, eq=False)
-class Quadrature:
-    """Points and weights of an integral over the plate or part of it.
-
-    Parameters
-    ----------
-    elements : (q,) int array
-        Element of each point.
-    xi : (q, 2) float array
-        Reference point in the element.
-    weights : (q,) float array
-        Positive; they sum to the area or length, the Jacobian included.
-    positions : (q, 2) float array
-        Positions in the plane.
-    """
-
-    elements: Ints
-    xi: Floats
-    weights: Floats
-    positions: Floats
-
-    @property
-    def total(self) -> float:
-        """Area or length that was found on the plate."""
-        return float(self.weights.sum())
 
 
 def area_quadrature(
@@ -67,40 +35,13 @@ def area_quadrature(
     off: float = OFF,
     follow: bool = False,
 ) -> Quadrature:
-    """Quadrature over the part of a region that is on the plate.
+    """Quadrature over the part of a region, or else of the whole plate, that is on the plate, by element.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        The mesh.
-    region : Region or None
-        None: the whole plate.
-    order : int
-        Gauss points in each direction of a whole element. Elements that the outline cuts get more, see
-        `signorini.discretise.quadrature.cutcells`.
-    to_outline : (ne,) bool array, optional
-        Where these elements have sides on the outline, Lobatto's rule with a point more, as exact, across those sides,
-        so that points are on them; so in all that the outline cuts, if any element is marked.
-    levels : sequence of functions
-        What is to be integrated jumps where one of them changes its sign (`signorini.discretise.quadrature.stepped`).
-    off : float
-        How far a cut may lie from a curved jump, over the side of the element.
-    follow : bool
-        Whether sides of elements that stand for arcs of the outline are the outline; the area is that of the arcs.
-
-    Returns
-    -------
-    Quadrature
-        By element. Area and first moments of the region on the plate are exact to about 1e-12.
-
-    Examples
-    --------
-    >>> from signorini.mesh.meshers import rectangle
-    >>> from signorini.shapes import Circle
-    >>> mesh = rectangle((0.0, 0.0), (4.0, 4.0), (3, 3))
-    >>> over = area_quadrature(mesh, Circle((2.1, 1.9), 1.0))
-    >>> print(f"{over.total:.12f}")
-    3.141592653590
+    Area and first moments are exact to about 1e-12. Whole elements have ``order`` Gauss points in each direction, those
+    that the outline cuts more, see `cutcells`. If elements (ne,) are marked ``to_outline``, their sides on the outline
+    have Lobatto's rule with a point more, as exact, across them, so that points are on them; so have all that it cuts.
+    What is to be integrated jumps where ``levels`` change their sign; a cut lies up to ``off``, over the element's
+    side, from a curved jump (`stepped`). To ``follow`` is to take sides that stand for arcs of the outline for it.
     """
     smooth = _smooth(mesh, region, order, to_outline, follow)
     if not levels:
@@ -109,11 +50,11 @@ def area_quadrature(
     across = crossed(mesh, elements, levels)
     if not across.any():
         return smooth
-    elements, levels = elements[across.any(axis=0)], _those(across, levels)
+    elements, levels = elements[across.any(axis=0)], among(levels, across)
     if region is not None:
         outline = sides_of(region)
-        levels += _those(crossed(mesh, elements, outline), outline)
-    result = cut_by(mesh, elements, levels, order, off)
+        levels += among(outline, crossed(mesh, elements, outline))
+    result = cut_by(mesh, elements, levels, order, off).points
     inside = np.ones(len(result.weights), dtype=bool) if region is None else region.contains(result.positions)
     # On curved outlines the cuts are not exact; the area of the part on the region is known.
     count = len(mesh.elements)
@@ -121,20 +62,8 @@ def area_quadrature(
     cut_area = np.bincount(result.elements[inside], result.weights[inside], count)
     done = np.isin(np.arange(count), elements) & (cut_area > 0.0)
     keep, inside = ~done[smooth.elements], inside & done[result.elements]
-    elements = np.concatenate([smooth.elements[keep], result.elements[inside]])
-    by_element = np.argsort(elements, kind="stable")
     weights = result.weights * (area / np.where(done, cut_area, 1.0))[result.elements]
-    return Quadrature(
-        elements[by_element],
-        np.vstack([smooth.xi[keep], result.xi[inside]])[by_element],
-        np.concatenate([smooth.weights[keep], weights[inside]])[by_element],
-        np.vstack([smooth.positions[keep], result.positions[inside]])[by_element],
-    )
-
-
-def _those(across: Bools, levels: Levels) -> list[Callable[[Floats], Floats]]:
-    """Levels that cross any element."""
-    return [level for level, by_element in zip(levels, across, strict=True) if by_element.any()]
+    return _by_element([smooth.pick(keep), replace(result, weights=weights).pick(inside)])
 
 
 def _smooth(mesh: Mesh, region: Part | None, order: int, to_outline: Bools | None, follow: bool) -> Quadrature:
@@ -156,12 +85,8 @@ def _smooth(mesh: Mesh, region: Part | None, order: int, to_outline: Bools | Non
 
 
 def _by_element(parts: list[Quadrature]) -> Quadrature:
-    filled = [part for part in parts if len(part.elements)] or parts[:1]
-    if len(filled) == 1:
-        return filled[0]
-    order = np.argsort(np.concatenate([part.elements for part in filled]), kind="stable")
-    names = ("elements", "xi", "weights", "positions")
-    return Quadrature(*(np.concatenate([getattr(part, name) for part in filled])[order] for name in names))
+    joined = Quadrature.join(parts)
+    return joined.pick(np.argsort(joined.elements, kind="stable"))
 
 
 def _whole(mesh: Mesh, elements: Ints, order: int, outer: Bools) -> list[Quadrature]:
@@ -208,32 +133,10 @@ def _on_triangle(order: int, sides: int, to_corners: bool) -> tuple[Floats, Floa
 
 
 def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: float = 1.0) -> float:
-    """Measure how much of a region's area or a curve's length is off the plate.
+    """How much of a region's area or a curve's length, or of the part that has to be on the plate, is off it.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        The mesh.
-    where : region or curve
-        The whole of it.
-    quadrature : Quadrature
-        What `area_quadrature` or `curve_quadrature` found of it.
-    part : float
-        What part of it has to be on the plate.
-
-    Returns
-    -------
-    float
-        Zero where only rounding is missing, or of a region a strip of a millionth of the plate's size, or what lies
-        between the plate's round outline there and the parabolas that the elements have for it.
-
-    Examples
-    --------
-    >>> from signorini.mesh.meshers import rectangle
-    >>> from signorini.shapes import Rectangle
-    >>> mesh, patch = rectangle((0.0, 0.0), (4.0, 2.0), (3, 3)), Rectangle(3.0, 1.0, 5.0, 2.0)
-    >>> round(off_plate(mesh, patch, area_quadrature(mesh, patch)), 12)
-    1.0
+    It is zero where only rounding is missing of what a quadrature found, or of a region a strip of a millionth of the
+    plate's size, or what lies between the plate's round outline and the parabolas that elements have for it.
     """
     # Where an outline is, is known to the rounding of coordinates.
     apart = _ROUNDINGS * float(np.finfo(float).eps) * float(np.abs(mesh.points).max())

@@ -3,26 +3,59 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-from signorini.discretise.quadrature.roots import roots
+from signorini.discretise.rows import Floats, Ints
 from signorini.shapes.outlines import Outline
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-
+_BISECTIONS = 54
 _ZERO = 1e-12
 
 
-def quadratics(sides: Floats) -> Floats:
-    """Write sides (k, 3, 2), given by corner, midside, corner, as polynomials (k, 2, 3) in t on [−1, 1].
+def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
+    """Find roots (r,) of polynomials (k, d + 1) on [−1, 1], and which polynomial each is of; one may be given twice.
 
-    Examples
-    --------
-    >>> quadratics(np.array([[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]]))
-    array([[[ 1.,  1.,  0.],
-            [ 1.,  0., -1.]]])
+    Between neighbouring extrema, which are roots of the derivative, there is at most one. Constant terms come first,
+    leading ones may vanish. Values as small as the tolerance (k,) count as zero, so that double roots are found too.
     """
+    if not len(coefficients):
+        return np.zeros(0, np.int64), np.zeros(0)
+    # Straight sides that straight outlines cut are by far the most.
+    degree = max(np.flatnonzero(coefficients.any(axis=0)), default=0)
+    coefficients = coefficients[:, : max(degree, 1) + 1]
+    derivatives = [coefficients]
+    while derivatives[-1].shape[1] > 2:
+        last = derivatives[-1]
+        derivatives.append(last[:, 1:] * np.arange(1.0, last.shape[1]))
+    ends = np.ones((len(coefficients), 1))
+    knots = np.hstack([-ends, ends])
+    for polynomial in reversed(derivatives):
+        between = _bisect(polynomial, knots[:, :-1], knots[:, 1:])
+        knots = np.hstack([-ends, between, ends])
+    which, at = np.nonzero(np.abs(_value(coefficients, knots)) <= tolerance[:, None])
+    return which, np.asarray(knots[which, at])
+
+
+def _value(coefficients: Floats, t: Floats) -> Floats:
+    return np.asarray(np.polynomial.polynomial.polyval(t, coefficients.T[..., None], tensor=False))
+
+
+def _bisect(coefficients: Floats, lower: Floats, upper: Floats) -> Floats:
+    """Halve to the change of sign; without one it is the end where the value is smaller."""
+    start, stop = _value(coefficients, lower), _value(coefficients, upper)
+    result = np.where(np.abs(stop) > np.abs(start), lower, upper)
+    which, at = np.nonzero((start < 0.0) != (stop < 0.0))
+    low, high, own = lower[which, at][:, None], upper[which, at][:, None], coefficients[which]
+    rising = (stop > start)[which, at][:, None]
+    for _ in range(_BISECTIONS if len(which) else 0):
+        middle = 0.5 * (low + high)
+        right = (_value(own, middle) < 0.0) == rising
+        low, high = np.where(right, middle, low), np.where(right, high, middle)
+    result[which, at] = 0.5 * (low + high)[:, 0]
+    return result
+
+
+def quadratics(sides: Floats) -> Floats:
+    """Write sides (k, 3, 2), given by corner, midside, corner, as polynomials (k, 2, 3) in t on [−1, 1]."""
     a, middle, b = np.moveaxis(sides, 1, 0)
     return np.stack([middle, 0.5 * (b - a), 0.5 * (a + b) - middle], axis=-1)
 
@@ -33,14 +66,9 @@ def evaluate(curves: Floats, t: Floats) -> Floats:
 
 
 def with_segments(curves: Floats, segments: Floats) -> tuple[Ints, Floats]:
-    """Cross quadratics (k, 2, 3) with segments (k, 2, 2), pair by pair.
+    """Cross quadratics (k, 2, 3) with segments (k, 2, 2), pair by pair: which pair a crossing is of, and where (r, 2).
 
-    Returns
-    -------
-    pair : (r,) int array
-        Which pair each crossing belongs to; a crossing may be given twice.
-    points : (r, 2) float array
-        The crossings. Of a side that lies along a segment both ends are given.
+    A crossing may be given twice. Of a side that lies along a segment both ends are given.
     """
     a, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     length = np.hypot(*along.T)
@@ -61,29 +89,15 @@ def with_circles(curves: Floats, circles: Floats) -> tuple[Ints, Floats]:
     a, b, c = curves[..., 0] - circles[:, :2], curves[..., 1], curves[..., 2]
     radius = circles[:, 2]
     distance = np.hypot(*a.T)
-    coefficients = np.column_stack(
-        [
-            (distance - radius) * (distance + radius),
-            2.0 * (a * b).sum(axis=1),
-            (b * b + 2.0 * a * c).sum(axis=1),
-            2.0 * (b * c).sum(axis=1),
-            (c * c).sum(axis=1),
-        ]
-    )
+    products = 2.0 * a * b, b * b + 2.0 * a * c, 2.0 * b * c, c * c
+    constant = (distance - radius) * (distance + radius)
+    coefficients = np.column_stack([constant, *(product.sum(axis=1) for product in products)])
     pair, t = roots(coefficients, _ZERO * (distance + radius) ** 2)
     return pair, evaluate(curves[pair], t)
 
 
 def touched(boxes: Floats, outline: Outline, margin: float) -> tuple[Ints, Ints, Ints, Ints]:
-    """Find which boxes (n, 4) an outline passes through.
-
-    Returns
-    -------
-    box, segment : (r,) int arrays
-        Pairs of a box and a segment through it.
-    box, circle : (s,) int arrays
-        Pairs of a box and a circle through it.
-    """
+    """Find pairs of a box (n, 4) and a segment of an outline that passes through it, then of a box and a circle."""
     centre, half = 0.5 * (boxes[:, :2] + boxes[:, 2:]), 0.5 * (boxes[:, 2:] - boxes[:, :2]) + margin
     by_segment = []
     for a, b in outline.segments:

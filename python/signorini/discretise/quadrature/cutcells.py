@@ -8,22 +8,18 @@ height-function quadrature of Saye (2015); what remains is bisected until area a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
-from signorini.discretise.quadrature.pieces import Pieces, straightened
 from signorini.discretise.quadrature.rules import Rule, gauss
+from signorini.discretise.rows import Bools, Floats, Ints, Table
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import real_sides
 from signorini.shapes.cuts import Part
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
-
+_STRAIGHT = 1e-14
 _THIN = 1e-13
 _ROUNDED = 8.0 * np.finfo(float).eps
 """Width of a strip, over the element's coordinates, that is their rounding: ends of sides that meet may be so far
@@ -34,6 +30,89 @@ _ALONG = 1e-9
 _CONVERGED = 1e-13
 _CURVED_POINTS = 8
 _BISECTIONS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces(Table):
+    """Curves y(x) between ``ends`` (p, 2) in x: sides of a cut element, their ``owner``, or of the outline.
+
+    ``quadratic`` (p, 2, 3) has coefficients of x and y as polynomials in t, of a stretch on which x is monotone; NaN
+    for a half circle, of which ``circle`` (p, 3) has centre and radius, and which is NaN for the others. ``sign`` (p,)
+    tells whether x grows or falls with t, of a circle whether it is the half of greater or smaller y. ``turns`` (p, 2)
+    marks vertical tangents at the ends.
+    """
+
+    owner: Ints
+    is_side: Bools
+    quadratic: Floats
+    circle: Floats
+    sign: Floats
+    ends: Floats
+    turns: Bools
+
+    @classmethod
+    def of_quadratics(cls, owner: Ints, curves: Floats, is_side: bool) -> Pieces:
+        """Split quadratics (k, 2, 3) on −1 ≤ t ≤ 1 where x turns back."""
+        x0, x1, x2 = curves[:, 0].T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            turn = np.clip(np.nan_to_num(-x1 / (2.0 * x2), nan=1.0), -1.0, 1.0)
+        t = np.stack([np.column_stack([-np.ones_like(turn), turn]), np.column_stack([turn, np.ones_like(turn)])])
+        x = x0[:, None] + t * (x1[:, None] + t * x2[:, None])
+        x = x.reshape(-1, 2)
+        at_turn = (np.abs(x1[:, None] + 2.0 * x2[:, None] * t) <= 1e-12 * np.abs(x2)[:, None]).reshape(-1, 2)
+        at_turn &= np.tile(x2 != 0.0, 2)[:, None]
+        falls = x[:, 1] < x[:, 0]
+        order = np.where(falls[:, None], [1, 0], [0, 1])
+        return cls(
+            owner=np.tile(owner, 2),
+            is_side=np.full(len(x), is_side),
+            quadratic=np.tile(curves, (2, 1, 1)),
+            circle=np.full((len(x), 3), np.nan),
+            sign=np.where(falls, -1.0, 1.0),
+            ends=np.take_along_axis(x, order, axis=1),
+            turns=np.take_along_axis(at_turn, order, axis=1),
+        )
+
+    @classmethod
+    def of_circles(cls, owner: Ints, circles: Floats) -> Pieces:
+        """Split circles (k, 3) into their lower and upper halves."""
+        both = np.tile(circles, (2, 1))
+        return cls(
+            owner=np.tile(owner, 2),
+            is_side=np.zeros(len(both), dtype=bool),
+            quadratic=np.full((len(both), 2, 3), np.nan),
+            circle=both,
+            sign=np.repeat([-1.0, 1.0], len(circles)),
+            ends=both[:, :1] + both[:, 2:] * np.array([-1.0, 1.0]),
+            turns=np.ones((len(both), 2), dtype=bool),
+        )
+
+    @property
+    def straight(self) -> Bools:
+        """Which pieces (p,) are straight."""
+        return np.asarray((self.quadratic[..., 2] == 0.0).all(axis=1))
+
+    def height(self, index: Ints, x: Floats) -> Floats:
+        """Compute y (k,) on the pieces numbered (k,) at x (k,)."""
+        y = np.empty(len(x))
+        round_ = np.isnan(self.quadratic[index, 0, 0])
+        y[round_] = self._on_circle(index[round_], x[round_])
+        y[~round_] = self._on_quadratic(index[~round_], x[~round_])
+        return y
+
+    def _on_circle(self, index: Ints, x: Floats) -> Floats:
+        cx, cy, r = self.circle[index].T
+        return np.asarray(cy + self.sign[index] * np.sqrt(np.maximum((r - (x - cx)) * (r + (x - cx)), 0.0)))
+
+    def _on_quadratic(self, index: Ints, x: Floats) -> Floats:
+        (x0, x1, x2), (y0, y1, y2) = self.quadratic[index].transpose(1, 2, 0)
+        sign = self.sign[index]
+        # dx/dt is this root; of the two forms of t the one that does not cancel.
+        root = sign * np.sqrt(np.maximum(x1 * x1 + 4.0 * x2 * (x - x0), 0.0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = np.where(x1 * sign > 0.0, 2.0 * (x - x0) / (x1 + root), (root - x1) / (2.0 * x2))
+        t = np.clip(np.nan_to_num(t), -1.0, 1.0)
+        return np.asarray(y0 + t * (y1 + t * y2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +130,7 @@ class Parts:
 
 
 @dataclass(frozen=True, eq=False)
-class _Cells:
+class _Cells(Table):
     """Parts of strips: cut element (c,), range in x (c, 2), curves below and above (c, 2), vertical tangents (c, 2)."""
 
     owner: Ints
@@ -59,41 +138,19 @@ class _Cells:
     between: Ints
     singular: Bools
 
-    def take(self, index: Ints | Bools) -> _Cells:
-        return _Cells(*(getattr(self, item.name)[index] for item in fields(self)))
-
     def halves(self) -> _Cells:
-        middle = self.x.mean(axis=1)
-        no = np.zeros(len(middle), dtype=bool)
-        return _Cells(
-            np.tile(self.owner, 2),
-            np.vstack([np.column_stack([self.x[:, 0], middle]), np.column_stack([middle, self.x[:, 1]])]),
-            np.tile(self.between, (2, 1)),
-            np.vstack([np.column_stack([self.singular[:, 0], no]), np.column_stack([no, self.singular[:, 1]])]),
-        )
+        left, right, middle = self.x.copy(), self.x.copy(), self.x.mean(axis=1)
+        left[:, 1] = right[:, 0] = middle
+        first, second = self.singular & [True, False], self.singular & [False, True]
+        return _Cells.join([replace(self, x=left, singular=first), replace(self, x=right, singular=second)])
 
 
 def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool = False) -> Parts:
-    """Divide a mesh by a region.
+    """Divide a mesh by a region, whose outline may cut elements in any way, or leave the mesh.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        The mesh.
-    region : Region
-        Whose outline may cut elements in any way, or leave the mesh.
-    order : int
-        Gauss points across a strip.
-    rule : callable
-        In place of Gauss's, one as exact; of Lobatto's rule points are on the outline.
-    follow : bool
-        Whether sides of elements that stand for arcs of the outline are the outline: slivers between both, which would
-        have points of next to no weight, are neither cut off nor cut out.
-
-    Returns
-    -------
-    Parts
-        The elements inside, and positive weights that give area and first moments of the rest to rounding.
+    Across a strip there are ``order`` points of Gauss's rule, or of one as exact: of Lobatto's points are on the
+    outline. To ``follow`` is to take sides that stand for arcs of the outline for it: slivers between both, which would
+    have points of next to no weight, are neither cut off nor cut out.
     """
     x0, y0, x1, y1 = region.bounds
     boxes = mesh.boxes
@@ -155,7 +212,11 @@ def _pieces(
 ) -> tuple[Pieces, tuple[Ints, Floats]]:
     """Collect the curves of every cut element, of sides (c, 4, 3, 2), and where in x strips have to begin and end."""
     by_segment, by_circle = owners
-    sides = straightened(quadratics(sides.reshape(-1, 3, 2))).reshape(-1, 4, 2, 3)
+    curves = quadratics(sides.reshape(-1, 3, 2))
+    # A bend that is only rounding is none.
+    size = np.abs(curves[..., 1]).max(axis=1) + np.abs(curves[..., 0]).max(axis=1)
+    curves[np.abs(curves[..., 2]).max(axis=1) <= _STRAIGHT * size, :, 2] = 0.0
+    sides = curves.reshape(-1, 4, 2, 3)
     middles = 0.5 * (segments[:, :1] + segments[:, 1:])
     lines = quadratics(np.concatenate([segments[:, :1], middles, segments[:, 1:]], axis=1))
     lines[..., 2] = 0.0
@@ -166,6 +227,7 @@ def _pieces(
             Pieces.of_circles(by_circle, circles),
         ]
     )
+    pieces = pieces.pick(np.argsort(pieces.owner, kind="stable"))
     with_line, line_points = with_segments(sides[by_segment].reshape(-1, 2, 3), np.repeat(segments, 4, axis=0))
     with_arc, arc_points = with_circles(sides[by_circle].reshape(-1, 2, 3), np.repeat(circles, 4, axis=0))
     owner = np.concatenate([np.repeat(pieces.owner, 2), by_segment[with_line // 4], by_circle[with_arc // 4]])
@@ -217,8 +279,8 @@ def _integrate(
 ) -> tuple[Ints, Floats, Floats]:
     """Place points in the cells, bisecting in x those bounded by curves until converged."""
     straight = np.asarray(pieces.straight[cells.between].all(axis=1))
-    done = [_points(pieces, cells.take(straight), order + 1, order, rule)]
-    cells = cells.take(~straight)
+    done = [_points(pieces, cells.pick(straight), order + 1, order, rule)]
+    cells = cells.pick(~straight)
     extent = boxes[:, 2:] - boxes[:, :2]
     tolerance = (_CONVERGED * np.minimum(extent.prod(axis=1), area))[:, None]
     noise = 4.0 * np.finfo(float).eps * np.nanmax(np.abs(pieces.circle), initial=np.abs(boxes).max(initial=0.0))
@@ -229,8 +291,8 @@ def _integrate(
         fine = _moments(pieces, halves, boxes).reshape(2, -1, 3).sum(axis=0)
         rounding = noise * np.diff(cells.x)
         converged = (np.abs(fine - coarse) <= tolerance[cells.owner] + rounding).all(axis=1)
-        done.append(_points(pieces, cells.take(converged), _CURVED_POINTS, order, rule))
-        cells = halves.take(np.tile(~converged, 2))
+        done.append(_points(pieces, cells.pick(converged), _CURVED_POINTS, order, rule))
+        cells = halves.pick(np.tile(~converged, 2))
     done.append(_points(pieces, cells, _CURVED_POINTS, order, rule))
     owner, positions, weights = (np.concatenate(parts) for parts in zip(*done, strict=True))
     by_owner = np.argsort(owner, kind="stable")

@@ -2,72 +2,202 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-from signorini.discretise.quadrature.arcs import Arc, arcs_of
-from signorini.discretise.quadrature.areas import Quadrature
-from signorini.discretise.quadrature.breaks import divided
-from signorini.discretise.quadrature.rules import gauss, lobatto
+from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
+from signorini.discretise.quadrature.rules import LineQuadrature, gauss, lobatto
 from signorini.discretise.quadrature.stepped import INSIDE, Levels
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.mesh.curves import at_ends
+from signorini.mesh.isoparametric import side_boxes
 from signorini.shapes import Curve, Ring
+from signorini.shapes.contours import arc_through
+from signorini.shapes.outlines import Outline, Side
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
+_SAME = 1e-13
+_TOUCHED = 1e-6
+"""Part of an arc that counts as one point: where a side only touches a circle, rounding finds it to half the digits."""
+_STRAIGHT = 1e-9
+"""Part of its length that a side may be off a line on which it lies."""
+_NONE = np.zeros((0, 2))
+_INSIDE = 1e-6
+"""Part of an interval, at either end, in which a jump counts as one at the end."""
+_SEEN = 17
+"""Points at which an interval is looked at: what begins and ends between two of them is missed."""
+_BISECTIONS = 50
 
 
 @dataclass(frozen=True, eq=False)
-class LineQuadrature(Quadrature):
-    """Quadrature along lines, with the unit tangent (q, 2) at each point.
+class Segment:
+    """A straight piece from one point (2,) to another."""
 
-    ``within`` (q, 2) is a place beside each point that is inside its piece, where a formula has the piece's own value
-    even if the point is where it jumps.
-    """
-
-    tangents: Floats
-    within: Floats
+    begin: Floats
+    end: Floats
 
     @property
-    def normals(self) -> Floats:
-        """Unit normals (q, 2) to the right of the tangents: outward where the plate is on the left."""
-        return np.column_stack([self.tangents[:, 1], -self.tangents[:, 0]])
+    def length(self) -> float:
+        """Length."""
+        return float(np.hypot(*(self.end - self.begin)))
+
+    def at(self, s: Floats) -> tuple[Floats, Floats]:
+        """Compute positions and unit tangents (q, 2) at arc lengths (q,)."""
+        along = (self.end - self.begin) / self.length
+        return self.begin + s[:, None] * along, np.tile(along, (len(s), 1))
+
+    def crossings(self, sides: Floats) -> Floats:
+        """Find the arc lengths (r,) at which sides (k, 3, 2) meet the segment, in any order, some of them twice."""
+        segment = np.stack([self.begin, self.end])[None]
+        near, _, _, _ = touched(side_boxes(sides), Outline(segments=segment), _margin(sides))
+        sides = sides[near]
+        # Where a side crosses a line that it lies on is what rounding says.
+        along = self._holds(sides)
+        _, points = with_segments(quadratics(sides[~along]), np.repeat(segment, int((~along).sum()), axis=0))
+        return self.nearest(np.concatenate([points, sides[along][:, [0, 2]].reshape(-1, 2)]))
+
+    def _holds(self, sides: Floats) -> Bools:
+        """Tell which sides (k, 3, 2) lie on the line through both ends."""
+        x, y = (self.end - self.begin) / self.length
+        off = np.abs((sides - self.begin) @ np.array([-y, x])).max(axis=1, initial=0.0)
+        return np.asarray(off <= _STRAIGHT * np.hypot(*(sides[:, 2] - sides[:, 0]).T) + _margin(sides))
+
+    def nearest(self, points: Floats) -> Floats:
+        """The arc lengths (q,) of the places nearest to points (q, 2), on the line through both ends."""
+        return np.asarray((points - self.begin) @ (self.end - self.begin) / self.length)
+
+
+@dataclass(frozen=True, eq=False)
+class PartOfCircle:
+    """A part of a circle from an angle on, in radians, counter-clockwise if the angle turned through is positive."""
+
+    center: Floats
+    radius: float
+    start: float
+    sweep: float
+
+    @property
+    def length(self) -> float:
+        """Length."""
+        return self.radius * abs(self.sweep)
+
+    def at(self, s: Floats) -> tuple[Floats, Floats]:
+        """Compute positions and unit tangents (q, 2) at arc lengths (q,)."""
+        way = np.copysign(1.0, self.sweep)
+        angle = self.start + way * s / self.radius
+        outward = np.column_stack([np.cos(angle), np.sin(angle)])
+        return self.center + self.radius * outward, way * np.column_stack([-outward[:, 1], outward[:, 0]])
+
+    def crossings(self, sides: Floats) -> Floats:
+        """Find the arc lengths (r,) at which sides (k, 3, 2) meet its circle, in any order, some of them twice."""
+        circle = np.array([[*self.center, self.radius]])
+        _, _, near, _ = touched(side_boxes(sides), Outline(circles=circle), _margin(sides))
+        _, points = with_circles(quadratics(sides[near]), np.repeat(circle, len(near), axis=0))
+        return self.nearest(points)
+
+    def nearest(self, points: Floats) -> Floats:
+        """The arc lengths (q,) of the places nearest to points (q, 2), on all of the circle; beyond its ends too."""
+        angle = np.arctan2(points[:, 1] - self.center[1], points[:, 0] - self.center[0])
+        # The half turn on either side of its middle.
+        turned = np.copysign(1.0, self.sweep) * (angle - self.start) - 0.5 * abs(self.sweep) + np.pi
+        return np.asarray((np.mod(turned, 2.0 * np.pi) - np.pi + 0.5 * abs(self.sweep)) * self.radius)
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is a whole circle."""
+        return abs(self.sweep) == 2.0 * np.pi
+
+
+Arc: TypeAlias = Segment | PartOfCircle
+"""A smooth piece of a curve, by arc length."""
+
+
+def breaks(arc: Arc, sides: Floats, beside: Floats = _NONE) -> Floats:
+    """Divide an arc where sides (k, 3, 2) meet it, and beside points (q, 2): increasing, once along it.
+
+    A whole circle begins and ends at the first such place.
+    """
+    s, least = np.sort(np.concatenate([arc.crossings(sides), arc.nearest(beside)])), _TOUCHED * arc.length
+    if isinstance(arc, PartOfCircle) and arc.closed:
+        s = s[np.append(True, np.diff(s) > least)[: len(s)]]
+        if len(s) > 1 and s[0] + arc.length - s[-1] <= least:
+            s = s[:-1]
+        return np.append(s, s[0] + arc.length) if len(s) else np.array([0.0, arc.length])
+    s = np.concatenate([[0.0], s[(s > least) & (s < arc.length - least)], [arc.length]])
+    return np.asarray(s[np.append(np.diff(s) > least, True)])
+
+
+def _in_thirds(arc: Arc, breaks: Floats) -> Floats:
+    """Divide what is longer than a third of a circle: Gauss points on three such pieces prefer no direction."""
+    if isinstance(arc, Segment):
+        return breaks
+    turns = 3.0 * np.diff(breaks) / (2.0 * np.pi * arc.radius)
+    parts = np.maximum(np.ceil(turns - _SAME), 1.0).astype(np.int64)
+    ends = zip(breaks[:-1], breaks[1:], parts, strict=True)
+    return np.append(np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in ends]), breaks[-1])
+
+
+def arcs_of(outline: Outline) -> list[Arc]:
+    """Smooth pieces of an outline: segments in order, arcs, then circles counter-clockwise from the right."""
+    segments: list[Arc] = [Segment(a, b) for a, b in outline.segments]
+    arcs = [arc_of((tuple(a), tuple(m), tuple(b))) for a, m, b in outline.arcs.tolist()]
+    circles = [PartOfCircle(np.array([x, y]), r, 0.0, 2.0 * np.pi) for x, y, r in outline.circles.tolist()]
+    return [*segments, *arcs, *circles]
+
+
+def arc_of(side: Side) -> Arc:
+    """Take a side by its length, straight or an arc."""
+    begin, through, end = side
+    result = None if through is None else arc_through(begin, through, end)
+    return Segment(np.array(begin), np.array(end)) if result is None else PartOfCircle(*result)
+
+
+def _margin(sides: Floats) -> float:
+    return _SAME * float(np.abs(sides).max(initial=0.0))
+
+
+def divided(
+    begin: Floats, end: Floats, at: Callable[[Ints, Floats], Floats], levels: Levels
+) -> tuple[Ints, Floats, Floats]:
+    """Divide intervals (k,), of whatever parameter, where a level changes its sign.
+
+    ``at`` gives positions (q, 2) for intervals (q,) and parameters (q,). The parts (m,) come in order: which interval
+    each is of, and where it begins and ends.
+    """
+    if not (len(begin) and len(levels)):
+        return np.arange(len(begin)), begin, end
+    stations = np.linspace(_INSIDE, 1.0 - _INSIDE, _SEEN)
+    samples = begin[:, None] + (end - begin)[:, None] * stations
+    interval = np.repeat(np.arange(len(begin)), _SEEN)
+    owners, breaks = [np.arange(len(begin))], [begin]
+    for level in levels:
+        above = (level(at(interval, samples.ravel())) > 0.0).reshape(samples.shape)
+        which, gap = np.nonzero(above[:, 1:] != above[:, :-1])
+        low, high, first = samples[which, gap], samples[which, gap + 1], above[which, gap]
+        for _ in range(_BISECTIONS if len(which) else 0):
+            middle = 0.5 * (low + high)
+            same = (level(at(which, middle)) > 0.0) == first
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        owners.append(which)
+        breaks.append(0.5 * (low + high))
+    owner, s = np.concatenate(owners), np.concatenate(breaks)
+    order = np.lexsort((s, owner))
+    owner, s = owner[order], s[order]
+    keep = np.append(True, (np.diff(owner) > 0) | (np.diff(s) > _INSIDE * (end - begin)[owner[1:]]))
+    owner, s = owner[keep], s[keep]
+    last = np.append(np.diff(owner) > 0, True)
+    return owner, s, np.where(last, end[owner], np.append(s[1:], 0.0))
 
 
 def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0, levels: Levels = ()) -> LineQuadrature:
-    """Quadrature along the part of a curve that is on the plate.
+    """Quadrature along the part of a curve that is on the plate, in order; pieces end where levels change sign.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        The mesh.
-    curve : Polyline or Ring
-        The curve; tangents point along it, of a ring counter-clockwise.
-    order : int
-        Gauss points on each piece within one element.
-    at_ends : int
-        If not 0, the number of Lobatto's points on the pieces at the ends and corners of a polyline.
-    levels : sequence of functions
-        Pieces end where one of them changes its sign, see `signorini.discretise.quadrature.stepped`.
-
-    Returns
-    -------
-    LineQuadrature
-        In order along the curve. The weights sum to the length on the plate.
-
-    Examples
-    --------
-    >>> from signorini.mesh.meshers import rectangle
-    >>> from signorini.shapes import Polyline
-    >>> mesh = rectangle((0.0, 0.0), (4.0, 4.0), (3, 3))
-    >>> along = curve_quadrature(mesh, Polyline(((0.5, 1.0), (3.5, 5.0))))
-    >>> print(f"{along.total:.12f}")
-    3.750000000000
+    Tangents point along the curve, of a ring counter-clockwise. Pieces within one element have ``order`` Gauss points,
+    those at ends and corners of a polyline as many of Lobatto's as ``at_ends`` says, if not 0.
     """
     sides, parts, beside = mesh.unique_sides, [], np.zeros((0, 3), np.int64)
     if isinstance(curve, Ring):
@@ -76,12 +206,12 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0,
         beside = mesh.boundary_beside(curve)
         beside = beside[~np.isin(beside[:, 1], along[:, 1])]
         sides = sides[~np.isin(sides[:, 1], np.concatenate([along, beside])[:, 1])]
-    for arc in arcs_of(curve):
-        breaks = arc.pieces(arc.breaks(mesh.points[sides], mesh.points[beside[:, [0, 2]].ravel()]))
-        inside = mesh.locate(arc.at(0.5 * (breaks[1:] + breaks[:-1]))[0]).elements
+    for arc in arcs_of(curve.outline):
+        stops = _in_thirds(arc, breaks(arc, mesh.points[sides], mesh.points[beside[:, [0, 2]].ravel()]))
+        inside = mesh.locate(arc.at(0.5 * (stops[1:] + stops[:-1]))[0]).elements
         on = inside >= 0
-        piece, begin, end = divided(breaks[:-1][on], breaks[1:][on], partial(_along, arc), levels)
-        at_end = ((begin == breaks[0]) | (end == breaks[-1])) & (at_ends > 0 and not isinstance(curve, Ring))
+        piece, begin, end = divided(stops[:-1][on], stops[1:][on], partial(_along, arc), levels)
+        at_end = ((begin == stops[0]) | (end == stops[-1])) & (at_ends > 0 and not isinstance(curve, Ring))
         s, weights, part = _stations(begin, end, at_end, gauss(order), lobatto(max(at_ends - 1, 1)))
         points, tangents = arc.at(s)
         within, _ = arc.at(_inward(s, begin[part], end[part]))
@@ -98,38 +228,10 @@ def _along(arc: Arc, _: Ints, s: Floats) -> Floats:
 def edge_quadrature(
     mesh: Mesh, triples: Ints, order: int = 3, to_ends: bool = False, levels: Levels = ()
 ) -> LineQuadrature:
-    """Quadrature along sides of elements, as curved as they are.
+    """Quadrature along sides of elements (k, 3), as curved as they are, divided where levels change sign.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        The mesh.
-    triples : (k, 3) int array
-        Corner, midside, corner of each side, such as ``mesh.edges["left"]``; tangents point from the first to the last.
-    order : int
-        Gauss points on each side.
-    to_ends : bool
-        Sides at ends and corners of the line have Lobatto's rule with a point more, as exact.
-    levels : sequence of functions
-        Sides are divided where one of them changes its sign, see `signorini.discretise.quadrature.stepped`.
-
-    Returns
-    -------
-    LineQuadrature
-        In the order of the triples; points are in the element on the left where there is one.
-
-    Raises
-    ------
-    InputError
-        If a triple is not a side of an element.
-
-    Examples
-    --------
-    >>> from signorini.mesh.meshers import rectangle
-    >>> mesh = rectangle((0.0, 0.0), (4.0, 2.0), (3, 3))
-    >>> left = edge_quadrature(mesh, mesh.edges["left"])
-    >>> round(left.total, 12), left.normals[0].tolist()
-    (2.0, [-1.0, -0.0])
+    Tangents point from the first node to the last; points are in the element on the left where there is one. Sides have
+    ``order`` Gauss points, or, ``to_ends``, at ends and corners of the line Lobatto's rule with a point more, as exact.
     """
     elements, sides, forward = mesh.find_sides(triples)
     a, b = mesh.corners_of_sides(elements, sides)

@@ -1,43 +1,71 @@
-"""Rules on −1 ≤ t ≤ 1: Gauss's, and Lobatto's, which has points at both ends; and on triangles."""
+"""Rules on −1 ≤ t ≤ 1 (Gauss, and Lobatto, which has points at both ends) and on triangles; points on a mesh."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cache
-from typing import TypeAlias
+from typing import Self, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini._core import section_points
+from signorini.discretise.rows import Floats, Ints, Table
 
-Floats = npt.NDArray[np.float64]
 Rule: TypeAlias = Callable[[int], tuple[Floats, Floats]]
 """Points and weights, given how many."""
 
 
+@dataclass(frozen=True, eq=False)
+class Quadrature(Table):
+    """Points and weights of an integral over the plate or part of it.
+
+    ``xi`` (q, 2) are reference points in ``elements`` (q,), ``positions`` (q, 2) where they are in the plane.
+    ``weights`` (q,) are positive and sum to the area or length, the Jacobian included.
+    """
+
+    elements: Ints
+    xi: Floats
+    weights: Floats
+    positions: Floats
+
+    def times(self, values: Floats | float) -> Self:
+        """The same points, which weigh what they did times values (q,)."""
+        return replace(self, weights=self.weights * values)
+
+    @property
+    def total(self) -> float:
+        """Area or length that was found on the plate."""
+        return float(self.weights.sum())
+
+
+@dataclass(frozen=True, eq=False)
+class LineQuadrature(Quadrature):
+    """Quadrature along lines, with the unit tangent (q, 2) at each point.
+
+    ``within`` (q, 2) is a place beside each point that is inside its piece, where a formula has the piece's own value
+    even if the point is where it jumps.
+    """
+
+    tangents: Floats
+    within: Floats
+
+    @property
+    def normals(self) -> Floats:
+        """Unit normals (q, 2) to the right of the tangents: outward where the plate is on the left."""
+        return np.column_stack([self.tangents[:, 1], -self.tangents[:, 0]])
+
+
 @cache
 def gauss(count: int) -> tuple[Floats, Floats]:
-    """Gauss's rule (count,), exact to the degree 2·count − 1.
-
-    Examples
-    --------
-    >>> gauss(2)[0].round(6)
-    array([-0.57735,  0.57735])
-    """
+    """Gauss's rule (count,), exact to the degree 2·count − 1."""
     points, weights = np.polynomial.legendre.leggauss(count)
     return np.asarray(points), np.asarray(weights)
 
 
 @cache
 def lobatto(count: int) -> tuple[Floats, Floats]:
-    """Lobatto's rule with one point more, and so as exact: to the degree 2·count − 1.
-
-    Examples
-    --------
-    >>> lobatto(3)[0].round(6), lobatto(3)[1].round(6)
-    (array([-1.      , -0.447214,  0.447214,  1.      ]), array([0.166667, 0.833333, 0.833333, 0.166667]))
-    """
+    """Lobatto's rule with one point more, and so as exact: to the degree 2·count − 1."""
     last = np.polynomial.legendre.Legendre.basis(count)
     inner = np.sort(np.real(last.deriv().roots()))
     points = np.concatenate([[-1.0], 0.5 * (inner - inner[::-1]), [1.0]])

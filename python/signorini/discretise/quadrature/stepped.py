@@ -11,51 +11,109 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from signorini.discretise.quadrature.triangles import Triangles, gauss_on_boxes, gauss_on_triangles, split
+from signorini.discretise.quadrature.rules import Quadrature, collapsed, gauss
+from signorini.discretise.rows import Bools, Floats, Ints, Table
 from signorini.mesh import Mesh
+from signorini.mesh.isoparametric import TRIANGLE_CORNERS
 from signorini.shapes.cuts import Part
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
+_EMPTY = 1e-14
+"""Area, over that of the box it is part of, below which a triangle is left out."""
+
 
 Levels = Sequence[Callable[[Floats], Floats]]
 """Functions of positions (q, 2): steps are where one changes its sign. NaN counts as negative."""
-
 OFF = 1e-4
 """How far a cut may lie from a curved step, over the side of the element."""
-
 _DEEPEST = 7
 INSIDE = 1.0 - 1e-6
 """How far from the middle elements and pieces are looked at: a step along their sides is no step inside."""
-
 _PARTED = 0.4863
 """Where parts are quartered: not in the middle, where steps are wont to run, and would be met on neither side."""
-
 _SEEN = 9
 """Points a direction at which an element is looked at: what is smaller than an eighth of it may be missed."""
-
 _CHUNK = 200_000
-
 _HYPOTENUSE = np.array([1.0, -1.0, -1.0])
 """Of triangles the plane above zero inside them."""
 
 
 @dataclass(frozen=True, eq=False)
-class Cut:
-    """Elements cut by steps: points with their elements, reference points (q, 2), positions (q, 2) and weights.
+class Triangles(Table):
+    """Triangles with the box (t,) each is a part of, corners (t, 3, 2), and the area (t,) of the box."""
 
-    ``fronts`` (f, 2, 2) are the pieces of the steps, from one reference point to another of ``front_elements`` (f,).
+    box: Ints
+    corners: Floats
+    of: Floats
+
+    @classmethod
+    def of_boxes(cls, which: Ints, boxes: Floats) -> Triangles:
+        """Halve boxes (k, 4), their lower and upper corners, along a diagonal; ``which`` (k,) are their numbers."""
+        x0, y0, x1, y1 = boxes.T
+        a, b, c, d = (np.column_stack(corner) for corner in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
+        corners = np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1)
+        return cls(np.repeat(which, 2), corners.reshape(-1, 3, 2), np.repeat((x1 - x0) * (y1 - y0), 2))
+
+    @property
+    def area(self) -> Floats:
+        """Areas (t,)."""
+        (ax, ay), (bx, by) = ((self.corners[:, i] - self.corners[:, 0]).T for i in (1, 2))
+        return np.asarray(0.5 * np.abs(ax * by - ay * bx))
+
+
+def split(triangles: Triangles, planes: Floats, changes: Bools) -> tuple[Triangles, Ints, Floats]:
+    """Cut triangles along the zeros of p0 + p1 x + p2 y, with p (c, 3) of their boxes, where that changes a box (c,).
+
+    Return those that were not cut and the parts of the others, and boxes (f,) and ends (f, 2, 2) of the cuts.
     """
+    own = triangles.box
+    value = planes[own, :1] + np.einsum("tij,tj->ti", triangles.corners, planes[own, 1:])
+    above = value > 0.0
+    count = above.sum(axis=1)
+    cut = changes[own] & (count > 0) & (count < 3)
+    if not cut.any():
+        return triangles, np.zeros(0, dtype=np.int64), np.zeros((0, 2, 2))
+    alone = (above[cut] == (count[cut] == 1)[:, None]).argmax(axis=1)
+    turn = (alone[:, None] + np.arange(3)) % 3
+    rows = np.arange(len(turn))[:, None]
+    corners, heights = triangles.corners[cut][rows, turn], value[cut][rows, turn]
+    share = (heights[:, :1] / (heights[:, :1] - heights[:, 1:]))[..., None]
+    ends = corners[:, :1] + share * (corners[:, 1:] - corners[:, :1])
+    p, q, r, a, b = corners[:, 0], corners[:, 1], corners[:, 2], ends[:, 0], ends[:, 1]
+    parts = np.concatenate([np.stack(part, axis=1) for part in ((p, a, b), (a, q, r), (a, r, b))])
+    made = Triangles(
+        np.concatenate([own[~cut], np.tile(own[cut], 3)]),
+        np.concatenate([triangles.corners[~cut], parts]),
+        np.concatenate([triangles.of[~cut], np.tile(triangles.of[cut], 3)]),
+    )
+    return made.pick(made.area > _EMPTY * made.of), own[cut], ends
 
-    elements: Ints
-    xi: Floats
-    positions: Floats
-    weights: Floats
+
+def gauss_on_triangles(triangles: Triangles, order: int) -> tuple[Ints, Floats, Floats]:
+    """Boxes (q,), points (q, 2) and weights (q,) of Gauss rules collapsed to the triangles."""
+    unit, weights = collapsed(TRIANGLE_CORNERS[:3], gauss(order), gauss(order))
+    shape, weights = np.column_stack([1.0 - unit.sum(axis=1), unit]), 2.0 * weights
+    points = np.einsum("sk,tkd->tsd", shape, triangles.corners).reshape(-1, 2)
+    return np.repeat(triangles.box, order**2), points, (triangles.area[:, None] * weights).ravel()
+
+
+def gauss_on_boxes(boxes: Floats, order: int) -> tuple[Ints, Floats, Floats]:
+    """Boxes (q,), points (q, 2) and weights (q,) of Gauss rules on boxes (k, 4)."""
+    node, weight = gauss(order)
+    station = np.stack(np.meshgrid(node, node, indexing="ij"), axis=-1).reshape(-1, 2)
+    middle, half = 0.5 * (boxes[:, :2] + boxes[:, 2:]), 0.5 * (boxes[:, 2:] - boxes[:, :2])
+    points = middle[:, None] + half[:, None] * station
+    weights = half.prod(axis=1)[:, None] * np.outer(weight, weight).ravel()
+    return np.repeat(np.arange(len(boxes)), order**2), points.reshape(-1, 2), weights.ravel()
+
+
+class Cut(NamedTuple):
+    """Points of elements cut by steps, and the pieces of these: reference points (f, 2, 2) of elements (f,)."""
+
+    points: Quadrature
     front_elements: Ints
     fronts: Floats
 
@@ -93,42 +151,24 @@ def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
     return result
 
 
+def among(levels: Levels, across: Bools) -> list[Callable[[Floats], Floats]]:
+    """Those of the levels that change their sign in any element, given in which (levels, k)."""
+    return [level for level, some in zip(levels, across, strict=True) if some.any()]
+
+
 def cut_by(
     mesh: Mesh,
     elements: Ints,
     levels: Levels,
     order: int,
     off: float = OFF,
-    deepest: int = _DEEPEST,
     quarter: bool = False,
 ) -> Cut:
-    """Integrate over elements that steps cut.
+    """Integrate over elements (k,) what is smooth where no level changes its sign.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        The mesh.
-    elements : (k,) int array
-        Elements to be integrated over.
-    levels : sequence of functions
-        What is to be integrated is smooth where none changes its sign.
-    order : int
-        Gauss points in each direction of a part; smaller parts have fewer.
-    off : float
-        How far a cut may lie from its step, over the side of the element.
-    deepest : int
-        Quarterings after which a cut is made however far off it is.
-    quarter : bool
-        Whether no part may reach over the middles of a quadrilateral.
-
-    Examples
-    --------
-    >>> from signorini.mesh.meshers import rectangle
-    >>> mesh = rectangle((0.0, 0.0), (3.0, 1.0), (1, 1))
-    >>> result = cut_by(mesh, np.array([0]), [lambda points: points[:, 0] - points[:, 1]], 3)
-    >>> left = result.positions[:, 0] < result.positions[:, 1]
-    >>> [round(float(part.sum()), 12) for part in (result.weights, result.weights[left])]
-    [3.0, 0.5]
+    Parts have up to ``order`` Gauss points in each direction. A cut lies up to ``off``, over the element's side, from
+    its step, but after seven quarterings it is made however far off it is. ``quarter`` lets no part reach over the
+    middles of a quadrilateral.
     """
     # Of a triangle the box has another half, which is cut off.
     owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
@@ -136,15 +176,18 @@ def cut_by(
     points: list[tuple[Ints, Floats, Floats]] = []
     # Of what is smaller than what is looked at there are no pieces.
     fronts = [(np.zeros(0, np.int64), np.zeros((0, 2, 2)))]
-    for depth in range(deepest + 1):
+    for depth in range(_DEEPEST + 1):
         if not len(owner):
             break
         changes, planes, bent = _planes(mesh, owner, boxes, levels, crossing, _SEEN if depth == 0 else 5)
         # Parts of an element are crossed by what crosses it alone: of many levels those are few.
         crossing = changes if depth == 0 else crossing
-        ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == deepest)
+        ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == _DEEPEST)
         if quarter:
-            changes, planes = _with_axes(boxes, changes, planes)
+            # The middles of the elements, ξ = 0 and η = 0, are levels too.
+            axes = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], (len(boxes), 2, 3))
+            changes = np.hstack([changes, (boxes[:, :2] < 0.0) & (boxes[:, 2:] > 0.0)])
+            planes = np.concatenate([planes, axes], axis=1)
         over = mesh.triangles[owner] & (boxes[:, 2:].sum(axis=1) > 1.0)
         clear = ready & ~changes.any(axis=1) & ~over
         fewer = max(2, order - depth)
@@ -153,18 +196,14 @@ def cut_by(
         triangles = Triangles.of_boxes(np.flatnonzero(ready & ~clear), boxes[ready & ~clear])
         if over.any():
             triangles, _, _ = split(triangles, np.tile(_HYPOTENUSE, (len(owner), 1)), over)
-            triangles = triangles.take(~over[triangles.box] | (triangles.corners.mean(axis=1).sum(axis=1) < 1.0))
+            triangles = triangles.pick(~over[triangles.box] | (triangles.corners.mean(axis=1).sum(axis=1) < 1.0))
         for i in np.flatnonzero(changes.any(axis=0)):
             triangles, square, ends = split(triangles, planes[:, i], changes[:, i])
             if i < len(levels):
                 fronts.append((owner[square], ends))
         square, xi, weights = gauss_on_triangles(triangles, fewer)
         points.append((owner[square], xi, weights))
-        owner, boxes, crossing = (
-            np.repeat(owner[~ready], 4),
-            _quartered(boxes[~ready]),
-            crossing[~ready].repeat(4, axis=0),
-        )
+        owner, boxes, crossing = owner[~ready].repeat(4), _quartered(boxes[~ready]), crossing[~ready].repeat(4, axis=0)
         inside = ~mesh.triangles[owner] | (boxes[:, :2].sum(axis=1) < 1.0)
         owner, boxes, crossing = owner[inside], boxes[inside], crossing[inside]
     held, xi, weights = (np.concatenate(part) for part in zip(*points, strict=True))
@@ -172,7 +211,7 @@ def cut_by(
     held, xi, weights = held[by_element], xi[by_element], weights[by_element]
     front_elements, ends = (np.concatenate(part) for part in zip(*fronts, strict=True))
     weights = weights * np.linalg.det(mesh.jacobian(held, xi))
-    return Cut(held, xi, mesh.map(held, xi), weights, front_elements, ends)
+    return Cut(Quadrature(held, xi, weights, mesh.map(held, xi)), front_elements, ends)
 
 
 def _planes(
@@ -206,22 +245,12 @@ def _planes(
     return changes, planes, bent
 
 
-def _with_axes(boxes: Floats, changes: Bools, planes: Floats) -> tuple[Bools, Floats]:
-    """Take the middles of the elements, ξ = 0 and η = 0, for levels too."""
-    across = (boxes[:, :2] < 0.0) & (boxes[:, 2:] > 0.0)
-    axes = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], (len(boxes), 2, 3))
-    return np.hstack([changes, across]), np.concatenate([planes, axes], axis=1)
-
-
 def _quartered(boxes: Floats) -> Floats:
     low, high = boxes[:, :2], boxes[:, 2:]
     ends = np.stack([low, low + _PARTED * (high - low), high], axis=1)
-    parts = [
-        np.column_stack([ends[:, i, 0], ends[:, j, 1], ends[:, i + 1, 0], ends[:, j + 1, 1]])
-        for i in (0, 1)
-        for j in (0, 1)
-    ]
-    return np.stack(parts, axis=1).reshape(-1, 4)
+    i, j = np.divmod(np.arange(4), 2)
+    parts = [ends[:, i, 0], ends[:, j, 1], ends[:, i + 1, 0], ends[:, j + 1, 1]]
+    return np.stack(parts, axis=2).reshape(-1, 4)
 
 
 def _square(count: int) -> Floats:

@@ -9,10 +9,14 @@ all others. Inner nodes are in equilibrium, so that of those on the left the ele
 elements that the line meets remain. Where v is a rigid motion in them nothing of the elements' own stress is left, and
 the sum is what acts on either side, whatever the quadrature. Where it is not, at an end of the line inside the plate,
 what v is too little on the line times the element's own moments and shears there is added.
+
+Beyond a re-entrant corner, or where a line touches a round hole, the plate is on the straight continuation of a line
+that has already ended. So a line that ends on an edge is continued by one that leads out of the plate.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,17 +25,20 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.frames import Held
+from signorini.discretise.held import Held
 from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.rules import gauss
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.sections.ends import followed
 from signorini.errors import InputError, point
 from signorini.mesh import Mesh
+from signorini.mesh.sides import onto
+from signorini.shapes.contours import arc_through
 from signorini.shapes.cuts import LEFT, RIGHT, CutLine, LeftOf, Near, Part
 from signorini.shapes.outlines import Point
 
+BESIDE = 1e-6
+"""How far from an edge, of the plate's size, an end is on it, and from a node of an edge in it: more than rounding."""
 _BEYOND = 2.0
 """Diagonals of the largest element by which a line is followed beyond an end inside the plate: v ends within one."""
 _ORDER = 5
@@ -40,27 +47,81 @@ _POINTS = {"mitc9": 9, "q8r": 4}
 """Points of an element's stiffness."""
 _WORK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0])
 """σ : ε is −mx κx − my κy − mxy 2κxy + qx γx + qy γy."""
+_TRIANGULAR = np.array([(i, j) for i in range(3) for j in range(3 - i)])
+
+
+def followed(mesh: Mesh, points: Sequence[Point]) -> tuple[CutLine, tuple[bool, bool]]:
+    """Give a line through points that leaves the plate where it ends on an edge; and which ends are inside."""
+    corners, touching = np.array(points, dtype=np.float64), mesh.near.place
+    if len(points) > 2 and points[0] == points[-1]:
+        return CutLine(corners, touching), (False, False)
+    edges = [_edge(mesh, corners[end]) for end in (0, -1)]
+    for end, (at, _) in zip((0, -1), edges, strict=True):
+        corners[end] = at
+    ways = [
+        None if beside is None else _out(beside - at, at - corners[inner], touching)
+        for inner, (at, beside) in zip((1, -2), edges, strict=True)
+    ]
+    return CutLine(corners, touching, ways), (ways[0] is None, ways[1] is None)
+
+
+def _edge(mesh: Mesh, at: Floats) -> tuple[Floats, Floats | None]:
+    """Where an end is, in a node if it is next to it; of one on an edge the node before and that behind it (2, 2)."""
+    chords = np.concatenate([mesh.boundary[:, :2], mesh.boundary[:, 1:]])
+    near, ends = BESIDE * mesh.size, mesh.points[chords]
+    apart = np.hypot(*np.moveaxis(ends[:, 0] - at, 1, 0))
+    if apart.min() <= near:
+        node = chords[apart.argmin(), 0]
+        at = mesh.points[node]
+        before, behind = ends[chords[:, 1] == node, 0], ends[chords[:, 0] == node, 1]
+        # Where parts of the plate meet in a node, those between which there is no plate.
+        pairs = [np.stack([one, other]) for one in before for other in behind]
+        return at, min(pairs, key=lambda pair: _turn(pair - at))
+    sides = mesh.points[mesh.boundary]
+    apart = np.hypot(*(onto(sides, at) - at).T)
+    side = sides[apart.argmin()]
+    if apart.min() > near and not _on_arc(side, at, near):
+        return at, None
+    chord = side[:2] if (at - side[1]) @ (side[2] - side[0]) < 0.0 else side[1:]
+    return at, chord
+
+
+def _on_arc(side: Floats, at: Floats, near: float) -> bool:
+    """Whether a place is on the arc for which a side stands: so are ends on circles, the sides being parabolas."""
+    a, middle, b = (tuple(node) for node in side.tolist())
+    arc = arc_through(a, middle, b)
+    between = 0.0 < (at - side[0]) @ (side[2] - side[0]) < math.dist(a, b) ** 2
+    return arc is not None and bool(between) and abs(math.dist(at, arc[0]) - arc[1]) <= near
+
+
+def _turn(beside: Floats) -> float:
+    """Angle counter-clockwise from one direction to the other (2, 2), along an edge that has the plate on the left."""
+    (x, y), (u, v) = beside.tolist()
+    return math.atan2(x * v - y * u, x * u + y * v) % math.tau
+
+
+def _out(beside: Floats, outward: Floats, touching: float) -> Floats | None:
+    """Give the direction midway between those along the edge (2, 2), on the side where no plate is.
+
+    None where the line runs along the edge, and the edge goes on straight ahead: the line is that just inside.
+    """
+    outward = outward / np.hypot(*outward)
+    off, ahead = beside @ [outward[1], -outward[0]], beside @ outward
+    if (np.abs(off) <= touching).all() and ahead[0] * ahead[1] < 0.0:
+        return None
+    half = 0.5 * _turn(beside)
+    c, s = math.cos(half), math.sin(half)
+    return np.asarray(np.array([[c, -s], [s, c]]) @ beside[0] / np.hypot(*beside[0]))
 
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A line and the elements (k,) that it meets.
+    """A line, its length on the plate, and the elements (k,) that it meets, in rising order.
 
-    Parameters
-    ----------
-    line : CutLine
-    length : float
-        Of the line on the plate.
-    elements : (k,) array
-        In rising order.
-    of_forces : (k, 3, 24) array
-        What nodal forces on the elements count for in moment, twist and shear, in the nodes' frames.
-    of_stress : (k, p, 5, 3) array
-        What the elements' moments and shears do at the points of their stiffness.
-    motion : (k, 3, 24) array
-        v of the elements that the line divides; else 0.
-    left : Quadrature
-        Points of these on the left; elements by their place among the k.
+    ``of_forces`` (k, 3, 24) is what nodal forces on the elements count for in moment, twist and shear, in the nodes'
+    frames, ``of_stress`` (k, p, 5, 3) what their moments and shears do at the points of their stiffness. ``motion`` (k,
+    3, 24) is v of the elements that the line divides, else 0, and ``left`` are points of these on the left; elements by
+    their place among the k.
     """
 
     line: CutLine
@@ -101,19 +162,13 @@ class Cut:
 
 
 def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[Point]) -> Cut:
-    """Cut a plate of a kind of elements along a line through points.
-
-    Raises
-    ------
-    InputError
-        If nothing of the line is on the plate.
-    """
+    """Cut a plate of a kind of elements along a line through points, some of which is on the plate."""
     line = _Followed(mesh, points)
     met, divided, pieces = _met(mesh, line)
     length = _length(line.line, pieces)
     if not length > 0.0:
         raise InputError("The line is not on the plate. Move it onto the plate.")
-    near = line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
+    near = line.line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
     taken = line.taken(near).reshape(-1, 8)
     # Where no node is beside the line, v is 0 in an element that the line is in, and too little by all of it.
     of_line = (pieces.begin >= 0.0) & (pieces.end <= line.line.lengths[pieces.piece])
@@ -154,10 +209,6 @@ class _Followed:
         self.line, self.inside = followed(mesh, points)
         self.reach = _BEYOND * float(np.hypot(*(mesh.boxes[:, 2:] - mesh.boxes[:, :2]).T).max())
         self.beyond = np.where(self.inside, self.reach, 0.0)
-
-    def near(self, points: Floats) -> Near:
-        """Find where points (q, 2) are from the line."""
-        return self.line.near(points)
 
     def taken(self, near: Near) -> Floats:
         """1 at points beside the line, 0 beyond an end inside the plate, a half beside the end itself."""
@@ -272,9 +323,6 @@ def _square(count: int) -> Ints:
     return np.array([(i, j) for i in range(count) for j in range(count)])
 
 
-_TRIANGULAR = np.array([(i, j) for i in range(3) for j in range(3 - i)])
-
-
 def _monomials(xi: Floats, degrees: Ints) -> Floats:
     return np.asarray((xi[:, None, :] ** degrees).prod(axis=2))
 
@@ -294,7 +342,7 @@ def _rest(
     xi = mesh.invert(at, positions)
     wanted = np.zeros((len(at), 3, 3))
     wanted[:, 0, 1:], wanted[:, 1, 1:], wanted[:, 2, 0] = -normal, -along, 1.0
-    wanted *= line.taken(line.near(positions))[:, None, None]
+    wanted *= line.taken(line.line.near(positions))[:, None, None]
     rows = np.stack([plate.interpolation_rows(at, xi, field)[0] for field in range(3)], axis=1)
     w, x, y = np.moveaxis(wanted - np.einsum("qcd,qfd->qcf", v[place], rows), -1, 0)
     nx, ny = (part[:, None] for part in normal.T)

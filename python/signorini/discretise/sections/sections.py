@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,31 +12,43 @@ from scipy.sparse import csr_array, vstack
 
 from signorini import _core
 from signorini.base.brief import Brief
-from signorini.discretise.frames import Held
-from signorini.discretise.quadrature import curve_quadrature
+from signorini.discretise.held import Held
+from signorini.discretise.places import region
+from signorini.discretise.quadrature import Quadrature, area_quadrature, curve_quadrature
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.sections.acting import (
-    Acting,
-    Push,
-    Spread,
-    footprints_of,
-    of_couples,
-    of_line,
-    of_points,
-    of_spread,
-    of_supports,
-)
-from signorini.discretise.sections.cut import Cut, cut
-from signorini.discretise.sections.ends import BESIDE
+from signorini.discretise.sections.cut import BESIDE, Cut, cut, placed
+from signorini.discretise.supports import ContactPoints, Springs
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
+from signorini.model.footprint import footprints
 from signorini.shapes import Polyline
+from signorini.shapes.cuts import Part
 from signorini.shapes.outlines import Point
 
+_ORDER = 3
+_FLAT = 1e-9
+"""Part of the largest below which what an area has of an element is too narrow to tell the slope of a pressure."""
+_AT_SIDE = 1e-6
+"""How near a side, in reference coordinates, a point is on it."""
 _BESIDE = 1e-3
 """Part of half a strip's width: where so near to its middle line there is no plate, the line is on an edge."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """A pressure over a region, or over the plate, at points (q, 2) of elements (q,); it may jump where levels do."""
+
+    region: Part | None
+    order: int
+    levels: Levels
+    pressure: Callable[[Ints, Floats], Floats]
+
+    @classmethod
+    def even(cls, shape: Part, pressure: float) -> Spread:
+        """One pressure over a footprint."""
+        return cls(shape, _ORDER, (), lambda _, at: np.full(len(at), pressure))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,8 +67,10 @@ class Sections(Brief):
     @classmethod
     def of(cls, model: Model, mesh: Mesh, plate: _core.Plate, held: Held, problems: Problems) -> Sections:
         """Cut the plate; lines that cannot be are among the problems."""
+        lines: list[tuple[Sequence[Point], Place]] = [(one.line, ("section", i)) for i, one in enumerate(model.section)]
+        lines += [(ends, ("strip", i)) for i, strip in enumerate(model.strip) for ends in strip.across]
         result: list[Cut] = []
-        for points, place in _lines(model):
+        for points, place in lines:
             with problems.collected():
                 _require_on_plate(mesh, points, place)
                 result.append(_cut(mesh, plate, model, held, points, place))
@@ -85,31 +99,53 @@ class Sections(Brief):
         forces, stress = plate.element_forces(self.elements, hi, lo, (kx, ky, kxy), couples)
         return np.asarray(self._of_forces @ forces.ravel() + self._of_stress @ stress.ravel())
 
-    def of_points(self, elements: Ints, xi: Floats, positions: Floats, force: Floats) -> Floats:
-        """Give the part (3s,) of forces (q,), down, at points (q, 2) of elements (q,)."""
-        return self._sum(elements, lambda one: of_points(one, self.mesh, elements, xi, positions, force))
+    def of_points(self, forces: Quadrature) -> Floats:
+        """Give the part (3s,) of forces, down, that points weigh."""
+        some = forces.pick(self._met[forces.elements])
+        return self.of_rows(some.elements, some.positions, _deflections(self.mesh, some))
 
-    def of_line(self, whole: Push, divided: Callable[[Levels], Push]) -> Floats:
+    def of_rows(self, elements: Ints, positions: Floats, rows: Floats) -> Floats:
+        """Give the part (3s,) of forces or couples with rows (q, 24) at points (q, 2) of elements (q,)."""
+
+        def part(one: Cut) -> Floats:
+            place, some = placed(one.elements, elements)
+            return np.asarray(one.work(place, rows[some], one.lefts(positions[some])).sum(axis=0))
+
+        return self._sum(elements, part)
+
+    def of_line(self, whole: Quadrature, divided: Callable[[Levels], Quadrature]) -> Floats:
         """Give the part (3s,) of forces along a line, that are given once more, divided where levels change sign."""
         if not self._met[whole.elements].any():
             return np.zeros(3 * len(self.cuts))
         crossed = divided([one.level for one in self.cuts])
-        return np.concatenate([of_line(one, self.mesh, whole, crossed) for one in self.cuts])
 
-    def of_couples(self, elements: Ints, positions: Floats, rows: Floats) -> Floats:
-        """Give the part (3s,) of couples with rows (q, 24) at points (q, 2) of elements (q,)."""
-        return self._sum(elements, lambda one: of_couples(one, elements, positions, rows))
+        def part(one: Cut) -> Floats:
+            place, some = placed(one.elements, whole.elements)
+            here = whole.pick(some)
+            left = np.where(one.divided()[place], 0.0, one.lefts(here.positions))
+            result = one.work(place, _deflections(self.mesh, here), left).sum(axis=0)
+            place, some = placed(one.elements, crossed.elements)
+            here = crossed.pick(some)
+            on_left = _deflections(self.mesh, here.times(one.lefts(here.positions)))
+            return np.asarray(result - np.einsum("qcd,qd->c", one.motion[place], on_left))
 
-    def of_spread(self, elements: Ints, xi: Floats, force: Floats, spread: Spread) -> Floats:
-        """Give the part (3s,) of a pressure of which nodal forces are those of forces (q,) at points of elements."""
-        return self._sum(elements, lambda one: of_spread(one, self.mesh, elements, xi, force, spread))
+        return self._sum(whole.elements, part)
 
-    def of_supports(self, supports: Sequence[Support], acting: Acting) -> csr_array:
+    def of_spread(self, forces: Quadrature, spread: Spread) -> Floats:
+        """Give the part (3s,) of a pressure of which nodal forces are those that points weigh."""
+        return self._sum(forces.elements, lambda one: _of_spread(one, self.mesh, forces, spread))
+
+    def of_supports(self, supports: Sequence[Support], acting: ContactPoints | Springs) -> csr_array:
         """Give the parts (3s, m) of reactions of 1, up, along rows (m,) of supports."""
-        if not (self.cuts and len(acting.rows)):
-            return csr_array((3 * len(self.cuts), len(acting.rows)))
-        prints = footprints_of(self.mesh, supports, acting)
-        parts = (csr_array(of_supports(one, self.mesh, supports, acting, prints).T) for one in self.cuts)
+        if not (self.cuts and len(acting)):
+            return csr_array((3 * len(self.cuts), len(acting)))
+        prints = {}
+        for index, support in enumerate(supports):
+            shapes = footprints(support)
+            for row in np.flatnonzero(acting.support == index).tolist() if shapes else ():
+                shape = shapes[acting.numbers[row]]
+                prints[row] = shape, area_quadrature(self.mesh, shape, _ORDER)
+        parts = (csr_array(_of_supports(one, self.mesh, supports, acting, prints).T) for one in self.cuts)
         return csr_array(vstack(list(parts)))
 
     def _sum(self, elements: Ints, part: Callable[[Cut], Floats]) -> Floats:
@@ -151,16 +187,7 @@ def _cut(mesh: Mesh, plate: _core.Plate, model: Model, held: Held, points: Seque
     try:
         return cut(mesh, plate, model.plate.element, held, points)
     except InputError as error:
-        raise InputError(error.message, place) from None
-
-
-def _lines(model: Model) -> Iterator[tuple[Sequence[Point], Place]]:
-    """Yield the line of every section, and those across strips, with their places in the model."""
-    for index, section in enumerate(model.section):
-        yield section.line, ("section", index, "line")
-    for index, strip in enumerate(model.strip):
-        for ends in strip.across:
-            yield ends, ("strip", index)
+        raise InputError(error.message, (*place, "line") if place[0] == "section" else place) from None
 
 
 def _require_on_plate(mesh: Mesh, points: Sequence[Point], place: Place) -> None:
@@ -174,14 +201,95 @@ def _require_on_plate(mesh: Mesh, points: Sequence[Point], place: Place) -> None
         for end, outward in zip(np.flatnonzero(~inside), away[~inside], strict=True):
             ray = Polyline((tuple(ends[end].tolist()), tuple((ends[end] + outward).tolist())))
             inside[end] = curve_quadrature(mesh, ray, 1).total > 0.0
-    for end in ends[~inside]:
-        at = point(end, mesh.size)
-        if place[0] == "strip":
-            middle = ends.mean(axis=0)
-            said = f"The strip reaches beyond the plate at {at}, beside its station {point(middle, mesh.size)}"
-            if mesh.locate(middle[None] + _BESIDE * (end - middle)).inside.all():
-                advice = ". Make it narrower, or move its line or the line's ends."
-                raise InputError(f"{said}{advice}", place=(*place, "width"))
-            advice = ", which is on an edge: no width is narrow enough. Let its line end short of it, or move it off."
-            raise InputError(f"{said}{advice}", place=(*place, "line"))
-        raise InputError(f"The line ends at {at}, off the plate. Let it end on the plate; it may cross holes.", place)
+    if inside.all():
+        return
+    end = ends[~inside][0]
+    at = point(end, mesh.size)
+    if place[0] == "section":
+        message = f"The line ends at {at}, off the plate. Let it end on the plate; it may cross holes."
+        raise InputError(message, (*place, "line"))
+    middle = ends.mean(axis=0)
+    said = f"The strip reaches beyond the plate at {at}, beside its station {point(middle, mesh.size)}"
+    if mesh.locate(middle[None] + _BESIDE * (end - middle)).inside.all():
+        raise InputError(f"{said}. Make it narrower, or move its line or the line's ends.", place=(*place, "width"))
+    advice = ", which is on an edge: no width is narrow enough. Let its line end short of it, or move it off."
+    raise InputError(f"{said}{advice}", place=(*place, "line"))
+
+
+def _of_spread(cut: Cut, mesh: Mesh, forces: Quadrature, spread: Spread) -> Floats:
+    """What a pressure, of which nodal forces are those that points weigh, adds (3,)."""
+    place, some = placed(cut.elements, forces.elements)
+    if not len(place):
+        return np.zeros(3)
+    nodal = _deflections(mesh, forces.pick(some))
+    left = cut.on_left(mesh, spread.region, spread.order, spread.levels)
+    on = cut.elements[left.elements]
+    share = _deflections(mesh, replace(left, elements=on).times(spread.pressure(on, left.positions)))
+    on_left = np.einsum("qcd,qd->c", cut.motion[left.elements], share)
+    return np.asarray(cut.work(place, nodal, np.zeros(len(place))).sum(axis=0) - on_left)
+
+
+def _of_supports(
+    cut: Cut,
+    mesh: Mesh,
+    supports: Sequence[Support],
+    acting: ContactPoints | Springs,
+    prints: dict[int, tuple[Part, Quadrature]],
+) -> Floats:
+    """What a reaction of 1 along each row (m,), up, adds to moment, twist and shear (m, 3); some have footprints."""
+    result = np.zeros((len(acting), 3))
+    place, rows = placed(cut.elements, acting.rows.elements)
+    areas = [index for index, support in enumerate(supports) if support.area is not None]
+    spread = np.isin(acting.support[rows], areas) & ~_on_outline(mesh, acting, rows)
+    left = np.where(spread, 0.0, cut.lefts(acting.positions[rows]))
+    result[rows] = -cut.work(place, acting.rows.coefficients[rows], left)
+    for row, (shape, over) in prints.items():
+        pressure = -acting.direction[row] / over.total
+        result[row] = _of_spread(cut, mesh, over.times(pressure), Spread.even(shape, pressure))
+    rows = rows[spread]
+    for index in np.unique(acting.support[rows]).tolist() if cut.divided().any() else ():
+        for own, shares in _shares(cut, mesh, supports[index], acting, rows[acting.support[rows] == index]):
+            result[own] += shares
+    return result
+
+
+def _on_outline(mesh: Mesh, acting: ContactPoints | Springs, rows: Ints) -> Bools:
+    """Which of some rows (q,) stand for points on the outline of an area that acts on means of elements."""
+    # Others, footprints among them, need not be in their first element.
+    result = acting.averaged[rows]
+    rows = rows[result]
+    elements = acting.rows.elements[rows]
+    x, y = mesh.invert(elements, acting.positions[rows]).T
+    in_triangles = np.minimum(np.minimum(x, y), 1.0 - x - y)
+    inside = np.where(mesh.triangles[elements], in_triangles, 1.0 - np.maximum(np.abs(x), np.abs(y)))
+    result[result] = inside < _AT_SIDE
+    return result
+
+
+def _shares(
+    cut: Cut, mesh: Mesh, support: Support, acting: ContactPoints | Springs, own: Ints
+) -> Iterator[tuple[Ints, Floats]]:
+    """Yield the work that reactions of an area's rows, spread over their elements, do on the left (k, 3)."""
+    covered = region(support.area)
+    left = cut.on_left(mesh, covered, _ORDER, ())
+    over = area_quadrature(mesh.part(cut.elements), covered, _ORDER)
+    rows = _deflections(mesh, replace(left, elements=cut.elements[left.elements]))
+    work = np.einsum("qcd,qd->qc", cut.motion[left.elements], rows)
+    for at in np.unique(left.elements).tolist():
+        here, all_over = left.elements == at, over.elements == at
+        mine = own[acting.rows.elements[own] == cut.elements[at]]
+        middle, size = over.positions[all_over].mean(axis=0), np.sqrt(over.weights[all_over].sum())
+        # The pressure that is linear over what the area has of the element, with the resultants of its points.
+        linear, every, points = (
+            np.column_stack([np.ones(len(p)), (p - middle) / size])
+            for p in (left.positions[here], over.positions[all_over], acting.positions[mine])
+        )
+        inverse = np.linalg.pinv(every.T @ (over.weights[all_over, None] * every), rcond=_FLAT, hermitian=True)
+        yield mine, acting.direction[mine, None] * (points @ inverse @ (linear.T @ work[here]))
+
+
+def _deflections(mesh: Mesh, forces: Quadrature) -> Floats:
+    """Rows (q, 24) of the deflection at points, times the forces that they weigh."""
+    rows = np.zeros((len(forces), 24))
+    rows[:, ::3] = forces.weights[:, None] * mesh.shape_functions(forces.elements, forces.xi)
+    return rows

@@ -1,20 +1,92 @@
-"""Dofs held at nodes, and the frames that let one slope be held alone."""
+"""Dofs that supports hold at nodes, frames in which one slope is held alone, and rigid zones as bodies."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Self
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from signorini.base.brief import Brief
-from signorini.discretise.bodies import Bodies
+from signorini.base.components import components
+from signorini.discretise.meshing import to_follow
+from signorini.discretise.placed import Placed
+from signorini.discretise.places import edge_nodes, quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.errors import InputError, path_in_words, point
+from signorini.discretise.zones import Zones
+from signorini.errors import InputError, Problems, path_in_words, point
+from signorini.mesh import Mesh
+from signorini.model import Support
 
 PARALLEL = np.sin(np.radians(10.0))
 """Directions closer than this count as one: a rim's tangent, from its parabolas, is not quite square to a radius."""
 CONSISTENT = 1e-9
 """Part of the largest settlement, gap or rotation by which those at one place may differ: their rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """Which nodes move together.
+
+    ``leaders`` (n,) are the nodes that each of ``points`` (n, 2) follows; a node in no body follows itself. ``inside``
+    (n,) marks nodes of a body, leaders included, ``rigid`` (ne,) elements all of whose nodes are of one body.
+    """
+
+    points: Floats
+    leaders: Ints
+    inside: Bools
+    rigid: Bools
+
+    @classmethod
+    def of(cls, mesh: Mesh, zones: Zones, problems: Problems) -> Self:
+        """Join the nodes of rigid zones; zones that share a node are one body. Cut elements are among the problems."""
+        numbers = [number for number, zone in enumerate(zones.model.zone) if zone.rigid]
+        for number in numbers:
+            with problems.collected():
+                _require_followed(mesh, zones, number)
+        elements = mesh.elements[zones.inside[numbers].any(axis=0)]
+        if not len(elements):
+            none = np.zeros(mesh.node_count, np.bool_), np.zeros(len(mesh.elements), np.bool_)
+            return cls(mesh.points, np.arange(mesh.node_count), *none)
+        group = components(mesh.node_count, np.repeat(elements[:, 0], 7), elements[:, 1:].ravel())
+        first = np.unique(group, return_index=True)[1]
+        inside = np.zeros(mesh.node_count, np.bool_)
+        inside[elements] = True
+        leading = group[mesh.elements]
+        rigid = (leading == leading[:, :1]).all(axis=1)
+        return cls(mesh.points, first[group], inside, rigid)
+
+    @cached_property
+    def motion(self) -> csr_array:
+        """Displacements of all nodes by those of the nodes that lead them (3n, 3n)."""
+        n, dofs = len(self.points), 3 * self.leaders
+        following = np.flatnonzero(self.leaders != np.arange(n))
+        arms = self.points[following] - self.points[self.leaders[following]]
+        rows = np.concatenate([np.arange(3 * n), np.repeat(3 * following, 2)])
+        columns = np.concatenate(
+            [(dofs[:, None] + np.arange(3)).ravel(), (dofs[following, None] + np.arange(1, 3)).ravel()]
+        )
+        return csr_array((np.append(np.ones(3 * n), arms.ravel()), (rows, columns)), shape=(3 * n, 3 * n))
+
+    def onto_leaders(self, rows: csr_array) -> csr_array:
+        """Rows (m, 3n) over all nodes as rows over those that lead them."""
+        return csr_array(rows @ self.motion) if self.inside.any() else rows
+
+
+def _require_followed(mesh: Mesh, zones: Zones, number: int) -> None:
+    """Refuse a rigid zone whose outline cuts elements: a part of an element cannot be rigid."""
+    cut = np.flatnonzero(zones.parted[number])
+    if not len(cut) and zones.inside[number].any():
+        return
+    at = f" at {point(mesh.points[mesh.elements[cut[0], :4]].mean(axis=0), mesh.size)}" if len(cut) else ""
+    raise InputError(
+        f"The outline of this rigid zone cuts the element{at}, and elements are rigid as a whole. "
+        f"{to_follow(zones.model, 'around it')}",
+        place=("zone", number, "area"),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +109,12 @@ class Holds:
     by: dict[int, dict[int, tuple[int, float]]] = field(default_factory=dict)
     slopes: dict[int, list[_Slope]] = field(default_factory=dict)
 
-    def deflection(self, node: int, value: float, support: int, number: int) -> None:
-        """Hold a node's deflection; supports that do so share its reaction."""
-        if not self.bodies.inside[node]:
-            self.by.setdefault(node, {}).setdefault(support, (number, value))
+    def deflections(self, mesh: Mesh, placed: Placed, nodes: Ints, numbers: Ints) -> None:
+        """Hold deflections of nodes, points of a support by number; supports that do so share their reactions."""
+        settlement = placed.support.settlement(*mesh.points[nodes].T, place=(*placed.place, "settlement"))
+        for node, value, number in zip(nodes.tolist(), settlement.tolist(), numbers.tolist(), strict=True):
+            if not self.bodies.inside[node]:
+                self.by.setdefault(node, {}).setdefault(placed.index, (number, value))
 
     def slope(self, node: int, direction: tuple[float, float], rotation: Floats, support: int) -> None:
         """Hold a node's slope along a unit direction at that of a rotation (2,)."""
@@ -48,13 +122,7 @@ class Holds:
             self.slopes.setdefault(node, []).append(_Slope(np.array(direction), rotation, support))
 
     def settle(self) -> Held:
-        """Turn what was collected into dofs and frames.
-
-        Raises
-        ------
-        InputError
-            If supports hold a node at different values.
-        """
+        """Turn what was collected into dofs and frames; nodes held at different values are refused."""
         points = self.bodies.points
         held = np.zeros((len(points), 3), dtype=np.bool_)
         value = np.zeros((len(points), 3))
@@ -181,3 +249,69 @@ class Held(Brief):
             slope[:, i] = 1.0
             motions[:, 1:, 1 + i] = self.from_global(slope)
         return motions.reshape(-1, 3)
+
+
+def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Problems) -> Held:
+    """Dofs that supports hold at nodes: bilateral, rigid, and where the mesh has nodes for them."""
+    holds = Holds(bodies)
+    for placed in supports:
+        with problems.collected():
+            _collect(mesh, holds, placed)
+    with problems.collected():
+        return holds.settle()
+    return Holds(bodies).settle()
+
+
+def holds_deflection(support: Support) -> bool:
+    """Whether a support holds the deflection both ways, rigidly and without a gap."""
+    no_gap = support.gap.is_constant and support.gap.value == 0
+    return support.stiffness is None and ("w" in support.fixed or (support.resists == "both" and no_gap))
+
+
+def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:
+    """Slopes θx, θy (q, 2) at which a support holds those that it holds."""
+    rotation = placed.support.rotation
+    if rotation is None:
+        return np.zeros((len(positions), 2))
+    return np.column_stack([one(*positions.T, place=(*placed.place, "rotation")) for one in rotation])
+
+
+def _collect(mesh: Mesh, holds: Holds, placed: Placed) -> None:
+    """Hold deflections and slopes at nodes of a support's edge or line, or at those that its points are at."""
+    support, tangents = placed.support, dict[int, list[tuple[float, float]]]()
+    if placed.sides is not None:
+        nodes, _ = edge_nodes(mesh, placed.sides)
+        numbers = np.zeros_like(nodes)
+        if {"slope", "twist"} & set(support.fixed):
+            tangents = tangents_at_nodes(mesh, placed.sides)
+    else:
+        (numbers,) = np.nonzero(placed.nodes >= 0)
+        nodes = placed.nodes[numbers]
+        if "slope" in support.fixed:
+            # Across these two are both axes.
+            tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
+    if holds_deflection(support):
+        holds.deflections(mesh, placed, nodes, numbers)
+    rotations = prescribed_rotations(placed, mesh.points[list(tangents)])
+    for (node, directions), rotation in zip(tangents.items(), rotations, strict=True):
+        for tx, ty in directions:
+            if "slope" in support.fixed:
+                holds.slope(node, (ty, -tx), rotation, placed.index)
+            if "twist" in support.fixed:
+                holds.slope(node, (tx, ty), rotation, placed.index)
+
+
+def tangents_at_nodes(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:
+    """Tangents at every node of mesh edges: one where they run on smoothly, two where they turn a corner."""
+    result: dict[int, list[tuple[float, float]]] = {}
+    for nodes, units in zip(triples.tolist(), quadratic_tangents(mesh, triples).tolist(), strict=True):
+        for node, (tx, ty) in zip(nodes, units, strict=True):
+            result.setdefault(node, []).append((tx, ty))
+    for node, tangents in result.items():
+        if len(tangents) == 2:
+            (ax, ay), (bx, by) = tangents
+            if abs(ax * by - ay * bx) < PARALLEL:
+                sign = 1.0 if ax * bx + ay * by > 0 else -1.0
+                x, y = ax + sign * bx, ay + sign * by
+                result[node] = [(x / np.hypot(x, y), y / np.hypot(x, y))]
+    return result

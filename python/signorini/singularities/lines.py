@@ -1,26 +1,29 @@
-"""Ends and bends of lines that support or load the plate, where its numbers have no limit."""
+"""Lines: ends and bends where numbers have no limit, and what runs within elements, where moments are of no side."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
 from signorini.discretise import Discretisation
-from signorini.discretise.quadrature.arcs import arc_of
-from signorini.discretise.rows import Floats
+from signorini.discretise.meshing import to_follow
+from signorini.discretise.quadrature import curve_quadrature
+from signorini.discretise.quadrature.lines import arc_of
+from signorini.discretise.rows import Floats, Ints
 from signorini.model import AnnulusPlate, DiscPlate, Load, Support
 from signorini.model.curve import curve
-from signorini.shapes import Curve, Polyline
-from signorini.singularities.boundary import Boundary, boundary_of, shears_along
-from signorini.singularities.corners import moments_grow, slopes_held
-from signorini.singularities.singularity import as_places
+from signorini.shapes import Curve, Polyline, Ring
+from signorini.singularities.boundary import STRAIGHT, Boundary, boundary_of, moments_grow, shears_along, slopes_held
+from signorini.singularities.singularity import Singularity, as_places
 
-_STRAIGHT = np.radians(1.0)
 _ENDS = 1e-9
 """Part of a line load's size at its points below which it has come to nothing at its end."""
-_TURN = 72
-"""Points of a circle that is named."""
+_BESIDE = "take values from beside these elements."
+_AS_ZONE = "Or say it with a zone, whose border the mesh follows."
+_ON_SIDE = 1e-6
+"""Part of an element within which a line is on its side."""
 
 
 def ends_of_load(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
@@ -47,12 +50,12 @@ def _load_ends(edge: Boundary, at: Floats, into: Floats) -> bool:
     if not len(sides):
         return True
     along = np.abs([edge.tangent(int(side)) @ into for side in sides])
-    mine = sides[along > np.cos(_STRAIGHT)]
+    mine = sides[along > np.cos(STRAIGHT)]
     if len(mine):
         beside = np.setdiff1d(sides, mine)
         return _grows_on_edge(edge, int(mine[0]), int(beside[0]) if len(beside) else int(mine[0]))
     # Mirrored at a free edge a load across it runs on straight; at a held one its sign changes.
-    return bool(edge.held[sides].any() or (along > np.sin(_STRAIGHT)).any())
+    return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 
 def _grows_on_edge(edge: Boundary, mine: int, beside: int) -> bool:
@@ -62,7 +65,7 @@ def _grows_on_edge(edge: Boundary, mine: int, beside: int) -> bool:
     angle = np.pi
     if mine != beside:
         angle = edge.angles[mine if edge.following[mine] == beside else beside]
-    return bool(angle >= 0.5 * np.pi - _STRAIGHT if edge.held[beside] else abs(angle - np.pi) <= _STRAIGHT)
+    return bool(angle >= 0.5 * np.pi - STRAIGHT if edge.held[beside] else abs(angle - np.pi) <= STRAIGHT)
 
 
 def _ends_on_edges(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
@@ -92,26 +95,23 @@ def ends_of_line(
     for at, directions in zip(*_points_along(discretisation, along), strict=True):
         rays = edge.rays(at) if len(directions) == 1 else []
         within = [float(np.arccos(np.clip(ray @ directions[0], -1.0, 1.0))) for _, ray in rays]
-        if any(min(angle, np.pi - angle) <= _STRAIGHT for angle in within) or not (
-            rays or len(directions) == 1 or _bends(*directions)
-        ):
-            continue  # along an edge, which has corners of its own, or straight on
+        along_edge = any(min(angle, np.pi - angle) <= STRAIGHT for angle in within)
+        if along_edge or (len(directions) == 2 and not _bends(*directions)):
+            continue  # an edge has corners of its own
         if not rays:
             numbers = (("moment",) if own != "free" else ()) + of_deflection
         else:
             held = np.array([edge.held[side] for side, _ in rays])
-            askew = any(abs(angle - 0.5 * np.pi) > _STRAIGHT for angle in within)
-            sides = zip(within, rays, strict=True)
+            askew = any(abs(angle - 0.5 * np.pi) > STRAIGHT for angle in within)
             # At a right angle slopes part into those even about the line and those odd; where one is held, the other is
             # zero by symmetry, so that one of both parts is clamped.
             bends = any(
-                moments_grow(a, "clamped", edge.slopes(side), float(edge.poisson[side])) for a, (side, _) in sides
+                moments_grow(angle, "clamped", edge.slopes(side), float(edge.poisson[side]))
+                for angle, (side, _) in zip(within, rays, strict=True)
             )
             # A rigid line and an edge are a corner; an elastic one acts as a line load does.
-            strained = (
-                "twist" not in support.fixed
-                or shears_along(support, at[None], np.array(directions), discretisation.mesh.size).any()
-            )
+            sheared = shears_along(support, at[None], np.array(directions), discretisation.mesh.size).any()
+            strained = "twist" not in support.fixed or sheared
             grows = not held.all() and (askew or strained) if rigid else held.any() or askew
             numbers = (("moment",) if own != "free" and bends else ()) + (of_deflection if grows else ())
         if numbers:
@@ -120,19 +120,16 @@ def ends_of_line(
 
 
 def _points_along(discretisation: Discretisation, along: Curve) -> tuple[Floats, list[list[Floats]]]:
-    """Points (n, 2) of a line, and its directions (2,) from each: one at an end; of a circle those on the plate."""
+    """Points (n, 2) of a line, and directions (2,) of it from each: one at an end. Of a sector's arc ends, middle."""
     if isinstance(along, Polyline):
         return np.array(along.points), _directions(along)
     plate = discretisation.model.plate
-    sector = 360.0
-    if isinstance(plate, DiscPlate | AnnulusPlate) and along.center == plate.center:
-        sector = plate.sector
-    points = _around(along.center, along.radius, sector)
-    tangents = np.column_stack([along.center[1] - points[:, 1], points[:, 0] - along.center[0]]) / along.radius
-    directions = [[-tangent, tangent] for tangent in tangents]
-    if sector < 360:
-        directions[0], directions[-1] = [tangents[0]], [-tangents[-1]]
-    return points, directions
+    if not isinstance(plate, DiscPlate | AnnulusPlate) or along.center != plate.center or plate.sector == 360:
+        return np.zeros((0, 2)), []
+    turn = np.radians([0.0, 0.5 * plate.sector, plate.sector])
+    outward = np.column_stack([np.cos(turn), np.sin(turn)])
+    begin, middle, end = np.column_stack([-outward[:, 1], outward[:, 0]])
+    return along.center + along.radius * outward, [[begin], [-middle, middle], [-end]]
 
 
 def _directions(along: Polyline) -> list[list[Floats]]:
@@ -145,9 +142,46 @@ def _directions(along: Polyline) -> list[list[Floats]]:
 
 
 def _bends(back: Floats, on: Floats) -> bool:
-    return bool(-back @ on < np.cos(_STRAIGHT))
+    return bool(-back @ on < np.cos(STRAIGHT))
 
 
-def _around(center: tuple[float, float], radius: float, degrees: float = 360.0) -> Floats:
-    turn = np.radians(np.linspace(0.0, degrees, _TURN + 1))
-    return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
+def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:
+    """Nodes of elements inside which thickness or stiffness jump: their moments are of neither side."""
+    zones = discretisation.zones
+    cut = discretisation.thickness.layered[0] if discretisation.thickness.layered is not None else np.zeros(0, np.int64)
+    parted = zones.parted[:, cut]
+    borders = {f"Border of zone {number}": mine for number, mine in enumerate(parted, 1)}
+    for what, mine in (borders | {"Jump of the thickness": ~parted.any(axis=0)}).items():
+        advice = f"They are those of a laminate of both sides there; {_BESIDE} "
+        advice += to_follow(discretisation.model) if what in borders else _AS_ZONE
+        yield from _within(discretisation, cut[mine], what, advice, "plate")
+
+
+def of_held_slopes(discretisation: Discretisation) -> Iterator[Singularity]:
+    """Nodes of elements through which a line runs that holds slopes: moments jump there."""
+    for support in discretisation.model.support:
+        along = curve(support)
+        if along is None or not {"slope", "twist"} & set(support.fixed):
+            continue
+        what = f"The {'circle' if isinstance(along, Ring) else 'line'} of {support.name}"
+        advice = f"They are means of both sides there; {_BESIDE} {to_follow(discretisation.model)}"
+        yield from _within(discretisation, _crossed(discretisation, along), what, advice, support.name)
+
+
+def _within(
+    discretisation: Discretisation, elements: Ints, what: str, advice: str, source: str
+) -> Iterator[Singularity]:
+    if len(elements):
+        count = f"{len(elements)} element{'s' if len(elements) > 1 else ''}"
+        where = as_places(discretisation.mesh.points[np.unique(discretisation.mesh.elements[elements])])
+        yield Singularity(where, f"{what} within {count}", ("moment", "shear"), advice, source)
+
+
+def _crossed(discretisation: Discretisation, along: Curve) -> Ints:
+    """Elements (k,) through which a line runs, not along their sides."""
+    mesh = discretisation.mesh
+    if mesh.edges_along(along) is not None:
+        return np.zeros(0, np.int64)
+    pieces = curve_quadrature(mesh, along, order=1)
+    off = np.abs(mesh.past(pieces.elements, pieces.xi))
+    return np.unique(pieces.elements[off.min(axis=1) > _ON_SIDE])
