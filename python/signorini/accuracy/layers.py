@@ -14,8 +14,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from signorini.accuracy.half_width import FASTEST
-from signorini.accuracy.sizes import sections_at
+from signorini.accuracy.half_width import FASTEST, sections_at
 from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support

@@ -8,10 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from signorini.analysis.path_end import last_change
-from signorini.analysis.path_loads import PathLoads
-from signorini.analysis.path_root import root
-from signorini.analysis.sampler import Sampler, State, Watch
+from signorini.analysis.sampler import PathLoads, Sampler, State, Watch, last_change, root
 from signorini.base.progress import Watcher
 from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem

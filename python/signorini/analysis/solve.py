@@ -8,14 +8,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from signorini.accuracy.estimate import Estimate
-from signorini.accuracy.refinement import Refined, refined, unknown, worst_of
+from signorini.accuracy.comparison import Estimate
+from signorini.accuracy.meshes import Refined, refined, unknown, worst_of
 from signorini.analysis.combinations import Combined
 from signorini.analysis.estimate import estimated
 from signorini.analysis.other_meshes import OtherMeshes
 from signorini.analysis.results import Results
-from signorini.analysis.single import timed
-from signorini.analysis.tables import solve_table
+from signorini.analysis.single import solve_table, timed
 from signorini.base.arguments import watching
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import contact_problem

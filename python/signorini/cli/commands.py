@@ -218,7 +218,7 @@ def path(
     Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes what it has.
     """
     with _messages(file):
-        from signorini.analysis.path_estimate import estimate_asked
+        from signorini.analysis.estimate import estimate_asked
         from signorini.cli.events import print_path
         from signorini.output import write_path
         from signorini.output.directory import room_for_path

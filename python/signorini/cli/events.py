@@ -7,7 +7,7 @@ import math
 from rich.console import Console
 from rich.text import Text
 
-from signorini.accuracy.estimate import PathEstimate
+from signorini.accuracy.comparison import PathEstimate
 from signorini.base.numbers import compared, number, size_of
 from signorini.cli.cells import UNKNOWN, in_unit
 from signorini.cli.grid import Column, Grid, numbers, say

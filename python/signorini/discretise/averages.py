@@ -19,7 +19,7 @@ from signorini.discretise.quadrature.arcs import arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
 from signorini.mesh import Mesh
-from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Plate, Support
 from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring, Rounded
 from signorini.shapes.distances import distances

@@ -9,9 +9,8 @@ import numpy as np
 
 from signorini.discretise.rows import Bools, Floats
 from signorini.shapes import Curve, Region
-from signorini.shapes.contours import Contour, along_side, circle
-from signorini.shapes.hull import diameter
-from signorini.shapes.outlines import Point
+from signorini.shapes.extent import diameter
+from signorini.shapes.outlines import Contour, Point, along_side, circle
 
 Line: TypeAlias = Region | Curve
 
@@ -55,7 +54,7 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
     Examples
     --------
     >>> from signorini.shapes import Polyline, Rectangle
-    >>> from signorini.shapes.contours import straight
+    >>> from signorini.shapes.outlines import straight
     >>> plate = straight(((0, 0), (8, 0), (8, 6), (0, 6)), "abcd")
     >>> result = room([Rectangle(0.2, 2.0, 3.0, 4.0)], [plate], 0.5)
     >>> len(result), float(result[:, 4].min().round(3))

@@ -17,7 +17,7 @@ from signorini.errors import InputError, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.model.plate import SLIMMEST
-from signorini.shapes.tolerances import Tolerances
+from signorini.shapes.extent import Tolerances
 
 LONGEST = 1000.0
 """Long side of an element over its short side, or over its thickness if that is more: bending across is stiffer than

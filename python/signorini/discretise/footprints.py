@@ -14,7 +14,7 @@ from signorini.discretise.rows import Floats, Further, Rows
 from signorini.errors import InputError, Place, point
 from signorini.mesh import Mesh
 from signorini.model import Load, Support
-from signorini.model.footprint import footprints
+from signorini.model.places import footprints
 from signorini.shapes import Circle, Polygon, Rectangle
 
 _GAUSS = 3

@@ -20,7 +20,7 @@ from signorini.discretise.zones import Zones
 from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
 from signorini.model import Load, Model
-from signorini.model.footprint import footprints as shapes_of
+from signorini.model.places import footprints as shapes_of
 
 _GAUSS = 3
 _GAUSS_VARYING = 5

@@ -13,7 +13,7 @@ from signorini.discretise.sections import Sections
 from signorini.discretise.sections.acting import Spread
 from signorini.mesh import Mesh
 from signorini.model import Moving
-from signorini.model.moving import Wheel
+from signorini.model.load import Wheel
 from signorini.shapes import Polygon
 
 _GAUSS = 3

@@ -16,9 +16,9 @@ from signorini.errors import Place, path_in_words, point
 from signorini.mesh import Mesh
 from signorini.mesh.sides import Sides
 from signorini.model import Model, OutlinedPlate, Support
-from signorini.model.curve import curve
+from signorini.model.places import curve
 from signorini.shapes import Region
-from signorini.shapes.nearest import Targets, edges_of
+from signorini.shapes.distances import Targets, edges_of
 from signorini.shapes.outlines import Outline
 
 _ALONG = 0.02

@@ -8,11 +8,10 @@ from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Plate, Support
-from signorini.model.curve import curve
+from signorini.model.places import curve
 from signorini.shapes import Curve, Region
-from signorini.shapes.contours import along_arc
-from signorini.shapes.hull import hull
-from signorini.shapes.outlines import Point
+from signorini.shapes.extent import hull
+from signorini.shapes.outlines import Point, along_arc
 
 _TURN = 360
 """Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""

@@ -12,7 +12,7 @@ from signorini.discretise.quadrature import Quadrature
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
-from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Model, Support
 
 

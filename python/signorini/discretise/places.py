@@ -20,10 +20,10 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, length, point, unknown
 from signorini.mesh import Mesh
 from signorini.model import AnnulusPlate, Area, DiscPlate, Load, Plate, Support
-from signorini.model.curve import curve
+from signorini.model.places import curve
 from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring
 from signorini.shapes.distances import distances
-from signorini.shapes.overlap import overlap
+from signorini.shapes.regions import overlap
 
 _SECTOR_SLACK = 1e-3
 """Part of a circle that a sector's outline, made of parabolas, may leave out; and of a hole that its own may."""

@@ -19,8 +19,7 @@ from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import CENTROID
 from signorini.model import Material, Model
 from signorini.model.material import Stiffness
-from signorini.shapes.contours import along_side
-from signorini.shapes.outlines import Outline
+from signorini.shapes.outlines import Outline, along_side
 
 _SLIVER = 0.01
 """Part of an element, or of a zone that is smaller, by which a border may miss the sides that follow it: of a circle

@@ -11,10 +11,21 @@ from itertools import pairwise
 from typing import TypeVar
 
 from signorini.errors import InputError
-from signorini.formats.drawing import GAP, Corner, Drawing, Loop, about, flattened, place
-from signorini.formats.drawing_checked import checked
+from signorini.formats.drawing import (
+    GAP,
+    THICKNESSES,
+    Corner,
+    Drawing,
+    Loop,
+    about,
+    beside_others,
+    flattened,
+    middles_of_lines,
+    middles_of_loops,
+    place,
+)
+from signorini.formats.drawing_toml import checked
 from signorini.formats.dxf_entities import Layer, layers_in
-from signorini.formats.dxf_walls import THICKNESSES, beside_others, middles_of_lines, middles_of_loops
 
 _T = TypeVar("_T")
 

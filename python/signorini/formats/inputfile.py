@@ -15,8 +15,7 @@ from signorini.base import arguments
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.expression import Expression
-from signorini.formats.toml_hints import hint
-from signorini.formats.toml_lines import Lines
+from signorini.formats.toml import Lines, hint
 from signorini.model import MeshPlate, Model, validate
 from signorini.model.problems import LISTS
 

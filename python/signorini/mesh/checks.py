@@ -7,11 +7,11 @@ import numpy.typing as npt
 
 from signorini.base.components import components
 from signorini.errors import InputError, point
-from signorini.mesh.boxtree import BoxTree
 from signorini.mesh.isoparametric import (
     CORNERS,
     SIDES,
     TRIANGLE_CORNERS,
+    BoxTree,
     are_triangles,
     bounds,
     determinants,

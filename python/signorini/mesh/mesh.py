@@ -16,14 +16,12 @@ from signorini.base.brief import Brief
 from signorini.base.remade import Remade
 from signorini.errors import InputError
 from signorini.mesh import checks as mesh_checks
-from signorini.mesh.boxtree import BoxTree
-from signorini.mesh.curves import edges_on_polyline, edges_on_ring, sides_mostly_on
-from signorini.mesh.holes import holes
 from signorini.mesh.isoparametric import (
     CENTROID,
     CORNERS,
     SIDES,
     TRIANGLE_CORNERS,
+    BoxTree,
     are_triangles,
     bounds,
     determinants,
@@ -33,9 +31,9 @@ from signorini.mesh.isoparametric import (
     real_sides,
     side_boxes,
 )
+from signorini.mesh.sides import edges_on_polyline, edges_on_ring, holes, sides_mostly_on
 from signorini.shapes import Curve, Ring
-from signorini.shapes.hull import diameter
-from signorini.shapes.tolerances import Tolerances
+from signorini.shapes.extent import Tolerances, diameter
 
 if TYPE_CHECKING:
     import meshio  # type: ignore[import-untyped]

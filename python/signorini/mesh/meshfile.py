@@ -18,7 +18,7 @@ import meshio  # type: ignore[import-untyped]
 from signorini.base.regular import open_regular
 from signorini.errors import InputError
 from signorini.mesh import Mesh
-from signorini.mesh.nodenumbers import node_blocks, node_numbers
+from signorini.mesh.cells import node_blocks, node_numbers
 
 _T = TypeVar("_T")
 
@@ -64,7 +64,7 @@ def read(path: str | Path) -> Mesh:
 def read_numbered(path: str | Path) -> tuple[Mesh, dict[int, tuple[float, float]]]:
     """Read a mesh file, and where its nodes are by the numbers that they have in it.
 
-    Merged and unused nodes are among them; see `signorini.mesh.nodenumbers` for the formats.
+    Merged and unused nodes are among them; see `signorini.mesh.cells` for the formats.
 
     Raises
     ------

@@ -25,8 +25,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from signorini.errors import InputError, Place
 from signorini.expression import LARGEST, LEAST, Expression
-from signorini.model.problems import explained
-from signorini.model.words import as_list, describe
+from signorini.model.problems import as_list, describe, explained
 
 Complaint = tuple[Place, str]
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import datetime
 import difflib
 import re
+import reprlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
@@ -13,7 +15,36 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from signorini.errors import InputError, Place
-from signorini.model.words import as_list, describe
+
+
+def describe(value: object) -> str:
+    """Show a value the way the input file writes it, cut short when long."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case None:
+            return "nothing"
+        case str():
+            shown = value if len(value) <= 60 else f"{value[:57]}..."
+            return f'"{shown}"' if shown.isprintable() else f'"{repr(shown)[1:-1]}"'
+        case dict():
+            return "a table"
+        case float():
+            return repr(float(value)).removesuffix(".0")
+        case int() if abs(value) > 10**20:
+            return "an integer of more than 20 digits"
+        case datetime.date() | datetime.time():
+            return f"the date or time {value}"
+        case list() | tuple() if value and all(isinstance(one, str) for one in value):
+            return reprlib.repr(list(value)).replace("'", '"')
+        case _:
+            return reprlib.repr(value)
+
+
+def as_list(value: Any) -> Any:
+    """Turn a NumPy array into lists; leave anything else as it is."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
 
 _MOST_READ = 1000
 

@@ -17,7 +17,6 @@ from pydantic import (
 )
 
 from signorini.expression import Expression
-from signorini.model.area import AnyArea, Circle
 from signorini.model.base import (
     Complaint,
     Edges,
@@ -31,9 +30,8 @@ from signorini.model.base import (
     Table,
     Text,
 )
-from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.model.footprint import Angle, Patch, Radius, footprint_complaints
-from signorini.model.words import as_list, describe
+from signorini.model.places import FOOTPRINT, Angle, AnyArea, Circle, Patch, Radius, footprint_complaints
+from signorini.model.problems import as_list, describe
 
 Place = Literal["at", "edge", "line", "circle", "area"]
 Component = Literal["w", "slope", "twist"]

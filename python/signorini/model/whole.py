@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, ValidationError
 
-from signorini.errors import unknown
+from signorini.errors import Place, unknown
 from signorini.model.base import Complaint, Table, Text
-from signorini.model.combination import Combination
-from signorini.model.curve import curve, worth_following
-from signorini.model.generated import Choice, Combinations, Positions, Product, products
-from signorini.model.load import Load, Probe
-from signorini.model.material import Material, constant_thickness
-from signorini.model.meshoptions import MeshOptions
-from signorini.model.moving import Moving
-from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, MeshPlate
-from signorini.model.problems import TOP, tables_of
-from signorini.model.profile import Profile
-from signorini.model.section import Section, Strip
+from signorini.model.combination import Choice, Combination, Combinations, Positions, Product, products
+from signorini.model.load import Load, Moving, Probe
+from signorini.model.material import Material, Zone, constant_thickness
+from signorini.model.output import FEW, Output, Profile, Section, Strip
+from signorini.model.places import curve, worth_following
+from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
+from signorini.model.problems import TOP, explained, tables_of
 from signorini.model.support import Support
-from signorini.model.zone import Zone
 
 _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
@@ -350,3 +344,38 @@ def _repeated(table: str, names: list[str], key: str = "name") -> Iterator[Compl
 
 
 TOP.update(tables_of(Model))
+
+
+def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Place], int] | None = None) -> Model:
+    """Make a model of nested mappings and lists, as read from an input file.
+
+    Parameters
+    ----------
+    data : mapping
+        The tables, under the keys of the input file.
+    source : str
+        Name of the file they come from, for messages.
+    line_of : callable, optional
+        Line in that file of a path of keys and positions (these count from 0).
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    InputError
+        Naming everything that is wrong, each with its place.
+
+    Examples
+    --------
+    >>> validate({"material": {"E": 30e9, "nu": 0.5}, "plate": {"shape": "disc", "radius": 1, "thickness": 0.1},
+    ...           "load": [{"pressure": 1}]})
+    Traceback (most recent call last):
+        ...
+    signorini.errors.InputError: material.nu: found 0.5; it must be less than 0.5.
+    """
+    try:
+        return Model.model_validate(data)
+    except ValidationError as error:
+        raise explained(error, Model, data, source, line_of) from None

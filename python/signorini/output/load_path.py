@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.accuracy.estimate import PathEstimate
+from signorini.accuracy.comparison import PathEstimate
 from signorini.base.files import replacing_together
 from signorini.output.cells import name_cell
 from signorini.output.directory import cannot_write, former_path

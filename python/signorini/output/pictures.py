@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from signorini.accuracy.refinement import ORDER
+from signorini.accuracy.meshes import ORDER
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.output.names import (

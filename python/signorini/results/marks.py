@@ -13,9 +13,9 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.mesh import Mesh
-from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Area, Circle, Load, Model, Support
-from signorini.model.footprint import footprints
+from signorini.model.places import footprints
 from signorini.model.whole import Units
 from signorini.plot.picture import PressureLayer, SupportMark
 from signorini.results.contact_field import AreaContact

@@ -11,7 +11,7 @@ import numpy as np
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Location, Mesh
-from signorini.model.profile import Profile
+from signorini.model.output import Profile
 from signorini.results.probe_result import fields_at, total_pressure
 from signorini.results.support_result import SupportResult
 

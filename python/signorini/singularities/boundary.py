@@ -15,7 +15,7 @@ from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.mesh.sides import onto
 from signorini.model import Load, Support
-from signorini.model.curve import curve
+from signorini.model.places import curve
 from signorini.singularities.corners import Slopes, moments_grow, shears_grow, slopes_held
 
 _STRAIGHT = np.radians(1.0)

@@ -10,7 +10,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.quadrature.arcs import arc_of
 from signorini.discretise.rows import Floats
 from signorini.model import AnnulusPlate, DiscPlate, Load, Support
-from signorini.model.curve import curve
+from signorini.model.places import curve
 from signorini.shapes import Curve, Polyline
 from signorini.singularities.boundary import Boundary, boundary_of, shears_along
 from signorini.singularities.corners import moments_grow, slopes_held

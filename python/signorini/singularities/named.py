@@ -13,8 +13,7 @@ from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.errors import point
 from signorini.model import Load, Support
-from signorini.model.curve import curve
-from signorini.model.footprint import KEYS as FOOTPRINT
+from signorini.model.places import FOOTPRINT, curve
 from signorini.shapes import Circle, Curve, Ring
 from signorini.singularities.boundary import boundary_of
 from signorini.singularities.corners import shears_grow

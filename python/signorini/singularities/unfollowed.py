@@ -10,7 +10,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.meshing import to_follow
 from signorini.discretise.quadrature import curve_quadrature
 from signorini.discretise.rows import Ints
-from signorini.model.curve import curve
+from signorini.model.places import curve
 from signorini.shapes import Curve, Ring
 from signorini.singularities.singularity import Singularity, as_places
 

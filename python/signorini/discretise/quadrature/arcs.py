@@ -11,8 +11,7 @@ import numpy.typing as npt
 from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
 from signorini.mesh.isoparametric import side_boxes
 from signorini.shapes import Curve
-from signorini.shapes.contours import arc_through
-from signorini.shapes.outlines import Outline, Side
+from signorini.shapes.outlines import Outline, Side, arc_through
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]

@@ -13,8 +13,8 @@ from signorini.discretise.quadrature.cutcells import cut
 from signorini.discretise.quadrature.rules import collapsed, gauss, lobatto, radon
 from signorini.discretise.quadrature.stepped import OFF, Levels, crossed, cut_by, sides_of
 from signorini.mesh import Mesh
-from signorini.mesh.curves import at_ends
 from signorini.mesh.isoparametric import TRIANGLE_CORNERS, determinants, real_sides
+from signorini.mesh.sides import at_ends
 from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.cuts import Part
 

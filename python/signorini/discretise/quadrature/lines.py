@@ -14,7 +14,7 @@ from signorini.discretise.quadrature.breaks import divided
 from signorini.discretise.quadrature.rules import gauss, lobatto
 from signorini.discretise.quadrature.stepped import INSIDE, Levels
 from signorini.mesh import Mesh
-from signorini.mesh.curves import at_ends
+from signorini.mesh.sides import at_ends
 from signorini.shapes import Curve, Ring
 
 Floats = npt.NDArray[np.float64]

@@ -14,7 +14,7 @@ from signorini.discretise.rows import Bools, Floats, Ints, Rows
 from signorini.discretise.sections.cut import Cut, placed
 from signorini.mesh import Mesh
 from signorini.model import Area, Support
-from signorini.model.footprint import footprints
+from signorini.model.places import footprints
 from signorini.shapes.cuts import Part
 
 _ORDER = 3

@@ -21,7 +21,7 @@ from signorini.results.contact_field.law import bounds, free_travel, overlap, pr
 from signorini.results.contact_field.lines import Segments, chained, clipped, thinned, zero_line
 from signorini.results.peak import peak
 from signorini.shapes import Region
-from signorini.shapes.depths import depth
+from signorini.shapes.distances import depth
 from signorini.shapes.tessellation import Tessellation
 
 _WHOLE = 1.0 - 1e-9
