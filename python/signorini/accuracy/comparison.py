@@ -206,18 +206,9 @@ def compared(
     """Give the half-widths of n numbers of k results, NaN where there is none, and which have no limit, each (n, k).
 
     The same rule for results by themselves, rows of a table and envelopes: none of a number depends on which it is in.
-
-    Parameters
-    ----------
-    values : (m, n, k) array
-        On the meshes, in their order; NaN where one does not tell.
-    numbers : sequence of Number
-    meshes : Meshes
-    model : Model
-    probes : (q, 2) array
-    named : sequence of (singularities, (k,) array)
-        Those under some load, or under none, and in which of the results. Only what a singularity is named for may
-        have no limit.
+    Values (m, n, k) are in the order of the meshes, NaN where one does not tell; probes are (q, 2). ``named`` are the
+    singularities under some load, or under none, and in which of the results (k,) these are: only what a singularity is
+    named for may have no limit.
     """
     own, count = values[meshes.own], values.shape[2]
     mesh = meshes.every[meshes.own]

@@ -79,13 +79,6 @@ def half_widths(
     fringe : (...) array
         Extremes beside nodes that are left out: they hop between what nodes are left, so that little is trusted.
 
-    Returns
-    -------
-    (...) float array
-        NaN where there is none.
-    (...) bool array
-        Which numbers have no limit.
-
     Examples
     --------
     >>> import numpy as np
@@ -119,13 +112,7 @@ def half_widths(
 
 
 def unsettled(values: Floats, largest: Floats) -> Bools:
-    """Which numbers (...) of 2 or 3 meshes change by more than slow convergence would, not half as much as before.
-
-    Examples
-    --------
-    >>> unsettled(np.array([[3.0, 1.01], [9.0, 1.04], [1.0, 1.16]]), np.full(2, 9.0)).tolist()
-    [True, False]
-    """
+    """Which numbers (...) of 2 or 3 meshes change by more than slow convergence would, not half as much as before."""
     change = np.abs(values[0] - values[1])
     settles = change < 0.5 * np.abs(values[1] - values[2]) if len(values) > 2 else np.zeros(change.shape, np.bool_)
     return np.asarray(~settles & (change > _COUNTS * largest))

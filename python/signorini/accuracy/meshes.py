@@ -36,12 +36,7 @@ _CHEAP, _CHEAP_QUARTER = 10_000, 5_000
 class OtherMesh:
     """The same plate on another mesh.
 
-    Parameters
-    ----------
-    model : Model
-    mesh : Mesh or None
-        None where the model says all.
-    words : str
+    Without a mesh of its own the model says all.
     """
 
     model: Model
@@ -130,24 +125,16 @@ _SAME_SIZE, _AS_ALL = 0.8, 0.95
 
 @dataclass(frozen=True)
 class Refined:
-    """A mesh on the way to an accuracy that was asked for.
-
-    Parameters
-    ----------
-    elements, dofs : int
-    worst : float
-        The largest half-width over the largest value of its field.
-    what : str
-        Whose it is.
-    expected : int
-        About how many elements it takes to reach the accuracy.
-    """
+    """A mesh on the way to an accuracy that was asked for."""
 
     elements: int
     dofs: int
     worst: float
+    """The largest half-width over the largest value of its field."""
     what: str
+    """Whose it is."""
     expected: int
+    """About how many elements it takes to reach the accuracy."""
 
     def said(self, asked: float) -> str:
         """Say how far it came, and what reaching the accuracy would take."""

@@ -43,37 +43,24 @@ ASKED = 20
 
 @dataclass(frozen=True)
 class Resultant:
-    """What the load of one combination amounts to.
-
-    Parameters
-    ----------
-    name : str
-        The combination.
-    force : float
-        Sum of the forces, positive down.
-    at : (x, y) or None
-        The point at which that force alone would do the same to a rigid plate; None where the forces sum to zero.
-    couple : (mx, my)
-        Couples about the middle of the plate.
-    message : str
-        Why no reactions balance it; empty where they do.
-    brink : bool
-        Whether they only just do: the load is on the edge of what the supports can hold. Of rows of a table this and
-        the limit are asked of the first twenty, and the limit of those that cannot be balanced.
-    limit : (case, factor) or None
-        The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone.
-    axis : ((x, y), (x, y)) or None
-        Two points of the line about which the plate tips, if it does.
-    """
+    """What the load of one combination amounts to."""
 
     name: str
     force: float
+    """Sum of the forces, positive down."""
     at: tuple[float, float] | None
+    """The point at which that force alone would do the same to a rigid plate; None where the forces sum to zero."""
     couple: tuple[float, float]
+    """Couples about the middle of the plate."""
     message: str
+    """Why no reactions balance it; empty where they do."""
     brink: bool
+    """Whether they only just do: the load is on the edge of what the supports can hold. Of rows of a table this and
+    the limit are asked of the first twenty, and the limit of those that cannot be balanced."""
     limit: tuple[str, float] | None
+    """The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone."""
     axis: tuple[tuple[float, float], tuple[float, float]] | None
+    """Two points of the line about which the plate tips, if it does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,17 +113,8 @@ class Check:
     def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> None:
         """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
 
-        Parameters
-        ----------
-        path : path-like
-            Its suffix gives the format.
-        numbers : bool
-            Whether to write the numbers of the nodes, from 0, the places in ``discretisation.mesh.points``.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written, its suffix names no format of pictures, or the nodes are too many.
+        The suffix gives the format. With ``numbers`` nodes have theirs, from 0, the places in
+        ``discretisation.mesh.points``.
         """
         # Only this method needs matplotlib.
         from signorini.plot import BalanceMark, Plan, check_picture, save
@@ -167,26 +145,14 @@ class Check:
 
 
 def require_picture(path: str | os.PathLike[str]) -> None:
-    """Refuse a file whose suffix names no format of pictures.
-
-    Raises
-    ------
-    InputError
-        If the suffix is another.
-    """
+    """Refuse a file whose suffix names no format of pictures."""
     suffix = Path(path).suffix.lower()
     if suffix not in _FORMATS:
         raise InputError(f'found the suffix "{suffix}"; a picture ends in {", ".join(_FORMATS)}.', str(path))
 
 
 def require_free(path: str | os.PathLike[str]) -> None:
-    """Refuse a picture's name that a file has which is no picture of ours, by its metadata.
-
-    Raises
-    ------
-    InputError
-        If there is such a file.
-    """
+    """Refuse a picture's name that a file has which is no picture of ours, by its metadata."""
     # Only this function needs matplotlib.
     from signorini.plot import DRAWN_BY
 
@@ -206,11 +172,6 @@ def require_free(path: str | os.PathLike[str]) -> None:
 
 def check(model: Model) -> Check:
     """Mesh a model, place its supports and loads, and ask of every combination whether reactions can balance it.
-
-    Raises
-    ------
-    InputError
-        If the model says something that cannot be, or the plate is a mechanism.
 
     Examples
     --------

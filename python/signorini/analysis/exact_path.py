@@ -93,27 +93,18 @@ _NUMBERS = 500_000
 
 @dataclass(eq=False)
 class PathJudge:
-    """Takes answers as the path comes to them.
-
-    Parameters
-    ----------
-    problem : ContactProblem
-    loads : tuple of CaseLoad
-        At t = 0, and what grows.
-    stops, certificates : list
-        Of the answers that are judged, as far as all passed.
-    doubts : list of int
-        Numbers of stops up to the next of which more answers than one may be right.
-    first : (m,) array or None
-        The contact set from t = 0 on.
-    """
+    """Takes answers as the path comes to them."""
 
     problem: ContactProblem
     loads: tuple[CaseLoad, CaseLoad]
+    """At t = 0, and what grows."""
     stops: list[PathStop] = field(default_factory=list)
     certificates: list[Certificate] = field(default_factory=list)
+    """Of the answers that are judged, as far as all passed."""
     doubts: list[int] = field(default_factory=list)
+    """Numbers of stops up to the next of which more answers than one may be right."""
     first: Bools | None = None
+    """(m,): the contact set from t = 0 on."""
     _waiting: list[tuple[float, Ints, Answer]] = field(default_factory=list)
     _before: tuple[float, Answer] | None = None
     _last: tuple[float, Answer] | None = None
@@ -227,15 +218,7 @@ class PathJudge:
 def exact_path(
     problem: ContactProblem, path: PathLoads, until: float | None, asked: tuple[Threshold, ...], watcher: Watcher
 ) -> ExactPath:
-    """Follow every contact point.
-
-    Raises
-    ------
-    NoEquilibriumError
-        If the supports contradict each other.
-    NotCertifiedError
-        If the start was not solved.
-    """
+    """Follow every contact point."""
     discretisation = problem.discretisation
     traced: ExactPath | None = None
     for other_problem in methods_along(problem):

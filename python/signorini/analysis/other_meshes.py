@@ -44,20 +44,13 @@ class _SameMeshError(SignoriniError):
 
 @dataclass(eq=False)
 class OtherMeshes:
-    """The same model on other meshes.
-
-    Parameters
-    ----------
-    model : Model
-    mesh : Mesh
-        The mesh that others are compared with.
-    watcher : callable
-        Called with a `Progress`; what it raises ends what is being solved and reaches the caller.
-    """
+    """The same model on other meshes."""
 
     model: Model
     mesh: Mesh
+    """The mesh that others are compared with."""
     watcher: Watcher
+    """Called with a `Progress`; what it raises ends what is being solved and reaches the caller."""
     _problems: dict[str, ContactProblem] = field(default_factory=dict)
 
     def solved(self, solve: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
@@ -126,24 +119,16 @@ _TOGETHER = 4096
 
 @dataclass(frozen=True, eq=False)
 class EstimatedTable:
-    """The table on other meshes.
-
-    Parameters
-    ----------
-    others : tuple of (Combined, Mesh)
-        None where no other mesh could be solved.
-    why : str
-        Why that is; else empty.
-    widths : mapping
-        Half-widths (k,) of its columns, ``<column>:plus_minus``; none of a table that is in a file.
-    picked : mapping
-        Half-widths by column and row of what envelopes name, of a table that is in a file.
-    """
+    """The table on other meshes."""
 
     others: tuple[tuple[Combined, Mesh], ...]
+    """None where no other mesh could be solved."""
     why: str
+    """Why that is; else empty."""
     widths: Mapping[str, Floats] = field(default_factory=dict)
+    """Half-widths (k,) of its columns, ``<column>:plus_minus``; none of a table that is in a file."""
     picked: Mapping[tuple[str, int], float] = field(default_factory=dict)
+    """Half-widths by column and row of what envelopes name, of a table that is in a file."""
 
     @classmethod
     def of(cls, results: Results, meshes: OtherMeshes, table: str | os.PathLike[str] | None) -> EstimatedTable:

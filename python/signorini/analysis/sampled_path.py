@@ -137,13 +137,7 @@ def sampled_path(
     asked: tuple[Threshold, ...],
     watcher: Watcher,
 ) -> LoadPath:
-    """Solve at so many evenly spaced t, or at given ones, and find the named events and thresholds between them.
-
-    Raises
-    ------
-    NoEquilibriumError, NotCertifiedError
-        If there is no answer at t = 0.
-    """
+    """Solve at so many evenly spaced t, or at given ones, and find the named events and thresholds between them."""
     sampler = Sampler(problem, path, asked, watcher)
     whole = SampledPath(sampler)
     whole.begin()

@@ -37,19 +37,14 @@ _NAMED = 10_000
 
 @dataclass(frozen=True, eq=False)
 class PathLoads:
-    """Start + t add on one mesh.
-
-    Parameters
-    ----------
-    names, loads : pairs
-        Of the load at t = 0, and of what grows.
-    limits : tuple of float
-        The largest t at which reactions on the supports' outlines balance the load, and at the points of the mesh.
-    """
+    """Start + t add on one mesh."""
 
     names: tuple[str | None, str]
     loads: tuple[CaseLoad, CaseLoad]
+    """Of the load at t = 0, and of what grows."""
     limits: tuple[float, float]
+    """The largest t at which reactions on the supports' outlines balance the load, and at the points of the
+    mesh."""
 
     @classmethod
     def of(cls, problem: ContactProblem, start: str | None, add: str) -> PathLoads:
@@ -134,15 +129,7 @@ class Sampler:
         self.watched = tuple(can_let_go(support) for support in self.problem.discretisation.model.support)
 
     def state(self, t: float, near: State | None = None) -> State:
-        """Solve at some t, from a state near it if there is one.
-
-        Raises
-        ------
-        NotCertifiedError
-            If the answer fails its certificate.
-        NoEquilibriumError
-            If the supports contradict each other.
-        """
+        """Solve at some t, from a state near it if there is one."""
         result, load, made_of = self.problem.discretisation, self.path.at(t), beside(self.path.loads, t)
         start = near.answer if near is not None and near.own and near.answer.solution is not None else None
 

@@ -33,23 +33,7 @@ from signorini.results.rows import Column, together
 def solve_one(problem: ContactProblem, combination: Combination, progress: Watcher | None = None) -> Result:
     """Solve one combination by itself.
 
-    Raises
-    ------
-    NotCertifiedError
-        If the answer fails its certificate; it is refused.
-
-    Examples
-    --------
-    >>> from signorini import Model, contact_problem
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-    ...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [1, 9], [9, 9]], "resists": "down"}],
-    ...     load=[{"case": "G", "pressure": 2e3}],
-    ... )
-    >>> (combination,) = model.effective_combinations
-    >>> round(solve_one(contact_problem(model), combination).reactions["bearings"], 3)
-    200000.0
+    An answer that fails its certificate is refused by `NotCertifiedError`.
     """
     made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
     return timed(problem, combination, watching(progress, "progress"))[0]
@@ -98,18 +82,8 @@ def solve_several(
     """Yield the results of combinations in their order.
 
     Each is the same whatever stands beside it, and certified. One that is not, and one of which equilibrium is not
-    beyond doubt, is left to ``single``.
-
-    Parameters
-    ----------
-    problem : ContactProblem
-        With an active set.
-    combinations : sequence of Combination
-    single : callable
-        Solves one combination by itself.
-    begin : callable
-        Called with the name of the first combination of those that begin, and again after their steps; what it raises
-        ends the run.
+    beyond doubt, is left to ``single``. The problem has an active set. ``begin`` is called with the name of the first
+    combination of those that begin, and again after their steps; what it raises ends the run.
     """
     discretisation = problem.discretisation
     rays = allowed_motions(problem.freedom.on_mesh)
@@ -201,15 +175,7 @@ def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = No
 
 
 def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
-    """Solve every combination as a row, written to the table if there is one.
-
-    Raises
-    ------
-    InputError
-        If it cannot be written.
-    NoEquilibriumError
-        If no combination has one.
-    """
+    """Solve every combination as a row, written to the table if there is one."""
     if table is None:
         combined = solve_rows(problem, watcher)
     else:

@@ -48,16 +48,7 @@ class Loop:
 
     @property
     def area(self) -> float:
-        """What it encloses [m²].
-
-        Examples
-        --------
-        A stadium 2 m long between half circles of radius 1 m.
-
-        >>> from signorini.formats.drawing import Corner, Loop
-        >>> round(Loop((Corner(0, 0), Corner(2, 0, 1), Corner(2, 2), Corner(0, 2, 1))).area, 6)
-        7.141593
-        """
+        """What it encloses [m²]."""
         total = math.pi * self.radius**2
         origin = self.corners[0]
         for a, b in self:
@@ -93,15 +84,7 @@ class Loop:
 
     @property
     def turned_sides(self) -> tuple[float, float, float] | None:
-        """Lengths [m] of the sides if it is a rectangle, askew too, and the degrees from x to the first, −45 to 45.
-
-        Examples
-        --------
-        >>> from signorini.formats.drawing import Corner, Loop
-        >>> column = Loop((Corner(0, 0), Corner(0.4, 0.3), Corner(0.25, 0.5), Corner(-0.15, 0.2)))
-        >>> [round(part, 3) for part in column.turned_sides]
-        [0.5, 0.25, 36.87]
-        """
+        """Lengths [m] of the sides if it is a rectangle, askew too, and the degrees from x to the first, −45 to 45."""
         if not self.is_rectangle:
             return None
         a, b, c, _ = self.corners
@@ -112,14 +95,7 @@ class Loop:
 
     @property
     def middle_line(self) -> tuple[tuple[float, float], ...] | None:
-        """Corners [m] of the line along the middle of a wall: of one thickness, and three times as long at least.
-
-        Examples
-        --------
-        >>> from signorini.formats.drawing import Corner, Loop
-        >>> Loop((Corner(0, 0), Corner(4, 0), Corner(4, 0.2), Corner(0, 0.2))).middle_line
-        ((0.0, 0.1), (4.0, 0.1))
-        """
+        """Corners [m] of the line along the middle of a wall: of one thickness, and three times as long at least."""
         if self.radius or any(corner.bulge for corner in self.corners):
             return None
         corners = [b for a, b, c in _triples(self.corners) if off_line(b, a, c) > GAP]
@@ -198,13 +174,7 @@ class Loop:
 
 
 def place(at: tuple[float, float]) -> str:
-    """Write a place [m] without the digits that are rounding.
-
-    Examples
-    --------
-    >>> place((1.5, 6e-17))
-    '[1.5, 0]'
-    """
+    """Write a place [m] without the digits that are rounding."""
     return point(at, size=1.0)
 
 
@@ -221,14 +191,7 @@ def off_line(at: Corner, a: Corner, b: Corner) -> float:
 
 
 def between(one: Sequence[Corner], other: Sequence[Corner]) -> tuple[tuple[float, float], ...] | None:
-    """Corners [m] of the line along the middle of two straight-sided ones, if they are as far apart all along.
-
-    Examples
-    --------
-    >>> outer, inner = (Corner(0, 2), Corner(0, 0), Corner(3, 0)), (Corner(0.2, 2), Corner(0.2, 0.2), Corner(3, 0.2))
-    >>> between(outer, inner)
-    ((0.1, 2.0), (0.1, 0.1), (3.0, 0.1))
-    """
+    """Corners [m] of the line along the middle of two straight-sided ones, if they are as far apart all along."""
     aparts = []
     for (a, b), (c, d) in zip(itertools.pairwise(one), itertools.pairwise(other), strict=True):
         along = (b.x - a.x) * (d.x - c.x) + (b.y - a.y) * (d.y - c.y)
@@ -267,43 +230,26 @@ def _along(a: Corner, b: Corner, part: float) -> tuple[float, float]:
 
 
 def through(a: Corner, b: Corner) -> tuple[float, float]:
-    """Middle [m] of the arc from a corner to the next.
-
-    Examples
-    --------
-    >>> from signorini.formats.drawing import Corner, through
-    >>> through(Corner(1, 0, 1.0), Corner(-1, 0))
-    (0.0, 1.0)
-    """
+    """Middle [m] of the arc from a corner to the next."""
     return (a.x + b.x + a.bulge * (b.y - a.y)) / 2, (a.y + b.y - a.bulge * (b.x - a.x)) / 2
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """A plate as it is drawn.
-
-    Parameters
-    ----------
-    outline : Loop
-    holes : of Loop
-    zones : of Loop
-        Parts of the plate that are made otherwise.
-    points : dict
-        By footprint, (a, b) of a rectangle [m], (a, b, degrees) of one askew, (r,) of a circle or () of none, the
-        places (x, y) [m] that have it.
-    lines : of corners
-        Open lines, arcs as they are.
-    took, left : of str
-        What became of every layer, in words.
-    """
+    """A plate as it is drawn."""
 
     outline: Loop
     holes: tuple[Loop, ...]
     zones: tuple[Loop, ...]
+    """Parts of the plate that are made otherwise."""
     points: dict[tuple[float, ...], list[tuple[float, float]]]
+    """By footprint, (a, b) of a rectangle [m], (a, b, degrees) of one askew, (r,) of a circle or () of none, the
+    places (x, y) [m] that have it."""
     lines: tuple[tuple[Corner, ...], ...]
+    """Open lines, arcs as they are."""
     took: tuple[str, ...]
     left: tuple[str, ...]
+    """What became of every layer, in words."""
 
 
 THICKNESSES = (0.05, 0.6)

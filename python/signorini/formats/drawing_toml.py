@@ -25,65 +25,7 @@ _ELEMENTS = 30
 
 
 def drawing_as_toml(drawing: Drawing, title: str) -> str:
-    """Write what a drawing says as an input file in metres and newtons; what it does not say is assumed and marked.
-
-    Examples
-    --------
-    >>> from signorini.formats.drawing import Corner, Drawing, Loop
-    >>> outline = Loop((Corner(0, 0), Corner(6, 0), Corner(6, 4), Corner(0, 4)))
-    >>> hole = Loop((Corner(2, 2),), 0.5)
-    >>> panel = Loop((Corner(4, 0), Corner(6, 0), Corner(6, 2), Corner(4, 2)))
-    >>> drawing = Drawing(outline, (hole,), (panel,), {(0.4, 0.4): [(1, 1), (5, 1)]}, (), (), ())
-    >>> print(drawing_as_toml(drawing, "floor"))
-    title = "floor"
-    <BLANKLINE>
-    [units]
-    length = "m"
-    force = "N"
-    <BLANKLINE>
-    # Assumed, the drawing does not say: concrete C30/37.
-    [material]
-    E = 33e9
-    nu = 0.2
-    unit_weight = 25e3
-    <BLANKLINE>
-    [plate]
-    shape = "polygon"
-    thickness = 0.25  # assumed
-    points = [
-        [0, 0],
-        [6, 0],
-        [6, 4],
-        [0, 4],
-    ]
-    holes = [
-        { circle = { center = [2, 2], radius = 0.5 } },
-    ]
-    <BLANKLINE>
-    # Assumed, the drawing does not say how it is made: its thickness.
-    [[zone]]
-    area = { rectangle = [4, 0, 6, 2] }
-    thickness = 0.4
-    <BLANKLINE>
-    [mesh]
-    size = 0.2
-    snap = 0.003
-    <BLANKLINE>
-    # Rigid, both ways, as it stands. Add resists = "down" where it only pushes up, stiffness = … [N/m] where it yields.
-    [[support]]
-    name = "points"
-    at = [
-        [1, 1],
-        [5, 1],
-    ]
-    patch = [0.4, 0.4]
-    <BLANKLINE>
-    # Add loads to these, with their cases.
-    [[load]]
-    case = "self-weight"
-    self_weight = true
-    <BLANKLINE>
-    """
+    """Write what a drawing says as an input file in metres and newtons; what it does not say is assumed and marked."""
     left, bottom, right, top = drawing.outline.box
     blocks = [
         f"title = {json.dumps(title, ensure_ascii=False)}",
@@ -191,21 +133,8 @@ def _number(value: float) -> str:
 def checked(drawing: Drawing) -> Drawing:
     """Leave out what the input file of a drawing would be refused for, and say it.
 
-    What is wrong with the outline as it is meshed is said alone: another size of elements may mend it.
-
-    Raises
-    ------
-    InputError
-        If the outline crosses or touches itself.
-
-    Examples
-    --------
-    >>> from signorini.formats.drawing import Corner, Loop
-    >>> outline = Loop((Corner(0, 0), Corner(6, 0), Corner(6, 4), Corner(0, 4)))
-    >>> holes = Loop((Corner(2, 2),), 1), Loop((Corner(2, 2),), 0.5)
-    >>> result = checked(Drawing(outline, holes, (), {}, (), (), ()))
-    >>> result.holes == holes[:1], result.left
-    (True, ('holes: at [2, 2]: hole 2 at [2.5, 2] is inside hole 1. Leave the inner one out.',))
+    What is wrong with the outline as it is meshed is said alone: another size of elements may mend it. It raises
+    `InputError` if the outline crosses or touches itself.
     """
     while True:
         try:

@@ -45,23 +45,10 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     """Read a drawing.
 
     Arcs and circles stay what they are; splines and ellipses become arcs that leave them by at most 1/20000 of the
-    drawing's size. Blocks are taken apart. Ends less than a millimetre apart are joined.
-
-    Parameters
-    ----------
-    path : path
-    layers : dict
-        Layers of each role, any of `ROLES`, in upper or lower case. Without a layer the outline is the largest closed
-        line of the drawing, and the holes are the closed lines within it on the outline's layer.
-    unit : str, optional
-        Of the drawing, any of `signorini.base.units.METRES`; by default what its header says.
-
-    Raises
-    ------
-    InputError
-        If there is no such layer, no closed line for the outline or open ones that reach over more, or no unit.
-    SignoriniError
-        If the file cannot be read, or ezdxf, which reads it, is not there.
+    drawing's size. Blocks are taken apart. Ends less than a millimetre apart are joined. ``layers`` are those of each
+    role, any of `ROLES`, in upper or lower case. Without a layer the outline is the largest closed line of the drawing,
+    and the holes are the closed lines within it on the outline's layer. ``unit`` is any of
+    `signorini.base.units.METRES`; by default what the drawing's header says.
     """
     result = layers_in(path, unit)
     names = {role: _named(role, layers.get(role, ()), result) for role in ROLES}

@@ -26,11 +26,7 @@ if TYPE_CHECKING:
 def whole_lines(edges: Sequence[Any], gap: float) -> list[Any]:
     """Edges of a drawing; of straight ones that overlap, and end alone where they do, one from end to end.
 
-    Parameters
-    ----------
-    edges : of ezdxf.edgeminer.Edge
-    gap : float
-        Distance of ends that count as one place, in the drawing's unit.
+    Ends less than a gap apart, in the drawing's unit, are one place.
     """
     straight = [i for i, edge in enumerate(edges) if edge.payload is not None and edge.payload.dxftype() == "LINE"]
     if len(straight) < 2:
@@ -138,15 +134,7 @@ class Layer:
 
 
 def layers_in(path: str | os.PathLike[str], unit: str | None) -> dict[str, Layer]:
-    """Read every layer that has something, by name; what is not shown counts as other things.
-
-    Raises
-    ------
-    InputError
-        If the file is no drawing, or has no unit.
-    SignoriniError
-        If ezdxf, which reads it, is not there.
-    """
+    """Read every layer that has something, by name; what is not shown counts as other things."""
     document = _opened(path)
     return _layers(document, _metres(document, unit))
 

@@ -64,12 +64,7 @@ def _look_beside(data: dict[str, Any], directory: Path) -> None:
 def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
     """Put the file and line before the places of an error that was found only after reading.
 
-    Parameters
-    ----------
-    error : InputError
-        With places in the model; any others are left as they are.
-    path : str or path-like
-        The input file.
+    Places that are not in the model are left as they are.
     """
     if not any(part.path for part in error.parts):
         return error

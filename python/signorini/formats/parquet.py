@@ -30,19 +30,6 @@ def widen(
     """Add columns to a Parquet file that follow from its own and those of other files with the same rows.
 
     ``more`` gives them of the numbers of a block: of the file, and of every other one.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> import numpy as np
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     files = [pathlib.Path(place, name) for name in ("own.parquet", "other.parquet")]
-    ...     for number, file in enumerate(files):
-    ...         with writing(file) as sink:
-    ...             sink([("w", np.array([1.0, 2.0]) + number)])
-    ...     widen(files[0], files[1:], lambda blocks: {"change": blocks[1]["w"] - blocks[0]["w"]})
-    ...     pq.read_table(files[0]).to_pydict()
-    {'w': [1.0, 2.0], 'change': [1.0, 1.0]}
     """
     own = pq.ParquetFile(path)
     readers = [_Rows(pq.ParquetFile(other)) for other in others]
@@ -88,32 +75,7 @@ def _numbers(block: Any) -> Blocks:
 def writing(path: str | os.PathLike[str]) -> Iterator[Sink]:
     """Write a Parquet file that is there whole once the context ends, or not at all.
 
-    Parameters
-    ----------
-    path : path-like
-        The file to create or to replace.
-
-    Yields
-    ------
-    Sink
-        Takes columns as pairs of a name and an array or a list of texts. NaN becomes an absent value.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> import numpy as np
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     file = pathlib.Path(place, "combinations.parquet")
-    ...     with writing(file) as sink:
-    ...         sink([("combination", ["a", "b"]), ("reaction", np.array([1.0, 2.0]))])
-    ...         sink([("combination", ["c"]), ("reaction", np.array([np.nan]))])
-    ...     pq.read_table(file).to_pydict()
-    {'combination': ['a', 'b', 'c'], 'reaction': [1.0, 2.0, None]}
+    The sink takes columns as pairs of a name and an array or a list of texts. NaN becomes an absent value.
     """
     with replacing(path) as beside:
         writer: pq.ParquetWriter | None = None

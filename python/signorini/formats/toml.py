@@ -22,11 +22,6 @@ _SCALAR = re.compile(r"[^,\]}\n#]*")
 class Lines:
     r"""Line numbers, from 1, of the tables, keys and list items of a valid TOML text.
 
-    Parameters
-    ----------
-    text : str
-        What `tomllib.loads` has already accepted.
-
     Examples
     --------
     >>> lines = Lines("[plate]\nsize = [1,\n  2]\n[[load]]\nforce = 3\n")
@@ -203,14 +198,7 @@ def _thousands(before: str, behind: str) -> str:
 def hint(says: str, line: str, lists: Collection[str]) -> str:
     """Say what to write, or nothing.
 
-    Parameters
-    ----------
-    says : str
-        What the parser of TOML says.
-    line : str
-        The line where it stopped.
-    lists : collection of str
-        Tables that stand in double brackets.
+    ``says`` is what the parser says of the line where it stopped; ``lists`` are the tables in double brackets.
 
     Examples
     --------

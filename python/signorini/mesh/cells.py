@@ -43,13 +43,7 @@ _KNOWN = ("vertex", "line", "line3", *_NODES)
 
 
 def arrays_of(data: meshio.Mesh) -> tuple[Floats, Ints, dict[str, Ints]]:
-    """Points (n, 2), elements (ne, 8) and edges as `signorini.mesh.Mesh` takes them.
-
-    Raises
-    ------
-    InputError
-        If the mesh is not plane, holds other cells than a plate may have, or names what is no side of them.
-    """
+    """Points (n, 2), elements (ne, 8) and edges as `signorini.mesh.Mesh` takes them."""
     elements = _elements(data)
     points = _plane(np.asarray(data.points, dtype=np.float64), elements)
     number, first = _merged(points, elements)
@@ -198,17 +192,8 @@ _BY_POSITION = (".vtu", ".vtk")
 def node_numbers(path: Path, count: int) -> Ints:
     """Numbers (n,) of so many nodes, in the order of the file, which meshio has read already.
 
-    Parameters
-    ----------
-    path : Path
-        A file of Gmsh (.msh, as text), Abaqus (.inp) or VTK (.vtu, .vtk). The first two number their nodes; of VTK the
-        first has 0, as ParaView shows it.
-    count : int
-
-    Raises
-    ------
-    InputError
-        If it is of another format.
+    The file is of Gmsh (.msh, as text), Abaqus (.inp) or VTK (.vtu, .vtk). The first two number their nodes; of VTK the
+    first has 0, as ParaView shows it.
     """
     match path.suffix.lower():
         case suffix if suffix in _BY_POSITION:

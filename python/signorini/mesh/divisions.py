@@ -29,6 +29,8 @@ def subdivide(
 ) -> Floats:
     """Divide an interval into `count` parts with joints at wanted lines.
 
+    The joints (count + 1,) have the two ends among them; those at lines are the lines' numbers exactly.
+
     Parameters
     ----------
     start, stop : float
@@ -43,11 +45,6 @@ def subdivide(
         Others, of which those that keep one of `lines` from being followed are left out first.
     first : int
         Least number of parts before the first joint at a line.
-
-    Returns
-    -------
-    (count + 1,) float array
-        Joints, the two ends included; those at lines are the lines' numbers exactly.
 
     Examples
     --------
@@ -152,11 +149,6 @@ def graded(
     Away from a cap the size grows by the distance times ln 1.3, so that neighbours differ by 1.3 at most. Between
     lines the joints share ∫ dx/size equally; a piece whose elements come out smaller is a cap to the others.
 
-    Returns
-    -------
-    (n + 1,) float array
-        Joints, the two ends included.
-
     Examples
     --------
     >>> graded(0.0, 10.0, 2.0, [(0.0, 0.0, 0.5)]).round(2)
@@ -222,16 +214,9 @@ _GRID = 2.0**-30
 def axes_of(places: Sequence[Floats]) -> Axes:
     """Choose the axes along which places reach farthest, by the second coordinate and then the first.
 
-    Parameters
-    ----------
-    places : sequence of (k, 2) float array
-        Points of the outline, then of each thing on the plate, those of the first thing first. Points of one thing have
-        no order.
-
-    Returns
-    -------
-    Axes
-        Of equals the first, x and y before all others: along either of them the plate is the same.
+    Places (k, 2) are points of the outline, then of each thing on the plate, those of the first thing first; points of
+    one thing have no order. Of equal axes the first are chosen, x and y before all others: along either of them the
+    plate is the same.
 
     Examples
     --------

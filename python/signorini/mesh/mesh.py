@@ -125,23 +125,9 @@ class Mesh(Remade):
         """Take the mesh that meshio has read or that was made for it.
 
         Coincident nodes (within 1e-9 of the size) are merged, clockwise elements turned, the centre nodes of 9-node
-        quadrilaterals and unused nodes dropped.
-
-        Parameters
-        ----------
-        data : meshio.Mesh
-            8- or 9-node quadrilaterals, 6-node triangles, or both, in a plane of one z.
-
-        Returns
-        -------
-        Mesh
-            The edge ``boundary`` is the whole outline. Further edges come from named groups of 3-node lines, and from
-            named groups of nodes that hold whole sides of the outline.
-
-        Raises
-        ------
-        InputError
-            If it is not plane, or holds other cells; and as the class does.
+        quadrilaterals and unused nodes dropped. It holds 8- or 9-node quadrilaterals, 6-node triangles, or both, in a
+        plane of one z. The edge ``boundary`` is the whole outline. Further edges come from named groups of 3-node
+        lines, and from named groups of nodes that hold whole sides of the outline.
 
         Examples
         --------
@@ -288,13 +274,7 @@ class Mesh(Remade):
         return jacobians(self.nodes[elements], xi)
 
     def invert(self, elements: Ints, points: Floats) -> Floats:
-        """Find the reference points (q, 2) of positions (q, 2) that are known to be in, or just outside, elements (q,).
-
-        Raises
-        ------
-        InputError
-            If an element is too distorted to find them.
-        """
+        """Find the reference points (q, 2) of positions (q, 2) known to be in, or just outside, elements (q,)."""
         xi, result = invert(self.nodes[elements], points)
         if not result.all():
             place = mesh_checks.name_element(self.points, self.elements, int(elements[np.argmin(result)]))
@@ -304,17 +284,9 @@ class Mesh(Remade):
     def locate(self, points: Floats) -> Location:
         """Find the elements that points are in.
 
-        Parameters
-        ----------
-        points : (q, 2) float array
-            Positions. A point on a side or node belongs to the first of the elements that share it. One at most 2e-2
-            in reference coordinates past a curved convex boundary edge counts as inside (a point of the true circle
-            lies past the edge's parabola) and keeps its reference coordinate beyond 1.
-
-        Returns
-        -------
-        Location
-            Elements and reference points.
+        A point on a side or node belongs to the first of the elements that share it. One at most 2e-2 in reference
+        coordinates past a curved convex boundary edge counts as inside (a point of the true circle lies past the edge's
+        parabola) and keeps its reference coordinate beyond 1.
         """
         points = np.asarray(points, dtype=np.float64)
         point, held = self.holding(points)
@@ -377,16 +349,9 @@ class Mesh(Remade):
     def edges_along(self, curve: Curve) -> Ints | None:
         """Find the sides that together cover a curve.
 
-        Parameters
-        ----------
-        curve : Polyline or Ring
-            Of a ring that leaves the plate, the part on the plate has to be covered.
-
-        Returns
-        -------
-        (k, 3) int array or None
-            Node triples in the order and direction of the curve (a ring counter-clockwise), with all nodes on it within
-            1e-8 of the mesh's diameter; None if the mesh does not follow the curve.
+        They are node triples (k, 3) in the order and direction of the curve (a ring counter-clockwise), with all nodes
+        on it within 1e-8 of the mesh's diameter; None if the mesh does not follow the curve. Of a ring that leaves the
+        plate, the part on the plate has to be covered.
         """
         triples, tolerance = self.unique_sides, self.near.place
         if not isinstance(curve, Ring):

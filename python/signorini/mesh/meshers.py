@@ -348,15 +348,7 @@ def outlined(
 
 
 def divided(mesh: Mesh, times: int = 1) -> Mesh:
-    """Divide every element into four, so many times; sides keep their curves, and edges their names.
-
-    Examples
-    --------
-    >>> points = np.array([[0, 0], [4, 0], [4, 2], [0, 2], [2, 0], [4, 1], [2, 2], [0, 1]], float)
-    >>> fine = divided(Mesh(points, np.arange(8)[None], {"bottom": np.array([[0, 4, 1]])}))
-    >>> len(fine.elements), fine.points[fine.edges["bottom"], 0].tolist()
-    (4, [[0.0, 1.0, 2.0], [2.0, 3.0, 4.0]])
-    """
+    """Divide every element into four, so many times; sides keep their curves, and edges their names."""
     return mesh if times == 0 else divided(_halved(mesh), times - 1)
 
 

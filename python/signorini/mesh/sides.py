@@ -93,21 +93,8 @@ class OnRing:
 def edges_on_polyline(points: Floats, triples: Ints, sides: Sequence[Side], tolerance: float) -> Ints | None:
     """Find the sides of elements that cover those of a polyline.
 
-    Parameters
-    ----------
-    points : (n, 2) float array
-        Nodes.
-    triples : (k, 3) int array
-        Every side of the mesh once.
-    sides : sequence of Side
-        Straight ones, each beginning where the last ended.
-    tolerance : float
-        How far nodes may lie from them.
-
-    Returns
-    -------
-    (j, 3) int array or None
-        The sides of elements in the order and direction of the polyline, or None if some part is not covered.
+    Every side of the mesh (k, 3) is there once; nodes may lie off the polyline's straight sides by the tolerance. The
+    sides found are in the order and direction of the polyline; None if some part is not covered.
     """
     result = [_edges_on_side(points, triples, side, tolerance) for side in sides]
     covered = [chain for chain in result if chain is not None]
@@ -150,16 +137,7 @@ def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Float
 def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -> OnRing | None:
     """Find the sides with all nodes on a circle; None if there are none.
 
-    Parameters
-    ----------
-    points : (n, 2) float array
-        Nodes.
-    triples : (k, 3) int array
-        Every side of the mesh once.
-    ring : Ring
-        The circle.
-    tolerance : float
-        How far nodes may lie from it.
+    Every side of the mesh (k, 3) is there once; nodes may lie off the circle by the tolerance.
     """
     offset = points - ring.center
     on = np.abs(np.hypot(*offset.T) - ring.radius) <= tolerance
@@ -180,14 +158,7 @@ def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -
 
 
 def at_ends(points: Floats, triples: Ints) -> Bools:
-    """Tell which sides (k, 3) end where no other of them goes on in nearly their direction.
-
-    Examples
-    --------
-    >>> points = np.array([[x, 0.0] for x in range(7)])
-    >>> at_ends(points, np.array([[0, 1, 2], [2, 3, 4], [4, 5, 6]]))
-    array([ True, False,  True])
-    """
+    """Tell which sides (k, 3) end where no other of them goes on in nearly their direction."""
     a, m, b = (points[triples[:, i]] for i in range(3))
     leaving = np.concatenate([4 * m - 3 * a - b, 4 * m - a - 3 * b])
     leaving /= np.hypot(*leaving.T)[:, None]

@@ -7,7 +7,7 @@ import io
 import math
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from pathlib import Path
 from typing import Annotated, Any, Generic, Literal, TypeVar, overload
@@ -16,93 +16,10 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainSe
 
 from signorini.base.regular import read_regular
 from signorini.expression import LARGEST
-from signorini.model.base import Complaint, Number, Table, Text
+from signorini.model.base import Complaint, Number, Table, Text, twice
 from signorini.model.problems import as_list, describe
 
 _LARGEST_FILE = 200_000_000
-
-
-@dataclass(frozen=True)
-class FactorTable:
-    """Names (k,) of combinations, their cases, and a row of factors each."""
-
-    source: str
-    columns: tuple[str, ...]
-    names: tuple[str, ...]
-    rows: tuple[tuple[float, ...], ...]
-
-
-def read_factor_table(value: object) -> FactorTable | None:
-    """Read a CSV file whose first column holds names and whose header names the load cases of the others.
-
-    An empty cell is the factor 0.
-
-    Raises
-    ------
-    ValueError
-        Saying what is wrong with the file, and in which line.
-    """
-    if value is None or isinstance(value, FactorTable):
-        return value
-    if not isinstance(value, str | Path):
-        raise ValueError(f"found {describe(value)}; it must be the name of a CSV file, in quotes.")
-    path = Path(value)
-    try:
-        text = read_regular(path, _LARGEST_FILE).decode("utf-8-sig")
-        lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
-    except OSError as error:
-        raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"{path} is not UTF-8 text. Save it in the encoding UTF-8.") from None
-    except csv.Error as error:
-        raise ValueError(f"{path} is not a CSV file: {error}.") from None
-    if lines and len(lines[0]) == 1 and lines[0][0].count(";") > 0:
-        raise ValueError(f"{path} has semicolons between its columns. Save it with commas, and with decimal points.")
-    if not lines or len(lines[0]) < 2:
-        raise ValueError(f'{path} has no header; its first line must be "name" and the load cases, set off by commas.')
-    first, *columns = (cell.strip() for cell in lines[0])
-    if first != "name":
-        raise ValueError(
-            f'the header of {path} begins with {describe(first)}; it must begin with "name", the column of the '
-            "combinations' names, before the load cases."
-        )
-    for index, case in enumerate(columns):
-        if not case or case in columns[:index]:
-            what = f'names the load case "{case}" twice' if case else "has a column without a load case"
-            raise ValueError(f"the header of {path} {what}.")
-    names, rows = [], []
-    for number, line in enumerate(lines[1:], start=2):
-        if not any(cell.strip() for cell in line):
-            continue
-        names.append(_name_of(line[0], path, number))
-        rows.append(_factors_of(line[1:], tuple(columns), path, number))
-    if not rows:
-        raise ValueError(f"{path} has a header but no rows.")
-    return FactorTable(str(value), tuple(columns), tuple(names), tuple(rows))
-
-
-def _name_of(text: str, path: Path, number: int) -> str:
-    name = text.strip()
-    if not name or not name.isprintable() or len(name) > 200:
-        raise ValueError(f"line {number} of {path} begins with {describe(text)}; it must be the combination's name.")
-    return name
-
-
-def _factors_of(cells: list[str], columns: tuple[str, ...], path: Path, number: int) -> tuple[float, ...]:
-    if len(cells) != len(columns):
-        raise ValueError(f"line {number} of {path} has {len(cells)} factors; the header names {len(columns)} cases.")
-    factors = []
-    for case, cell in zip(columns, cells, strict=True):
-        try:
-            # float() would take 1_000 and the digits of every script.
-            plain = cell.isascii() and "_" not in cell
-            factor = 0.0 if not cell.strip() else float(cell) if plain else float("nan")
-        except ValueError:
-            factor = float("nan")
-        if not abs(factor) <= LARGEST:
-            raise ValueError(f'line {number} of {path} has {describe(cell)} under "{case}"; it must be a number.')
-        factors.append(factor)
-    return tuple(factors)
 
 
 Value = TypeVar("Value")
@@ -148,6 +65,95 @@ class FrozenMapping(Mapping[str, Value], Generic[Value]):
 
 class Factors(FrozenMapping[float]):
     """Factor of each load case: an immutable mapping."""
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Combinations written out in a table, one a row, its columns the load cases; and the file that it is read from."""
+
+    columns: tuple[str, ...]
+    names: tuple[str, ...]
+    rows: tuple[tuple[float, ...], ...]
+    source: str = ""
+    group: str = ""
+
+    def __len__(self) -> int:
+        """Count the combinations."""
+        return len(self.names)
+
+    def __getitem__(self, index: int) -> tuple[str, Factors]:
+        """Return the name and the factors of one combination."""
+        row = zip(self.columns, self.rows[index], strict=True)
+        return self.names[index], Factors({case: factor for case, factor in row if factor})
+
+    @property
+    def cases(self) -> set[str]:
+        """Every case that occurs."""
+        return set(self.columns)
+
+
+def read_factor_table(value: object) -> Listing | None:
+    """Read a CSV file whose first column holds names and whose header names the load cases of the others.
+
+    An empty cell is the factor 0. What is wrong with the file is told in a ValueError, with its line.
+    """
+    if value is None or isinstance(value, Listing):
+        return value
+    if not isinstance(value, str | Path):
+        raise ValueError(f"found {describe(value)}; it must be the name of a CSV file, in quotes.")
+    path = Path(value)
+    try:
+        text = read_regular(path, _LARGEST_FILE).decode("utf-8-sig")
+        lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
+    except OSError as error:
+        raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"{path} is not UTF-8 text. Save it in the encoding UTF-8.") from None
+    except csv.Error as error:
+        raise ValueError(f"{path} is not a CSV file: {error}.") from None
+    if lines and len(lines[0]) == 1 and lines[0][0].count(";") > 0:
+        raise ValueError(f"{path} has semicolons between its columns. Save it with commas, and with decimal points.")
+    if not lines or len(lines[0]) < 2:
+        raise ValueError(f'{path} has no header; its first line must be "name" and the load cases, set off by commas.')
+    first, *columns = (cell.strip() for cell in lines[0])
+    if first != "name":
+        raise ValueError(
+            f'the header of {path} begins with {describe(first)}; it must begin with "name", the column of the '
+            "combinations' names, before the load cases."
+        )
+    for index, case in enumerate(columns):
+        if not case or case in columns[:index]:
+            what = f'names the load case "{case}" twice' if case else "has a column without a load case"
+            raise ValueError(f"the header of {path} {what}.")
+    names, rows = [], []
+    for number, line in enumerate(lines[1:], start=2):
+        if not any(cell.strip() for cell in line):
+            continue
+        names.append(name := line[0].strip())
+        if not name or not name.isprintable() or len(name) > 200:
+            what = describe(line[0])
+            raise ValueError(f"line {number} of {path} begins with {what}; it must be the combination's name.")
+        rows.append(_factors_of(line[1:], tuple(columns), path, number))
+    if not rows:
+        raise ValueError(f"{path} has a header but no rows.")
+    return Listing(tuple(columns), tuple(names), tuple(rows), str(value))
+
+
+def _factors_of(cells: list[str], columns: tuple[str, ...], path: Path, number: int) -> tuple[float, ...]:
+    if len(cells) != len(columns):
+        raise ValueError(f"line {number} of {path} has {len(cells)} factors; the header names {len(columns)} cases.")
+    factors = []
+    for case, cell in zip(columns, cells, strict=True):
+        try:
+            # float() would take 1_000 and the digits of every script.
+            plain = cell.isascii() and "_" not in cell
+            factor = 0.0 if not cell.strip() else float(cell) if plain else float("nan")
+        except ValueError:
+            factor = float("nan")
+        if not abs(factor) <= LARGEST:
+            raise ValueError(f'line {number} of {path} has {describe(cell)} under "{case}"; it must be a number.')
+        factors.append(factor)
+    return tuple(factors)
 
 
 def _values(value: object) -> object:
@@ -227,7 +233,7 @@ class Combination(Table):
         "there; positions: one combination for each position of the moving cases in factors.",
     )
     file: Annotated[
-        FactorTable | None,
+        Listing | None,
         BeforeValidator(read_factor_table),
         PlainSerializer(lambda table: table.source if table else None),
         WithJsonSchema({"type": "string"}),
@@ -285,8 +291,7 @@ class Combination(Table):
             yield (other,), f"'{other}' is missing; it goes with {written[0]}."
         if self.columns is None or self.rows is None:
             return
-        repeated = next((case for i, case in enumerate(self.columns) if case in self.columns[:i]), None)
-        if repeated is not None:
+        if (repeated := twice(self.columns)) is not None:
             yield ("columns",), f'"{repeated}" is listed twice.'
         for name, row in self.rows.items():
             if len(row) != len(self.columns):
@@ -306,6 +311,14 @@ class Combination(Table):
                 elif case in seen:
                     yield ("exclusive", position), f'"{case}" is listed twice; a case stands in one list at most.'
                 seen.add(case)
+
+    @property
+    def listing(self) -> Listing:
+        """The rows of a table."""
+        if self.file is not None:
+            return self.file
+        assert self.columns is not None and self.rows is not None  # one or the other is given
+        return Listing(self.columns, tuple(self.rows), tuple(self.rows.values()))
 
     @property
     def cases(self) -> dict[str, tuple[str | int, ...]]:
@@ -372,30 +385,6 @@ class Product:
         return {case for case, _ in self.fixed} | {c.case for choices in self.places for c in choices if c.case}
 
 
-@dataclass(frozen=True)
-class Listing:
-    """Combinations written out in a table, one a row."""
-
-    columns: tuple[str, ...]
-    names: tuple[str, ...]
-    rows: tuple[tuple[float, ...], ...]
-    group: str = ""
-
-    def __len__(self) -> int:
-        """Count the combinations."""
-        return len(self.names)
-
-    def __getitem__(self, index: int) -> tuple[str, Factors]:
-        """Return the name and the factors of one combination."""
-        row = zip(self.columns, self.rows[index], strict=True)
-        return self.names[index], Factors({case: factor for case, factor in row if factor})
-
-    @property
-    def cases(self) -> set[str]:
-        """Every case that occurs."""
-        return set(self.columns)
-
-
 @dataclass(frozen=True, eq=False)
 class Combinations(Sequence[Combination]):
     """Combinations in the order of the input, generated ones where their table stands."""
@@ -455,12 +444,11 @@ def products(combination: Combination, positions: Positions) -> Iterator[Product
         case "positions":
             yield _of_factors(combination.name, _factors(combination), positions, group)
         case "table":
-            listing = _listing(combination)
-            if not positions.keys() & listing.cases:
-                yield listing
-                return
-            for index in range(len(listing)):
-                yield _of_factors(*listing[index], positions, group)
+            listing = combination.listing
+            if positions.keys() & listing.cases:
+                yield from (_of_factors(*listing[index], positions, group) for index in range(len(listing)))
+            else:
+                yield replace(listing, group=group)
         case "patterns":
             yield Product(combination.name, (), tuple(_patterns(combination, positions)), group)
 
@@ -468,14 +456,6 @@ def products(combination: Combination, positions: Positions) -> Iterator[Product
 def _factors(combination: Combination) -> Mapping[str, float]:
     assert combination.factors is not None  # a combination without factors is refused
     return combination.factors
-
-
-def _listing(combination: Combination) -> Listing:
-    if combination.file is not None:
-        file = combination.file
-        return Listing(file.columns, file.names, file.rows, combination.group)
-    assert combination.columns is not None and combination.rows is not None  # one or the other is given
-    return Listing(combination.columns, tuple(combination.rows), tuple(combination.rows.values()), combination.group)
 
 
 def _of_factors(name: str, factors: Mapping[str, float], positions: Positions, group: str) -> Product:
@@ -506,12 +486,6 @@ def _term(factor: float, case: str) -> str:
 
 
 def _sum(terms: Sequence[str]) -> str:
-    """Join terms the way a sum is written.
-
-    Examples
-    --------
-    >>> _sum(["1.35 G", "1.5 Q", "-1.5 W"])
-    '1.35 G + 1.5 Q - 1.5 W'
-    """
+    """Join terms the way a sum is written."""
     first, *others = terms or [""]
     return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in others)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from signorini.model.base import (
     Complaint,
@@ -21,8 +21,7 @@ from signorini.model.base import (
     Scalar,
     Table,
     Text,
-    listed,
-    numbers_schema,
+    vector,
 )
 from signorini.model.places import FOOTPRINT, Angle, AnyArea, Circle, Patch, Radius, footprint_complaints
 from signorini.model.problems import as_list, describe
@@ -59,6 +58,9 @@ class Axes(Table):
             yield (), "found neither x nor y; give the couple about at least one of them."
 
 
+Curvatures = Annotated[tuple[Number, Number, Number], *vector(3, "three curvatures [kx, ky, kxy]")]
+
+
 class Load(Table):
     """A load: exactly one of pressure, force, line_load, moment, couple_about, self_weight, curvature, in a case."""
 
@@ -86,14 +88,7 @@ class Load(Table):
         default=None,
         description="Force per length along edge, line or circle, positive down: a number or an expression.",
     )
-    moment: (
-        Annotated[
-            tuple[Number, Number],
-            BeforeValidator(listed(2, "[mx, my], couples about two axes")),
-            WithJsonSchema(numbers_schema(2)),
-        ]
-        | None
-    ) = Field(
+    moment: Annotated[tuple[Number, Number], *vector(2, "[mx, my], couples about two axes")] | None = Field(
         default=None,
         description="Couples [mx, my] at each point of at or nodes; mx works on the rotation θx = ∂w/∂x, my on θy.",
     )
@@ -104,14 +99,9 @@ class Load(Table):
     self_weight: Annotated[Literal[True], BeforeValidator(_true)] | None = Field(
         default=None, description="true: the plate's own weight, from material.unit_weight and the thickness."
     )
-    curvature: (
-        Annotated[
-            tuple[Number, Number, Number],
-            BeforeValidator(listed(3, "three curvatures [kx, ky, kxy]")),
-            WithJsonSchema(numbers_schema(3)),
-        ]
-        | None
-    ) = Field(default=None, description="Stress-free curvatures [kx, ky, kxy], as by a temperature gradient.")
+    curvature: Annotated[tuple[Number, Number, Number], *vector(3, "three curvatures [kx, ky, kxy]")] | None = Field(
+        default=None, description="Stress-free curvatures [kx, ky, kxy], as by a temperature gradient."
+    )
     at: Points | None = Field(default=None, description="A point [x, y] or a list of points; they need not be nodes.")
     nodes: Nodes | None = Field(
         default=None, description="A node of the mesh file by its number, or a list of numbers."
@@ -135,24 +125,12 @@ class Load(Table):
 
     @property
     def kind(self) -> Kind:
-        """The key that says what the load is.
-
-        Examples
-        --------
-        >>> Load(force=20e3, at=[5.5, 3.5]).kind
-        'force'
-        """
+        """The key that says what the load is."""
         return next(kind for kind in _PLACES if getattr(self, kind) is not None)
 
     @property
     def couple(self) -> tuple[float, float] | None:
-        """Couples [mx, my] at each point, of ``moment`` or ``couple_about``; None of other loads.
-
-        Examples
-        --------
-        >>> Load(couple_about={"x": 3, "y": 5}, at=[1, 2]).couple
-        (-5.0, 3.0)
-        """
+        """Couples [mx, my] at each point, of ``moment`` or ``couple_about``; None of other loads."""
         if self.couple_about is None:
             return self.moment
         # z points down: a turn about x takes y to z, one about y takes z to x.
@@ -198,16 +176,8 @@ def _axles(value: object) -> object:
     return value
 
 
-Axle = Annotated[
-    tuple[NonNegative, Number],
-    BeforeValidator(listed(2, "an axle [distance behind the first, force]")),
-    WithJsonSchema(numbers_schema(2)),
-]
-Print = Annotated[
-    tuple[Positive, Positive],
-    BeforeValidator(listed(2, "a patch [length along the line, width across it]")),
-    WithJsonSchema(numbers_schema(2)),
-]
+Axle = Annotated[tuple[NonNegative, Number], *vector(2, "an axle [distance behind the first, force]")]
+Print = Annotated[tuple[Positive, Positive], *vector(2, "a patch [length along the line, width across it]")]
 Wheel = tuple[tuple[float, float], tuple[float, float], float]
 """Where a wheel stands, the unit direction it rolls in, and its force."""
 
@@ -247,13 +217,7 @@ class Moving(Table):
 
     @property
     def positions(self) -> dict[str, float]:
-        """Distance of the first axle along the line, by the name of the load case.
-
-        Examples
-        --------
-        >>> Moving(case="truck", line=[[0, 0], [1, 0]], step=0.4, axles=[[0, 1]]).positions
-        {'truck@0': 0.0, 'truck@0.4': 0.4, 'truck@0.8': 0.8, 'truck@1': 1.0}
-        """
+        """Distance of the first axle along the line, by the name of the load case."""
         travelled = [min(i * self.step, self.length) for i in range(self.count)]
         return {f"{self.case}@{round(s, 12):.10g}": s for s in travelled}
 

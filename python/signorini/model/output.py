@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
 
 from signorini.errors import point
-from signorini.model.base import Complaint, Point, Polyline, Positive, Stations, Table, Text
+from signorini.model.base import Complaint, Point, Polyline, Positive, Stations, Table, Text, twice
 from signorini.model.places import Circle, curve
 from signorini.model.problems import as_list, describe
 from signorini.shapes import Floats, Ring
@@ -87,8 +87,7 @@ class Output(Table):
             for key in ("fields", "envelope"):
                 if getattr(self, key) != type(self).model_fields[key].default:
                     yield (key,), f'{key} goes with combinations = "table"; with "each" every combination has all.'
-        repeated = next((f for i, f in enumerate(self.envelope) if f in self.envelope[:i]), None)
-        if repeated is not None:
+        if (repeated := twice(self.envelope)) is not None:
             yield ("envelope",), f'"{repeated}" is listed twice.'
 
 
@@ -103,6 +102,13 @@ def _closing(line: tuple[Point, ...]) -> tuple[Point, ...]:
     extent = float(np.ptp(np.array(line), axis=0).max())
     near = len(line) > 2 and math.dist(line[0], line[-1]) <= _CLOSED * extent
     return (*line[:-1], line[0]) if near else line
+
+
+def _spaced(line: tuple[Point, ...], stations: int) -> tuple[Floats, Floats, Floats]:
+    """How far along a line its corners are, how far evenly spaced stations, and where these are (k, 2)."""
+    ends = np.cumsum([0.0, *(math.dist(a, b) for a, b in pairwise(line))])
+    travelled = np.linspace(0.0, ends[-1], stations)
+    return ends, travelled, np.column_stack([np.interp(travelled, ends, part) for part in np.array(line).T])
 
 
 def _pieces(line: tuple[Point, ...]) -> Floats:
@@ -146,19 +152,9 @@ class Strip(Table):
 
     @property
     def places(self) -> tuple[Floats, Floats]:
-        """Where the stations are (n, 2), and the unit direction of the line there (n, 2), at a corner the mean.
-
-        Examples
-        --------
-        >>> at, along = Strip(line=[[0, 2], [8, 2]], width=2, stations=3).places
-        >>> at.tolist(), along[0].tolist()
-        ([[0.0, 2.0], [4.0, 2.0], [8.0, 2.0]], [1.0, 0.0])
-        """
-        points = np.array(self.line)
-        pieces = np.diff(points, axis=0)
-        ends = np.cumsum([0.0, *(math.dist(a, b) for a, b in pairwise(self.line))])
-        travelled = np.linspace(0.0, ends[-1], self.stations)
-        at = np.column_stack([np.interp(travelled, ends, part) for part in points.T])
+        """Where the stations are (n, 2), and the unit direction of the line there (n, 2), at a corner the mean."""
+        pieces = np.diff(np.array(self.line), axis=0)
+        ends, travelled, at = _spaced(self.line, self.stations)
         tiny = 1e-9 * ends[-1]
         before, after = (
             np.clip(np.searchsorted(ends, travelled + sign * tiny) - 1, 0, len(pieces) - 1) for sign in (-1.0, 1.0)
@@ -195,20 +191,11 @@ class Profile(Table):
 
     @property
     def places(self) -> tuple[Floats, Floats]:
-        """How far along (k,) the stations are, and where (k, 2).
-
-        Examples
-        --------
-        >>> along, at = Profile(line=[[0, 0], [3, 4]], stations=3).places
-        >>> along.tolist(), at.tolist()
-        ([0.0, 2.5, 5.0], [[0.0, 0.0], [1.5, 2.0], [3.0, 4.0]])
-        """
+        """How far along (k,) the stations are, and where (k, 2)."""
         result = curve(self)
         assert result is not None  # it has a line or a circle
-        along = np.linspace(0.0, result.length, self.stations)
         if isinstance(result, Ring):
+            along = np.linspace(0.0, result.length, self.stations)
             turned = along / result.radius
             return along, np.array(result.center) + result.radius * np.column_stack([np.cos(turned), np.sin(turned)])
-        points = np.array(result.points)
-        ends = np.append(0.0, np.hypot(*np.diff(points, axis=0).T).cumsum())
-        return along, np.column_stack([np.interp(along, ends, part) for part in points.T])
+        return _spaced(result.points, self.stations)[1:]

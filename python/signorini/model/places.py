@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Protocol, TypeAlias
 
 import numpy as np
-from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
+from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from signorini import shapes
 from signorini.errors import InputError
@@ -19,9 +19,8 @@ from signorini.model.base import (
     Point,
     Positive,
     Table,
-    listed,
     number,
-    numbers_schema,
+    vector,
 )
 from signorini.model.problems import BRANCHES, as_list, describe
 from signorini.shapes import Curve, Polyline, Region, Ring, Whole
@@ -75,12 +74,6 @@ def contour(corners: tuple[tuple[float, float] | Arc, ...], name: str, numbered:
     """Draw the outline with such corners; of a last arc that ends at the first corner the corner counts once.
 
     It ends there if it is nearer to it than a billionth of the outline's size: coordinates of arcs are rounded.
-
-    Examples
-    --------
-    >>> half = contour(((0, 0), (2, 0), Arc(through=(1, 1), to=(0, 0))), "edge", numbered=True)
-    >>> half.corners, half.through, half.names
-    (((0, 0), (2, 0)), (None, (1.0, 1.0)), ('edge 1', 'edge 2'))
     """
     points = [corner.to if isinstance(corner, Arc) else corner for corner in corners]
     through = [corner.through if isinstance(corner, Arc) else None for corner in corners]
@@ -106,17 +99,7 @@ class Circle(Table):
     radius: Positive = Field(description="Radius.")
 
 
-Box = Annotated[
-    tuple[Number, Number, Number, Number],
-    BeforeValidator(listed(4, "[x0, y0, x1, y1]")),
-    WithJsonSchema(numbers_schema(4)),
-]
-
-
-def box_complaints(box: tuple[float, float, float, float] | None) -> Iterator[Complaint]:
-    """Yield what is wrong with a rectangle, if there is one."""
-    if box is not None and not (box[0] < box[2] and box[1] < box[3]):
-        yield ("rectangle",), f"found {list(box)}; [x0, y0, x1, y1] needs x0 < x1 and y0 < y1."
+Box = Annotated[tuple[Number, Number, Number, Number], *vector(4, "[x0, y0, x1, y1]")]
 
 
 def _refused(key: str, build: Callable[[], Region]) -> Iterator[Complaint]:
@@ -143,7 +126,9 @@ class Outline(Table):
         forms = self.given(self.forms)
         if len(forms) != 1:
             yield (), f"found {' and '.join(forms) or 'none'}; exactly one of {', '.join(self.forms)} is needed."
-        yield from box_complaints(self.rectangle)
+        box = self.rectangle
+        if box is not None and not (box[0] < box[2] and box[1] < box[3]):
+            yield ("rectangle",), f"found {list(box)}; [x0, y0, x1, y1] needs x0 < x1 and y0 < y1."
 
 
 class Form(Outline):
@@ -255,27 +240,17 @@ _LEAST_RADIUS = 0.5
 """Part of the element size from which on a circle is worth following: twelve elements around it are half as large."""
 
 
-class Along(Protocol):
+class _Along(Protocol):
     """A support, load or refinement, as far as it may be on a line."""
 
     @property
-    def line(self) -> tuple[tuple[float, float], ...] | None:
-        """Points of a line."""
-
+    def line(self) -> tuple[tuple[float, float], ...] | None: ...
     @property
-    def circle(self) -> Circle | None:
-        """A circle whose line it is."""
+    def circle(self) -> Circle | None: ...
 
 
-def curve(item: Along) -> Curve | None:
-    """The curve that a line or circle names, or None for other places.
-
-    Examples
-    --------
-    >>> from signorini.model import Support
-    >>> curve(Support(line=[[0, 0], [3, 4]])).length
-    5.0
-    """
+def curve(item: _Along) -> Curve | None:
+    """The curve that a line or circle names, or None for other places."""
     if item.line is not None:
         return Polyline(item.line)
     if item.circle is not None:
@@ -284,25 +259,14 @@ def curve(item: Along) -> Curve | None:
 
 
 def worth_following(along: Curve, size: float) -> bool:
-    """Whether elements of some size are to follow a curve: around a small circle they would be too many.
-
-    Examples
-    --------
-    >>> worth_following(Ring((0.0, 0.0), 0.2), 0.5), worth_following(Ring((0.0, 0.0), 0.3), 0.5)
-    (False, True)
-    """
+    """Whether elements of some size are to follow a curve: around a small circle they would be too many."""
     return not isinstance(along, Ring) or along.radius >= _LEAST_RADIUS * size
 
 
 FOOTPRINT = ("patch", "radius")
 
 Patch = Annotated[
-    Annotated[
-        tuple[Positive, Positive],
-        BeforeValidator(listed(2, "a patch [length along x, width along y]")),
-        WithJsonSchema(numbers_schema(2)),
-    ]
-    | None,
+    Annotated[tuple[Positive, Positive], *vector(2, "a patch [length along x, width along y]")] | None,
     Field(description="Footprint of each point of at or nodes: a rectangle [length along x, width along y] about it."),
 ]
 Angle = Annotated[
@@ -312,30 +276,21 @@ Angle = Annotated[
 Radius = Annotated[Positive | None, Field(description="Footprint of each point of at or nodes: a disc about it.")]
 
 
-class AtPoints(Protocol):
+class _AtPoints(Protocol):
     """A support or load, as far as it may be at points."""
 
     @property
-    def at(self) -> tuple[tuple[float, float], ...] | None:
-        """The points."""
-
+    def at(self) -> tuple[tuple[float, float], ...] | None: ...
     @property
-    def patch(self) -> tuple[float, float] | None:
-        """The lengths of a rectangle about each."""
-
+    def patch(self) -> tuple[float, float] | None: ...
     @property
-    def angle(self) -> float | None:
-        """By how many degrees the rectangles are turned."""
-
+    def angle(self) -> float | None: ...
     @property
-    def radius(self) -> float | None:
-        """The radius of a disc about each."""
-
-    def given(self, keys: Iterable[str]) -> list[str]:
-        """Those of the keys that have a value."""
+    def radius(self) -> float | None: ...
+    def given(self, keys: Iterable[str]) -> list[str]: ...
 
 
-def footprint_complaints(item: AtPoints) -> Iterator[Complaint]:
+def footprint_complaints(item: _AtPoints) -> Iterator[Complaint]:
     """Yield what is wrong with the footprint of a support or load."""
     keys = item.given(FOOTPRINT)
     if len(keys) > 1:
@@ -346,15 +301,8 @@ def footprint_complaints(item: AtPoints) -> Iterator[Complaint]:
         yield ("angle",), "angle turns a patch, and there is none."
 
 
-def footprints(item: AtPoints) -> tuple[shapes.Rectangle | shapes.Circle | shapes.Polygon, ...]:
-    """The footprint of every point; none where points are points.
-
-    Examples
-    --------
-    >>> from signorini.model import Load
-    >>> footprints(Load(force=20e3, at=[[2, 3], [4, 3]], patch=[0.5, 1]))[0]
-    Rectangle(x0=1.75, y0=2.5, x1=2.25, y1=3.5)
-    """
+def footprints(item: _AtPoints) -> tuple[shapes.Rectangle | shapes.Circle | shapes.Polygon, ...]:
+    """The footprint of every point; none where points are points."""
     points = item.at or ()
     if item.radius is not None:
         return tuple(shapes.Circle(at, item.radius) for at in points)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -24,7 +24,7 @@ from signorini.model.base import (
     Table,
     listed,
     number,
-    numbers_schema,
+    vector,
 )
 from signorini.model.material import Modifiers, Stiffness
 from signorini.model.places import AnyArea, Area, Box, Circle, Corners, Holes, contour
@@ -203,21 +203,20 @@ class _PatternedPlate(OutlinedPlate):
             return None
         if mesh.divisions is not None:
             return mesh.divisions
-        lengths = self._lengths()
         size = self.element_size(mesh)
-        counts = (math.ceil(min(length / size, 1e9) - 1e-9) for length in lengths)
-        first, second = (max(count, least) for count, least in zip(counts, self.fewest, strict=True))
-        return first, second
+        return self._enough(min(length / size, 1e9) - 1e-9 for length in self._lengths())
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
         """Mesh options for elements larger by a factor, as far as there are enough of them, in rows if they are so."""
         scaled = super().scaled(mesh, factor, divisions)
         if divisions is None:
             return scaled
-        first, second = (
-            max(math.ceil(count / factor), least) for count, least in zip(divisions, self.fewest, strict=True)
-        )
-        return scaled.model_copy(update={"divisions": (first, second), "size": None})
+        counts = self._enough(count / factor for count in divisions)
+        return scaled.model_copy(update={"divisions": counts, "size": None})
+
+    def _enough(self, counts: Iterable[float]) -> tuple[int, int]:
+        first, second = (max(math.ceil(count), least) for count, least in zip(counts, self.fewest, strict=True))
+        return first, second
 
     @abstractmethod
     def _lengths(self) -> tuple[float, float]:
@@ -230,11 +229,9 @@ class RectanglePlate(_PatternedPlate):
     rows_refine: ClassVar[bool] = True
 
     shape: Literal["rectangle"] = Field(default="rectangle", description=_SHAPES)
-    size: Annotated[
-        tuple[Positive, Positive],
-        BeforeValidator(listed(2, "two lengths [a, b], along x and y")),
-        WithJsonSchema(numbers_schema(2)),
-    ] = Field(description="Side lengths [along x, along y].")
+    size: Annotated[tuple[Positive, Positive], *vector(2, "two lengths [a, b], along x and y")] = Field(
+        description="Side lengths [along x, along y]."
+    )
     origin: Point = Field(default=(0.0, 0.0), description="Lower left corner [x, y]; default [0, 0].")
 
     @property
@@ -254,10 +251,8 @@ class RectanglePlate(_PatternedPlate):
 
     def _complaints(self) -> Iterator[Complaint]:
         if max(self.size) > SLIMMEST * min(self.size):
-            yield (
-                ("size",),
-                f"found {list(self.size)}: one side is over {SLIMMEST:g} times the other. Calculate a beam.",
-            )
+            why = f"found {list(self.size)}: one side is over {SLIMMEST:g} times the other. Calculate a beam."
+            yield ("size",), why
         yield from _too_far("origin", self.origin, max(self.size))
 
 
@@ -373,10 +368,8 @@ class PolygonPlate(OutlinedPlate):
 
 def _too_far(key: str, point: tuple[float, float], size: float) -> Iterator[Complaint]:
     if max(map(abs, point)) > _FARTHEST * size:
-        yield (
-            (key,),
-            f"found {list(point)}: over {_FARTHEST:g} times the plate's size away. Move the plate to the origin.",
-        )
+        why = f"found {list(point)}: over {_FARTHEST:g} times the plate's size away. Move the plate to the origin."
+        yield (key,), why
 
 
 def _file(value: object) -> FilePath:

@@ -144,13 +144,7 @@ class Support(Table):
 
     @property
     def fixed(self) -> tuple[Component, ...]:
-        """What ``fix`` holds, in the order w, slope, twist; empty where ``resists`` says how.
-
-        Examples
-        --------
-        >>> Support(edge="left", fix="hard").fixed
-        ('w', 'twist')
-        """
+        """What ``fix`` holds, in the order w, slope, twist; empty where ``resists`` says how."""
         if self.fix is None:
             return ()
         held = _KINDS[self.fix] if isinstance(self.fix, str) else self.fix
@@ -168,13 +162,7 @@ class Support(Table):
 
     @property
     def holds_both_ways_unsaid(self) -> bool:
-        """Whether it holds both ways because nothing is said of how.
-
-        Examples
-        --------
-        >>> Support(area="all").holds_both_ways_unsaid, Support(area="all", resists="both").holds_both_ways_unsaid
-        (True, False)
-        """
+        """Whether it holds both ways because nothing is said of how."""
         return self._is_unsaid
 
     @property

@@ -16,13 +16,7 @@ Floats = npt.NDArray[np.float64]
 
 
 def distances(points: Floats, begin: Floats, end: Floats) -> Floats:
-    """Distance (q, k) of points (q, 2) from the sides between ``begin`` and ``end`` (k, 2).
-
-    Examples
-    --------
-    >>> distances(np.array([[1.0, 1.0], [3.0, 0.0]]), np.zeros((1, 2)), np.array([[2.0, 0.0]])).tolist()
-    [[1.0], [1.0]]
-    """
+    """Distance (q, k) of points (q, 2) from the sides between ``begin`` and ``end`` (k, 2)."""
     side, offset = end - begin, points[:, None] - begin
     length = np.maximum((side**2).sum(axis=1), np.finfo(float).tiny)
     part = np.clip((offset * side).sum(axis=2) / length, 0.0, 1.0)
@@ -123,11 +117,6 @@ def depth(region: Region, points: Floats) -> Floats:
     """Distance of points (q, 2) from a region's outline, negative outside.
 
     Outside a rectangle it is the distance from the farthest side's line.
-
-    Examples
-    --------
-    >>> depth(Rectangle(0.0, 0.0, 4.0, 2.0), np.array([[1.0, 0.5], [5.0, 0.5]]))
-    array([ 0.5, -1. ])
     """
     if isinstance(region, Hollow):
         deep = depth(region.around, points)

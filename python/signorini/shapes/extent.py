@@ -75,12 +75,6 @@ class Tolerances:
     """Lengths that tell places of a plate from each other.
 
     Its diameter, and its thickness at one place or some; 0 where no support is judged by it.
-
-    Examples
-    --------
-    >>> near = Tolerances(4.0, 0.3)
-    >>> near.place, near.written, near.apart
-    (4e-08, 4e-06, 0.03)
     """
 
     extent: float

@@ -107,18 +107,7 @@ class Circle(Round):
 class Polygon(Straight):
     """A simple polygon, convex or not, in either orientation.
 
-    Raises
-    ------
-    InputError
-        If the outline crosses or touches itself.
-
-    Examples
-    --------
-    >>> Polygon(((0.0, 0.0), (2.0, 0.0), (0.0, 2.0))).area
-    2.0
-    >>> Polygon(((0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)))
-    Traceback (most recent call last):
-    signorini.errors.InputError: The polygon crosses or touches itself: the sides from corners 1 and 3 meet. ...
+    One that crosses or touches itself is refused.
     """
 
     points: tuple[Point, ...]
@@ -159,18 +148,7 @@ class Polygon(Straight):
 
 @dataclass(frozen=True)
 class Rounded(Straight):
-    """A simple region of straight sides and arcs, in either orientation; its sides are not named.
-
-    Examples
-    --------
-    A half disc.
-
-    >>> half = Rounded(Contour(((-1.0, 0.0), (1.0, 0.0)), (None, (0.0, 1.0)), ("", "")))
-    >>> round(half.area, 6), half.bounds
-    (1.570796, (-1.0, 0.0, 1.0, 1.0))
-    >>> half.contains(np.array([[0.7, 0.7], [0.8, 0.7], [0.0, -0.1]]))
-    array([ True, False, False])
-    """
+    """A simple region of straight sides and arcs, in either orientation; its sides are not named."""
 
     contour: Contour
 
@@ -333,11 +311,6 @@ def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
     """Find two of the segments (k, 2, 2) of a line that meet but where one ends in the other, or None.
 
     The second follows the first where it folds back on it. After the last one of a closed line comes the first.
-
-    Examples
-    --------
-    >>> meeting(np.array([[[0.0, 0.0], [2.0, 0.0]], [[2.0, 0.0], [1.0, 1.0]], [[1.0, 1.0], [1.0, -1.0]]]), False)
-    (0, 2)
     """
     count = len(segments)
     a, b = segments[:, 0], segments[:, 1]
@@ -369,17 +342,7 @@ def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
 class Hollow(Drawn):
     """A region without its holes.
 
-    Raises
-    ------
-    InputError
-        If a hole is not within the region, or overlaps another one.
-
-    Examples
-    --------
-    >>> from signorini.shapes import Circle
-    >>> ring = Hollow(Circle((0.0, 0.0), 2.0), (Circle((0.0, 0.0), 1.0),))
-    >>> round(ring.area / np.pi, 12), ring.contains(np.array([[1.5, 0.0], [0.5, 0.0], [0.0, 2.5]])).tolist()
-    (3.0, [True, False, False])
+    Holes that are not within it, or overlap, are refused.
     """
 
     around: Whole
@@ -448,12 +411,6 @@ def overlap(one: Floats, other: Floats) -> float:
     """Area that two simple polygons, corners (n, 2) and (m, 2) in either sense, have in common.
 
     Between the abscissae of corners and crossings the height that is in both is linear in x, so that its middle counts.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
-    >>> overlap(square, square[::-1] + [1.0, 0.5]), overlap(square, square + 3.0)
-    (1.5, 0.0)
     """
     (a, b), (c, d) = ((corners, np.roll(corners, -1, axis=0)) for corners in (one, other))
     u, v = (b - a)[:, None], (d - c)[None]

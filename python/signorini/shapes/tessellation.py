@@ -48,13 +48,6 @@ def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tes
     """Cut every element into ``divisions`` × ``divisions`` cells of two triangles.
 
     An even number; by default finer for coarser meshes, so that a picture of any mesh is as smooth.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> cut = tessellate(np.array([[0, 1, 2, 3, 6, 7, 8, 9], [1, 4, 5, 2, 10, 11, 12, 7]]), divisions=2)
-    >>> len(cut.owners), len(cut.triangles), len(cut.edges), int(cut.outer.sum())
-    (15, 16, 7, 6)
     """
     count = len(elements)
     d = divisions or int(np.clip(2 * round(np.sqrt(_WANTED_CELLS / count) / 2), 2, _FINEST))

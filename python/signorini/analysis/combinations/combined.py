@@ -43,40 +43,26 @@ Sink = Callable[[Iterable[tuple[str, Column]]], None]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Combined(Brief):
-    """What is known of all combinations together.
-
-    Parameters
-    ----------
-    combinations : Combinations
-    layout : Layout
-    envelope : Envelope
-        Over those that were solved.
-    groups : dict of Envelope
-        By group with a name, over those of it that were solved, if any.
-    solved : int
-        How many have an equilibrium.
-    alone : int
-        How many of them were solved by themselves, because what was found together was not certain enough.
-    not_unique : int
-        How many have other answers that are as right; of each the least is in the table.
-    certificate : dict of float
-        The worst of each figure.
-    unbalanced : dict of str
-        Why the first of those without equilibrium have none, by name.
-    rows : dict or None
-        The table's columns, where they are few enough numbers to be kept.
-    """
+    """What is known of all combinations together."""
 
     combinations: Combinations
     layout: Layout
     envelope: Envelope
+    """Over those that were solved."""
     groups: Mapping[str, Envelope]
+    """By group with a name, over those of it that were solved, if any."""
     solved: int
+    """How many have an equilibrium."""
     alone: int
+    """How many of them were solved by themselves, because what was found together was not certain enough."""
     not_unique: int
+    """How many have other answers that are as right; of each the least is in the table."""
     certificate: Mapping[str, float]
+    """The worst of each figure."""
     unbalanced: Mapping[str, str]
+    """Why the first of those without equilibrium have none, by name."""
     rows: Mapping[str, Column] | None
+    """The table's columns, where they are few enough numbers to be kept."""
 
     def over(self, group: str) -> Envelope:
         """The envelope over a group; by no name over all."""
@@ -98,18 +84,10 @@ def combine(
 ) -> Combined:
     """Solve every combination of a model.
 
-    Parameters
-    ----------
-    problem : ContactProblem
-    single : callable
-        Solves one combination by itself; used where a sum of responses is not certain.
-    several : callable or None
-        Solves combinations of an active set side by side, and those it is not certain of by the function it is given.
-        None leaves every combination to ``single``, which knows them all.
-    begin : callable
-        Called with the name of the first combination of each block as it begins; what it raises ends the run.
-    sink : callable, optional
-        Takes the columns of each block, see `Block.columns`.
+    ``single`` solves one combination by itself, where a sum of responses is not certain. ``several`` solves
+    combinations of an active set side by side, and those it is not certain of by the function it is given; None leaves
+    every combination to ``single``. ``begin`` is called with the name of the first combination of each block; what it
+    raises ends the run. ``sink`` takes the columns of each block.
     """
     discretisation = problem.discretisation
     layout = Layout.of(discretisation)

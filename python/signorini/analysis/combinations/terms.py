@@ -38,30 +38,21 @@ class Watch:
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """What certificates need of one term.
-
-    Parameters
-    ----------
-    moved, reaction : (m,) arrays
-        Displacement Gu and reaction of every contact point.
-    error : float
-        Largest nodal force out of balance; couples count by the force they are at an element's size apart.
-    slip : float
-        Largest violation of a held deflection; slopes count times the plate's size.
-    balance, resultant : (3,) arrays
-        The resultants that supports do not balance, and those of the load, of what of it has any.
-    deflection, load : arrays
-        Deflection of the nodes and load on the dofs that are watched.
-    """
+    """What certificates need of one term."""
 
     moved: Floats
     reaction: Floats
+    """(m,): displacement Gu and reaction of every contact point."""
     error: float
+    """Largest nodal force out of balance; couples count by the force they are at an element's size apart."""
     slip: float
+    """Largest violation of a held deflection; slopes count times the plate's size."""
     balance: Floats
     resultant: Floats
+    """(3,): the resultants that supports do not balance, and those of the load, of what of it has any."""
     deflection: Floats
     load: Floats
+    """Deflection of the nodes and load on the dofs that are watched."""
 
     @classmethod
     def of(
@@ -184,51 +175,31 @@ _TOGETHER = 32
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """The terms (b,) of the sum: one at rest, one a load case, one a contact point.
-
-    Parameters
-    ----------
-    cases : tuple of str
-        The load cases, in the order of the terms.
-    shared : _core.CombinedCases
-        The contact problem condensed for all of them.
-    fields : dict of (b, n) arrays
-        Those that envelopes are sought of, "reaction" among them.
-    on_areas : (b, k) array
-        Deflection of the nodes around elastic areas.
-    probes : (b, 8q) array
-        Every field at every probe.
-    through : (b, 3s) array
-        Moment, twist and shear of every section, and their means at every station of a strip.
-    fixed : (b, f) array
-        Upward force of held nodes and springs, support by support.
-    proof : Proof
-        What certificates are made of.
-    """
+    """The terms (b,) of the sum: one at rest, one a load case, one a contact point."""
 
     cases: tuple[str, ...]
+    """The load cases, in the order of the terms."""
     shared: _core.CombinedCases
+    """The contact problem condensed for all of them."""
     fields: dict[str, Floats]
+    """Those that envelopes are sought of, "reaction" among them."""
     on_areas: Floats
+    """(b, k): deflection of the nodes around elastic areas."""
     probes: Floats
+    """(b, 8q): every field at every probe."""
     through: Floats
+    """(b, 3s): moment, twist and shear of every section, and their means at every station of a strip."""
     fixed: Floats
+    """(b, f): upward force of held nodes and springs, support by support."""
     proof: Proof
+    """What certificates are made of."""
 
 
 def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str], nodes: Ints) -> Terms:
     """Solve for every term.
 
-    Parameters
-    ----------
-    problem : ContactProblem
-        With every contact point in its LCP.
-    cases : sequence of str
-        Load cases that occur in some combination.
-    enveloped : sequence of str
-        Fields that envelopes are sought of.
-    nodes : (k,) array
-        Around elastic areas.
+    The load cases are those that occur in some combination; ``enveloped`` fields have envelopes; the nodes (k,) are
+    around elastic areas.
     """
     result, core = problem.discretisation, problem.core
     names = summed(enveloped)
