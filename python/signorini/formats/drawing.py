@@ -10,8 +10,13 @@ from functools import cached_property
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
+import numpy as np
+
 from signorini.errors import InputError, point
 from signorini.shapes import Polygon
+from signorini.shapes.distances import distances
+from signorini.shapes.outlines import Bools, Floats, closed
+from signorini.shapes.regions import inside
 
 GAP = 1e-3
 """Metres between ends that count as one place: less than anything built, more than a careless end."""
@@ -148,29 +153,27 @@ class Loop:
         rises = (abs((far[0] - x) * (b - y) - (far[1] - y) * (a - x)) for a, b in self.points)
         return max(rises) <= GAP * length
 
-    def has(self, x: float, y: float) -> bool:
-        """Whether a point is inside."""
-        ends = zip(self.points, self.points[1:] + self.points[:1], strict=True)
-        crossed = [x < ax + (y - ay) / (by - ay) * (bx - ax) for (ax, ay), (bx, by) in ends if (ay > y) != (by > y)]
-        return sum(crossed) % 2 == 1
+    @cached_property
+    def _sides(self) -> Floats:
+        """Straight sides (k, 2, 2) between its points."""
+        return closed(self.points)
 
-    def near(self, x: float, y: float) -> bool:
-        """Whether a point is on one of the sides."""
-        for (ax, ay), (bx, by) in zip(self.points, self.points[1:] + self.points[:1], strict=True):
-            length = (bx - ax) ** 2 + (by - ay) ** 2
-            part = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length if length else 0.0
-            part = min(max(part, 0.0), 1.0)
-            if math.hypot(ax + part * (bx - ax) - x, ay + part * (by - ay) - y) < GAP:
-                return True
-        return False
+    def has(self, points: Iterable[tuple[float, float]]) -> Bools:
+        """Which points are inside."""
+        return inside(np.array([*points]).reshape(-1, 2), self._sides)
+
+    def near(self, points: Iterable[tuple[float, float]]) -> Bools:
+        """Which points are on one of the sides."""
+        far = distances(np.array([*points]).reshape(-1, 2), *self._sides.transpose(1, 0, 2))
+        return np.asarray(far.min(axis=1) < GAP)
 
     def holds(self, other: Loop) -> bool:
         """Whether another one is inside, away from the sides."""
-        return other.area < self.area and all(self.has(*at) and not self.near(*at) for at in other.points)
+        return other.area < self.area and bool((self.has(other.points) & ~self.near(other.points)).all())
 
-    def covers(self, points: Iterable[tuple[float, float]]) -> bool:
+    def covers(self, points: Sequence[tuple[float, float]]) -> bool:
         """Whether points are inside or on the sides."""
-        return all(self.has(*at) or self.near(*at) for at in points)
+        return bool((self.has(points) | self.near(points)).all())
 
 
 def place(at: tuple[float, float]) -> str:

@@ -40,35 +40,34 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
         f"[mesh]\nsize = {_size(max(right - left, top - bottom))}\n"
         f"snap = {_number(min(_SNAP, _SNAP_PART * max(right - left, top - bottom)))}",
     ]
-    count = len(drawing.points) + len(drawing.lines)
-    for number, (footprint, at) in enumerate(drawing.points.items(), 1):
-        name = "points" if len(drawing.points) == 1 else f"points {number}"
-        places = "\n".join(f"    {_list(place)}," for place in at)
-        blocks.append(_kinds("N/m") + _support(name, f"at = [\n{places}\n]") + _footprint(footprint))
-    for number, line in enumerate(drawing.lines, 1):
-        name = "lines" if len(drawing.lines) == 1 else f"lines {number}"
-        blocks.append(
-            _kinds("N/m²") + _support(name, f"line = [{', '.join(_list(at) for at in flattened(line, _TURN))}]")
-        )
-    if count == 0:
+    points = [
+        "at = [\n" + "".join(f"    {_list(place)},\n" for place in at) + "]" + _footprint(footprint)
+        for footprint, at in drawing.points.items()
+    ]
+    lines = [f"line = [{', '.join(_list(at) for at in flattened(line, _TURN))}]" for line in drawing.lines]
+    for name, unit, places in (("points", "N/m", points), ("lines", "N/m²", lines)):
+        for number, where in enumerate(places, 1):
+            blocks.append(
+                '# Rigid, both ways, as it stands. Add resists = "down" where it only pushes up, '
+                f"stiffness = … [{unit}] where it yields.\n"
+                f'[[support]]\nname = "{name if len(places) == 1 else f"{name} {number}"}"\n{where}'
+            )
+    if not points and not lines:
         blocks.append("# Add supports: [[support]] with at, edge, line, circle or area.")
     blocks.append('# Add loads to these, with their cases.\n[[load]]\ncase = "self-weight"\nself_weight = true')
     return "\n\n".join(blocks) + "\n"
 
 
 def _plate(drawing: Drawing) -> str:
-    lines = ["[plate]"]
-    if drawing.outline.radius:
-        lines += ['shape = "disc"', f"radius = {_number(drawing.outline.radius)}"]
-        lines += [f"center = {_list(drawing.outline.corners[0][:2])}"]
+    outline = drawing.outline
+    if outline.radius:
+        shape = f'shape = "disc"\nradius = {_number(outline.radius)}\ncenter = {_list(outline.corners[0][:2])}'
+        points = ""
     else:
-        lines += ['shape = "polygon"']
-    lines += ["thickness = 0.25  # assumed"]
-    if not drawing.outline.radius:
-        lines += ["points = [", *(f"    {corner}," for corner in _corners(drawing.outline)), "]"]
-    if drawing.holes:
-        lines += ["holes = [", *(f"    {_area(hole)}," for hole in drawing.holes), "]"]
-    return "\n".join(lines)
+        shape = 'shape = "polygon"'
+        points = "\npoints = [\n" + "".join(f"    {corner},\n" for corner in _corners(outline)) + "]"
+    holes = "\nholes = [\n" + "".join(f"    {_area(hole)},\n" for hole in drawing.holes) + "]"
+    return f"[plate]\n{shape}\nthickness = 0.25  # assumed{points}{holes if drawing.holes else ''}"
 
 
 def _area(loop: Loop) -> str:
@@ -94,17 +93,6 @@ def _corners(loop: Loop) -> list[str]:
 
 def _to(a: Corner, b: Corner) -> str:
     return f"{{ through = {_list(through(a, b))}, to = {_list(b[:2])} }}" if a.bulge else _list(b[:2])
-
-
-def _kinds(unit: str) -> str:
-    return (
-        '# Rigid, both ways, as it stands. Add resists = "down" where it only pushes up, '
-        f"stiffness = … [{unit}] where it yields.\n"
-    )
-
-
-def _support(name: str, place: str) -> str:
-    return f'[[support]]\nname = "{name}"\n{place}'
 
 
 def _footprint(footprint: tuple[float, ...]) -> str:

@@ -33,20 +33,12 @@ def widen(
     """
     own = pq.ParquetFile(path)
     readers = [_Rows(pq.ParquetFile(other)) for other in others]
-    with replacing(path) as beside:
-        writer: pq.ParquetWriter | None = None
-        try:
-            for group in range(own.num_row_groups):
-                block = own.read_row_group(group)
-                blocks = [block, *(reader.take(len(block)) for reader in readers)]
-                for name, values in more([_numbers(one) for one in blocks]).items():
-                    block = block.append_column(name, pa.array(values, from_pandas=True))
-                if writer is None:
-                    writer = pq.ParquetWriter(beside, block.schema)
-                writer.write_table(block)
-        finally:
-            if writer is not None:
-                writer.close()
+    with writing(path) as sink:
+        for group in range(own.num_row_groups):
+            block = own.read_row_group(group)
+            blocks = [block, *(reader.take(len(block)) for reader in readers)]
+            added = more([_numbers(one) for one in blocks])
+            sink([*zip(block.schema.names, block.columns, strict=True), *added.items()])
 
 
 class _Rows:
@@ -83,7 +75,12 @@ def writing(path: str | os.PathLike[str]) -> Iterator[Sink]:
 
             def sink(columns: Iterable[tuple[str, Column]]) -> None:
                 nonlocal writer
-                block = pa.table({name: pa.array(values, from_pandas=True) for name, values in columns})
+                block = pa.table(
+                    {
+                        name: values if isinstance(values, pa.ChunkedArray) else pa.array(values, from_pandas=True)
+                        for name, values in columns
+                    }
+                )
                 if writer is None:
                     writer = pq.ParquetWriter(beside, block.schema)
                 writer.write_table(block)

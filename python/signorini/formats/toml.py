@@ -6,7 +6,7 @@ import bisect
 import contextlib
 import re
 import tomllib
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 
 Path = tuple[str | int, ...]
 
@@ -142,57 +142,43 @@ class Lines:
 _NUMBER = r"(?>[+-]?\d[\d_]*(?:\.\d+)?(?:[eE][+-]?\d+)?)"
 _ENDS = r"\s*(?:[,}\]#].*)?$"
 
-# Slips that show in the line where reading stopped, by a pattern and what to say of its match. The first one that is
+# Slips that show in the line where reading stopped, by a pattern and what to say of its groups. The first one that is
 # found is told.
-_SLIPS: tuple[tuple[str, Callable[[re.Match[str]], str]], ...] = (
-    (r"^(?://|;|%|--)", lambda result: "A comment begins with #."),
-    (r"[“”„‘’«»]", lambda result: "Quotes are straight: \" or '."),
-    (r'=\s*"[^"]*\\', lambda result: "Write a path with / in place of \\, or in single quotes."),
-    (r"=\s*\(", lambda result: "A list stands in square brackets: [1, 2]."),
+_SLIPS: tuple[tuple[str, str], ...] = (
+    (r"^(?://|;|%|--)", "A comment begins with #."),
+    (r"[“”„‘’«»]", "Quotes are straight: \" or '."),
+    (r'=\s*"[^"]*\\', "Write a path with / in place of \\, or in single quotes."),
+    (r"=\s*\(", "A list stands in square brackets: [1, 2]."),
+    (rf"=\s*([+-]?\d{{1,3}}(?:,\d{{3}}){{2,}}){_ENDS}", "Write a number without commas: {joined}."),
     (
-        rf"=\s*([+-]?\d{{1,3}}(?:,\d{{3}}){{2,}}){_ENDS}",
-        lambda result: f"Write a number without commas: {result[1].replace(',', '')}.",
+        rf"=\s*([+-]?\d+),(\d{{3}}){_ENDS}",
+        "The decimal sign is a point: {1}.{2}. If {1},{2} is meant in thousands, write {1}{2}.",
     ),
-    (
-        rf"=\s*([+-]?\d+),(\d+(?:[eE][+-]?\d+)?){_ENDS}",
-        lambda result: f"The decimal sign is a point: {result[1]}.{result[2]}.{_thousands(result[1], result[2])}",
-    ),
-    (r",\s*\}", lambda result: "No comma stands before the closing brace."),
+    (rf"=\s*([+-]?\d+),(\d+(?:[eE][+-]?\d+)?){_ENDS}", "The decimal sign is a point: {1}.{2}."),
+    (r",\s*\}", "No comma stands before the closing brace."),
     (
         r"\{[^}]*$",
-        lambda result: "A table in braces stands on one line, from { to }; a longer one under a header of its own.",
+        "A table in braces stands on one line, from {{ to }}; a longer one under a header of its own.",
     ),
-    (r"[=,\[]\s*([+-]?)(\.\d+)", lambda result: f"A digit stands before the point: {result[1]}0{result[2]}."),
-    (
-        r"[=,\[]\s*([+-]?\d+)\.(?!\d)((?:[eE][+-]?\d+)?)",
-        lambda result: f"A digit stands behind the point: {result[1]}.0{result[2]}.",
-    ),
-    (r"=\s*[+-]?0+(\d[\d.]*)", lambda result: f"A number has no zeros before it: {result[1]}."),
-    (rf"=\s*({_NUMBER})\s*[*^/]", lambda result: "Write a power of ten as 30e9, and a formula in quotes."),
-    (r"=\s*(\d+(?: \d{3})+)\b", lambda result: f"Write a number without spaces: {result[1].replace(' ', '')}."),
-    (
-        rf"=\s*({_NUMBER})\s*[^\W\d_]",
-        lambda result: f"A number stands without its unit: {result[1]}. Units have labels in [units].",
-    ),
-    (rf"=\s*{_NUMBER}\s*;", lambda result: "A line ends without a semicolon."),
-    (r"=\s*(True|False|TRUE|FALSE)\b", lambda result: f"Write {result[1].lower()} in small letters."),
-    (r"=\s*([^\W\d]\w*)", lambda result: f'Text stands in quotes: "{result[1]}".'),
-    (r"=\s*(?:#.*)?$", lambda result: "The value is missing behind the =."),
-    (r"^[\w.\- ]+:", lambda result: "Between a key and its value stands =."),
-    (r"[{,]\s*\w+\s*:", lambda result: "Between a key and its value stands =."),
-    (r"^\[\[[^\]]*\](?!\])", lambda result: "A header in double brackets ends in ]]."),
-    (r"^\[[^\]]*$", lambda result: "A header in brackets ends in ]."),
-    (r"""=\s*(["'])(?:(?!\1).)*$""", lambda result: f"The closing quote {result[1]} is missing."),
-    (r"^\{", lambda result: "This looks like JSON; docs/input.md shows the same in TOML."),
-    (r"^[^=\[]+$", lambda result: "A line is [a header], key = value, or # a comment."),
-    (r"^[^\x00-\x7f]", lambda result: "Keys are written in plain letters, such as nu."),
+    (r"[=,\[]\s*([+-]?)(\.\d+)", "A digit stands before the point: {1}0{2}."),
+    (r"[=,\[]\s*([+-]?\d+)\.(?!\d)((?:[eE][+-]?\d+)?)", "A digit stands behind the point: {1}.0{2}."),
+    (r"=\s*[+-]?0+(\d[\d.]*)", "A number has no zeros before it: {1}."),
+    (rf"=\s*({_NUMBER})\s*[*^/]", "Write a power of ten as 30e9, and a formula in quotes."),
+    (r"=\s*(\d+(?: \d{3})+)\b", "Write a number without spaces: {joined}."),
+    (rf"=\s*({_NUMBER})\s*[^\W\d_]", "A number stands without its unit: {1}. Units have labels in [units]."),
+    (rf"=\s*{_NUMBER}\s*;", "A line ends without a semicolon."),
+    (r"=\s*(True|False|TRUE|FALSE)\b", "Write {small} in small letters."),
+    (r"=\s*([^\W\d]\w*)", 'Text stands in quotes: "{1}".'),
+    (r"=\s*(?:#.*)?$", "The value is missing behind the =."),
+    (r"^[\w.\- ]+:", "Between a key and its value stands =."),
+    (r"[{,]\s*\w+\s*:", "Between a key and its value stands =."),
+    (r"^\[\[[^\]]*\](?!\])", "A header in double brackets ends in ]]."),
+    (r"^\[[^\]]*$", "A header in brackets ends in ]."),
+    (r"""=\s*(["'])(?:(?!\1).)*$""", "The closing quote {1} is missing."),
+    (r"^\{", "This looks like JSON; docs/input.md shows the same in TOML."),
+    (r"^[^=\[]+$", "A line is [a header], key = value, or # a comment."),
+    (r"^[^\x00-\x7f]", "Keys are written in plain letters, such as nu."),
 )
-
-
-def _thousands(before: str, behind: str) -> str:
-    """Three digits behind a comma may as well be thousands."""
-    whole = re.fullmatch(r"\d{3}", behind)
-    return f" If {before},{behind} is meant in thousands, write {before}{behind}." if whole else ""
 
 
 def hint(says: str, line: str, lists: Collection[str]) -> str:
@@ -215,4 +201,9 @@ def hint(says: str, line: str, lists: Collection[str]) -> str:
         return "A table stands once; put all its keys under one header."
     if "overwrite" in says:
         return "A key stands once in a table."
-    return next((say(result) for slip, say in _SLIPS if (result := re.search(slip, line))), "")
+    for slip, words in _SLIPS:
+        if result := re.search(slip, line):
+            first = result.group(1) if result.re.groups else ""
+            joined, small = re.sub("[, ]", "", first), first.lower()
+            return words.format(result.group(), *result.groups(), joined=joined, small=small)
+    return ""

@@ -39,6 +39,12 @@ _PLACES: dict[Kind, tuple[str, ...]] = {
 }
 
 
+_KINDS: list[Any] = [
+    {"required": [kind]} | ({"oneOf": [{"required": [place]} for place in places]} if len(places) > 1 else {})
+    for kind, places in _PLACES.items()
+]
+
+
 def _true(value: object) -> object:
     if value is not True:
         raise ValueError(f"found {describe(value)}; write true, or leave the key out.")
@@ -58,23 +64,12 @@ class Axes(Table):
             yield (), "found neither x nor y; give the couple about at least one of them."
 
 
-Curvatures = Annotated[tuple[Number, Number, Number], *vector(3, "three curvatures [kx, ky, kxy]")]
-
-
 class Load(Table):
     """A load: exactly one of pressure, force, line_load, moment, couple_about, self_weight, curvature, in a case."""
 
     model_config = ConfigDict(
         json_schema_extra={
-            "oneOf": [
-                {"required": ["pressure"]},
-                {"required": ["force"], "oneOf": [{"required": [place]} for place in _PLACES["force"]]},
-                {"required": ["line_load"], "oneOf": [{"required": [place]} for place in _PLACES["line_load"]]},
-                {"required": ["moment"], "oneOf": [{"required": [place]} for place in _PLACES["moment"]]},
-                {"required": ["couple_about"], "oneOf": [{"required": [place]} for place in _PLACES["couple_about"]]},
-                {"required": ["self_weight"]},
-                {"required": ["curvature"]},
-            ],
+            "oneOf": _KINDS,
             "not": {"required": ["patch", "radius"]},
         }
     )

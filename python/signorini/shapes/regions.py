@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from signorini.errors import InputError
 from signorini.shapes.outlines import (
+    Bools,
     Box,
     Contour,
     Drawn,
@@ -29,7 +30,6 @@ from signorini.shapes.outlines import (
 )
 
 Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _CHUNK = 4_000_000
 _PAIRS = 200_000
@@ -134,16 +134,7 @@ class Polygon(Straight):
 
     def contains(self, points: Floats) -> Bools:
         """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
-        inside = np.empty(len(points), dtype=bool)
-        (ax, ay), (bx, by) = self.outline.segments.transpose(1, 2, 0)
-        step = max(1, _CHUNK // len(ax))
-        for start in range(0, len(points), step):
-            x, y = points[start : start + step].T[..., None]
-            level = (ay > y) != (by > y)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                right = x < ax + (y - ay) / (by - ay) * (bx - ax)
-            inside[start : start + step] = (level & right).sum(axis=1) % 2 == 1
-        return inside
+        return inside(points, self.outline.segments)
 
 
 @dataclass(frozen=True)
@@ -286,6 +277,20 @@ Curve: TypeAlias = Polyline | Ring
 
 def _cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def inside(points: Floats, segments: Floats) -> Bools:
+    """Whether points (q, 2) are within closed segments (k, 2, 2), by counting crossings."""
+    result = np.empty(len(points), dtype=bool)
+    (ax, ay), (bx, by) = segments.transpose(1, 2, 0)
+    step = max(1, _CHUNK // len(ax))
+    for start in range(0, len(points), step):
+        x, y = points[start : start + step].T[..., None]
+        level = (ay > y) != (by > y)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            right = x < ax + (y - ay) / (by - ay) * (bx - ax)
+        result[start : start + step] = (level & right).sum(axis=1) % 2 == 1
+    return result
 
 
 def _require_simple(segments: Floats) -> None:
