@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
 from signorini.results.quantities import SIDES, Number, Path
 from signorini.results.result import Result, in_notebook
+from signorini.shapes.distances import Targets
 from signorini.singularities.singularity import Singularity
 
 
@@ -117,11 +119,12 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
     """Half-widths of every coordinate of edges of contact: the way to the edge on the other mesh, along each axis."""
     values: dict[Path, float | None] = {}
     for index, (mine, others) in enumerate(zip(result.supports, other.supports, strict=True)):
-        segments = [np.stack([line[:-1], line[1:]], axis=1) for line in others.contact_boundary if len(line) > 1]
-        for line, vertices in enumerate(mine.contact_boundary if segments else ()):
-            for vertex, way in enumerate(rounded(np.abs(_ways(vertices, segments))).tolist()):
+        edges = Targets.of(sides=[side for line in others.contact_boundary for side in pairwise(line.tolist())])
+        for number, line in enumerate(mine.contact_boundary if len(edges.sides) else ()):
+            ways = np.concatenate([edges.nearest(vertex[None])[0] - vertex for vertex in line])
+            for vertex, way in enumerate(rounded(np.abs(ways)).tolist()):
                 for axis in (0, 1):
-                    values[("supports", index, "contact_boundary", line, vertex, axis)] = way[axis]
+                    values[("supports", index, "contact_boundary", number, vertex, axis)] = way[axis]
     return values
 
 
@@ -138,19 +141,6 @@ def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> 
             for axis in (0, 1):
                 values[(*path, f"{name}_at", axis)] = None if width is None else far[axis]
     return values
-
-
-def _ways(points: Floats, lines: Sequence[Floats]) -> Floats:
-    """Vectors (q, 2) from points to the nearest place of lines of segments (k, 2, 2)."""
-    a, b = np.concatenate(lines).transpose(1, 0, 2)
-    along = b - a
-    squared = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
-    result = np.empty_like(points)
-    for number, at in enumerate(points):
-        share = np.clip(((at - a) * along).sum(axis=1) / squared, 0.0, 1.0)
-        ways = a + share[:, None] * along - at
-        result[number] = ways[np.argmin((ways**2).sum(axis=1))]
-    return result
 
 
 _FEWEST = 2

@@ -9,6 +9,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.analysis.sampler import PathLoads
+from signorini.analysis.single import steps_of
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.answer import Answer
 from signorini.contact.certificate import Certificate, certified, certify_each, imbalances, least_deflection
@@ -66,10 +67,7 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
     """
     result, load = problem.discretisation, loads[0] + stop.t * loads[1]
 
-    def steps(method: str, step: int, changing: int, residual: float) -> None:
-        watcher(Progress(f"t = {stop.t:.6g}, solved anew", step, changing, residual, method=method))
-
-    tried = answered(problem, load, steps)
+    tried = answered(problem, load, steps_of(f"t = {stop.t:.6g}, solved anew", watcher))
     if not tried.passed:
         return True
     none = [stop.points[:0]]

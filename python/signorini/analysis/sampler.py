@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from signorini.analysis.single import steps_of
 from signorini.base import arguments
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.answer import Answer
@@ -133,11 +134,8 @@ class Sampler:
         result, load, made_of = self.problem.discretisation, self.path.at(t), beside(self.path.loads, t)
         start = near.answer if near is not None and near.own and near.answer.solution is not None else None
 
-        def steps(method: str, step: int, changing: int, residual: float) -> None:
-            self.watcher(Progress(f"t = {t:.6g}", step, changing, residual, method=method))
-
         self.watcher(Progress(f"t = {t:.6g}"))
-        tried = answered(self.problem, load, steps, made_of, start)
+        tried = answered(self.problem, load, steps_of(f"t = {t:.6g}", self.watcher), made_of, start)
         if tried.contradiction or (tried.certificate is None and near is None and supports_contradict(result)):
             raise NoEquilibriumError(CONTRADICTION)
         answer, certificate = tried.answer, tried.certificate

@@ -6,6 +6,7 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from signorini.contact.problem import ContactProblem
 from signorini.contact.refusal import refusal, uncertain
 from signorini.contact.selection import chosen
 from signorini.contact.strategy import WORDS, answered
-from signorini.discretise import Discretisation
+from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import allowed_motions, work_of
 from signorini.equilibrium.limits import CONTRADICTION, imbalance_of
@@ -39,19 +40,25 @@ def solve_one(problem: ContactProblem, combination: Combination, progress: Watch
     return timed(problem, combination, watching(progress, "progress"))[0]
 
 
+def steps_of(what: str, watcher: Watcher) -> Callable[[str, int, int, float], None]:
+    """Tell a watcher of the steps of whatever method solves something."""
+
+    def steps(method: str, step: int, changing: int, residual: float) -> None:
+        watcher(Progress(what, step, changing, residual, method=method))
+
+    return steps
+
+
 def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
     """One combination, and the seconds its contact problem took."""
     discretisation = problem.discretisation
     load = discretisation.load(combination)
 
-    def steps(method: str, step: int, changing: int, residual: float) -> None:
-        watcher(Progress(combination.name, step, changing, residual, method=method))
-
     begun = time.perf_counter()
     message = explain(discretisation, imbalance_of(discretisation, problem.freedom, combination))
     if message:
         return unsolved_result(discretisation, combination, message), time.perf_counter() - begun
-    tried = answered(problem, load, steps)
+    tried = answered(problem, load, steps_of(combination.name, watcher))
     spent = time.perf_counter() - begun
     if tried.contradiction:
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
@@ -90,7 +97,10 @@ def solve_several(
     numbers = 8 * discretisation.dof_count + 4 * len(discretisation.contacts)
     size = int(np.clip(_MOST_NUMBERS // numbers, _FEWEST, _MOST))
     for first in range(0, len(combinations), size):
-        yield from _solve(problem, rays, combinations[first : first + size], single, begin)
+        some = combinations[first : first + size]
+        watch = partial(begin, some[0].name)
+        watch()
+        yield from _solve(problem, rays, some, single, watch)
 
 
 def _solve(
@@ -98,19 +108,17 @@ def _solve(
     rays: Floats,
     combinations: Sequence[Combination],
     single: Callable[[Combination], Result],
-    begin: Callable[[str], None],
+    watch: Callable[[], None],
 ) -> Iterator[Result]:
     discretisation = problem.discretisation
 
-    def watch() -> None:
-        begin(combinations[0].name)
+    def surely_balanced(load: CaseLoad) -> bool:
+        """Whether it does no work in any motion that the supports allow, so that reactions balance it."""
+        work = work_of(discretisation, problem.freedom, load.weighing) if problem.freedom.count else np.zeros(0)
+        return not len(work) or bool((rays @ work).max(initial=0.0) <= 0.0)
 
-    watch()
-    loads = {
-        number: load
-        for number, combination in enumerate(combinations)
-        if _surely_balanced(problem, rays, (load := discretisation.load(combination)).weighing)
-    }
+    loads = {number: discretisation.load(combination) for number, combination in enumerate(combinations)}
+    loads = {number: load for number, load in loads.items() if surely_balanced(load)}
     answers: dict[int, tuple[_core.ContactSolution, Floats]] = {}
     if loads:
         nodal, curvatures, couples = (
@@ -130,13 +138,6 @@ def _solve(
                 yield Result.of(discretisation, combination, (problem.method,), load, answer, certificate, stress)
                 continue
         yield single(combination)
-
-
-def _surely_balanced(problem: ContactProblem, rays: Floats, nodal: Floats) -> bool:
-    """Whether a load does no work in any motion that the supports allow, so that reactions balance it."""
-    if not problem.freedom.count:
-        return True
-    return bool((rays @ work_of(problem.discretisation, problem.freedom, nodal)).max(initial=0.0) <= 0.0)
 
 
 def mean_load(discretisation: Discretisation) -> Floats:
@@ -162,32 +163,31 @@ def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = No
 
     problem = problem.near(mean_load(problem.discretisation), show)
 
-    def single(combination: Combination) -> Result:
-        return solve_one(problem, combination, watcher)
-
     def begin(name: str) -> None:
         watcher(Progress(name))
 
-    def several(combinations: Sequence[Combination], alone: Callable[[Combination], Result]) -> Iterator[Result]:
-        return solve_several(problem, combinations, alone, begin)
-
-    return combine(problem, single, several, begin, sink)
+    single = partial(solve_one, problem, progress=watcher)
+    return combine(problem, single, partial(solve_several, problem, begin=begin), begin, sink)
 
 
 def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
     """Solve every combination as a row, written to the table if there is one."""
     if table is None:
-        combined = solve_rows(problem, watcher)
-    else:
-        # Only this function needs pyarrow.
-        from signorini.formats.parquet import writing
+        return _any_solved(solve_rows(problem, watcher))
+    # Only this function needs pyarrow.
+    from signorini.formats.parquet import writing
 
-        try:
-            with writing(table) as sink:
-                combined = solve_rows(problem, watcher, sink)
-        except OSError as error:
-            why = error.strerror or str(error)
-            raise InputError(f"the table cannot be written there: {why}. Name another file.", str(table)) from None
+    try:
+        with writing(table) as sink:
+            combined = solve_rows(problem, watcher, sink)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise InputError(f"the table cannot be written there: {why}. Name another file.", str(table)) from None
+    return _any_solved(combined)
+
+
+def _any_solved(combined: Combined) -> Combined:
+    """Refuse combinations of which none has an equilibrium."""
     if not combined.solved:
         reasons = "\n".join(f"{name}: {message}" for name, message in list(combined.unbalanced.items())[:_REASONS])
         raise NoEquilibriumError(
