@@ -119,7 +119,9 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
     """Half-widths of every coordinate of edges of contact: the way to the edge on the other mesh, along each axis."""
     values: dict[Path, float | None] = {}
     for index, (mine, others) in enumerate(zip(result.supports, other.supports, strict=True)):
-        edges = Targets.of(sides=[side for line in others.contact_boundary for side in pairwise(line.tolist())])
+        edges = Targets.of(
+            sides=[side for line in others.contact_boundary for side in pairwise(line.tolist()) if side[0] != side[1]]
+        )
         for number, line in enumerate(mine.contact_boundary if len(edges.sides) else ()):
             ways = np.concatenate([edges.nearest(vertex[None])[0] - vertex for vertex in line])
             for vertex, way in enumerate(rounded(np.abs(ways)).tolist()):

@@ -290,10 +290,8 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
     count = math.ceil(reached.elements * shrinking**2)
     if not isinstance(plate, RectanglePlate) or model.divisions is None:
         (mesh, count) = _at_places(model, estimates, len(steps) > 1 and worst[-1] > _GAINED * worst[-2])
-    elif isinstance(plate, RectanglePlate):
-        mesh = _graded(plate, [one.result for one in estimates.values() if one.result.status == "solved"], shrinking)
     else:
-        mesh = plate.scaled(model.mesh, 1 / shrinking, model.divisions)
+        mesh = _graded(plate, [one.result for one in estimates.values() if one.result.status == "solved"], shrinking)
     if not fits(_TWINS * needed(4 * count)):
         return None, f"{left}. There is not the memory for the next mesh, of {_cost(count)}."
     kept = {"accuracy": asked, "error": model.mesh.error}

@@ -20,15 +20,7 @@ from signorini.equilibrium.words import explain
 from signorini.errors import InputError
 from signorini.mesh.quality import Quality
 from signorini.model import Combination, Model
-from signorini.results.marks import (
-    case_totals,
-    cut_marks,
-    edge_marks,
-    load_marks,
-    singular_marks,
-    support_marks,
-    zone_marks,
-)
+from signorini.results import marks
 from signorini.results.warnings import idle_cases, model_warnings, no_resultant
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
@@ -123,13 +115,13 @@ class Check:
         discretisation = self.discretisation
         figure = check_picture(
             Plan.of(discretisation.mesh.points, discretisation.mesh.elements),
-            zones=zone_marks(discretisation),
-            supports=support_marks(discretisation),
-            loads=load_marks(discretisation),
-            cuts=cut_marks(discretisation.model),
-            totals=case_totals(discretisation),
-            edges=edge_marks(discretisation.mesh),
-            singular=singular_marks(self.singular),
+            zones=marks.zone_marks(discretisation),
+            supports=marks.support_marks(discretisation),
+            loads=marks.load_marks(discretisation),
+            cuts=marks.cut_marks(discretisation.model),
+            totals=marks.case_totals(discretisation),
+            edges=marks.edge_marks(discretisation.mesh),
+            singular=marks.singular_marks(self.singular),
             poorest=(Quality.of(discretisation.mesh).corner, self.quality),
             balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants],
             title=discretisation.model.title,

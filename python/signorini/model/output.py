@@ -22,29 +22,12 @@ FEW = 12
 
 _WORDS = ("governing", "all", "none")
 
-EnvelopeField = Literal[
-    "deflection",
-    "mx",
-    "my",
-    "mxy",
-    "qx",
-    "qy",
-    "m1",
-    "m2",
-    "mx_bottom",
-    "my_bottom",
-    "mx_top",
-    "my_top",
-    "sx_top",
-    "sy_top",
-    "txy_top",
-    "sx_bottom",
-    "sy_bottom",
-    "txy_bottom",
-    "von_mises",
-    "txz",
-    "tyz",
-]
+_Forces = Literal["deflection", "mx", "my", "mxy", "qx", "qy", "m1", "m2"]
+_Design = Literal["mx_bottom", "my_bottom", "mx_top", "my_top"]
+_Stresses = Literal[
+    "sx_top", "sy_top", "txy_top", "sx_bottom", "sy_bottom", "txy_bottom", "von_mises", "txz", "tyz"
+]  # fmt: skip
+EnvelopeField = Literal[_Forces, _Design, _Stresses]
 ENVELOPED: tuple[EnvelopeField, ...] = ("deflection", "mx", "my", "mxy", "qx", "qy")
 
 
