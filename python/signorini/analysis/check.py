@@ -65,21 +65,11 @@ class Check:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What of the model, and of the loads' resultants, is seldom meant, in sentences."""
-        discretisation = self.discretisation
-        of_loads = (
-            ()
-            if discretisation.model.tabulated
-            else map(discretisation.load, discretisation.model.effective_combinations)
-        )
-        return tuple(
-            dict.fromkeys(
-                (
-                    *model_warnings(discretisation),
-                    *idle_cases(discretisation.model),
-                    *(s for load in of_loads for s in no_resultant(discretisation, load)),
-                )
-            )
-        )
+        discretisation, model = self.discretisation, self.discretisation.model
+        loads = () if model.tabulated else map(discretisation.load, model.effective_combinations)
+        said = [*model_warnings(discretisation), *idle_cases(model)]
+        said += [sentence for load in loads for sentence in no_resultant(discretisation, load)]
+        return tuple(dict.fromkeys(said))
 
     @property
     def singular(self) -> tuple[Singularity, ...]:
@@ -227,9 +217,8 @@ def _of(
     force, mx, my = (float(part) for part in np.where(np.abs(resultant) > least, resultant, 0.0))
     at = None
     if force:
-        x, y = ((discretisation.middle + np.array([mx, my]) / force) / discretisation.mesh.size).round(
-            12
-        ) * discretisation.mesh.size + 0.0
+        size = discretisation.mesh.size
+        x, y = ((discretisation.middle + np.array([mx, my]) / force) / size).round(12) * size + 0.0
         at = (float(x), float(y))
     axis = None
     if why is not None and why.axis is not None:

@@ -35,9 +35,9 @@ _FARTHER = 4.0
 """Ratio of such distances."""
 
 
-def estimate_asked(path: LoadPath, watcher: Watcher = lambda now: None) -> PathEstimate | None:
+def estimate_asked(path: LoadPath, watcher: Watcher | None = None) -> PathEstimate | None:
     """Estimate a path if its model asks for it and it can be."""
-    return estimate_path(path, watcher) if path.model.estimated and _has_estimate(path) else None
+    return estimate_path(path, watching(watcher, "")) if path.model.estimated and _has_estimate(path) else None
 
 
 def _has_estimate(path: LoadPath) -> bool:
@@ -73,7 +73,8 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     fastest = np.where(np.isnan(values).any(axis=0), np.minimum(alike, FASTEST_OF_POINTS), alike)
     size = np.abs(values[meshes.own])
     widths = half_widths(values, meshes.sizes, meshes.own, fastest, none, size, np.isnan(none))[0]
-    sampler = Sampler(path.problem, PathLoads((path.start, path.add), path._loads, (0, 0)), path.thresholds, _quiet)
+    loads = PathLoads((path.start, path.add), path._loads, (0, 0))
+    sampler = Sampler(path.problem, loads, path.thresholds, watching(None, ""))
     known_to = [LINEAR if sampler.exact(watch) else SMOOTH for watch, _, _ in [*watches, *asked]]
     widths = np.fmax(widths, np.where(np.isnan(widths), np.nan, np.array(known_to) * path.stops[-1].t))
     widths[widths > size] = np.nan
@@ -84,10 +85,6 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     end = 0.0 if path.ending in ("no_equilibrium", "until") else None
     warnings = (warning,) if warning else ()
     return PathEstimate(end, tuple(found_widths[:count]), of_thresholds, meshes.elements, warnings)
-
-
-def _quiet(now: object) -> None:
-    """Watch nothing."""
 
 
 def _falls(path: LoadPath, one: Threshold) -> bool:

@@ -177,9 +177,8 @@ class PathJudge:
             changed = None if self._shown is None else np.flatnonzero(one.closed != self._shown)
             switched.append(points[row] if changed is None else changed)
             self._shown = one.closed
-        self.doubts += [
-            len(self.stops) + row - 1 for row in np.flatnonzero(doubts[: count + (count < passed)]).tolist()
-        ]
+        doubted = np.flatnonzero(doubts[: count + (count < passed)])
+        self.doubts += (len(self.stops) + doubted - 1).tolist()
         if count:
             self.stops += path_stops(
                 result, at[:count], loads[:count], points[:count], switched, least, imbalance[:count]
@@ -234,11 +233,7 @@ def exact_path(
 
 
 def _trace(
-    problem: ContactProblem,
-    direct: ContactProblem,
-    path: PathLoads,
-    until: float | None,
-    watcher: Watcher,
+    problem: ContactProblem, direct: ContactProblem, path: PathLoads, until: float | None, watcher: Watcher
 ) -> ExactPath | None:
     """Follow the path by one method, as far as its answers are certified and confirmed; None if not at all."""
     result, loads, limits = problem.discretisation, path.loads, path.limits

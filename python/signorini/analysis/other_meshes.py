@@ -122,7 +122,7 @@ class EstimatedTable:
     """The table on other meshes."""
 
     others: tuple[tuple[Combined, Mesh], ...]
-    """None where no other mesh could be solved."""
+    """Empty where no other mesh could be solved."""
     why: str
     """Why that is; else empty."""
     widths: Mapping[str, Floats] = field(default_factory=dict)
@@ -136,10 +136,11 @@ class EstimatedTable:
         files: list[Path] = []
 
         def solved(other: ContactProblem, watcher: Watcher) -> tuple[Combined, ContactProblem]:
-            file = None if table is None else Path(f"{table}-{len(other.mesh.elements)}")
-            result = solve_table(other, watcher, file), other
-            files.extend([] if file is None else [file])
-            return result
+            if table is None:
+                return solve_table(other, watcher, None), other
+            combined = solve_table(other, watcher, file := Path(f"{table}-{len(other.mesh.elements)}"))
+            files.append(file)
+            return combined, other
 
         try:
             result, why = meshes.solved(solved)

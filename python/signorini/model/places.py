@@ -13,15 +13,7 @@ from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from signorini import shapes
 from signorini.errors import InputError
-from signorini.model.base import (
-    Complaint,
-    Number,
-    Point,
-    Positive,
-    Table,
-    number,
-    vector,
-)
+from signorini.model import base
 from signorini.model.problems import BRANCHES, as_list, describe
 from signorini.shapes import Curve, Polyline, Region, Ring, Whole
 from signorini.shapes.outlines import Contour, circle, directions, straight
@@ -31,11 +23,11 @@ _SAME = 1e-9
 """Part of an outline's size within which its last arc ends at its first corner."""
 
 
-class Arc(Table):
+class Arc(base.Table):
     """An arc from the corner before it through a point to a corner."""
 
-    through: Point = Field(description="A point of the arc [x, y], near its middle.")
-    to: Point = Field(description="The corner [x, y] where it ends.")
+    through: base.Point = Field(description="A point of the arc [x, y], near its middle.")
+    to: base.Point = Field(description="The corner [x, y] where it ends.")
 
 
 def _form(value: object) -> str | None:
@@ -45,7 +37,7 @@ def _form(value: object) -> str | None:
 
 
 Corner: TypeAlias = Annotated[
-    Annotated[Point, Tag("point")] | Annotated[Arc, Tag("arc")],
+    Annotated[base.Point, Tag("point")] | Annotated[Arc, Tag("arc")],
     Discriminator(
         _form,
         custom_error_type="area",
@@ -92,17 +84,17 @@ BRANCHES["points"] = BRANCHES["polygon"] = {"point": Arc, "arc": Arc}
 _FORMS = ("rectangle", "circle", "polygon")
 
 
-class Circle(Table):
+class Circle(base.Table):
     """A circle: its line for a support or line load, its disc for an area."""
 
-    center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
-    radius: Positive = Field(description="Radius.")
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    radius: base.Positive = Field(description="Radius.")
 
 
-Box = Annotated[tuple[Number, Number, Number, Number], *vector(4, "[x0, y0, x1, y1]")]
+Box = Annotated[tuple[base.Number, base.Number, base.Number, base.Number], *base.vector(4, "[x0, y0, x1, y1]")]
 
 
-def _refused(key: str, build: Callable[[], Region]) -> Iterator[Complaint]:
+def _refused(key: str, build: Callable[[], Region]) -> Iterator[base.Complaint]:
     """Yield why a region cannot be built, at the key that it is built from."""
     try:
         build()
@@ -110,7 +102,7 @@ def _refused(key: str, build: Callable[[], Region]) -> Iterator[Complaint]:
         yield (key,), error.message
 
 
-class Outline(Table):
+class Outline(base.Table):
     """A closed line: exactly one of rectangle, circle, polygon."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in _FORMS]})
@@ -122,7 +114,7 @@ class Outline(Table):
         default=None, description="Corners [x, y] in order; an arc to a corner is { through = [x, y], to = [x, y] }."
     )
 
-    def _complaints(self) -> Iterator[Complaint]:
+    def _complaints(self) -> Iterator[base.Complaint]:
         forms = self.given(self.forms)
         if len(forms) != 1:
             yield (), f"found {' and '.join(forms) or 'none'}; exactly one of {', '.join(self.forms)} is needed."
@@ -134,7 +126,7 @@ class Outline(Table):
 class Form(Outline):
     """A part of the plane without holes."""
 
-    def _complaints(self) -> Iterator[Complaint]:
+    def _complaints(self) -> Iterator[base.Complaint]:
         yield from super()._complaints()
         if self.polygon is not None:
             yield from _refused("polygon", lambda: self.whole)
@@ -160,14 +152,14 @@ class Form(Outline):
         return shapes.Rounded(drawn)
 
 
-class Annulus(Table):
+class Annulus(base.Table):
     """What is between two circles about one center."""
 
-    center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
-    inner: Positive = Field(description="Radius of the inner circle.")
-    outer: Positive = Field(description="Radius of the outer circle.")
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    inner: base.Positive = Field(description="Radius of the inner circle.")
+    outer: base.Positive = Field(description="Radius of the outer circle.")
 
-    def _complaints(self) -> Iterator[Complaint]:
+    def _complaints(self) -> Iterator[base.Complaint]:
         if not self.inner < self.outer:
             yield ("inner",), f"found {self.inner:g}; it must be less than outer, {self.outer:g}."
 
@@ -185,7 +177,7 @@ class Area(Form):
         default=(), description="Holes in it, each a table with one of rectangle, circle, polygon."
     )
 
-    def _complaints(self) -> Iterator[Complaint]:
+    def _complaints(self) -> Iterator[base.Complaint]:
         wrong = list(super()._complaints())
         yield from wrong
         if self.holes and not wrong:
@@ -266,14 +258,14 @@ def worth_following(along: Curve, size: float) -> bool:
 FOOTPRINT = ("patch", "radius")
 
 Patch = Annotated[
-    Annotated[tuple[Positive, Positive], *vector(2, "a patch [length along x, width along y]")] | None,
+    Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "a patch [length along x, width along y]")] | None,
     Field(description="Footprint of each point of at or nodes: a rectangle [length along x, width along y] about it."),
 ]
 Angle = Annotated[
-    Annotated[float, BeforeValidator(number)] | None,
+    Annotated[float, BeforeValidator(base.number)] | None,
     Field(description="Turns the patch: degrees from x to its first side, towards y; default 0."),
 ]
-Radius = Annotated[Positive | None, Field(description="Footprint of each point of at or nodes: a disc about it.")]
+Radius = Annotated[base.Positive | None, Field(description="Footprint of each point of at or nodes: a disc about it.")]
 
 
 class _AtPoints(Protocol):
@@ -290,7 +282,7 @@ class _AtPoints(Protocol):
     def given(self, keys: Iterable[str]) -> list[str]: ...
 
 
-def footprint_complaints(item: _AtPoints) -> Iterator[Complaint]:
+def footprint_complaints(item: _AtPoints) -> Iterator[base.Complaint]:
     """Yield what is wrong with the footprint of a support or load."""
     keys = item.given(FOOTPRINT)
     if len(keys) > 1:

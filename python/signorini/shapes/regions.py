@@ -12,22 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from signorini.errors import InputError
-from signorini.shapes.outlines import (
-    Bools,
-    Box,
-    Contour,
-    Drawn,
-    Outline,
-    Point,
-    Round,
-    Side,
-    Straight,
-    arc_through,
-    bounds_of,
-    circle,
-    closed,
-    farthest,
-)
+from signorini.shapes import outlines
 
 Floats = npt.NDArray[np.float64]
 
@@ -41,7 +26,7 @@ _SAME = 1e-6
 
 
 @dataclass(frozen=True)
-class Rectangle(Straight):
+class Rectangle(outlines.Straight):
     """A rectangle along the axes, its outline included."""
 
     x0: float
@@ -58,10 +43,10 @@ class Rectangle(Straight):
             )
 
     @property
-    def outline(self) -> Outline:
+    def outline(self) -> outlines.Outline:
         """The four sides, counter-clockwise."""
         corners = ((self.x0, self.y0), (self.x1, self.y0), (self.x1, self.y1), (self.x0, self.y1))
-        return Outline(segments=closed(corners))
+        return outlines.Outline(segments=outlines.closed(corners))
 
     @property
     def area(self) -> float:
@@ -69,18 +54,18 @@ class Rectangle(Straight):
         return (self.x1 - self.x0) * (self.y1 - self.y0)
 
     @property
-    def bounds(self) -> Box:
+    def bounds(self) -> outlines.Box:
         """Bounding box xmin, ymin, xmax, ymax."""
         return (self.x0, self.y0, self.x1, self.y1)
 
-    def contains(self, points: Floats) -> Bools:
+    def contains(self, points: Floats) -> outlines.Bools:
         """Whether each of the points (q, 2) is inside or on the outline."""
         inside = (points >= (self.x0, self.y0)) & (points <= (self.x1, self.y1))
         return np.asarray(inside.all(axis=1))
 
 
 @dataclass(frozen=True)
-class Circle(Round):
+class Circle(outlines.Round):
     """A disc, its outline included."""
 
     @property
@@ -91,35 +76,35 @@ class Circle(Round):
     @property
     def loops(self) -> tuple[Floats, ...]:
         """Points (k, 2) along every outline: the one there is, one a degree."""
-        return (circle(self.center, self.radius, "").points(),)
+        return (outlines.circle(self.center, self.radius, "").points(),)
 
     @property
     def corners(self) -> Floats:
         """Corners (c, 2): none."""
         return np.zeros((0, 2))
 
-    def contains(self, points: Floats) -> Bools:
+    def contains(self, points: Floats) -> outlines.Bools:
         """Whether each of the points (q, 2) is inside or on the outline."""
         return np.asarray(np.hypot(*(points - self.center).T) <= self.radius)
 
 
 @dataclass(frozen=True)
-class Polygon(Straight):
+class Polygon(outlines.Straight):
     """A simple polygon, convex or not, in either orientation.
 
     One that crosses or touches itself is refused.
     """
 
-    points: tuple[Point, ...]
+    points: tuple[outlines.Point, ...]
 
     def __post_init__(self) -> None:
         """Refuse an outline that crosses itself."""
         _require_simple(self.outline.segments)
 
     @property
-    def outline(self) -> Outline:
+    def outline(self) -> outlines.Outline:
         """The sides, in the order given."""
-        return Outline(segments=closed(self.points))
+        return outlines.Outline(segments=outlines.closed(self.points))
 
     @property
     def area(self) -> float:
@@ -128,20 +113,20 @@ class Polygon(Straight):
         return float(0.5 * abs(np.sum(_cross(local, np.roll(local, -1, axis=0)))))
 
     @property
-    def bounds(self) -> Box:
+    def bounds(self) -> outlines.Box:
         """Bounding box xmin, ymin, xmax, ymax."""
-        return bounds_of(self.points)
+        return outlines.bounds_of(self.points)
 
-    def contains(self, points: Floats) -> Bools:
+    def contains(self, points: Floats) -> outlines.Bools:
         """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
         return inside(points, self.outline.segments)
 
 
 @dataclass(frozen=True)
-class Rounded(Straight):
+class Rounded(outlines.Straight):
     """A simple region of straight sides and arcs, in either orientation; its sides are not named."""
 
-    contour: Contour
+    contour: outlines.Contour
 
     def __post_init__(self) -> None:
         """Refuse arcs that go back as they came."""
@@ -149,12 +134,12 @@ class Rounded(Straight):
             raise InputError("The polygon encloses nothing.")
 
     @cached_property
-    def outline(self) -> Outline:
+    def outline(self) -> outlines.Outline:
         """The straight sides and arcs, in the order given."""
         sides = self.contour.sides
-        straight = [(a, b) for a, m, b in sides if m is None or arc_through(a, m, b) is None]
-        arcs = [(a, m, b) for a, m, b in sides if m is not None and arc_through(a, m, b) is not None]
-        return Outline(np.array(straight).reshape(-1, 2, 2), arcs=np.array(arcs).reshape(-1, 3, 2))
+        straight = [(a, b) for a, m, b in sides if m is None or outlines.arc_through(a, m, b) is None]
+        arcs = [(a, m, b) for a, m, b in sides if m is not None and outlines.arc_through(a, m, b) is not None]
+        return outlines.Outline(np.array(straight).reshape(-1, 2, 2), arcs=np.array(arcs).reshape(-1, 3, 2))
 
     @property
     def drawn(self) -> Floats:
@@ -184,11 +169,11 @@ class Rounded(Straight):
         return 0.5 * abs(total + sum(radius**2 * (sweep - math.sin(sweep)) for _, radius, _, sweep in self._arcs))
 
     @property
-    def bounds(self) -> Box:
+    def bounds(self) -> outlines.Box:
         """Bounding box xmin, ymin, xmax, ymax."""
-        return bounds_of(np.concatenate([np.array(self.contour.corners), *self._farthest]).tolist())
+        return outlines.bounds_of(np.concatenate([np.array(self.contour.corners), *self._farthest]).tolist())
 
-    def contains(self, points: Floats) -> Bools:
+    def contains(self, points: Floats) -> outlines.Bools:
         """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
         (x, y), count = points.T, np.zeros(len(points), np.int64)
         for (ax, ay), (bx, by) in self.outline.segments:
@@ -204,12 +189,12 @@ class Rounded(Straight):
     @cached_property
     def _farthest(self) -> list[Floats]:
         """Of every arc the points farthest along x and y, but its ends."""
-        return [farthest(*arc) for arc in self._arcs]
+        return [outlines.farthest(*arc) for arc in self._arcs]
 
     @cached_property
     def _arcs(self) -> list[tuple[Floats, float, float, float]]:
         """Centre, radius, angle of the first end and angle turned through of every arc."""
-        result = [arc_through(*map(tuple, arc)) for arc in self.outline.arcs.tolist()]
+        result = [outlines.arc_through(*map(tuple, arc)) for arc in self.outline.arcs.tolist()]
         return [arc for arc in result if arc is not None]
 
     @cached_property
@@ -230,20 +215,20 @@ class Rounded(Straight):
 
 
 @dataclass(frozen=True)
-class Polyline(Straight):
+class Polyline(outlines.Straight):
     """Straight segments from point to point."""
 
-    points: tuple[Point, ...]
+    points: tuple[outlines.Point, ...]
 
     @property
-    def sides(self) -> list[Side]:
+    def sides(self) -> list[outlines.Side]:
         """Each side in order: where it begins, None since it is straight, and where it ends."""
         return [(a, None, b) for a, b in pairwise(self.points)]
 
     @property
-    def outline(self) -> Outline:
+    def outline(self) -> outlines.Outline:
         """The segments in the order given."""
-        return Outline(np.array(list(pairwise(self.points))))
+        return outlines.Outline(np.array(list(pairwise(self.points))))
 
     @property
     def length(self) -> float:
@@ -251,13 +236,13 @@ class Polyline(Straight):
         return math.fsum(math.dist(a, b) for a, b in pairwise(self.points))
 
     @property
-    def bounds(self) -> Box:
+    def bounds(self) -> outlines.Box:
         """Bounding box xmin, ymin, xmax, ymax."""
-        return bounds_of(self.points)
+        return outlines.bounds_of(self.points)
 
 
 @dataclass(frozen=True)
-class Ring(Round):
+class Ring(outlines.Round):
     """The circumference of a circle."""
 
     @property
@@ -266,9 +251,9 @@ class Ring(Round):
         return 2.0 * math.pi * self.radius
 
     @property
-    def sides(self) -> list[Side]:
+    def sides(self) -> list[outlines.Side]:
         """Its quarters in order: where each begins, a point that it is an arc through, and where it ends."""
-        return circle(self.center, self.radius, "").sides
+        return outlines.circle(self.center, self.radius, "").sides
 
 
 Whole: TypeAlias = Rectangle | Circle | Polygon | Rounded
@@ -279,7 +264,7 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def inside(points: Floats, segments: Floats) -> Bools:
+def inside(points: Floats, segments: Floats) -> outlines.Bools:
     """Whether points (q, 2) are within closed segments (k, 2, 2), by counting crossings."""
     result = np.empty(len(points), dtype=bool)
     (ax, ay), (bx, by) = segments.transpose(1, 2, 0)
@@ -344,7 +329,7 @@ def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
 
 
 @dataclass(frozen=True)
-class Hollow(Drawn):
+class Hollow(outlines.Drawn):
     """A region without its holes.
 
     Holes that are not within it, or overlap, are refused.
@@ -373,10 +358,12 @@ class Hollow(Drawn):
         return (self.around, *self.holes)
 
     @cached_property
-    def outline(self) -> Outline:
+    def outline(self) -> outlines.Outline:
         """The outline around and those of the holes."""
         drawn = [part.outline for part in self.parts]
-        return Outline(*(np.concatenate([getattr(one, of) for one in drawn]) for of in ("segments", "circles", "arcs")))
+        return outlines.Outline(
+            *(np.concatenate([getattr(one, of) for one in drawn]) for of in ("segments", "circles", "arcs"))
+        )
 
     @property
     def loops(self) -> tuple[Floats, ...]:
@@ -394,11 +381,11 @@ class Hollow(Drawn):
         return self.around.area - sum(hole.area for hole in self.holes)
 
     @property
-    def bounds(self) -> Box:
+    def bounds(self) -> outlines.Box:
         """Bounding box xmin, ymin, xmax, ymax."""
         return self.around.bounds
 
-    def contains(self, points: Floats) -> Bools:
+    def contains(self, points: Floats) -> outlines.Bools:
         """Whether each of the points (q, 2) is inside; on the outline of a hole either answer may come."""
         inside = self.around.contains(points)
         for hole in self.holes:
