@@ -8,7 +8,7 @@ from bisect import bisect_right
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import accumulate, pairwise
+from itertools import accumulate, chain, pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -170,6 +170,7 @@ def _metres(document: Document, unit: str | None) -> float:
 
 def _layers(document: Document, metres: float) -> dict[str, Layer]:
     """All layers that have something, by name; what is not shown counts as other things."""
+    from ezdxf.bbox import extents
     from ezdxf.upright import upright_all
 
     by_layer: dict[str, list[Any]] = defaultdict(list)
@@ -184,7 +185,8 @@ def _layers(document: Document, metres: float) -> dict[str, Layer]:
             hidden[name][f"hidden {entity.dxftype()}"] += 1
     for entities in by_layer.values():
         upright_all(entities)
-    extent = _extent(entity for entities in by_layer.values() for entity in entities)
+    box = extents(chain.from_iterable(by_layer.values()), fast=True)
+    extent = float(max(box.size.x, box.size.y)) if box.has_data else 0.0
     result = {name: _layer(entities, metres, extent * _OFF) for name, entities in by_layer.items()}
     for name, kinds in hidden.items():
         result.setdefault(name, Layer()).others.update(kinds)
@@ -211,13 +213,6 @@ def _taken_apart(entities: Iterable[Any], layer: str | None = None, depth: int =
 
 
 _DRAWN = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "POINT", "SOLID", "TRACE", "HATCH"}
-
-
-def _extent(entities: Iterable[Any]) -> float:
-    from ezdxf.bbox import extents
-
-    box = extents(entities, fast=True)
-    return float(max(box.size.x, box.size.y)) if box.has_data else 0.0
 
 
 def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
@@ -259,11 +254,10 @@ def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
     lines = []
     chains = edgeminer.find_all_simple_chains(edgeminer.Deposit(edges, gap_tol=GAP / metres)) if edges else ()
     # They come in the order of a set.
-    chains = sorted(chains, key=lambda chain: min(edge.id for edge in chain))
-    for chain in chains:
-        whole = edgesmith.polyline2d_from_chain(chain, max_sagitta=off)
+    for some in sorted(chains, key=lambda edges: min(edge.id for edge in edges)):
+        whole = edgesmith.polyline2d_from_chain(some, max_sagitta=off)
         joined = corners((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in whole.vertices)
-        if edgeminer.is_loop(chain, gap_tol=GAP / metres):
+        if edgeminer.is_loop(some, gap_tol=GAP / metres):
             loops.append(_closed(joined))
         elif len(joined) > 1:
             lines.append(joined)

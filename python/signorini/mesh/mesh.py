@@ -400,13 +400,20 @@ class Mesh(Remade):
         return np.asarray(_ON_EDGE + 32.0 * np.finfo(float).eps * np.abs(self.points).max() / extent)
 
     @cached_property
+    def _chords(self) -> Floats:
+        """From corner to corner (ne, 4, 2) of every side."""
+        return np.asarray(self.points[self.sides[..., 2]] - self.points[self.sides[..., 0]])
+
+    @cached_property
+    def _lengths(self) -> Floats:
+        """Lengths (ne, 4) of the chords; 1 of what is no side of a triangle."""
+        return np.where(maps.real_sides(self.elements), np.hypot(*np.moveaxis(self._chords, 2, 0)), 1.0)
+
+    @cached_property
     def sagitta(self) -> Floats:
         """How far (ne, 4) the midside nodes lie outside the chord of their side; negative inside."""
-        a, middle, b = np.moveaxis(self.points[self.sides], 2, 0)
-        chord = b - a
-        offset = middle - a
-        length = np.where(maps.real_sides(self.elements), np.hypot(chord[..., 0], chord[..., 1]), 1.0)
-        return np.asarray((chord[..., 1] * offset[..., 0] - chord[..., 0] * offset[..., 1]) / length)
+        chord, offset = self._chords, self.points[self.sides[..., 1]] - self.points[self.sides[..., 0]]
+        return np.asarray((chord[..., 1] * offset[..., 0] - chord[..., 0] * offset[..., 1]) / self._lengths)
 
     def round_outline_area(self, box: tuple[float, float, float, float]) -> float:
         """Bound the area between curved boundary edges in a box x0, y0, x1, y1 and the circles they stand for."""
@@ -418,22 +425,18 @@ class Mesh(Remade):
     def _round_outline(self) -> tuple[Floats, Floats]:
         """Boxes (k, 4) of the curved boundary edges, circles included, and the areas (k,) between these and them."""
         curved = self.on_boundary & self._curved
-        sides, rise = self.points[self.sides[curved]], np.abs(self.sagitta[curved])
-        chord = np.hypot(*(sides[:, 2] - sides[:, 0]).T)
+        sides, rise, chord = self.points[self.sides[curved]], np.abs(self.sagitta[curved]), self._lengths[curved]
         # Of a circle of chord c and sagitta s it is less than 0.03 c s on elements of up to 90 degrees.
         return maps.side_boxes(sides) + rise[:, None] * np.array([-1.0, -1.0, 1.0, 1.0]), 0.03 * chord * rise
 
     @cached_property
     def _curved(self) -> Bools:
-        a, b = self.points[self.sides[..., 0]], self.points[self.sides[..., 2]]
-        return np.asarray(np.abs(self.sagitta) > 1e-9 * np.hypot(*np.moveaxis(b - a, 2, 0)))
+        return np.asarray(np.abs(self.sagitta) > 1e-9 * np.hypot(*np.moveaxis(self._chords, 2, 0)))
 
     @cached_property
     def _depth(self) -> Floats:
         """How deep elements are behind each side (ne, 4)."""
-        a, b = self.points[self.sides[..., 0]], self.points[self.sides[..., 2]]
-        length = np.where(maps.real_sides(self.elements), np.hypot(*np.moveaxis(b - a, 2, 0)), 1.0)
-        return np.asarray(self.element_area[:, None] / length)
+        return np.asarray(self.element_area[:, None] / self._lengths)
 
     @cached_property
     def _reach(self) -> Floats:

@@ -367,15 +367,11 @@ class Product:
 
     def __getitem__(self, index: int) -> tuple[str, Factors]:
         """Return the name and the factors of one combination."""
-        chosen = []
+        chosen: list[Choice] = []
         for choices in reversed(self.places):
             index, which = divmod(index, len(choices))
-            chosen.append(choices[which])
-        chosen.reverse()
-        factors = dict(self.fixed)
-        for choice in chosen:
-            if choice.case:
-                factors[choice.case] = choice.factor
+            chosen.insert(0, choices[which])
+        factors = dict(self.fixed) | {choice.case: choice.factor for choice in chosen if choice.case}
         terms = _sum([choice.term for choice in chosen if choice.term])
         return ": ".join(part for part in (self.name, terms) if part), Factors(factors)
 
@@ -476,9 +472,8 @@ def _patterns(combination: Combination, positions: Positions) -> Iterator[tuple[
     grouped = {case: group for group in combination.exclusive for case in group}
     for case in combination.variable:
         group = grouped.get(case, (case,))
-        if case == group[0] or case not in grouped:
-            members = (case,) if case not in grouped else group
-            yield (Choice(), *(choice for name in members for choice in choices(name, combination.variable[name])))
+        if case == group[0]:
+            yield (Choice(), *(choice for name in group for choice in choices(name, combination.variable[name])))
 
 
 def _term(factor: float, case: str) -> str:
