@@ -9,7 +9,7 @@ import time
 from plus_minus import EDGES, SOIL
 
 from signorini import Model, estimate, solve
-from signorini.accuracy.refinement import worst_of
+from signorini.accuracy.meshes import worst_of
 
 
 def timed(supports, **mesh):

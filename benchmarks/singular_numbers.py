@@ -31,9 +31,16 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 import half_width_coverage
 
 from signorini import SignoriniError, solve
-from signorini.accuracy.half_width import FASTEST, half_widths
-from signorini.accuracy.meshes import side
-from signorini.accuracy.sizes import acts_at_points, away, may_grow, sections_at, sizes_of
+from signorini.accuracy.half_width import (
+    FASTEST,
+    acts_at_points,
+    away,
+    half_widths,
+    may_grow,
+    sections_at,
+    side,
+    sizes_of,
+)
 
 _FACTORS = (0.0625, 0.125, 0.25, 0.5, 1.0)
 """Sizes of elements, the finest first; that is solved only where the others show growth."""

@@ -14,8 +14,8 @@ from slab_on_pads import SLAB
 
 import signorini
 from signorini import Model
-from signorini.analysis import path_judge
-from signorini.analysis.path_check import confirmed
+from signorini.analysis import exact_path
+from signorini.analysis.exact_path import confirmed
 from signorini.output import path_csv, path_json
 
 exact = partial(signorini.path, events="all")
@@ -319,7 +319,7 @@ def test_areas_in_contact_of_many_stops_are_those_of_each_result() -> None:
 
 @pytest.mark.parametrize("wrong", [5, 64])
 def test_a_stop_that_is_not_certified_ends_the_path_wherever_it_stands_among_others(monkeypatch, wrong: int) -> None:
-    judged, seen = path_judge.certify_each, [0]
+    judged, seen = exact_path.certify_each, [0]
 
     def failing(*arguments):
         found = judged(*arguments)
@@ -330,7 +330,7 @@ def test_a_stop_that_is_not_certified_ends_the_path_wherever_it_stands_among_oth
         return found
 
     whole = lifting()
-    monkeypatch.setattr(path_judge, "certify_each", failing)
+    monkeypatch.setattr(exact_path, "certify_each", failing)
     monkeypatch.setattr("signorini.analysis.exact_path.methods_along", lambda problem: [problem])
     cut = lifting()
     assert cut.ending == "stopped" and cut.certificate.passed

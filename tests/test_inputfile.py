@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from signorini.errors import InputError
 from signorini.formats.inputfile import load, schema
-from signorini.formats.toml_lines import Lines
+from signorini.formats.toml import Lines
 from signorini.model import Model
 
 EXAMPLE = """\

@@ -13,10 +13,9 @@ from signorini._core import serendipity
 from signorini.discretise.quadrature import area_quadrature
 from signorini.errors import InputError
 from signorini.mesh import Mesh
-from signorini.mesh.grading import graded
+from signorini.mesh.divisions import graded, subdivide
 from signorini.mesh.isoparametric import folded
 from signorini.mesh.meshers import annulus, disc, rectangle
-from signorini.mesh.subdivision import subdivide
 from signorini.shapes import Polyline, Ring
 
 SQUARE = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]], float)

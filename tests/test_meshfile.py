@@ -12,9 +12,9 @@ from signorini import Model, load, solve
 from signorini.cli import app
 from signorini.discretise import discretise
 from signorini.errors import InputError
+from signorini.mesh.cells import node_numbers
 from signorini.mesh.meshers import annulus, rectangle
 from signorini.mesh.meshfile import read
-from signorini.mesh.nodenumbers import node_numbers
 
 PLATE = rectangle((0.0, 0.0), (4.0, 2.0), (4, 2))
 

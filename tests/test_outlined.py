@@ -6,10 +6,10 @@ from models import rectangular
 
 from signorini import InputError, Model
 from signorini.analysis.check import check
-from signorini.mesh.outlined import outlined
+from signorini.mesh.meshers import outlined
 from signorini.mesh.quality import Quality
 from signorini.shapes import Polyline
-from signorini.shapes.contours import circle, straight
+from signorini.shapes.outlines import circle, straight
 
 L = [[0, 0], [8, 0], [8, 4], [4, 4], [4, 8], [0, 8]]
 

@@ -15,22 +15,11 @@ from models import rectangular
 from signorini import solve, write
 from signorini.discretise import discretise
 from signorini.errors import InputError
-from signorini.plot import (
-    BalanceMark,
-    EdgeMark,
-    LoadMark,
-    Panel,
-    Picture,
-    Plan,
-    PressureLayer,
-    SupportMark,
-    ZoneMark,
-    check_picture,
-    drawn_as_png,
-    field_picture,
-    save,
-)
+from signorini.plot.files import save
 from signorini.plot.marks import draw_support, legend_words
+from signorini.plot.picture import BalanceMark, EdgeMark, LoadMark, Panel, Picture, PressureLayer, SupportMark, ZoneMark
+from signorini.plot.pictures import check_picture, drawn_as_png, field_picture
+from signorini.plot.plan import Plan
 from signorini.results.marks import case_totals, edge_marks, load_marks, singular_marks, support_marks
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.named import singularities
@@ -214,7 +203,7 @@ def test_a_footprint_is_drawn_as_large_as_it_is_and_its_mark_leaves_most_of_it_f
 
 
 def test_every_curve_of_a_load_path_looks_different_and_none_is_left_out_in_silence() -> None:
-    from signorini.plot import load_path_picture
+    from signorini.plot.curves import load_path_picture
 
     probes = {f"probe {i}": [0, i, 2 * i] for i in range(21)}
     figure = load_path_picture([0, 1, 2], probes, {"a": [0, 1, 2], "b": [0, 1, 2]}, {"prop": [0, 1, 1]}, {"a = 1": 1.0})

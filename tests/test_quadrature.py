@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 from signorini.discretise.meshing import arcs_of
 from signorini.discretise.quadrature import area_quadrature, curve_quadrature, off_plate
 from signorini.mesh import Mesh
-from signorini.mesh.meshers import disc, rectangle
-from signorini.mesh.outlined import outlined
+from signorini.mesh.meshers import disc, outlined, rectangle
 from signorini.shapes import Circle, Hollow, Polygon, Polyline, Rectangle, Ring
-from signorini.shapes.contours import straight
 from signorini.shapes.cuts import CutLine, LeftOf
+from signorini.shapes.outlines import straight
 
 
 def distorted(mesh, bend, seed=1):

@@ -13,10 +13,10 @@ from models import rectangular
 from rich.console import Console
 
 from signorini import InputError, Model, Results, estimate, solve
-from signorini.accuracy import refinement
+from signorini.accuracy import meshes as refinement
 from signorini.cli.tables import print_results
 from signorini.discretise import discretise
-from signorini.mesh.grading import STEEPEST, graded
+from signorini.mesh.divisions import STEEPEST, graded
 from signorini.output import results_json, write
 
 EDGES = ["left", "right", "bottom", "top"]

@@ -15,7 +15,8 @@ from signorini.cli.tables import print_results
 from signorini.output.envelope_json import envelope_json
 from signorini.output.load_path import path_csv, path_json
 from signorini.output.tables import results_json
-from signorini.plot import Plan, check_picture
+from signorini.plot.pictures import check_picture
+from signorini.plot.plan import Plan
 from signorini.results.marks import cut_marks
 
 SECTIONS = [{"name": "A", "line": [[2, 0], [2, 4]]}, {"line": [[0.7, 0.4], [3.1, 2.9]]}]

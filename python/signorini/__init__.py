@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from signorini._core import LcpSolution, __version__
-    from signorini.accuracy.estimate import Estimate, PathEstimate
+    from signorini.accuracy.comparison import Estimate, PathEstimate
     from signorini.analysis.estimate import Estimates, estimate
     from signorini.analysis.path import path
     from signorini.analysis.recover import recover
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "_core": ("LcpSolution", "__version__"),
-    "accuracy.estimate": ("Estimate", "PathEstimate"),
+    "accuracy.comparison": ("Estimate", "PathEstimate"),
     "analysis.estimate": ("Estimates", "estimate"),
     "analysis.path": ("path",),
     "analysis.recover": ("recover",),

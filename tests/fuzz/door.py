@@ -13,8 +13,8 @@ from scipy.spatial import cKDTree
 from signorini import InputError, Model
 from signorini.discretise.places import region
 from signorini.model import MeshPlate, Support
-from signorini.model.curve import curve
-from signorini.shapes.contours import along_arc
+from signorini.model.places import curve
+from signorini.shapes.outlines import along_arc
 
 Floats = npt.NDArray[np.float64]
 

@@ -11,11 +11,11 @@ import numpy as np
 import random_models
 
 from signorini import Model, SignoriniError, contact_problem, estimate, solve, validate
-from signorini.accuracy.sizes import sizes_of
+from signorini.accuracy.half_width import sizes_of
 from signorini.analysis.single import solve_one
 from signorini.discretise import discretise
 from signorini.mesh import Mesh
-from signorini.mesh.refined import refined
+from signorini.mesh.meshers import divided
 from signorini.results.result import Result
 
 _FINER = 10
@@ -103,7 +103,7 @@ def _fine(model: Model, count: int) -> tuple[Model, Mesh]:
     """A mesh of a quarter of the size; where lines and arcs have made elements as small as that, divided."""
     fine = model.model_copy(update={"mesh": model.plate.scaled(model.mesh, 0.25, model.divisions)})
     mesh = discretise(fine).mesh
-    return fine, refined(mesh, 1) if len(mesh.elements) < _FINER * count else mesh
+    return fine, divided(mesh, 1) if len(mesh.elements) < _FINER * count else mesh
 
 
 def _compared(ours: Result, truth: Result) -> Iterator[Judged]:

@@ -21,7 +21,7 @@ from signorini.analysis.single import solve_one
 from signorini.contact.problem import contact_problem
 from signorini.discretise import Discretisation, discretise
 from signorini.mesh import Mesh
-from signorini.shapes.contours import Contour, along_side
+from signorini.shapes.outlines import Contour, along_side
 
 _ROUNDING = 1e-6
 """Part of the largest deflection, or force, by which the two may differ."""

@@ -14,7 +14,7 @@ import signorini
 from signorini.errors import InputError
 from signorini.output import write
 from signorini.output.envelope_json import envelope_json
-from signorini.plot import save
+from signorini.plot.files import save
 
 
 def plate(divisions: int, support: list[dict], **keys: object) -> signorini.Model:

@@ -1,28 +1,149 @@
-"""Half-widths of numbers by their paths, of one result or of many at once."""
+"""Results compared with those on other meshes: half-widths of numbers and places."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from signorini.accuracy.estimate import Estimate
-from signorini.accuracy.half_width import FASTEST, FASTEST_OF_POINTS, SLOWEST, half_widths, rounded, unsettled
+from signorini.accuracy.half_width import (
+    FASTEST,
+    FASTEST_OF_POINTS,
+    SLOWEST,
+    acts_at_points,
+    beside,
+    half_widths,
+    may_grow,
+    rounded,
+    side,
+    sizes_of,
+    unsettled,
+)
+from signorini.accuracy.half_width import named as named_numbers
 from signorini.accuracy.layers import KINDS as TOUCHED
 from signorini.accuracy.layers import unseen_at_edges, unseen_layer
-from signorini.accuracy.meshes import side
-from signorini.accuracy.places import boundary_widths, places_of_extremes
-from signorini.accuracy.sizes import acts_at_points, beside, may_grow, sizes_of
-from signorini.accuracy.sizes import named as named_numbers
+from signorini.base import numbers as words
+from signorini.base.brief import Brief
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.results.figures import figures, with_widths
+from signorini.results.load_path import LoadPath
 from signorini.results.quantities import SIDES, Number, Path
-from signorini.results.result import Result
+from signorini.results.result import Result, in_notebook
+from signorini.shapes.distances import Targets
 from signorini.singularities.singularity import Singularity
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Estimate(Brief):
+    """Half-widths within which refining the mesh is expected to move the numbers of a result.
+
+    They are of the mesh, not of the equations.
+
+    Parameters
+    ----------
+    result : Result
+    widths : (n,) array
+        Of the numbers of ``result.catalogue``; NaN where there is none.
+    plus_minus : mapping or None
+        The same by the keys deflection, fields, supports, probes, sections and strips of results.json, None in place
+        of a number that has none; None where no other mesh was solved.
+    elements : tuple of int
+        Sizes of the meshes that were compared, the finest first, its own among them.
+    warnings : tuple of str
+        Why half-widths are missing or wide, in sentences.
+    """
+
+    result: Result
+    widths: Floats
+    plus_minus: Mapping[str, Any] | None
+    elements: tuple[int, ...]
+    warnings: tuple[str, ...]
+
+    def _repr_html_(self) -> str:
+        """Show the supports with half-widths in a notebook."""
+        return in_notebook(self.result, self.plus_minus, words.compared(self.elements, True))
+
+
+@dataclass(frozen=True)
+class PathEstimate:
+    """What coarser meshes say of a load path.
+
+    Parameters
+    ----------
+    end : float or None
+        Half-width of the t at which it ends.
+    events : tuple of float or None
+        Half-widths of the t of every named event.
+    thresholds : tuple of float or None
+        Those of the t of every threshold.
+    elements, warnings
+        As those of an `Estimate`.
+    """
+
+    end: float | None
+    events: tuple[float | None, ...]
+    thresholds: tuple[float | None, ...]
+    elements: tuple[int, ...]
+    warnings: tuple[str, ...]
+
+    @classmethod
+    def nothing(cls, events: int, thresholds: int, warnings: tuple[str, ...] = ()) -> PathEstimate:
+        """No half-widths of so many events and thresholds."""
+        return cls(None, (None,) * events, (None,) * thresholds, (), warnings)
+
+    def half_width(self, path: LoadPath, index: int) -> float | None:
+        """The widest half-width of the t of a stop that its events show, or of the end; None where one has none."""
+        ends = {len(path.stops) - 1: self.end, 0: 0.0}
+        widths = [self.events[number] for number in path.events_at.get(index, ())]
+        widths += [self.thresholds[number] for number in path.reached_at.get(index, ())]
+        widths = widths or [ends.get(index)]
+        known = [width for width in widths if width is not None]
+        return max(known) if known and len(known) == len(widths) else None
+
+    def words(self, path: LoadPath, index: int) -> str:
+        """Write the t of a stop, to digits that keep the order, with its half-width."""
+        t = f"{path.stops[index].t:.6g}"
+        if not self.elements:
+            return t
+        width = 0.0 if path.words(index) == "end" and path.ending == "no_more_events" else self.half_width(path, index)
+        return f"{t} ± {'?' if width is None else f'{width:.2g}'}" if width != 0 else t
+
+
+def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
+    """Half-widths of every coordinate of edges of contact: the way to the edge on the other mesh, along each axis."""
+    values: dict[Path, float | None] = {}
+    for index, (mine, others) in enumerate(zip(result.supports, other.supports, strict=True)):
+        edges = Targets.of(
+            sides=[side for line in others.contact_boundary for side in pairwise(line.tolist()) if side[0] != side[1]]
+        )
+        for number, line in enumerate(mine.contact_boundary if len(edges.sides) else ()):
+            ways = np.concatenate([edges.nearest(vertex[None])[0] - vertex for vertex in line])
+            for vertex, way in enumerate(rounded(np.abs(ways)).tolist()):
+                for axis in (0, 1):
+                    values[("supports", index, "contact_boundary", number, vertex, axis)] = way[axis]
+    return values
+
+
+def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> dict[Path, float | None]:
+    """Half-widths of the places of extremes: how far nodes reach that may hold the extreme, within its half-width."""
+    values: dict[Path, float | None] = {}
+    spacing, points = 0.5 * side(result.mesh), result.stress_nodes.points
+    for field, ends in result.extremes.items():
+        path: Path = (field,) if field == "deflection" else ("fields", field)
+        for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)):
+            width = numbers[(*path, name)]
+            near = points[np.flatnonzero(np.abs(result.fields[field] - value) <= 2.0 * (width or 0.0))]
+            far = rounded(np.abs(near - at).max(axis=0, initial=0.0) + spacing).tolist()
+            for axis in (0, 1):
+                values[(*path, f"{name}_at", axis)] = None if width is None else far[axis]
+    return values
+
 
 _FEWEST = 2
 _MOVED = 1e-8
@@ -77,18 +198,9 @@ def compared(
     """Give the half-widths of n numbers of k results, NaN where there is none, and which have no limit, each (n, k).
 
     The same rule for results by themselves, rows of a table and envelopes: none of a number depends on which it is in.
-
-    Parameters
-    ----------
-    values : (m, n, k) array
-        On the meshes, in their order; NaN where one does not tell.
-    numbers : sequence of Number
-    meshes : Meshes
-    model : Model
-    probes : (q, 2) array
-    named : sequence of (singularities, (k,) array)
-        Those under some load, or under none, and in which of the results. Only what a singularity is named for may
-        have no limit.
+    Values (m, n, k) are in the order of the meshes, NaN where one does not tell; probes are (q, 2). ``named`` are the
+    singularities under some load, or under none, and in which of the results (k,) these are: only what a singularity is
+    named for may have no limit.
     """
     own, count = values[meshes.own], values.shape[2]
     mesh = meshes.every[meshes.own]

@@ -1,12 +1,22 @@
-"""Half-widths of numbers that are known on several meshes."""
+"""Half-widths of numbers on several meshes, and how large numbers of each kind are, by which these are judged."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.zones import Rigidity, Zones
+from signorini.errors import point
+from signorini.mesh import Mesh
+from signorini.model import Load, Model, Support
+from signorini.model.places import footprints
+from signorini.results.quantities import KINDS, LINEAR, Number
+from signorini.results.result import Result
+from signorini.shapes.distances import distances
+from signorini.singularities.singularity import Singularity
 
 FASTEST, FASTEST_OF_POINTS = 0.9, 0.5
 """Order of convergence that changes are trusted to show at most: what looks faster on three meshes may be chance. What
@@ -68,13 +78,6 @@ def half_widths(
     fringe : (...) array
         Extremes beside nodes that are left out: they hop between what nodes are left, so that little is trusted.
 
-    Returns
-    -------
-    (...) float array
-        NaN where there is none.
-    (...) bool array
-        Which numbers have no limit.
-
     Examples
     --------
     >>> import numpy as np
@@ -108,13 +111,7 @@ def half_widths(
 
 
 def unsettled(values: Floats, largest: Floats) -> Bools:
-    """Which numbers (...) of 2 or 3 meshes change by more than slow convergence would, not half as much as before.
-
-    Examples
-    --------
-    >>> unsettled(np.array([[3.0, 1.01], [9.0, 1.04], [1.0, 1.16]]), np.full(2, 9.0)).tolist()
-    [True, False]
-    """
+    """Which numbers (...) of 2 or 3 meshes change by more than slow convergence would, not half as much as before."""
     change = np.abs(values[0] - values[1])
     settles = change < 0.5 * np.abs(values[1] - values[2]) if len(values) > 2 else np.zeros(change.shape, np.bool_)
     return np.asarray(~settles & (change > _COUNTS * largest))
@@ -127,3 +124,196 @@ def rounded(widths: Floats) -> Floats:
     # Powers of ten up to 22 are exact, so that what is written has no more digits.
     up, down = 10.0 ** np.maximum(power, 0), 10.0 ** np.maximum(-power, 0)
     return np.where(known, np.rint(widths * down / up) / down * up, widths)
+
+
+_OF_VECTOR, _OF_POINTS = 0.5, 0.1
+"""Part of the largest change in a vector, and among the points of a support."""
+_BENT = 0.01
+"""Part of what goes with the largest deflection, or moment, that every kind counts as at least."""
+
+
+def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
+    """Changes (n, k) that numbers count as at least, by the largest of those of the numbers that go with them.
+
+    Components of a vector turn into each other; points of one support share what acts on it.
+    """
+    groups: dict[tuple[object, ...], list[int]] = {}
+    keys = [_group(one) for one in numbers]
+    for place, key in enumerate(keys):
+        groups.setdefault(key, []).append(place)
+    result, known = np.empty_like(changes), np.nan_to_num(changes)
+    for key, members in groups.items():
+        # Principal and design moments are of all components.
+        of_moments = isinstance(key[2], str) and key[2].startswith(("principal", "design"))
+        result[members] = known[[*members, *(groups.get((*key[:2], "moment"), []) if of_moments else [])]].max(axis=0)
+    parts = [_OF_VECTOR if one.quantity.vector else _OF_POINTS for one in numbers]
+    return np.asarray(result * np.array(parts).reshape(-1, 1))
+
+
+def _group(one: Number) -> tuple[object, ...]:
+    if one.home == "probe" and one.quantity.vector:
+        return one.home, one.owner, one.quantity.vector
+    if one.home == "point":
+        return one.home, one.owner, ("points", one.what)
+    return one.home, one.owner, one.path
+
+
+def acts_at_points(model: Model) -> bool:
+    """Whether a force, a couple or a support acts at a point, not on a footprint."""
+    items: tuple[Load | Support, ...] = (*model.load, *model.support)
+    points = any(item.at is not None and not footprints(item) for item in items)
+    return points or any(moving.patch is None for moving in model.moving)
+
+
+def may_grow(
+    numbers: Sequence[Number], model: Model, probes: Floats, singular: Sequence[Singularity], reach: float
+) -> Bools:
+    """Which numbers (n,) may grow for ever as the mesh is refined: what a singularity within reach is named for.
+
+    Of supports it is one of their own, of envelopes one anywhere. Where supports at points give way the whole plate
+    moves, and extremes of the deflection are wherever they are. ``probes`` are (q, 2).
+    """
+    supports = [support.name for support in model.support]
+    result = np.zeros(len(numbers), np.bool_)
+    for one in singular:
+        near = (away(probes, one) <= max(reach, one.within)).tolist()
+        whole = "deflection" in one.numbers and one.source in supports
+        for place, number in enumerate(numbers):
+            if number.home in ("section", "strip", "station"):
+                result[place] |= "reaction" in one.numbers
+            elif whole and number.quantity.kind in ("deflection", "rotation"):
+                result[place] = True
+            elif number.quantity.singular in one.numbers:
+                own = number.home in ("support", "point") and one.source == supports[number.owner]
+                result[place] |= number.home == "field" or own or (number.home == "probe" and near[number.owner])
+    return result
+
+
+def away(points: Floats, singularity: Singularity) -> Floats:
+    """Distances (q,) of points (q, 2) from a singularity."""
+    where = np.array(singularity.where).reshape(-1, 2)
+    begin, end = (where[:-1], where[1:]) if singularity.line else (where, where)
+    return np.asarray(distances(points, begin, end).min(axis=1, initial=math.inf))
+
+
+def largest_of(result: Result) -> Mapping[str, float]:
+    """The largest number of every kind: at the nodes, of reactions the sum of all, of areas the largest pressure."""
+
+    def size(values: Floats) -> float:
+        return float(np.abs(values).max(initial=0.0))
+
+    areas = [np.array([s.max_pressure, s.max_tension]) for s in result.supports if s.area is not None]
+    own = {name: size(getattr(result, name)) for name in ("deflection", "rotation", "moment", "shear")}
+    own["reaction"] = float(sum(np.abs(support.reactions).sum() for support in result.supports))
+    bent = _bent(result.model, result.mesh, np.array(own["deflection"]), np.array(own["moment"]))
+    output = {name: max(value, bent[name].item()) for name, value in own.items()}
+    scale = result.mesh.size
+    stresses = {name: of.item() for name, of in _stresses(result.model, result.mesh, output).items()}
+    return {
+        **output,
+        **stresses,
+        "couple": output["moment"] * scale,
+        "force": output["shear"] * scale,
+        "pressure": max(map(size, areas), default=0.0),
+        "area": float(result.mesh.element_area.sum()),
+        "part": 1.0,
+        "count": 0.0,
+        "angle": 0.0,
+    }
+
+
+def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh) -> dict[str, Floats]:
+    """The largest of every kind of number, of k results (k,), from all their numbers (n, k).
+
+    Of what is told alike of a combination by itself and of a row of a table. A plate that only moves has moments by
+    rounding, one that is bent evenly shears, one that may not bend deflections: a hundredth of what goes with the
+    others counts too. So does a hundredth of gaps as movement, since deflections are told beside them.
+    """
+    points = {one.owner for one in numbers if one.home == "point"}
+    none = np.zeros(values.shape[1])
+    result = dict.fromkeys(KINDS, none)
+    for one, value in zip(numbers, np.nan_to_num(np.abs(values)), strict=True):
+        kind = one.quantity.kind
+        if kind == "reaction":
+            if one.home != "support" or one.owner not in points:
+                result[kind] = result[kind] + value
+        elif (
+            one.home not in ("probe", "field")
+            or one.quantity.name in LINEAR
+            or (one.home == "field" and kind == "pressure")
+        ):
+            result[kind] = np.maximum(result[kind], (_BENT if one.what == "gap" else 1.0) * value)
+    for kind, least in _bent(model, mesh, result["deflection"], result["moment"]).items():
+        result[kind] = np.maximum(result[kind], least)
+    return (
+        result
+        | _stresses(model, mesh, result)
+        | {"area": none + mesh.element_area.sum(), "part": none + 1.0, "count": none}
+    )
+
+
+def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[str, Floats]:
+    """A hundredth of what goes with a plate's deflection, bent as a whole, or with its largest moment if that is more.
+
+    Totals may cancel, and a plate may be bent without shears: what its supports hold is no less than this.
+    """
+    span, (thickness, *_) = mesh.size, sections_at(model, mesh.points)
+    rigidity = model.young * float(thickness.max()) ** 3 / 12
+    bent = _BENT * np.maximum(deflection, moment * span**2 / rigidity)
+    of_bending = {
+        "deflection": 1.0,
+        "rotation": 1 / span,
+        "moment": rigidity / span**2,
+        "couple": rigidity / span,
+        "shear": rigidity / span**3,
+        "force": rigidity / span**2,
+        "reaction": rigidity / span**2,
+    }
+    return {kind: part * bent for kind, part in of_bending.items()}
+
+
+def _stresses(model: Model, mesh: Mesh, sizes: Mapping[str, Floats | float]) -> dict[str, Floats]:
+    """Stresses that the largest moment and shear make where the plate is thinnest."""
+    thickness = float(sections_at(model, mesh.points)[0].min())
+    stress, shear = 6.0 * np.asarray(sizes["moment"]) / thickness**2, 1.5 * np.asarray(sizes["shear"]) / thickness
+    return {"stress": stress, "shear_stress": shear}
+
+
+def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity], Ints]:
+    """The thickness (n,) by which the plate is stiff at points; all rigidities, and whose number (n,) each has."""
+    zones, nominal = Zones.anywhere(model), np.empty(len(points))
+    made = zones.made_at(points)
+    for number in np.unique(made.thickness):
+        mine = made.thickness == number
+        nominal[mine] = np.abs(zones.formulas[number](*points[mine].T))
+    return zones.acting(made.rigidity, nominal), zones.rigidities, made.rigidity
+
+
+def named(numbers: Sequence[Number], model: Model, probes: Floats) -> str:
+    """Name numbers in words."""
+    said: dict[str, list[str]] = {}
+    for one in numbers:
+        what = (one.quantity.words or one.quantity.name).partition(",")[0].replace("_", " ")
+        match one.home:
+            case "probe":
+                whose = f"the probe at {point(probes[one.owner])}"
+            case "section":
+                whose = f"section {model.section[one.owner].name}"
+            case "strip":
+                whose = f"strip {model.strip[one.owner].name}"
+            case "station":
+                strip = model.strip[one.owner]
+                whose = f"strip {strip.name} at {point(strip.places[0][one.part])}"
+            case "support":
+                whose = model.support[one.owner].name
+            case "point":
+                whose, what = model.support[one.owner].name, f"{what} of point {one.part + 1}"
+            case _:
+                whose, what = "the plate", f"{one.what} {what}"
+        said.setdefault(whose, []).append(what)
+    return "; ".join(f"of {whose} {', '.join(what)}" for whose, what in said.items())
+
+
+def side(mesh: Mesh) -> float:
+    """Mean side of a mesh's elements."""
+    return float(np.sqrt(mesh.element_area.mean()))

@@ -14,8 +14,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from signorini.accuracy.half_width import FASTEST
-from signorini.accuracy.sizes import sections_at
+from signorini.accuracy.half_width import FASTEST, sections_at
 from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
@@ -87,20 +86,8 @@ def unseen_at_edges(
     """How far moments and shears of k results may be from the plate's in the layer along edges, each (k,).
 
     At probes by the twist and the shear that they have themselves; of the largest shear by the largest mxy where edges
-    run along the axes, else by the largest moment.
-
-    Parameters
-    ----------
-    numbers : mapping
-        Every number (k,) on the finest mesh.
-    most : (k,) array
-        The largest moment.
-    probes : (q, 2) array
-    model : Model
-    mesh : Mesh
-        The plate's own.
-    finer : float
-        Sides of elements on the finest mesh over those of this one.
+    run along the axes, else by the largest moment. ``numbers`` (k,) are those on the finest mesh, ``most`` (k,) the
+    largest moments; elements of the finest mesh have ``finer`` times the sides of this mesh, the plate's own.
     """
     result, sides = dict[Path, Floats](), _sides(model, mesh)
     if not len(sides):

@@ -1,16 +1,25 @@
-"""Which meshes a mesh is compared with: of twice and four times its size or, if it is coarse, half and a quarter."""
+"""Which meshes a mesh is compared with, and which is next where an accuracy is asked for."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
+from signorini.accuracy.comparison import Estimate
+from signorini.accuracy.half_width import largest_of, named
+from signorini.base.memory import fits, needed
+from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
-from signorini.mesh.refined import refined
-from signorini.model import MeshPlate, Model
+from signorini.mesh.meshers import divided
+from signorini.model import Area, Load, MeshOptions, MeshPlate, Model, RectanglePlate, Refinement, Support
+from signorini.results.quantities import Number
+from signorini.results.result import Result
+from signorini.shapes.distances import distances
+from signorini.shapes.outlines import Point
 
 _LEAST_ALONG, _LEAST = 16, 2500
 """Elements along a side, and in all, from which on meshes of twice and four times the size show the plate: those of
@@ -27,12 +36,7 @@ _CHEAP, _CHEAP_QUARTER = 10_000, 5_000
 class OtherMesh:
     """The same plate on another mesh.
 
-    Parameters
-    ----------
-    model : Model
-    mesh : Mesh or None
-        None where the model says all.
-    words : str
+    Without a mesh of its own the model says all.
     """
 
     model: Model
@@ -95,9 +99,307 @@ def _scaled(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
 
 def _divided(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
     """Every element in four, once or twice."""
-    return OtherMesh(model, refined(mesh, round(math.log2(1 / factor))), f"{_WORDS[factor]}, divided")
+    return OtherMesh(model, divided(mesh, round(math.log2(1 / factor))), f"{_WORDS[factor]}, divided")
 
 
-def side(mesh: Mesh) -> float:
-    """Mean side of a mesh's elements."""
-    return float(np.sqrt(mesh.element_area.mean()))
+_MOST_STEPS = 12
+_TRIED, _GAINED, _TWICE = 3, 0.8, 2
+"""Meshes in a row that must gain something if there are twice as many elements in the end, and to what part half-widths
+must fall for that."""
+ORDER = 1.5
+"""Order in the size of elements by which half-widths are expected to fall."""
+_LEAST_STEP, _MOST, _MOST_AT_PLACES = 1.4, 2.5, 4.0
+"""By how much sides of elements shrink from one mesh to the next."""
+_GROWTH = 0.25
+"""Part of the distance by which sides grow from where they are small."""
+_PARTS = 3.0
+"""Mean sides of elements that a line is parted into, to be refined each by its own elements."""
+_AIM = 0.5
+"""Part of the accuracy to which places are refined, and those too that are not so near: on meshes that fill an outline
+as they fit the next one moves what it does not refine."""
+_TWINS = 1.25
+"""Memory for a mesh and for the one of half the size that it is compared with, over that for the latter."""
+_SAME_SIZE, _AS_ALL = 0.8, 0.95
+"""Size over that of its neighbour, and of all others, from which on a band is one with it, and needs none."""
+
+
+@dataclass(frozen=True)
+class Refined:
+    """A mesh on the way to an accuracy that was asked for."""
+
+    elements: int
+    dofs: int
+    worst: float
+    """The largest half-width over the largest value of its field."""
+    what: str
+    """Whose it is."""
+    expected: int
+    """About how many elements it takes to reach the accuracy."""
+
+    def said(self, asked: float) -> str:
+        """Say how far it came, and what reaching the accuracy would take."""
+        result = f"± {self.worst:.2g} of its field is left of {self.what}, on {self.elements:,} elements"
+        return result if self.worst <= asked else f"{result}. ± {asked:g} would take {_cost(self.expected)}"
+
+
+@dataclass(frozen=True)
+class _Wide:
+    """A number by its half-width over the largest value of its kind, and where it is."""
+
+    part: float
+    result: Result
+    number: Number
+
+    @property
+    def what(self) -> str:
+        probes = np.array([probe.at for probe in self.result.probes]).reshape(-1, 2)
+        return f"{self.result.name}: {named([self.number], self.result.model, probes).removeprefix('of ')}"
+
+    @property
+    def place(self) -> tuple[Point, ...]:
+        """The point or line that it is at; none of what the whole plate makes."""
+        model, one = self.result.model, self.number
+        match one.home:
+            case "probe" if one.quantity.kind not in ("deflection", "rotation"):
+                return (self.result.probes[one.owner].at,)
+            case "section":
+                return tuple(model.section[one.owner].line)
+            case "station":
+                return model.strip[one.owner].across[one.part]
+            case "strip":
+                moments = [station.moment for station in self.result.strips[one.owner].stations]
+                at = int(np.argmax(moments) if one.what == "max_moment" else np.argmin(moments))
+                return model.strip[one.owner].across[at]
+        return ()
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A point, or a straight part of a line, that numbers are at whose half-widths are larger than asked.
+
+    ``size`` is the side of the elements there, ``part`` their largest half-width over its field.
+    """
+
+    ends: tuple[Point, ...]
+    size: float
+    part: float
+
+    def smaller(self, asked: float, most: float) -> float:
+        """The size that is expected to do, within what sides may shrink by."""
+        return self.size / float(np.clip((self.part / (_AIM * asked)) ** (1 / ORDER), 1.0, most))
+
+    def refinement(self, size: float) -> Refinement:
+        return Refinement(line=self.ends, size=size) if len(self.ends) > 1 else Refinement(at=self.ends, size=size)
+
+
+def worst_of(estimates: Mapping[str, Estimate], before: Sequence[Refined] = ()) -> Refined | None:
+    """The number that is farthest from the plate, over the largest of its field; None where there is no half-width.
+
+    ``before`` are the meshes on the way here.
+    """
+    worst = max(_numbers(estimates), key=lambda number: number.part, default=None)
+    if worst is None:
+        return None
+    mesh, model = worst.result.mesh, worst.result.model
+    count = len(mesh.elements)
+    expected, asked = count, model.mesh.accuracy
+    if asked is not None and worst.part > asked:
+        if not isinstance(model.plate, RectanglePlate) or model.divisions is None:
+            whole, pieces = _too_wide(estimates, asked)
+            sizes = [piece.smaller(asked, math.inf) for piece in pieces]
+            expected = _count(mesh, max(1.0, whole / asked) ** (1 / ORDER), pieces, sizes)
+        else:
+            expected = math.ceil(count * (worst.part / asked) ** (1 / _rate(before, count, worst.part)))
+    return Refined(count, 3 * mesh.node_count, worst.part, worst.what, expected)
+
+
+def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
+    """Every number that has a half-width, but extremes of fields: a probe says where a field is to be as near.
+
+    Stresses are as near as the moments and shears that they are of.
+    """
+    for estimate in estimates.values():
+        result, largest = estimate.result, largest_of(estimate.result)
+        jumps = _on_lines(result.model, result.mesh, [probe.at for probe in result.probes])
+        for number, width in zip(result.catalogue, estimate.widths.tolist(), strict=True):
+            kind, at_probe = number.quantity.kind, number.home == "probe"
+            skipped = at_probe and (kind in ("stress", "shear_stress") or (kind == "shear" and jumps[number.owner]))
+            if math.isnan(width) or skipped or (number.home == "field" and number.quantity.name != "deflection"):
+                continue
+            size = largest[number.quantity.kind]
+            yield _Wide(width / size if size > 0 else 0.0, result, number)
+
+
+def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
+    """Which points are on a line that supports or loads the plate, where shears jump."""
+    at, result = np.array(points).reshape(-1, 2), np.zeros(len(points), np.bool_)
+    items: tuple[Support | Load, ...] = (*model.support, *model.load)
+    for item in items:
+        if item.circle is not None:
+            away = np.abs(np.hypot(*(at - item.circle.center).T) - item.circle.radius)
+        elif item.line is not None:
+            chain = np.array(item.line)
+            away = distances(at, chain[:-1], chain[1:]).min(axis=1)
+        else:
+            continue
+        result |= away <= mesh.near.written
+    return result
+
+
+def _rate(before: Sequence[Refined], count: int, worst: float) -> float:
+    """Order in the number of elements by which half-widths have fallen so far; where they have not, as expected."""
+    least = 0.5 * ORDER
+    if not before or not count > before[0].elements:
+        return least
+    first = before[0]
+    return max(least, math.log(first.worst / worst) / math.log(count / first.elements))
+
+
+def unknown(asked: float) -> str:
+    """Say that nothing is known of an accuracy, since no other mesh is."""
+    return f"The accuracy of {asked:g} that was asked for is not known to be reached: no number has a half-width (±)."
+
+
+def _cost(elements: int) -> str:
+    memory = _TWINS * needed(4 * elements) / 1e9
+    count = float(f"{elements:.2g}")
+    return f"about {count:,.0f} elements and, with the mesh of half their size, {memory:.1f} GB of memory"
+
+
+def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Refined]) -> tuple[Model | None, str]:
+    """Model with the next mesh; None where there is none, and why if the accuracy is not reached."""
+    asked, plate, reached = model.mesh.accuracy, model.plate, steps[-1]
+    assert asked is not None and not isinstance(plate, MeshPlate)
+    if reached.worst <= asked:
+        return None, ""
+    worst = [step.worst for step in steps]
+    left = f"The accuracy of {asked:g} that was asked for is not reached: {reached.said(asked)}"
+    if len(steps) == _MOST_STEPS:
+        return None, f"{left}. It is the last of {_MOST_STEPS} meshes; begin with smaller elements."
+    tried = steps[-_TRIED - 1 :]
+    if (
+        len(steps) > _TRIED
+        and reached.elements >= _TWICE * tried[0].elements
+        and min(worst[-_TRIED:]) > _GAINED * min(worst[:-_TRIED])
+    ):
+        return None, (
+            f"{left}, but finer meshes do not bring it much nearer. What acts at a point, or on less than an element, "
+            "needs a footprint or mesh.refine; a shear on a line that supports or loads the plate jumps there."
+        )
+    shrinking = float(np.clip((reached.worst / asked) ** (1 / ORDER), _LEAST_STEP, _MOST))
+    count = math.ceil(reached.elements * shrinking**2)
+    if not isinstance(plate, RectanglePlate) or model.divisions is None:
+        (mesh, count) = _at_places(model, estimates, len(steps) > 1 and worst[-1] > _GAINED * worst[-2])
+    else:
+        mesh = _graded(plate, [one.result for one in estimates.values() if one.result.status == "solved"], shrinking)
+    if not fits(_TWINS * needed(4 * count)):
+        return None, f"{left}. There is not the memory for the next mesh, of {_cost(count)}."
+    kept = {"accuracy": asked, "error": model.mesh.error}
+    return model.model_copy(update={"mesh": mesh.model_copy(update=kept)}), ""
+
+
+def _at_places(model: Model, estimates: Mapping[str, Estimate], everywhere: bool) -> tuple[MeshOptions, int]:
+    """Mesh options with smaller elements where numbers are, everywhere for those of no place; about how many they are.
+
+    ``everywhere`` also where what was done at places has not helped.
+    """
+    asked, plate = model.mesh.accuracy, model.plate
+    assert asked is not None and not isinstance(plate, MeshPlate)
+    whole, pieces = _too_wide(estimates, asked)
+    shrinking = 1.0
+    if everywhere or whole > asked:
+        shrinking = float(np.clip((whole / asked) ** (1 / ORDER), _LEAST_STEP, _MOST))
+    scaled = plate.scaled(model.mesh, 1 / shrinking, None)
+    sizes = [piece.smaller(asked, _MOST_AT_PLACES) for piece in pieces]
+    refine = [piece.refinement(size) for piece, size in zip(pieces, sizes, strict=True)]
+    mesh = next(iter(estimates.values())).result.mesh
+    return scaled.model_copy(update={"refine": (*scaled.refine, *refine)}), _count(mesh, shrinking, pieces, sizes)
+
+
+def _too_wide(estimates: Mapping[str, Estimate], asked: float) -> tuple[float, list[_Piece]]:
+    """The largest half-width over its field of what is at no place, and the places to refine."""
+    whole, parts = 0.0, dict[tuple[Point, ...], float]()
+    for number in _numbers(estimates):
+        if number.part > _AIM * asked:
+            place = number.place
+            whole = max(whole, 0.0 if place else number.part)
+            if place:
+                parts[place] = max(parts.get(place, 0.0), number.part)
+    mesh = next(iter(estimates.values())).result.mesh
+    ends, part = list[tuple[Point, ...]](), list[float]()
+    longest = _PARTS * float(np.sqrt(mesh.element_area.mean()))
+    for place, most in parts.items():
+        if len(place) == 1:
+            ends.append(place)
+            part.append(most)
+        for begin, end in pairwise(place):
+            stations = np.linspace(begin, end, math.ceil(math.dist(begin, end) / longest) + 1).tolist()
+            result = [(tuple(one), tuple(other)) for one, other in pairwise(stations)]
+            ends += result
+            part += [most] * len(result)
+    middles = np.array([np.mean(one, axis=0) for one in ends]).reshape(-1, 2)
+    sizes = np.sqrt(mesh.element_area[mesh.locate(middles).elements]).tolist()
+    return whole, [_Piece(*one) for one in zip(ends, sizes, part, strict=True)]
+
+
+def _count(mesh: Mesh, shrinking: float, pieces: Sequence[_Piece], sizes: Sequence[float]) -> int:
+    """About how many elements there are if all are smaller by a factor, and at pieces of these sizes."""
+    side = np.sqrt(mesh.element_area) / shrinking
+    middles = mesh.points[mesh.elements[:, :4]].mean(axis=1)
+    for piece, size in zip(pieces, sizes, strict=True):
+        ends = np.array([piece.ends[0], piece.ends[-1]])
+        side = np.minimum(side, size + _GROWTH * distances(middles, ends[:1], ends[1:])[:, 0])
+    return math.ceil(float((mesh.element_area / side**2).sum()))
+
+
+def _graded(plate: RectanglePlate, solved: Sequence[Result], shrinking: float) -> MeshOptions:
+    """Mesh options of a rectangle with smaller elements in the columns and rows where moments bend most."""
+    mesh = solved[0].mesh
+    (x, y), (a, b) = plate.origin, plate.size
+    bands: list[Refinement] = []
+    counts = []
+    for axis, length in ((0, a), (1, b)):
+        joints, bending = _bending(mesh, solved, axis)
+        sides = np.diff(joints)
+        # What bends h²m''/8 within an element is to bend as little in all of them, and less by what is to be gained.
+        target = bending.max() / shrinking**2
+        wanted = sides * np.sqrt(np.clip(target / np.maximum(bending, 1e-3 * target), 1 / _MOST**2, 1.0))
+        counts.append(max(1, math.ceil(length / wanted.max() - 1e-9)))
+        for low, high, size in _bands(joints, wanted, length / counts[-1]):
+            box = (low, y, high, y + b) if axis == 0 else (x, low, x + a, high)
+            bands.append(Refinement(area=Area(rectangle=box), size=size))
+    return MeshOptions(divisions=(counts[0], counts[1]), refine=tuple(bands))
+
+
+def _bending(mesh: Mesh, solved: Sequence[Result], axis: int) -> tuple[Floats, Floats]:
+    """Joints (k + 1,) of a rectangle's mesh along an axis, and how much moments bend within each column (k,) or row.
+
+    Of several results the one that bends most, each over its own largest moment.
+    """
+    corners = mesh.points[mesh.elements[:, :4]][..., axis]
+    joints = np.unique(mesh.points[mesh.elements[:, :4].ravel(), axis])
+    keep = np.append(True, np.diff(joints) > 1e-9 * mesh.size)
+    joints = joints[keep]
+    column = np.searchsorted(joints, corners.mean(axis=1)) - 1
+    sides = ((0, 4, 1), (3, 6, 2)) if axis == 0 else ((0, 7, 3), (1, 5, 2))
+    most = np.zeros(len(joints) - 1)
+    for result in solved:
+        moment = result.moment[result.stress_nodes.elements]
+        size = np.abs(moment).max()
+        if not size > 0:
+            continue
+        bent = sum(np.abs(moment[:, b] - 0.5 * (moment[:, a] + moment[:, c])).max(axis=1) for a, b, c in sides)
+        square = np.bincount(column, mesh.element_area * (bent / size) ** 2, len(most))
+        most = np.maximum(most, np.sqrt(square / np.bincount(column, mesh.element_area, len(most))))
+    return joints, np.maximum(most, np.finfo(float).tiny)
+
+
+def _bands(joints: Floats, wanted: Floats, size: float) -> list[tuple[float, float, float]]:
+    """Join neighbouring columns of nearly one size; those as wide as all others need no band."""
+    result: list[tuple[float, float, float]] = []
+    for low, high, side in zip(joints[:-1].tolist(), joints[1:].tolist(), wanted.tolist(), strict=True):
+        if result and result[-1][1] == low and _SAME_SIZE < side / result[-1][2] < 1 / _SAME_SIZE:
+            result[-1] = result[-1][0], high, min(side, result[-1][2])
+        elif side < _AS_ALL * size:
+            result.append((low, high, side))
+    return result

@@ -18,15 +18,7 @@ from signorini.equilibrium.imbalance import WORK, Imbalance, explain, imbalance_
 from signorini.errors import InputError
 from signorini.mesh.quality import Quality
 from signorini.model import Combination, Model
-from signorini.results.marks import (
-    case_totals,
-    cut_marks,
-    edge_marks,
-    load_marks,
-    singular_marks,
-    unsolved_marks,
-    zone_marks,
-)
+from signorini.results import marks
 from signorini.results.warnings import idle_cases, model_warnings, no_resultant
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
@@ -41,37 +33,24 @@ ASKED = 20
 
 @dataclass(frozen=True)
 class Resultant:
-    """What the load of one combination amounts to.
-
-    Parameters
-    ----------
-    name : str
-        The combination.
-    force : float
-        Sum of the forces, positive down.
-    at : (x, y) or None
-        The point at which that force alone would do the same to a rigid plate; None where the forces sum to zero.
-    couple : (mx, my)
-        Couples about the middle of the plate.
-    message : str
-        Why no reactions balance it; empty where they do.
-    brink : bool
-        Whether they only just do: the load is on the edge of what the supports can hold. Of rows of a table this and
-        the limit are asked of the first twenty, and the limit of those that cannot be balanced.
-    limit : (case, factor) or None
-        The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone.
-    axis : ((x, y), (x, y)) or None
-        Two points of the line about which the plate tips, if it does.
-    """
+    """What the load of one combination amounts to."""
 
     name: str
     force: float
+    """Sum of the forces, positive down."""
     at: tuple[float, float] | None
+    """The point at which that force alone would do the same to a rigid plate; None where the forces sum to zero."""
     couple: tuple[float, float]
+    """Couples about the middle of the plate."""
     message: str
+    """Why no reactions balance it; empty where they do."""
     brink: bool
+    """Whether they only just do: the load is on the edge of what the supports can hold. Of rows of a table this and
+    the limit are asked of the first twenty, and the limit of those that cannot be balanced."""
     limit: tuple[str, float] | None
+    """The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone."""
     axis: tuple[tuple[float, float], tuple[float, float]] | None
+    """Two points of the line about which the plate tips, if it does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,21 +63,11 @@ class Check:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What of the model, and of the loads' resultants, is seldom meant, in sentences."""
-        discretisation = self.discretisation
-        of_loads = (
-            ()
-            if discretisation.model.tabulated
-            else map(discretisation.load, discretisation.model.effective_combinations)
-        )
-        return tuple(
-            dict.fromkeys(
-                (
-                    *model_warnings(discretisation),
-                    *idle_cases(discretisation.model),
-                    *(s for load in of_loads for s in no_resultant(discretisation, load)),
-                )
-            )
-        )
+        discretisation, model = self.discretisation, self.discretisation.model
+        loads = () if model.tabulated else map(discretisation.load, model.effective_combinations)
+        said = [*model_warnings(discretisation), *idle_cases(model)]
+        said += [sentence for load in loads for sentence in no_resultant(discretisation, load)]
+        return tuple(dict.fromkeys(said))
 
     @property
     def singular(self) -> tuple[Singularity, ...]:
@@ -124,32 +93,26 @@ class Check:
     def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> None:
         """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
 
-        Parameters
-        ----------
-        path : path-like
-            Its suffix gives the format.
-        numbers : bool
-            Whether to write the numbers of the nodes, from 0, the places in ``discretisation.mesh.points``.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written, its suffix names no format of pictures, or the nodes are too many.
+        The suffix gives the format. With ``numbers`` nodes have theirs, from 0, the places in
+        ``discretisation.mesh.points``.
         """
         # Only this method needs matplotlib.
-        from signorini.plot import BalanceMark, Plan, check_picture, save
+        from signorini.plot.files import save
+        from signorini.plot.picture import BalanceMark
+        from signorini.plot.pictures import check_picture
+        from signorini.plot.plan import Plan
 
         require_picture(path)
         discretisation = self.discretisation
         figure = check_picture(
             Plan(discretisation.mesh.points, discretisation.mesh.elements),
-            zones=zone_marks(discretisation),
-            supports=unsolved_marks(discretisation),
-            loads=load_marks(discretisation),
-            cuts=cut_marks(discretisation.model),
-            totals=case_totals(discretisation),
-            edges=edge_marks(discretisation.mesh),
-            singular=singular_marks(self.singular),
+            zones=marks.zone_marks(discretisation),
+            supports=marks.unsolved_marks(discretisation),
+            loads=marks.load_marks(discretisation),
+            cuts=marks.cut_marks(discretisation.model),
+            totals=marks.case_totals(discretisation),
+            edges=marks.edge_marks(discretisation.mesh),
+            singular=marks.singular_marks(self.singular),
             poorest=(Quality.of(discretisation.mesh).corner, self.quality),
             balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants],
             title=discretisation.model.title,
@@ -165,28 +128,16 @@ class Check:
 
 
 def require_picture(path: str | os.PathLike[str]) -> None:
-    """Refuse a file whose suffix names no format of pictures.
-
-    Raises
-    ------
-    InputError
-        If the suffix is another.
-    """
+    """Refuse a file whose suffix names no format of pictures."""
     suffix = Path(path).suffix.lower()
     if suffix not in _FORMATS:
         raise InputError(f'found the suffix "{suffix}"; a picture ends in {", ".join(_FORMATS)}.', str(path))
 
 
 def require_free(path: str | os.PathLike[str]) -> None:
-    """Refuse a picture's name that a file has which is no picture of ours, by its metadata.
-
-    Raises
-    ------
-    InputError
-        If there is such a file.
-    """
+    """Refuse a picture's name that a file has which is no picture of ours, by its metadata."""
     # Only this function needs matplotlib.
-    from signorini.plot import DRAWN_BY
+    from signorini.plot.files import DRAWN_BY
 
     if not os.path.lexists(path):
         return
@@ -204,11 +155,6 @@ def require_free(path: str | os.PathLike[str]) -> None:
 
 def check(model: Model) -> Check:
     """Mesh a model, place its supports and loads, and ask of every combination whether reactions can balance it.
-
-    Raises
-    ------
-    InputError
-        If the model says something that cannot be, or the plate is a mechanism.
 
     Examples
     --------
@@ -272,9 +218,8 @@ def _of(
     force, mx, my = (float(part) for part in np.where(np.abs(resultant) > least, resultant, 0.0))
     at = None
     if force:
-        x, y = ((discretisation.middle + np.array([mx, my]) / force) / discretisation.mesh.size).round(
-            12
-        ) * discretisation.mesh.size + 0.0
+        size = discretisation.mesh.size
+        x, y = ((discretisation.middle + np.array([mx, my]) / force) / size).round(12) * size + 0.0
         at = (float(x), float(y))
     axis = None
     if why is not None and why.axis is not None:

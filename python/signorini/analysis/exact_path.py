@@ -1,40 +1,218 @@
-"""Load paths by following every contact point from event to event."""
+"""Load paths by following every contact point from event to event, judged and confirmed by direct solutions."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from signorini import _core
-from signorini.analysis.path_check import confirmed
-from signorini.analysis.path_judge import PathJudge
-from signorini.analysis.path_loads import PathLoads
+from signorini.analysis.sampler import PathLoads
+from signorini.analysis.single import steps_of
 from signorini.base.progress import Progress, Watcher
-from signorini.contact.certificate import Certificate
+from signorini.contact.certificate import Certificate, certified, certify_each, imbalances, least_deflection
 from signorini.contact.problem import ContactProblem
-from signorini.contact.selection import Answer
-from signorini.contact.strategy import WORDS, methods_along, uncertain
-from signorini.discretise.rows import Ints
+from signorini.contact.selection import Answer, chosen, doubtful
+from signorini.contact.strategy import WORDS, answered, methods_along, uncertain
+from signorini.discretise import CaseLoad
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium.imbalance import CONTRADICTION, supports_contradict
 from signorini.errors import NoEquilibriumError, NotCertifiedError
-from signorini.results.exact_path import ExactPath
-from signorini.results.load_path import AT_LIMIT, Ending
+from signorini.results.exact_path import ExactPath, ahead
+from signorini.results.load_path import AT_LIMIT, Ending, beside
 from signorini.results.path_events import Threshold, events_of_stops, first_reached
+from signorini.results.path_stop import PathStop, path_stops
+
+_SAME = 1e-6
+"""Difference of deflections, over the largest, and of works, over the work, that is none."""
+_MOVED = 1e-9
+"""Part of the magnitudes that a work is made of which the rounding of t brings where a plate moves on its own."""
+_AT = 1e-12
+"""Rounding of the t of an event, over t: as much of the loads that are added is there where their sum vanishes."""
+_SAMPLES = 11
+"""Parts of a path at whose ends it is compared with direct solutions."""
+
+
+def confirmed(
+    problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stops: Sequence[PathStop], watcher: Watcher
+) -> int:
+    """How many stops, from the first, direct solutions confirm: at the first, the last and some between.
+
+    Where one says otherwise the first that does so is searched for by halving.
+    """
+    last, agreed = len(stops) - 1, -1
+    for k in sorted({round(i * last / _SAMPLES) for i in range(_SAMPLES + 1)} if stops else ()):
+        if agrees(problem, loads, stops[k], watcher):
+            agreed = k
+            continue
+        wrong = k
+        while wrong - agreed > 1:
+            middle = (agreed + wrong) // 2
+            if agrees(problem, loads, stops[middle], watcher):
+                agreed = middle
+            else:
+                wrong = middle
+        return wrong
+    return len(stops)
+
+
+def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: PathStop, watcher: Watcher) -> bool:
+    """Whether a direct solution has the deflections of a stop or, where several solve it, the work.
+
+    Where no direct solution is certified it says nothing against the stop, which is.
+    """
+    result, load = problem.discretisation, loads[0] + stop.t * loads[1]
+
+    tried = answered(problem, load, steps_of(f"t = {stop.t:.6g}, solved anew", watcher))
+    if not tried.passed:
+        return True
+    none = [stop.points[:0]]
+    (direct,) = path_stops(result, [stop.t], [load], none, none, [tried.answer])
+    shown, wanted = (np.array([s.largest, s.smallest, *s.deflections]) for s in (stop, direct))
+    apart = np.abs(shown - wanted).max() > _SAME * max(np.abs(wanted).max(), least_deflection(result, load))
+    parts = sum(float(np.abs(part.nodal).max()) for part in beside(loads, stop.t))
+    size = float(np.abs(load.nodal).max())
+    rounding = max(_MOVED * size, _AT * parts) * max(direct.work_size, stop.work_size)
+    return not apart or size * abs(direct.work - stop.work) <= max(size * _SAME * abs(direct.work), rounding)
+
+
+_LOST = 1e-6
+"""What reactions may miss of the loads that have a resultant: a path decides by less than a single answer shows."""
+_TURNS = 1e-9
+"""Part of the largest reaction below which a sign is rounding, and of a segment within which signs change together."""
+_AT_ONCE = 64
+_NUMBERS = 500_000
+"""Displacements of the stops that are judged together: arrays of 4 MB."""
+
+
+@dataclass(eq=False)
+class PathJudge:
+    """Takes answers as the path comes to them."""
+
+    problem: ContactProblem
+    loads: tuple[CaseLoad, CaseLoad]
+    """At t = 0, and what grows."""
+    stops: list[PathStop] = field(default_factory=list)
+    certificates: list[Certificate] = field(default_factory=list)
+    """Of the answers that are judged, as far as all passed."""
+    doubts: list[int] = field(default_factory=list)
+    """Numbers of stops up to the next of which more answers than one may be right."""
+    first: Bools | None = None
+    """(m,): the contact set from t = 0 on."""
+    _waiting: list[tuple[float, Ints, Answer]] = field(default_factory=list)
+    _before: tuple[float, Answer] | None = None
+    _last: tuple[float, Answer] | None = None
+    _shown: Bools | None = None
+
+    def take(self, t: float, points: Ints, answer: Answer) -> None:
+        """Take the answer at t, from which on ``points`` open or close; raise `NotCertifiedError` where one fails."""
+        for turn in self._turns(t, answer):
+            self._put(*turn)
+        self._put(t, points, answer)
+
+    def _put(self, t: float, points: Ints, answer: Answer) -> None:
+        self._last = t, answer
+        self._waiting.append((t, points, answer))
+        if len(self._waiting) >= min(_AT_ONCE, max(1, _NUMBERS // self.problem.discretisation.dof_count)):
+            self.judge()
+
+    def _turns(self, t: float, answer: Answer) -> Iterator[tuple[float, Ints, Answer]]:
+        """Stops on the way to the answer at t at which supports share a reaction otherwise, since its sign changes."""
+        discretisation = self.problem.discretisation
+        if self._last is None or self._last[0] == t or not discretisation.shared:
+            return
+        begin, before = self._last
+        ends = np.array([discretisation.by_sign(one.shared) for one in (before, answer)])
+        nothing = _TURNS * max(np.abs(one.reaction).max() for one in (before, answer))
+        first, last = ends[:, (ends.min(axis=0) < -nothing) & (ends.max(axis=0) > nothing)]
+        at = 0.0
+        for part in np.sort(first / (first - last)).tolist():
+            if part - at <= _TURNS:
+                continue
+            at, turn = part, begin + part * (t - begin)
+            load = self.loads[0] + turn * self.loads[1]
+            solution = self.problem.core.solve_on(load.nodal, discretisation.held.values, before.closed)
+            if begin < turn < t and solution.status == "solved":
+                yield turn, np.zeros(0, np.int64), Answer.of(discretisation, solution)
+
+    def judge(self) -> None:
+        """Judge those that wait."""
+        if not self._waiting:
+            return
+        result, waiting, self._waiting = self.problem.discretisation, self._waiting, []
+        at, points, answers = [list(column) for column in zip(*waiting, strict=True)]
+        loads = [self.loads[0] + t * self.loads[1] for t in at]
+        hi, lo, reaction = (np.array([getattr(one, name) for one in answers]) for name in ("hi", "lo", "reaction"))
+        closed = np.array([answer.closed for answer in answers])
+        # What stands on one set at both ends of a segment is proven between them.
+        before = np.concatenate([closed[:1] if self._before is None else self._before[1].closed[None], closed[:-1]])
+        made_of = [beside(self.loads, t) for t in at]
+        imbalance = imbalances(result, loads, hi, lo)
+        certificates = certify_each(result, loads, hi, lo, reaction, (before, closed), made_of, imbalance)
+        passed = next((row for row, one in enumerate(certificates) if not one.passed), len(at))
+        doubts = self._doubtful(at, answers)
+        if self.first is None and passed:
+            self.first = closed[0]
+
+        least: list[Answer] = []
+        for row in range(passed):
+            earlier = self._before[1] if row == 0 and self._before is not None else answers[row - 1] if row else None
+            one = self._least(at[row], loads[row], answers[row], earlier)
+            certificate = certificates[row]
+            if one is not answers[row]:
+                one, certificate = certified(result, loads[row], one, made_of[row])
+                imbalance[row] = result.plate.residual(result.springs.arrays, loads[row].nodal, one.hi, one.lo)
+            if certificate.lost > _LOST:
+                break
+            least.append(one)
+            self.certificates.append(certificate)
+        count = len(least)
+        # Of points that repeat each other all open or close, not only the one that the path is followed with.
+        switched = []
+        for row, one in enumerate(least):
+            changed = None if self._shown is None else np.flatnonzero(one.closed != self._shown)
+            switched.append(points[row] if changed is None else changed)
+            self._shown = one.closed
+        doubted = np.flatnonzero(doubts[: count + (count < passed)])
+        self.doubts += (len(self.stops) + doubted - 1).tolist()
+        if count:
+            self.stops += path_stops(
+                result, at[:count], loads[:count], points[:count], switched, least, imbalance[:count]
+            )
+        self._before = (at[-1], answers[-1])
+        if count < len(at):
+            raise NotCertifiedError
+
+    def _doubtful(self, at: list[float], answers: list[Answer]) -> Bools:
+        """Whether between each answer and the one before it more than one may be right."""
+        chain = [*([] if self._before is None else [self._before]), *zip(at, answers, strict=True)]
+        doubts = np.zeros(len(chain), np.bool_)
+        apart = [row for row in range(1, len(chain)) if chain[row - 1][0] < chain[row][0]]
+        if apart:
+            amid = [
+                np.array([0.5 * (getattr(chain[row - 1][1], name) + getattr(chain[row][1], name)) for row in apart])
+                for name in ("reaction", "gap")
+            ]
+            doubts[apart] = doubtful(self.problem.discretisation, self.problem.freedom, amid[0], amid[1])
+        return doubts[len(chain) - len(at) :]
+
+    def _least(self, t: float, load: CaseLoad, answer: Answer, before: Answer | None) -> Answer:
+        """The least of the answers at t that lead from the one before to what comes."""
+
+        def elsewhere() -> Iterator[Floats]:
+            if before is not None:
+                yield before.reaction
+            yield answer.reaction
+            yield from ahead(self.problem, self.loads, t, answer.closed)
+
+        return chosen(self.problem.discretisation, self.problem.freedom, load.nodal, answer, elsewhere)
 
 
 def exact_path(
     problem: ContactProblem, path: PathLoads, until: float | None, asked: tuple[Threshold, ...], watcher: Watcher
 ) -> ExactPath:
-    """Follow every contact point.
-
-    Raises
-    ------
-    NoEquilibriumError
-        If the supports contradict each other.
-    NotCertifiedError
-        If the start was not solved.
-    """
+    """Follow every contact point."""
     discretisation = problem.discretisation
     traced: ExactPath | None = None
     for other_problem in methods_along(problem):
@@ -52,11 +230,7 @@ def exact_path(
 
 
 def _trace(
-    problem: ContactProblem,
-    direct: ContactProblem,
-    path: PathLoads,
-    until: float | None,
-    watcher: Watcher,
+    problem: ContactProblem, direct: ContactProblem, path: PathLoads, until: float | None, watcher: Watcher
 ) -> ExactPath | None:
     """Follow the path by one method, as far as its answers are certified and confirmed; None if not at all."""
     result, loads, limits = problem.discretisation, path.loads, path.limits

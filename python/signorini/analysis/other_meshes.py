@@ -1,19 +1,35 @@
-"""The plate on other meshes, each factored once."""
+"""The plate on other meshes, each factored once, and half-widths of a table from the same table on these."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
+
+from signorini.accuracy.comparison import Meshes, compared, known
 from signorini.accuracy.meshes import OtherMesh, coarser_of, meshes_beside
+from signorini.analysis.combinations import Combined
+from signorini.analysis.results import Results
+from signorini.analysis.single import rows_of, solve_rows, solve_table
+from signorini.base.arguments import watching
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import ContactProblem, contact_problem
-from signorini.discretise import discretise
+from signorini.discretise import Discretisation, discretise
+from signorini.discretise.rows import Bools, Floats
 from signorini.errors import SignoriniError
 from signorini.mesh import Mesh
-from signorini.model import Model
+from signorini.model import Combination, Model
+from signorini.results.envelope import NONE
+from signorini.results.quantities import Number
+from signorini.results.rows import Column, Layout
+from signorini.singularities.named import singularities_of
+from signorini.singularities.singularity import Singularity
 
 _T = TypeVar("_T")
 _OTHERS = 2
@@ -28,20 +44,13 @@ class _SameMeshError(SignoriniError):
 
 @dataclass(eq=False)
 class OtherMeshes:
-    """The same model on other meshes.
-
-    Parameters
-    ----------
-    model : Model
-    mesh : Mesh
-        The mesh that others are compared with.
-    watcher : callable
-        Called with a `Progress`; what it raises ends what is being solved and reaches the caller.
-    """
+    """The same model on other meshes."""
 
     model: Model
     mesh: Mesh
+    """The mesh that others are compared with."""
     watcher: Watcher
+    """Called with a `Progress`; what it raises ends what is being solved and reaches the caller."""
     _problems: dict[str, ContactProblem] = field(default_factory=dict)
 
     def solved(self, solve: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
@@ -101,3 +110,134 @@ def without(count: int, why: str) -> str:
         "Half-widths (±) come from other meshes than the first that were tried",
     )
     return f"{what[count]}; {why}"
+
+
+ENDING = ":plus_minus"
+_TOGETHER = 4096
+"""Rows that are compared at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class EstimatedTable:
+    """The table on other meshes."""
+
+    others: tuple[tuple[Combined, Mesh], ...]
+    """Empty where no other mesh could be solved."""
+    why: str
+    """Why that is; else empty."""
+    widths: Mapping[str, Floats] = field(default_factory=dict)
+    """Half-widths (k,) of its columns, ``<column>:plus_minus``; none of a table that is in a file."""
+    picked: Mapping[tuple[str, int], float] = field(default_factory=dict)
+    """Half-widths by column and row of what envelopes name, of a table that is in a file."""
+
+    @classmethod
+    def of(cls, results: Results, meshes: OtherMeshes, table: str | os.PathLike[str] | None) -> EstimatedTable:
+        """Solve on other meshes; a table in a file gains the half-widths of its columns."""
+        files: list[Path] = []
+
+        def solved(other: ContactProblem, watcher: Watcher) -> tuple[Combined, ContactProblem]:
+            if table is None:
+                return solve_table(other, watcher, None), other
+            combined = solve_table(other, watcher, file := Path(f"{table}-{len(other.mesh.elements)}"))
+            files.append(file)
+            return combined, other
+
+        try:
+            result, why = meshes.solved(solved)
+            others = tuple((combined, problem.mesh) for combined, problem in result)
+            if not result:
+                return cls(others, why)
+            every = [(results.combined, results.problem), *result]
+            in_order = Meshes.of(results.problem.mesh, [mesh for _, mesh in others], bool(why))
+            own = [problem.mesh for _, problem in every]
+            order = [own.index(mesh) for mesh in in_order.every]
+            rows = _Rows(results.discretisation, results.combined.layout, in_order)
+            combinations = results.combined.combinations
+            if table is not None:
+                return cls(others, why, picked=_widen(Path(table), files, rows, order, results.combined))
+            tables = [rows_of(combined, partial(solve_rows, of, watching(None, ""))) for combined, of in every]
+            return cls(others, why, rows.widths([tables[place] for place in order], combinations[:]))
+        finally:
+            for file in files:
+                file.unlink()
+
+    def width(self, column: str, row: int) -> float | None:
+        """The half-width of a number that an envelope names; None where there is none."""
+        if self.picked:
+            return known(self.picked.get((column, row), np.nan))
+        return known(self.widths[column + ENDING][row]) if column + ENDING in self.widths else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """What is compared of rows."""
+
+    discretisation: Discretisation
+    layout: Layout
+    meshes: Meshes
+
+    def widths(
+        self, tables: Sequence[Mapping[str, Column]], combinations: Sequence[Combination]
+    ) -> Mapping[str, Floats]:
+        """Half-widths (k,) of the columns, by their names with an ending; ``tables`` are in the order of the meshes.
+
+        NaN where a number has none, or a mesh no equilibrium.
+        """
+        told = [one for one in self.layout.catalogue if one.quantity.kind != "count"]
+        numbers: list[Number] = [one for one in told if all(one.column in table for table in tables)]
+        out = np.empty((len(numbers), len(combinations)))
+        for first in range(0, len(combinations), _TOGETHER):
+            rows = slice(first, first + _TOGETHER)
+            values = np.array([[np.asarray(table[one.column])[rows] for one in numbers] for table in tables])
+            named = self._named(combinations[rows])
+            out[:, rows] = compared(values, numbers, self.meshes, self.layout.model, self.layout.probes, named)[0]
+        return {one.column + ENDING: width for one, width in zip(numbers, out, strict=True)}
+
+    def _named(self, combinations: Sequence[Combination]) -> list[tuple[Sequence[Singularity], Bools]]:
+        """Singularities of the supports, and of every load case with the rows in which it acts."""
+        acting = [{case for case, factor in (one.factors or {}).items() if factor} for one in combinations]
+        result: list[tuple[Sequence[Singularity], Bools]] = [
+            (singularities_of(self.discretisation), np.ones(len(acting), np.bool_))
+        ]
+        for case in sorted(set().union(*acting)):
+            where = np.array([case in cases for cases in acting], np.bool_)
+            result.append((singularities_of(self.discretisation, case), where))
+        return result
+
+
+def _widen(
+    table: Path, files: Sequence[Path], rows: _Rows, order: Sequence[int], combined: Combined
+) -> Mapping[tuple[str, int], float]:
+    """Write half-widths into a table; give those of what envelopes name."""
+    # Only this function needs pyarrow.
+    from signorini.formats.parquet import widen
+
+    wanted, picked, first = _wanted(combined), dict[tuple[str, int], float](), 0
+
+    def more(blocks: Sequence[Mapping[str, Floats]]) -> Mapping[str, Floats]:
+        nonlocal first
+        count = len(next(iter(blocks[0].values())))
+        result = rows.widths([blocks[place] for place in order], combined.combinations[first : first + count])
+        for column, numbers in wanted.items():
+            here = [number for number in numbers if first <= number < first + count]
+            if column + ENDING in result:
+                picked.update(((column, number), result[column + ENDING][number - first]) for number in here)
+        first += count
+        return result
+
+    widen(table, files, more)
+    return picked
+
+
+def _wanted(combined: Combined) -> Mapping[str, set[int]]:
+    """Rows, by column, that envelopes name: of their own extremes, and of what bearings do where one governs."""
+    layout, result = combined.layout, dict[str, set[int]]()
+    for envelope in (combined.envelope, *combined.groups.values()):
+        of = envelope.values
+        for one, largest, smallest in zip(layout.catalogue, of.largest_by, of.smallest_by, strict=True):
+            result.setdefault(one.column, set()).update((int(largest), int(smallest)))
+        places = layout.governed_places
+        rows = {*of.largest_by[places].tolist(), *of.smallest_by[places].tolist()}
+        for bearing in layout.bearings:
+            result.setdefault(bearing.column(layout.model), set()).update(rows)
+    return {column: rows - {NONE} for column, rows in result.items()}

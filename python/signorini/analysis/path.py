@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 
 from signorini.analysis.exact_path import exact_path
-from signorini.analysis.path_loads import PathLoads, load_named
 from signorini.analysis.sampled_path import sampled_path
+from signorini.analysis.sampler import PathLoads, load_named
 from signorini.base import arguments
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import contact_problem

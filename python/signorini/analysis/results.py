@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from signorini.accuracy.estimate import Estimate
-from signorini.accuracy.refinement import Refined
+from signorini.accuracy.comparison import Estimate
+from signorini.accuracy.meshes import Refined
 from signorini.analysis.combinations import Combined, Sink, combine
-from signorini.analysis.single import solve_one
-from signorini.analysis.tables import rows_of, solve_rows
+from signorini.analysis.single import rows_of, solve_one, solve_rows
 from signorini.base.arguments import key_of, watching
 from signorini.base.brief import short
 from signorini.base.named import Named

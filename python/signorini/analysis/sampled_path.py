@@ -8,10 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from signorini.analysis.path_end import last_change
-from signorini.analysis.path_loads import PathLoads
-from signorini.analysis.path_root import root
-from signorini.analysis.sampler import Sampler, State, Watch
+from signorini.analysis.sampler import PathLoads, Sampler, State, Watch, last_change, root
 from signorini.base.progress import Watcher
 from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem
@@ -98,37 +95,23 @@ class SampledPath:
             closed = float(np.mean(own > rest if hit.opening else own >= -rest))
             x, y = SupportPoints.of(result, index).positions[hit.watch.number].tolist()
             at = x, y
-            self._from_there_on(state.t, index, closed, len(own))
+            # From there on so much of the support is closed, not what the stop's rounding says.
+            self.stops[state.t] = self.stops[state.t].with_part(index, closed, len(own))
         elif change in ("begins to open", "begins to close"):
             at = first_place(result, index, state.answer, hit.opening)
         return PathEvent(0, state.t, support.name, at, change, closed or 0.0, hit.opening, hit.watch.number)
-
-    def _from_there_on(self, t: float, index: int, part: float, count: int) -> None:
-        """Show at the stop of an event what of a support is closed from there on, not what its rounding says."""
-        self.stops[t] = self.stops[t].with_part(index, part, count)
 
     def result(self, ending: Ending, interrupted: bool) -> LoadPath:
         """What was found, as a path."""
         sampler = self.sampler
         at = sorted(self.stops)
         rows = {t: row for row, t in enumerate(at)}
-        events = tuple(
-            sorted((replace(event, row=rows[event.t]) for event in self.events), key=lambda event: event.row)
-        )
+        placed = (replace(event, row=rows[event.t]) for event in self.events)
+        events = tuple(sorted(placed, key=lambda event: event.row))
         thresholds = tuple(replace(one, t=self.reached.get(number)) for number, one in enumerate(sampler.asked))
-        worst = Certificate.worst(self.certificates)
-        return LoadPath(
-            *sampler.path.names,
-            sampler.problem,
-            tuple(self.stops[t] for t in at),
-            ending,
-            *sampler.path.limits,
-            worst,
-            events,
-            thresholds,
-            interrupted,
-            sampler.path.loads,
-        )
+        worst, stops = Certificate.worst(self.certificates), tuple(self.stops[t] for t in at)
+        known = (*sampler.path.names, sampler.problem, stops, ending, *sampler.path.limits, worst)
+        return LoadPath(*known, events, thresholds, interrupted, sampler.path.loads)
 
 
 def sampled_path(
@@ -139,13 +122,7 @@ def sampled_path(
     asked: tuple[Threshold, ...],
     watcher: Watcher,
 ) -> LoadPath:
-    """Solve at so many evenly spaced t, or at given ones, and find the named events and thresholds between them.
-
-    Raises
-    ------
-    NoEquilibriumError, NotCertifiedError
-        If there is no answer at t = 0.
-    """
+    """Solve at so many evenly spaced t, or at given ones, and find the named events and thresholds between them."""
     sampler = Sampler(problem, path, asked, watcher)
     whole = SampledPath(sampler)
     whole.begin()

@@ -1,26 +1,97 @@
-"""Certified states along a load path, and the functions of them whose signs change at its events."""
+"""Certified states along a load path: its loads, the roots of functions of the states, and its last event."""
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from signorini.analysis.path_loads import PathLoads
+from signorini.analysis.single import steps_of
+from signorini.base import arguments
 from signorini.base.progress import Progress, Watcher
-from signorini.contact.certificate import Certificate
+from signorini.contact.certificate import Certificate, by_force, least_deflection
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import Answer
 from signorini.contact.strategy import answered, uncertain
+from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.discretise.supports import can_let_go
-from signorini.equilibrium.imbalance import CONTRADICTION, supports_contradict
-from signorini.errors import NoEquilibriumError, NotCertifiedError
+from signorini.equilibrium.imbalance import (
+    CONTRADICTION,
+    explain,
+    floats,
+    imbalance,
+    largest_factor,
+    supports_contradict,
+)
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.results.load_path import beside
 from signorini.results.path_events import LEVELS, Threshold, margins
 from signorini.results.path_stop import PathStop, path_stops
 from signorini.results.support_points import Scales
+
+_NAMED = 10_000
+"""Combinations among which a message looks for one that was meant."""
+
+
+@dataclass(frozen=True, eq=False)
+class PathLoads:
+    """Start + t add on one mesh."""
+
+    names: tuple[str | None, str]
+    loads: tuple[CaseLoad, CaseLoad]
+    """Of the load at t = 0, and of what grows."""
+    limits: tuple[float, float]
+    """The largest t at which reactions on the supports' outlines balance the load, and at the points of the
+    mesh."""
+
+    @classmethod
+    def of(cls, problem: ContactProblem, start: str | None, add: str) -> PathLoads:
+        """Look for the loads, and refuse what has no equilibrium to begin with."""
+        discretisation = problem.discretisation
+        loads = load_named(discretisation, start, "start"), load_named(discretisation, add, "add")
+        message = explain(discretisation, imbalance(discretisation, problem.freedom, loads[0].weighing))
+        if message:
+            raise NoEquilibriumError(f"{start or 'without load'}: {message}")
+        if floats(discretisation, problem.freedom, loads[0].weighing, loads[1].weighing):
+            raise InputError(
+                f"nothing presses the plate on its supports: neither {start or 'the start, which is no load,'} nor "
+                f"{add} has a resultant, so it may rest anywhere. Add its weight.",
+                place="add",
+            )
+        outline, mesh = (
+            largest_factor(discretisation, problem.freedom, bearing, loads[0].weighing, loads[1].weighing)
+            for bearing in (problem.freedom.outline, problem.freedom.on_mesh)
+        )
+        return cls((start, add), loads, (outline, mesh))
+
+    @property
+    def end(self) -> float:
+        """The smaller limit."""
+        return float(np.fmin(*self.limits))
+
+    def at(self, t: float) -> CaseLoad:
+        """The load at some t."""
+        return self.loads[0] + t * self.loads[1]
+
+
+def load_named(discretisation: Discretisation, name: str | None, argument: str) -> CaseLoad:
+    """The load of a case or, if there is none of that name, of a combination."""
+    if name is None:
+        return 0.0 * next(iter(discretisation.cases.values()))
+    arguments.name(name, "load case or combination", argument)
+    if name in discretisation.cases:
+        return discretisation.cases[name]
+    combinations = discretisation.model.effective_combinations if discretisation.model.combination else ()
+    for combination in combinations:
+        if combination.name == name:
+            return discretisation.load(combination)
+    names = {*discretisation.cases, *(combination.name for combination in itertools.islice(combinations, _NAMED))}
+    raise InputError(unknown("load case or combination", name, names), place=argument)
 
 
 @dataclass(eq=False)
@@ -61,23 +132,12 @@ class Sampler:
         self.watched = tuple(can_let_go(support) for support in self.problem.discretisation.model.support)
 
     def state(self, t: float, near: State | None = None) -> State:
-        """Solve at some t, from a state near it if there is one.
-
-        Raises
-        ------
-        NotCertifiedError
-            If the answer fails its certificate.
-        NoEquilibriumError
-            If the supports contradict each other.
-        """
+        """Solve at some t, from a state near it if there is one."""
         result, load, made_of = self.problem.discretisation, self.path.at(t), beside(self.path.loads, t)
         start = near.answer if near is not None and near.own and near.answer.solution is not None else None
 
-        def steps(method: str, step: int, changing: int, residual: float) -> None:
-            self.watcher(Progress(f"t = {t:.6g}", step, changing, residual, method=method))
-
         self.watcher(Progress(f"t = {t:.6g}"))
-        tried = answered(self.problem, load, steps, made_of, start)
+        tried = answered(self.problem, load, steps_of(f"t = {t:.6g}", self.watcher), made_of, start)
         if tried.contradiction or (tried.certificate is None and near is None and supports_contradict(result)):
             raise NoEquilibriumError(CONTRADICTION)
         answer, certificate = tried.answer, tried.certificate
@@ -123,3 +183,138 @@ class Sampler:
             if (self.value(before, watch) >= 0) != (self.value(after, watch) >= 0):
                 result.append(watch)
         return result
+
+
+LINEAR, SMOOTH = 1e-9, 1e-6
+"""Parts of the path's length to which the t of an event is found: of what is linear in t between the events of contact
+points, and of contact areas and pressures, which are as exact themselves."""
+_MOST_STEPS = 100
+"""Solves for one event; halving alone takes 30."""
+
+
+def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span: float) -> State:
+    """The state at which the sign of a function changes first from a t on, among known states, which gain those solved.
+
+    Secants of the two states nearest on one side, which are exact on one contact set, within a bracket that is
+    halved where they do not lead on.
+    """
+    signs = [sampler.value(state, watch) >= 0 for state in known]
+    row = next(row for row, state in enumerate(known) if state.t >= begin and signs[row] != signs[row + 1])
+    low, high = known[row], known[row + 1]
+    below, above = known[row - 1] if row else None, known[row + 2] if row + 2 < len(known) else None
+    tolerance, slow = span * (LINEAR if sampler.exact(watch) else SMOOTH), 0
+    for _ in range(_MOST_STEPS):
+        at_low, at_high = sampler.value(low, watch), sampler.value(high, watch)
+        width = high.t - low.t
+        if width <= tolerance:
+            return high
+        for end, value, other in ((low, at_low, below), (high, at_high, above)):
+            if other is None or other.t == end.t:
+                continue
+            # Beside a root the slope may be another on either side: forces on one, gaps on the other.
+            slope = min(abs(at_high - at_low) / width, abs(value - sampler.value(other, watch)) / abs(end.t - other.t))
+            if abs(value) <= slope * tolerance:
+                return end
+        t = 0.5 * (low.t + high.t)
+        if slow < 2:
+            t = _guess(sampler, watch, (below, low, high, above))
+        t = min(max(t, low.t + 0.25 * tolerance), high.t - 0.25 * tolerance)
+        state = sampler.state(t, low if t - low.t < high.t - t else high)
+        known.insert(known.index(high), state)
+        value = sampler.value(state, watch)
+        if (value >= 0) == (at_low >= 0):
+            slow = slow + 1 if high.t - t > 0.5 * width and abs(value) > 0.25 * abs(at_low) else 0
+            below, low = low, state
+        else:
+            slow = slow + 1 if t - low.t > 0.5 * width and abs(value) > 0.25 * abs(at_high) else 0
+            above, high = high, state
+    return high
+
+
+def _guess(sampler: Sampler, watch: Watch, states: tuple[State | None, State, State, State | None]) -> float:
+    """Where lines through two states each come to zero within the bracket: of one contact set before others."""
+    below, low, high, above = states
+    guesses = []
+    for one, other in ((low, high), (below, low), (high, above)):
+        if one is None or other is None or one.t == other.t:
+            continue
+        first, second = sampler.value(one, watch), sampler.value(other, watch)
+        if first == second:
+            continue
+        t = one.t - first * (other.t - one.t) / (second - first)
+        same = np.array_equal(one.answer.closed, other.answer.closed)
+        if low.t < t < high.t:
+            nearest = min(abs(first), abs(second))
+            guesses.append((not same, (one, other) == (low, high), nearest, t))
+    return min(guesses)[-1] if guesses else 0.5 * (low.t + high.t)
+
+
+_NOTHING = 1e-9
+"""Part of the largest reaction or travel, or of its change, that is none."""
+
+
+def last_change(sampler: Sampler, begin: State) -> float:
+    """A power of 2 beyond which nothing that has a name happens, and not long after what is the last to happen.
+
+    A plate is linear in t as long as its contact points keep their pieces, and two states on the same pieces say how
+    long that is. So the search goes from one end of pieces to the next until there is none; and backward, where the
+    first state already is beyond the last event.
+    """
+    states, end = [begin], 0.5
+    while end < math.inf:
+        states.append(sampler.state(_power_beyond(end), states[-1]))
+        line = kept(sampler, states[-2], states[-1])
+        end = line[1] if line else states[-1].t
+    changes = [row for row, (one, other) in enumerate(pairwise(states), start=1) if sampler.changed(one, other)]
+    if not changes or changes[-1] > 1 or len(states) == 2:
+        return states[changes[-1] if changes else 1].t
+    first, above = states[1:3]
+    # Down to t = 0 the pieces hold, or an event is passed.
+    while (line := kept(sampler, first, above)) is None or line[0] > 0:
+        before = sampler.state(0.5 * _power_beyond(min(line[0] if line else first.t, 0.75 * first.t)), first)
+        if sampler.changed(before, first):
+            break
+        first, above = before, first
+    return first.t
+
+
+def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | None:
+    """From which t on, and up to which, contact points keep the pieces of two states; None of different pieces."""
+    result, first, second, span = sampler.problem.discretisation, one.answer, other.answer, other.t - one.t
+    contacts, add = result.contacts, sampler.path.loads[1]
+    moved, change = (second.hi - first.hi) + (second.lo - first.lo), second.reaction - first.reaction
+    force, length = _nothing(result, sampler.path.at(other.t), second.reaction, second.hi)
+    least_change, least_way = _nothing(result, span * add, change, moved)
+    may = ~contacts.two_sided
+    pressed = may & (np.maximum(first.reaction, second.reaction) > force)
+    apart = may & (np.maximum(first.gap, second.gap) > length)
+    if (pressed & apart).any():
+        return None
+    # Of gaps that are far larger than what closes them the difference is rounding.
+    opening = -(result.contact_rows @ moved)
+    presses_otherwise = (np.abs(change) > least_change) | (contacts.compliance * np.abs(change) > least_way)
+    begin, end = 0.0, math.inf
+    for counts, value, rate in (
+        (pressed & presses_otherwise, first.reaction, change / span),
+        (apart & (np.abs(opening) > least_way), first.gap, opening / span),
+    ):
+        none_at = one.t - value[counts] / rate[counts]
+        begin = max(begin, float(none_at[rate[counts] > 0].max(initial=0.0)))
+        end = min(end, float(none_at[rate[counts] < 0].min(initial=math.inf)))
+    return (min(begin, one.t) if begin > _NOTHING * one.t else 0.0), max(end, other.t)
+
+
+def _nothing(
+    discretisation: Discretisation, load: CaseLoad, reaction: Floats, deflection: Floats
+) -> tuple[float, float]:
+    """The force and the deflection that are none beside a load and what it does."""
+    force = max(
+        float(np.abs(reaction).max(initial=0.0)), float(by_force(load.nodal[None], discretisation.mesh.size)[0])
+    )
+    length = max(float(np.abs(deflection[::3]).max()), least_deflection(discretisation, load))
+    return _NOTHING * force, _NOTHING * length
+
+
+def _power_beyond(t: float) -> float:
+    """The least power of 2 that is larger."""
+    return math.ldexp(1.0, math.frexp(t)[1])

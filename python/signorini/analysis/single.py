@@ -1,42 +1,49 @@
-"""One combination by itself, certified."""
+"""Combinations solved: one by itself, several side by side, all as rows of a table."""
 
 from __future__ import annotations
 
+import math
+import os
 import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
+import numpy as np
+
+from signorini import _core
+from signorini.analysis.combinations import Combined, Sink, combine
 from signorini.base.arguments import made_by, watching
 from signorini.base.progress import Progress, Watcher
+from signorini.contact.certificate import certified
 from signorini.contact.problem import ContactProblem
-from signorini.contact.strategy import answered, refusal, uncertain
+from signorini.contact.selection import Answer, chosen
+from signorini.contact.strategy import WORDS, answered, refusal, uncertain
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.rows import Floats
+from signorini.equilibrium.balance import allowed_motions, work_of
 from signorini.equilibrium.imbalance import CONTRADICTION, explain, imbalance_of
-from signorini.errors import NotCertifiedError
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination
 from signorini.results.result import Result, unsolved_result
+from signorini.results.rows import Column, together
 
 
 def solve_one(problem: ContactProblem, combination: Combination, progress: Watcher | None = None) -> Result:
     """Solve one combination by itself.
 
-    Raises
-    ------
-    NotCertifiedError
-        If the answer fails its certificate; it is refused.
-
-    Examples
-    --------
-    >>> from signorini import Model, contact_problem
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-    ...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [1, 9], [9, 9]], "resists": "down"}],
-    ...     load=[{"case": "G", "pressure": 2e3}],
-    ... )
-    >>> (combination,) = model.effective_combinations
-    >>> round(solve_one(contact_problem(model), combination).reactions["bearings"], 3)
-    200000.0
+    An answer that fails its certificate is refused by `NotCertifiedError`.
     """
     made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
     return timed(problem, combination, watching(progress, "progress"))[0]
+
+
+def steps_of(what: str, watcher: Watcher) -> Callable[[str, int, int, float], None]:
+    """Tell a watcher of the steps of whatever method solves something."""
+
+    def steps(method: str, step: int, changing: int, residual: float) -> None:
+        watcher(Progress(what, step, changing, residual, method=method))
+
+    return steps
 
 
 def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
@@ -44,14 +51,11 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
     discretisation = problem.discretisation
     load = discretisation.load(combination)
 
-    def steps(method: str, step: int, changing: int, residual: float) -> None:
-        watcher(Progress(combination.name, step, changing, residual, method=method))
-
     begun = time.perf_counter()
     message = explain(discretisation, imbalance_of(discretisation, problem.freedom, combination))
     if message:
         return unsolved_result(discretisation, combination, message), time.perf_counter() - begun
-    tried = answered(problem, load, steps)
+    tried = answered(problem, load, steps_of(combination.name, watcher))
     spent = time.perf_counter() - begun
     if tried.contradiction:
         # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
@@ -64,3 +68,135 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
         why = refusal(combination.name, discretisation, load, tried.answer, tried.certificate)
         raise NotCertifiedError(f"Combination {why}")
     return Result.of(discretisation, combination, tried.methods, load, tried.answer, tried.certificate), spent
+
+
+_MOST = 64
+_MOST_NUMBERS = 4_000_000
+"""Combinations, and numbers of theirs, that are in memory at once."""
+_FEWEST = 8
+"""Combinations for which the factor is read together."""
+
+
+def solve_several(
+    problem: ContactProblem,
+    combinations: Sequence[Combination],
+    single: Callable[[Combination], Result],
+    begin: Callable[[str], None],
+) -> Iterator[Result]:
+    """Yield the results of combinations in their order.
+
+    Each is the same whatever stands beside it, and certified. One that is not, and one of which equilibrium is not
+    beyond doubt, is left to ``single``. The problem has an active set. ``begin`` is called with the name of the first
+    combination of those that begin, and again after their steps; what it raises ends the run.
+    """
+    discretisation = problem.discretisation
+    rays = allowed_motions(problem.freedom.on_mesh)
+    numbers = 8 * discretisation.dof_count + 4 * len(discretisation.contacts)
+    size = int(np.clip(_MOST_NUMBERS // numbers, _FEWEST, _MOST))
+    for first in range(0, len(combinations), size):
+        some = combinations[first : first + size]
+        watch = partial(begin, some[0].name)
+        watch()
+        yield from _solve(problem, rays, some, single, watch)
+
+
+def _solve(
+    problem: ContactProblem,
+    rays: Floats,
+    combinations: Sequence[Combination],
+    single: Callable[[Combination], Result],
+    watch: Callable[[], None],
+) -> Iterator[Result]:
+    discretisation = problem.discretisation
+
+    def surely_balanced(load: CaseLoad) -> bool:
+        """Whether it does no work in any motion that the supports allow, so that reactions balance it."""
+        work = work_of(discretisation, problem.freedom, load.weighing) if problem.freedom.count else np.zeros(0)
+        return not len(work) or bool((rays @ work).max(initial=0.0) <= 0.0)
+
+    loads = {number: discretisation.load(combination) for number, combination in enumerate(combinations)}
+    loads = {number: load for number, load in loads.items() if surely_balanced(load)}
+    answers: dict[int, tuple[_core.ContactSolution, Floats]] = {}
+    if loads:
+        nodal, curvatures, couples = (
+            np.array([getattr(load, part) for load in loads.values()]).reshape(len(loads), -1)
+            for part in ("nodal", "curvature", "couples")
+        )
+        solved = _core.solve_together(problem.core, problem.reference, nodal, discretisation.held.values, watch)
+        stresses = _core.solution_stresses(discretisation.plate, solved, curvatures, couples)
+        answers = dict(zip(loads, zip(solved, stresses, strict=True), strict=True))
+    for number, combination in enumerate(combinations):
+        if number in answers and answers[number][0].status == "solved":
+            solution, stress = answers.pop(number)
+            load = loads[number]
+            least = chosen(discretisation, problem.freedom, load.nodal, Answer.of(discretisation, solution))
+            answer, certificate = certified(discretisation, load, least)
+            if certificate.passed:
+                yield Result.of(discretisation, combination, (problem.method,), load, answer, certificate, stress)
+                continue
+        yield single(combination)
+
+
+def mean_load(discretisation: Discretisation) -> Floats:
+    """The mean of all combinations (3n,), whatever their order."""
+    combinations = discretisation.model.effective_combinations
+    factors: dict[str, list[float]] = {}
+    for combination in combinations:
+        for case, factor in (combination.factors or {}).items():
+            factors.setdefault(case, []).append(factor / len(combinations))
+    mean = {case: math.fsum(sorted(all_)) for case, all_ in factors.items()}
+    return discretisation.load(Combination.model_construct(name="mean", factors=mean)).nodal
+
+
+_REASONS = 5
+"""Combinations without equilibrium that a message names where none has one."""
+
+
+def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = None) -> Combined:
+    """Solve every combination as a row."""
+
+    def show(step: int, changing: int, residual: float) -> None:
+        watcher(Progress("the mean", step, changing, residual, method=WORDS[problem.method]))
+
+    problem = problem.near(mean_load(problem.discretisation), show)
+
+    def begin(name: str) -> None:
+        watcher(Progress(name))
+
+    single = partial(solve_one, problem, progress=watcher)
+    return combine(problem, single, partial(solve_several, problem, begin=begin), begin, sink)
+
+
+def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
+    """Solve every combination as a row, written to the table if there is one."""
+    if table is None:
+        return _any_solved(solve_rows(problem, watcher))
+    # Only this function needs pyarrow.
+    from signorini.formats.parquet import writing
+
+    try:
+        with writing(table) as sink:
+            combined = solve_rows(problem, watcher, sink)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise InputError(f"the table cannot be written there: {why}. Name another file.", str(table)) from None
+    return _any_solved(combined)
+
+
+def _any_solved(combined: Combined) -> Combined:
+    """Refuse combinations of which none has an equilibrium."""
+    if not combined.solved:
+        reasons = "\n".join(f"{name}: {message}" for name, message in list(combined.unbalanced.items())[:_REASONS])
+        raise NoEquilibriumError(
+            f"None of {len(combined.combinations)} combinations has one, to begin with:\n{reasons}"
+        )
+    return combined
+
+
+def rows_of(combined: Combined, again: Callable[[Sink], object]) -> Mapping[str, Column]:
+    """The columns of all rows; where they were too many to be kept they are solved again."""
+    if combined.rows is not None:
+        return combined.rows
+    blocks = list[list[tuple[str, Column]]]()
+    again(lambda columns: blocks.append(list(columns)))
+    return together(blocks)

@@ -8,14 +8,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from signorini.accuracy.estimate import Estimate
-from signorini.accuracy.refinement import Refined, refined, unknown, worst_of
+from signorini.accuracy.comparison import Estimate
+from signorini.accuracy.meshes import Refined, refined, unknown, worst_of
 from signorini.analysis.combinations import Combined
 from signorini.analysis.estimate import estimated
 from signorini.analysis.other_meshes import OtherMeshes
 from signorini.analysis.results import Results
-from signorini.analysis.single import timed
-from signorini.analysis.tables import solve_table
+from signorini.analysis.single import solve_table, timed
 from signorini.base.arguments import watching
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import contact_problem
@@ -123,15 +122,9 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
     if combined is None and all(result.status == "no_equilibrium" for result in results.values()):
         raise NoEquilibriumError("\n".join(f"{name}: {result.message}" for name, result in results.items()))
     part = problem.seconds
-    seconds = {
-        "mesh": discretisation.seconds["mesh"],
-        "assemble": discretisation.seconds["assemble"],
-        "order": part["order"],
-        "factor": part["factor"],
-        "contact": part["condense"] + contact,
-        "recover": recover,
-        "total": time.perf_counter() - begun,
-    }
+    seconds = {name: discretisation.seconds[name] for name in ("mesh", "assemble")}
+    seconds |= {"order": part["order"], "factor": part["factor"], "contact": part["condense"] + contact}
+    seconds |= {"recover": recover, "total": time.perf_counter() - begun}
     # Without a table no more is to be solved, and whoever keeps many results does not keep as many factors.
     kept = problem if combined is not None else problem.without_factor()
     return Results(kept, results, seconds, _combined=combined)

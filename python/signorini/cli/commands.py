@@ -17,12 +17,12 @@ from typing import Annotated, Literal
 import typer
 
 import signorini
+from signorini.analysis.check import ASKED
 from signorini.base.units import METRES
 from signorini.cli import interrupts, streams
 from signorini.cli.grid import say
 from signorini.cli.streams import progress_line, visible
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
-from signorini_command import ASKED
 
 _MOST_REASONS = 20
 _SHORT = 0.999
@@ -217,7 +217,7 @@ def path(
     Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes what it has.
     """
     with _messages(file):
-        from signorini.analysis.path_estimate import estimate_asked
+        from signorini.analysis.estimate import estimate_asked
         from signorini.cli.events import print_path
         from signorini.output import write_path
         from signorini.output.directory import room_for_path

@@ -7,7 +7,7 @@ import math
 from rich.console import Console
 from rich.text import Text
 
-from signorini.accuracy.estimate import PathEstimate
+from signorini.accuracy.comparison import PathEstimate
 from signorini.base.numbers import compared, number, size_of
 from signorini.cli.grid import UNKNOWN, Column, Grid, in_unit, numbers, say
 from signorini.results.load_path import LoadPath

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.accuracy.sizes import away
+from signorini.accuracy.half_width import away
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import ROUNDING, size_of

@@ -10,8 +10,8 @@ import numpy as np
 from rich.console import Console
 from rich.text import Text
 
-from signorini.accuracy.estimate import Estimate
-from signorini.accuracy.sizes import largest_of
+from signorini.accuracy.comparison import Estimate
+from signorini.accuracy.half_width import largest_of
 from signorini.analysis.check import ASKED, Check
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results

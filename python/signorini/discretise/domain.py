@@ -18,15 +18,15 @@ from signorini.discretise.thickness import Thickness
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Place, Problems, path_in_words, point
 from signorini.mesh import Mesh
-from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.isoparametric import BoxTree
 from signorini.mesh.sides import Sides
 from signorini.model import Model, OutlinedPlate, Support
-from signorini.model.curve import curve
+from signorini.model.places import curve
 from signorini.model.plate import SLIMMEST
 from signorini.shapes import Region
-from signorini.shapes.nearest import Targets, edges_of
+from signorini.shapes.distances import Targets, edges_of
+from signorini.shapes.extent import Tolerances
 from signorini.shapes.outlines import Outline
-from signorini.shapes.tolerances import Tolerances
 
 LONGEST = 1000.0
 """Long side of an element over its short side, or over its thickness if that is more: bending across is stiffer than

@@ -20,8 +20,8 @@ from signorini.discretise.zones import Zones
 from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Moving
-from signorini.model.footprint import footprints as shapes_of
-from signorini.model.moving import Wheel
+from signorini.model.load import Wheel
+from signorini.model.places import footprints as shapes_of
 from signorini.shapes import Polygon
 
 _GAUSS = 3

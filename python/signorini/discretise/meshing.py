@@ -16,9 +16,8 @@ from signorini.errors import InputError, Place, Problems
 from signorini.expression import Expression
 from signorini.expression.levels import Drawing
 from signorini.mesh import Mesh
-from signorini.mesh.axes import Axes, axes_of
-from signorini.mesh.meshers import annulus, disc, rectangle
-from signorini.mesh.outlined import MOST, OutlineError, outlined
+from signorini.mesh.divisions import Axes, axes_of
+from signorini.mesh.meshers import MOST, OutlineError, annulus, disc, outlined, rectangle
 from signorini.model import (
     AnnulusPlate,
     DiscPlate,
@@ -35,13 +34,11 @@ from signorini.model import (
     Support,
     Zone,
 )
-from signorini.model.curve import curve, worth_following
-from signorini.model.footprint import footprints
+from signorini.model.places import curve, footprints, worth_following
 from signorini.shapes import Curve, Polyline, Region, Ring
-from signorini.shapes.contours import Contour, along_arc, along_side, circle
 from signorini.shapes.distances import distances
-from signorini.shapes.hull import diameter
-from signorini.shapes.outlines import Box, Point
+from signorini.shapes.extent import diameter
+from signorini.shapes.outlines import Box, Contour, Point, along_arc, along_side, circle
 
 Line: TypeAlias = Region | Curve
 

@@ -14,9 +14,9 @@ from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_qua
 from signorini.discretise.rows import Floats, Further, Ints, Rows
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
-from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Load, Model, Support
-from signorini.model.footprint import footprints
+from signorini.model.places import footprints
 from signorini.shapes import Circle, Polygon, Rectangle
 
 _GAUSS = 3

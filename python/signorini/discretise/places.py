@@ -26,15 +26,14 @@ from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, Problems, length, point, unknown
 from signorini.mesh import Mesh
-from signorini.mesh.boxtree import BoxTree
+from signorini.mesh.isoparametric import BoxTree
 from signorini.model import AnnulusPlate, Area, DiscPlate, Load, MeshPlate, Plate, Support
-from signorini.model.curve import curve
+from signorini.model.places import curve
 from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring, Rounded
-from signorini.shapes.contours import along_arc
 from signorini.shapes.distances import distances
-from signorini.shapes.hull import hull
-from signorini.shapes.outlines import Point
-from signorini.shapes.overlap import overlap
+from signorini.shapes.extent import hull
+from signorini.shapes.outlines import Point, along_arc
+from signorini.shapes.regions import overlap
 
 _SECTOR_SLACK = 1e-3
 """Part of a circle that a sector's outline, made of parabolas, may leave out; and of a hole that its own may."""

@@ -16,13 +16,10 @@ from signorini.errors import InputError, Place, path_in_words
 from signorini.mesh import Mesh
 from signorini.mesh.sides import Sides
 from signorini.model import Area, Load, Model, OutlinedPlate, Support, Zone
-from signorini.model.area import Annulus, Box, Circle, Form
-from signorini.model.corners import Arc
-from signorini.model.curve import curve
-from signorini.shapes.hull import diameter
-from signorini.shapes.nearest import Targets, sides_of
+from signorini.model.places import Annulus, Arc, Box, Circle, Form, curve
+from signorini.shapes.distances import Targets, edges_of
+from signorini.shapes.extent import Tolerances, diameter
 from signorini.shapes.outlines import Outline, Point
-from signorini.shapes.tolerances import Tolerances
 
 _PASSES = 8
 """What moves onto something that moves itself follows it; a pass leaves about the square of what the last one did."""
@@ -93,7 +90,7 @@ def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
     result = []
     for contour in model.plate.contours:
         for name in dict.fromkeys(contour.names):
-            along = Targets.of((), *sides_of([contour], {name}))
+            along = edges_of([contour], {name})[name]
             is_circle = len(set(contour.names)) == 1 and not len(along.sides)
             ends = [] if is_circle else [end for side in contour.edges[name] for end in contour.sides[side][::2]]
             result.append(_Target(name, Targets.of(ends), along, along.arcs[:, :3]))

@@ -10,7 +10,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.places import outline
 from signorini.discretise.rows import Floats, Ints, null_space
 from signorini.errors import InputError, point
-from signorini.shapes.hull import hull
+from signorini.shapes.extent import hull
 
 RANK = 1e-9
 """Rigid motions of unit size that move a support by less than this part of the plate's size do not move it."""

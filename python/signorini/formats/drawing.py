@@ -1,4 +1,4 @@
-"""What a drawing says about a plate, in metres: closed lines, open ones and points, each with its layer."""
+"""What a drawing says about a plate, in metres: closed lines, open ones and points, and the middles of walls."""
 
 from __future__ import annotations
 
@@ -7,10 +7,16 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations, pairwise
 from typing import NamedTuple
+
+import numpy as np
 
 from signorini.errors import InputError, point
 from signorini.shapes import Polygon
+from signorini.shapes.distances import distances
+from signorini.shapes.outlines import Bools, Floats, closed
+from signorini.shapes.regions import inside
 
 GAP = 1e-3
 """Metres between ends that count as one place: less than anything built, more than a careless end."""
@@ -47,16 +53,7 @@ class Loop:
 
     @property
     def area(self) -> float:
-        """What it encloses [m²].
-
-        Examples
-        --------
-        A stadium 2 m long between half circles of radius 1 m.
-
-        >>> from signorini.formats.drawing import Corner, Loop
-        >>> round(Loop((Corner(0, 0), Corner(2, 0, 1), Corner(2, 2), Corner(0, 2, 1))).area, 6)
-        7.141593
-        """
+        """What it encloses [m²]."""
         total = math.pi * self.radius**2
         origin = self.corners[0]
         for a, b in self:
@@ -92,15 +89,7 @@ class Loop:
 
     @property
     def turned_sides(self) -> tuple[float, float, float] | None:
-        """Lengths [m] of the sides if it is a rectangle, askew too, and the degrees from x to the first, −45 to 45.
-
-        Examples
-        --------
-        >>> from signorini.formats.drawing import Corner, Loop
-        >>> column = Loop((Corner(0, 0), Corner(0.4, 0.3), Corner(0.25, 0.5), Corner(-0.15, 0.2)))
-        >>> [round(part, 3) for part in column.turned_sides]
-        [0.5, 0.25, 36.87]
-        """
+        """Lengths [m] of the sides if it is a rectangle, askew too, and the degrees from x to the first, −45 to 45."""
         if not self.is_rectangle:
             return None
         a, b, c, _ = self.corners
@@ -111,14 +100,7 @@ class Loop:
 
     @property
     def middle_line(self) -> tuple[tuple[float, float], ...] | None:
-        """Corners [m] of the line along the middle of a wall: of one thickness, and three times as long at least.
-
-        Examples
-        --------
-        >>> from signorini.formats.drawing import Corner, Loop
-        >>> Loop((Corner(0, 0), Corner(4, 0), Corner(4, 0.2), Corner(0, 0.2))).middle_line
-        ((0.0, 0.1), (4.0, 0.1))
-        """
+        """Corners [m] of the line along the middle of a wall: of one thickness, and three times as long at least."""
         if self.radius or any(corner.bulge for corner in self.corners):
             return None
         corners = [b for a, b, c in _triples(self.corners) if off_line(b, a, c) > GAP]
@@ -171,39 +153,31 @@ class Loop:
         rises = (abs((far[0] - x) * (b - y) - (far[1] - y) * (a - x)) for a, b in self.points)
         return max(rises) <= GAP * length
 
-    def has(self, x: float, y: float) -> bool:
-        """Whether a point is inside."""
-        ends = zip(self.points, self.points[1:] + self.points[:1], strict=True)
-        crossed = [x < ax + (y - ay) / (by - ay) * (bx - ax) for (ax, ay), (bx, by) in ends if (ay > y) != (by > y)]
-        return sum(crossed) % 2 == 1
+    @cached_property
+    def _sides(self) -> Floats:
+        """Straight sides (k, 2, 2) between its points."""
+        return closed(self.points)
 
-    def near(self, x: float, y: float) -> bool:
-        """Whether a point is on one of the sides."""
-        for (ax, ay), (bx, by) in zip(self.points, self.points[1:] + self.points[:1], strict=True):
-            length = (bx - ax) ** 2 + (by - ay) ** 2
-            part = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length if length else 0.0
-            part = min(max(part, 0.0), 1.0)
-            if math.hypot(ax + part * (bx - ax) - x, ay + part * (by - ay) - y) < GAP:
-                return True
-        return False
+    def has(self, points: Iterable[tuple[float, float]]) -> Bools:
+        """Which points are inside."""
+        return inside(np.array([*points]).reshape(-1, 2), self._sides)
+
+    def near(self, points: Iterable[tuple[float, float]]) -> Bools:
+        """Which points are on one of the sides."""
+        far = distances(np.array([*points]).reshape(-1, 2), *self._sides.transpose(1, 0, 2))
+        return np.asarray(far.min(axis=1) < GAP)
 
     def holds(self, other: Loop) -> bool:
         """Whether another one is inside, away from the sides."""
-        return other.area < self.area and all(self.has(*at) and not self.near(*at) for at in other.points)
+        return other.area < self.area and bool((self.has(other.points) & ~self.near(other.points)).all())
 
-    def covers(self, points: Iterable[tuple[float, float]]) -> bool:
+    def covers(self, points: Sequence[tuple[float, float]]) -> bool:
         """Whether points are inside or on the sides."""
-        return all(self.has(*at) or self.near(*at) for at in points)
+        return bool((self.has(points) | self.near(points)).all())
 
 
 def place(at: tuple[float, float]) -> str:
-    """Write a place [m] without the digits that are rounding.
-
-    Examples
-    --------
-    >>> place((1.5, 6e-17))
-    '[1.5, 0]'
-    """
+    """Write a place [m] without the digits that are rounding."""
     return point(at, size=1.0)
 
 
@@ -220,14 +194,7 @@ def off_line(at: Corner, a: Corner, b: Corner) -> float:
 
 
 def between(one: Sequence[Corner], other: Sequence[Corner]) -> tuple[tuple[float, float], ...] | None:
-    """Corners [m] of the line along the middle of two straight-sided ones, if they are as far apart all along.
-
-    Examples
-    --------
-    >>> outer, inner = (Corner(0, 2), Corner(0, 0), Corner(3, 0)), (Corner(0.2, 2), Corner(0.2, 0.2), Corner(3, 0.2))
-    >>> between(outer, inner)
-    ((0.1, 2.0), (0.1, 0.1), (3.0, 0.1))
-    """
+    """Corners [m] of the line along the middle of two straight-sided ones, if they are as far apart all along."""
     aparts = []
     for (a, b), (c, d) in zip(itertools.pairwise(one), itertools.pairwise(other), strict=True):
         along = (b.x - a.x) * (d.x - c.x) + (b.y - a.y) * (d.y - c.y)
@@ -266,40 +233,123 @@ def _along(a: Corner, b: Corner, part: float) -> tuple[float, float]:
 
 
 def through(a: Corner, b: Corner) -> tuple[float, float]:
-    """Middle [m] of the arc from a corner to the next.
-
-    Examples
-    --------
-    >>> from signorini.formats.drawing import Corner, through
-    >>> through(Corner(1, 0, 1.0), Corner(-1, 0))
-    (0.0, 1.0)
-    """
+    """Middle [m] of the arc from a corner to the next."""
     return (a.x + b.x + a.bulge * (b.y - a.y)) / 2, (a.y + b.y - a.bulge * (b.x - a.x)) / 2
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """A plate as it is drawn.
-
-    Parameters
-    ----------
-    outline : Loop
-    holes : of Loop
-    zones : of Loop
-        Parts of the plate that are made otherwise.
-    points : dict
-        By footprint, (a, b) of a rectangle [m], (a, b, degrees) of one askew, (r,) of a circle or () of none, the
-        places (x, y) [m] that have it.
-    lines : of corners
-        Open lines, arcs as they are.
-    took, left : of str
-        What became of every layer, in words.
-    """
+    """A plate as it is drawn."""
 
     outline: Loop
     holes: tuple[Loop, ...]
     zones: tuple[Loop, ...]
+    """Parts of the plate that are made otherwise."""
     points: dict[tuple[float, ...], list[tuple[float, float]]]
+    """By footprint, (a, b) of a rectangle [m], (a, b, degrees) of one askew, (r,) of a circle or () of none, the
+    places (x, y) [m] that have it."""
     lines: tuple[tuple[Corner, ...], ...]
+    """Open lines, arcs as they are."""
     took: tuple[str, ...]
     left: tuple[str, ...]
+    """What became of every layer, in words."""
+
+
+THICKNESSES = (0.05, 0.6)
+"""Metres between the faces of walls."""
+_MATCHED, _SHARED = 0.75, 0.25
+"""Part of the longer of two faces that both have: of those taken for one wall, and of those that may be."""
+_LONG = 3.0
+"""Length over distance from which on two lines are a wall."""
+_ASKEW = 0.01
+"""Slope to each other of parallel lines: half a degree, that of a careless drawing."""
+
+
+def middles_of_loops(loops: Sequence[Loop]) -> tuple[list[tuple[Corner, ...]], list[Loop]]:
+    """Closed lines along the middles of walls all around, of both faces; and the loops that are none."""
+    result: list[tuple[Corner, ...]] = []
+    rest: list[Loop] = []
+    for loop in sorted(loops, key=lambda one: one.area):
+        for inner in rest:
+            if len(inner.corners) == len(loop.corners) > 2 and loop.holds(inner) and (ring := _ring(loop, inner)):
+                rest.remove(inner)
+                result.append(ring)
+                break
+        else:
+            rest.append(loop)
+    return result, rest
+
+
+def _ring(outer: Loop, inner: Loop) -> tuple[Corner, ...] | None:
+    around = (*outer.corners, outer.corners[0])
+    if any(corner.bulge for corner in (*around, *inner.corners)):
+        return None
+    for corners in (inner.corners, inner.corners[::-1]):
+        for i in range(len(corners)):
+            ring = (*corners[i:], *corners[: i + 1])
+            if _faces(around, ring, _SHARED) and (middle := between(around, ring)):
+                return tuple(Corner(*at) for at in middle)
+    return None
+
+
+def middles_of_lines(
+    lines: Sequence[tuple[Corner, ...]],
+) -> tuple[list[tuple[Corner, ...]], list[tuple[float, tuple[float, float]]]]:
+    """Lines, of those that are two faces of a wall the middle; distances of those, and where they begin."""
+    straight = {i: line for i, line in enumerate(lines) if not any(corner.bulge for corner in line[:-1])}
+    pairs = sorted(
+        (apart, i, j)
+        for (i, one), (j, other) in combinations(straight.items(), 2)
+        if len(one) == len(other)
+        and (apart := _faces(one, _alongside(one, other), _MATCHED if len(one) == 2 else _SHARED))
+    )
+    middle: dict[int, tuple[Corner, ...]] = {}
+    result: list[tuple[float, tuple[float, float]]] = []
+    for apart, i, j in pairs:
+        one, other = straight[i], _alongside(straight[i], straight[j])
+        if i in middle or j in middle or sum(math.dist(a[:2], b[:2]) for a, b in pairwise(one)) < _LONG * apart:
+            continue
+        ends = tuple(Corner((p.x + q.x) / 2, (p.y + q.y) / 2) for p, q in zip(one, other, strict=True))
+        if len(one) > 2 and between(one, other) is None:
+            continue
+        middle |= {i: ends, j: ()}
+        result.append((apart, (ends[0].x, ends[0].y)))
+    return [one for i, line in enumerate(lines) if (one := middle.get(i, line))], result
+
+
+def _alongside(one: tuple[Corner, ...], other: tuple[Corner, ...]) -> tuple[Corner, ...]:
+    """Another line in the sense of one."""
+    return other[::-1] if math.dist(one[0][:2], other[0][:2]) > math.dist(one[0][:2], other[-1][:2]) else other
+
+
+def _faces(one: Sequence[Corner], other: Sequence[Corner], share: float) -> float | None:
+    """Distance [m] of two lines of which every side is beside that of the other."""
+    aparts = [_apart(a, b, share) for a, b in zip(pairwise(one), pairwise(other), strict=True)]
+    return aparts[0] if all(aparts) else None
+
+
+def beside_others(lines: Sequence[tuple[Corner, ...]]) -> list[tuple[float, float]]:
+    """Where lines begin of which a straight side is beside one of an earlier line."""
+    sides = [[(a, b) for a, b in pairwise(line) if not a.bulge] for line in lines]
+    return [
+        (line[0].x, line[0].y)
+        for i, line in enumerate(lines)
+        if any(_apart(one, other, _SHARED) is not None for one in sides[i] for of in sides[:i] for other in of)
+    ]
+
+
+def _apart(one: tuple[Corner, Corner], other: tuple[Corner, Corner], share: float) -> float | None:
+    """Distance [m] of parallel sides as far apart as the faces of a wall, with a share of the longer one in common."""
+    (a, b), (c, d) = one, other
+    length, along = math.dist(a[:2], b[:2]), (b.x - a.x, b.y - a.y)
+    if length < math.dist(c[:2], d[:2]):
+        return _apart(other, one, share)
+
+    def local(p: Corner) -> tuple[float, float]:
+        x, y = p.x - a.x, p.y - a.y
+        return (x * along[0] + y * along[1]) / length, (x * along[1] - y * along[0]) / length
+
+    (u, v), (s, t) = local(c), local(d)
+    apart, common = abs(v + t) / 2, min(max(u, s), length) - max(min(u, s), 0.0)
+    parallel = abs(v - t) < 2 * GAP + _ASKEW * abs(u - s)
+    return apart if parallel and THICKNESSES[0] <= apart <= THICKNESSES[1] and common >= share * length else None

@@ -1,12 +1,18 @@
-"""Write an input file from a drawing, for an engineer to go on with."""
+"""Write an input file from a drawing, of what a model accepts, for an engineer to go on with."""
 
 from __future__ import annotations
 
 import json
 import math
+import tomllib
+from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 
-from signorini.formats.drawing import Corner, Drawing, Loop, flattened, through
+from signorini.discretise import discretise
+from signorini.errors import InputError, Place
+from signorini.formats.drawing import Corner, Drawing, Loop, flattened, place, through
+from signorini.model import validate
 
 _DIGITS = 6
 """Decimals of a length in metres: to the micrometre, finer than anything is built."""
@@ -19,65 +25,7 @@ _ELEMENTS = 30
 
 
 def drawing_as_toml(drawing: Drawing, title: str) -> str:
-    """Write what a drawing says as an input file in metres and newtons; what it does not say is assumed and marked.
-
-    Examples
-    --------
-    >>> from signorini.formats.drawing import Corner, Drawing, Loop
-    >>> outline = Loop((Corner(0, 0), Corner(6, 0), Corner(6, 4), Corner(0, 4)))
-    >>> hole = Loop((Corner(2, 2),), 0.5)
-    >>> panel = Loop((Corner(4, 0), Corner(6, 0), Corner(6, 2), Corner(4, 2)))
-    >>> drawing = Drawing(outline, (hole,), (panel,), {(0.4, 0.4): [(1, 1), (5, 1)]}, (), (), ())
-    >>> print(drawing_as_toml(drawing, "floor"))
-    title = "floor"
-    <BLANKLINE>
-    [units]
-    length = "m"
-    force = "N"
-    <BLANKLINE>
-    # Assumed, the drawing does not say: concrete C30/37.
-    [material]
-    E = 33e9
-    nu = 0.2
-    unit_weight = 25e3
-    <BLANKLINE>
-    [plate]
-    shape = "polygon"
-    thickness = 0.25  # assumed
-    points = [
-        [0, 0],
-        [6, 0],
-        [6, 4],
-        [0, 4],
-    ]
-    holes = [
-        { circle = { center = [2, 2], radius = 0.5 } },
-    ]
-    <BLANKLINE>
-    # Assumed, the drawing does not say how it is made: its thickness.
-    [[zone]]
-    area = { rectangle = [4, 0, 6, 2] }
-    thickness = 0.4
-    <BLANKLINE>
-    [mesh]
-    size = 0.2
-    snap = 0.003
-    <BLANKLINE>
-    # Rigid, both ways, as it stands. Add resists = "down" where it only pushes up, stiffness = … [N/m] where it yields.
-    [[support]]
-    name = "points"
-    at = [
-        [1, 1],
-        [5, 1],
-    ]
-    patch = [0.4, 0.4]
-    <BLANKLINE>
-    # Add loads to these, with their cases.
-    [[load]]
-    case = "self-weight"
-    self_weight = true
-    <BLANKLINE>
-    """
+    """Write what a drawing says as an input file in metres and newtons; what it does not say is assumed and marked."""
     left, bottom, right, top = drawing.outline.box
     blocks = [
         f"title = {json.dumps(title, ensure_ascii=False)}",
@@ -92,35 +40,34 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
         f"[mesh]\nsize = {_size(max(right - left, top - bottom))}\n"
         f"snap = {_number(min(_SNAP, _SNAP_PART * max(right - left, top - bottom)))}",
     ]
-    count = len(drawing.points) + len(drawing.lines)
-    for number, (footprint, at) in enumerate(drawing.points.items(), 1):
-        name = "points" if len(drawing.points) == 1 else f"points {number}"
-        places = "\n".join(f"    {_list(place)}," for place in at)
-        blocks.append(_kinds("N/m") + _support(name, f"at = [\n{places}\n]") + _footprint(footprint))
-    for number, line in enumerate(drawing.lines, 1):
-        name = "lines" if len(drawing.lines) == 1 else f"lines {number}"
-        blocks.append(
-            _kinds("N/m²") + _support(name, f"line = [{', '.join(_list(at) for at in flattened(line, _TURN))}]")
-        )
-    if count == 0:
+    points = [
+        "at = [\n" + "".join(f"    {_list(place)},\n" for place in at) + "]" + _footprint(footprint)
+        for footprint, at in drawing.points.items()
+    ]
+    lines = [f"line = [{', '.join(_list(at) for at in flattened(line, _TURN))}]" for line in drawing.lines]
+    for name, unit, places in (("points", "N/m", points), ("lines", "N/m²", lines)):
+        for number, where in enumerate(places, 1):
+            blocks.append(
+                '# Rigid, both ways, as it stands. Add resists = "down" where it only pushes up, '
+                f"stiffness = … [{unit}] where it yields.\n"
+                f'[[support]]\nname = "{name if len(places) == 1 else f"{name} {number}"}"\n{where}'
+            )
+    if not points and not lines:
         blocks.append("# Add supports: [[support]] with at, edge, line, circle or area.")
     blocks.append('# Add loads to these, with their cases.\n[[load]]\ncase = "self-weight"\nself_weight = true')
     return "\n\n".join(blocks) + "\n"
 
 
 def _plate(drawing: Drawing) -> str:
-    lines = ["[plate]"]
-    if drawing.outline.radius:
-        lines += ['shape = "disc"', f"radius = {_number(drawing.outline.radius)}"]
-        lines += [f"center = {_list(drawing.outline.corners[0][:2])}"]
+    outline = drawing.outline
+    if outline.radius:
+        shape = f'shape = "disc"\nradius = {_number(outline.radius)}\ncenter = {_list(outline.corners[0][:2])}'
+        points = ""
     else:
-        lines += ['shape = "polygon"']
-    lines += ["thickness = 0.25  # assumed"]
-    if not drawing.outline.radius:
-        lines += ["points = [", *(f"    {corner}," for corner in _corners(drawing.outline)), "]"]
-    if drawing.holes:
-        lines += ["holes = [", *(f"    {_area(hole)}," for hole in drawing.holes), "]"]
-    return "\n".join(lines)
+        shape = 'shape = "polygon"'
+        points = "\npoints = [\n" + "".join(f"    {corner},\n" for corner in _corners(outline)) + "]"
+    holes = "\nholes = [\n" + "".join(f"    {_area(hole)},\n" for hole in drawing.holes) + "]"
+    return f"[plate]\n{shape}\nthickness = 0.25  # assumed{points}{holes if drawing.holes else ''}"
 
 
 def _area(loop: Loop) -> str:
@@ -148,17 +95,6 @@ def _to(a: Corner, b: Corner) -> str:
     return f"{{ through = {_list(through(a, b))}, to = {_list(b[:2])} }}" if a.bulge else _list(b[:2])
 
 
-def _kinds(unit: str) -> str:
-    return (
-        '# Rigid, both ways, as it stands. Add resists = "down" where it only pushes up, '
-        f"stiffness = … [{unit}] where it yields.\n"
-    )
-
-
-def _support(name: str, place: str) -> str:
-    return f'[[support]]\nname = "{name}"\n{place}'
-
-
 def _footprint(footprint: tuple[float, ...]) -> str:
     if len(footprint) < 2:
         return f"\nradius = {_number(footprint[0])}" if footprint else ""
@@ -180,3 +116,56 @@ def _list(values: Sequence[float]) -> str:
 def _number(value: float) -> str:
     result = round(value, _DIGITS) + 0.0
     return f"{result:.0f}" if result == int(result) else repr(result)
+
+
+def checked(drawing: Drawing) -> Drawing:
+    """Leave out what the input file of a drawing would be refused for, and say it.
+
+    What is wrong with the outline as it is meshed is said alone: another size of elements may mend it. It raises
+    `InputError` if the outline crosses or touches itself.
+    """
+    while True:
+        try:
+            discretise(validate(tomllib.loads(drawing_as_toml(drawing, ""))))
+        except InputError as error:
+            result = _without(drawing, {part.path: part.message for part in error.parts})
+            if result is None:
+                if not drawing.outline.is_simple:
+                    raise InputError(f"the outline cannot be taken: {error.message}", place="outline") from None
+                return replace(drawing, left=(*drawing.left, f"outline: {error.message}"))
+            drawing = result
+        else:
+            return drawing
+
+
+def _without(drawing: Drawing, faults: dict[Place, str]) -> Drawing | None:
+    """The drawing without what has faults, None if it is no part of it."""
+    left: list[str] = []
+    off: dict[str, set[int]] = defaultdict(set)
+    points = {footprint: at.copy() for footprint, at in drawing.points.items()}
+    for path, message in faults.items():
+        match path:
+            case ("plate", "holes", int(i), *_):
+                off["holes"].add(i)
+                left.append(f"holes: at {place(drawing.holes[i].middle)}: {message}")
+            case ("zone", int(i), *_):
+                off["zones"].add(i)
+                left.append(f"zones: at {place(drawing.zones[i].middle)}: {message}")
+            case ("support", int(i), *rest) if i < len(points):
+                footprint, at = list(drawing.points.items())[i]
+                those = [at[rest[1]]] if len(rest) > 1 and isinstance(rest[1], int) else at
+                points[footprint] = [one for one in points[footprint] if one not in those]
+                left.append(f"points: at {', '.join(map(place, those))}: {message}")
+            case ("support", int(i), *_):
+                off["lines"].add(i - len(points))
+                left.append(f"lines: at {place(drawing.lines[i - len(points)][0][:2])}: {message}")
+    if not left:
+        return None
+    return replace(
+        drawing,
+        holes=tuple(hole for i, hole in enumerate(drawing.holes) if i not in off["holes"]),
+        zones=tuple(zone for i, zone in enumerate(drawing.zones) if i not in off["zones"]),
+        points={footprint: at for footprint, at in points.items() if at},
+        lines=tuple(line for i, line in enumerate(drawing.lines) if i not in off["lines"]),
+        left=(*drawing.left, *left),
+    )

@@ -5,16 +5,27 @@ from __future__ import annotations
 import math
 import os
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import TypeVar
 
 from signorini.errors import InputError
-from signorini.formats.drawing import GAP, Corner, Drawing, Loop, about, flattened, place
-from signorini.formats.drawing_checked import checked
+from signorini.formats.drawing import (
+    GAP,
+    THICKNESSES,
+    Corner,
+    Drawing,
+    Loop,
+    about,
+    beside_others,
+    flattened,
+    middles_of_lines,
+    middles_of_loops,
+    place,
+)
+from signorini.formats.drawing_toml import checked
 from signorini.formats.dxf_entities import Layer, layers_in
-from signorini.formats.dxf_walls import THICKNESSES, beside_others, middles_of_lines, middles_of_loops
 
 _T = TypeVar("_T")
 
@@ -34,23 +45,10 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     """Read a drawing.
 
     Arcs and circles stay what they are; splines and ellipses become arcs that leave them by at most 1/20000 of the
-    drawing's size. Blocks are taken apart. Ends less than a millimetre apart are joined.
-
-    Parameters
-    ----------
-    path : path
-    layers : dict
-        Layers of each role, any of `ROLES`, in upper or lower case. Without a layer the outline is the largest closed
-        line of the drawing, and the holes are the closed lines within it on the outline's layer.
-    unit : str, optional
-        Of the drawing, any of `signorini.base.units.METRES`; by default what its header says.
-
-    Raises
-    ------
-    InputError
-        If there is no such layer, no closed line for the outline or open ones that reach over more, or no unit.
-    SignoriniError
-        If the file cannot be read, or ezdxf, which reads it, is not there.
+    drawing's size. Blocks are taken apart. Ends less than a millimetre apart are joined. ``layers`` are those of each
+    role, any of `ROLES`, in upper or lower case. Without a layer the outline is the largest closed line of the drawing,
+    and the holes are the closed lines within it on the outline's layer. ``unit`` is any of
+    `signorini.base.units.METRES`; by default what the drawing's header says.
     """
     result = layers_in(path, unit)
     names = {role: _named(role, layers.get(role, ()), result) for role in ROLES}
@@ -59,21 +57,22 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     among = {name: one for name, one in result.items() if name in (names["outline"] or result.keys() - others)}
     outline, layer = _outline(among, "the drawing" if not names["outline"] else _layers(names["outline"]))
     frame = "" if names["outline"] else _maybe_frame(outline, layer, among)
-    left = list(_beyond(outline, among[layer], layer))
+    left = _beyond(outline, among[layer], layer)
     result[layer].loops.remove(outline)
     own = [one.loops for one in roles["holes"] or [result[layer]]]
-    holes, off = _parted(_all_of(own), outline.holds)
+    closed = _all_of(own)
+    holes = [loop for loop in closed if outline.holds(loop)]
+    off = [loop for loop in closed if loop not in holes]
     if names["holes"]:
-        left += _told(off, "holes", "not inside the outline; an opening at an edge is part of it")
+        left += _left(off, "holes", "not inside the outline; an opening at an edge is part of it")
     else:
         result[layer].loops += off
-    zones, off = _parted(_all_of(one.loops for one in roles["zones"]), lambda zone: outline.covers(zone.points))
-    left += _told(off, "zones", "not within the outline")
+    closed = _all_of(one.loops for one in roles["zones"])
+    zones = [zone for zone in closed if outline.covers(zone.points)]
+    left += _left((zone for zone in closed if zone not in zones), "zones", "not within the outline")
 
     def on_plate(*points: tuple[float, float]) -> bool:
-        return outline.covers(points) and not any(
-            hole.has(*at) and not hole.near(*at) for hole in holes for at in points
-        )
+        return outline.covers(points) and not any((hole.has(points) & ~hole.near(points)).any() for hole in holes)
 
     middles: list[str] = []
     points = _points(roles["points"], on_plate, left)
@@ -96,19 +95,10 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     return replace(drawing, took=tuple(took))
 
 
-def _parted(loops: Iterable[Loop], kept: Callable[[Loop], bool]) -> tuple[list[Loop], list[Loop]]:
-    """Those that are kept, and the others."""
-    sorts: tuple[list[Loop], list[Loop]] = ([], [])
-    for loop in loops:
-        sorts[not kept(loop)].append(loop)
-    return sorts
-
-
-def _told(loops: Iterable[Loop], what: str, why: str) -> Iterator[str]:
+def _left(loops: Iterable[Loop], what: str, why: str) -> list[str]:
     """Say where loops are that were left, and why."""
     middles = [loop.middle for loop in loops]
-    if middles:
-        yield f"{what}: {len(middles)}{about(middles)}: {why}"
+    return [f"{what}: {len(middles)}{about(middles)}: {why}"] if middles else []
 
 
 def _all_of(lists: Iterable[list[_T]]) -> list[_T]:
@@ -187,14 +177,12 @@ def _loose(group: Sequence[tuple[Corner, ...]]) -> str:
     return f"; more than two meet{about(once)}"
 
 
-def _beyond(outline: Loop, layer: Layer, name: str) -> Iterator[str]:
+def _beyond(outline: Loop, layer: Layer, name: str) -> list[str]:
     """Say where open lines of the outline's layer reach beyond it."""
     places = [line[0][:2] for line in layer.lines if not outline.covers(flattened(line, _TURN))]
-    if places:
-        yield (
-            f"outline: {len(places)} open line{'s' * (len(places) > 1)} of layer {name}{about(places)}: beyond it. "
-            "If the slab reaches there, join them to its outline"
-        )
+    lines = f"{len(places)} open line{'s' * (len(places) > 1)} of layer {name}{about(places)}"
+    advice = "If the slab reaches there, join them to its outline"
+    return [f"outline: {lines}: beyond it. {advice}"] if places else []
 
 
 def _maybe_frame(outline: Loop, layer: str, among: Mapping[str, Layer]) -> str:

@@ -8,18 +8,92 @@ from bisect import bisect_right
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import accumulate, pairwise
+from itertools import accumulate, chain, pairwise
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from signorini.base.units import METRES
 from signorini.errors import InputError, SignoriniError
 from signorini.formats.drawing import GAP, Corner, Loop, about
-from signorini.formats.dxf_overlaps import whole_lines
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing as Document
     from ezdxf.entities.dxfentity import DXFEntity
     from ezdxf.math import Vec2
+
+
+def whole_lines(edges: Sequence[Any], gap: float) -> list[Any]:
+    """Edges of a drawing; of straight ones that overlap, and end alone where they do, one from end to end.
+
+    Ends less than a gap apart, in the drawing's unit, are one place.
+    """
+    straight = [i for i, edge in enumerate(edges) if edge.payload is not None and edge.payload.dxftype() == "LINE"]
+    if len(straight) < 2:
+        return list(edges)
+    ends = np.array([[(edge.start.x, edge.start.y), (edge.end.x, edge.end.y)] for edge in edges])
+    alone = _alone(ends.reshape(-1, 2), gap).reshape(-1, 2)[straight]
+    ends = ends[straight]
+    gone, grown = np.zeros(len(straight), bool), np.zeros(len(straight), bool)
+    waiting = [(int(i), int(side)) for i, side in np.argwhere(alone)]
+    while waiting:
+        i, side = waiting.pop()
+        other = None if gone[i] else _beneath(i, side, ends, alone, gone, gap)
+        if other is None:
+            continue
+        j, (a, b) = other, ends[other].copy()
+        along = b - a
+        part = (ends[i, 1 - side] - a) @ along / (along @ along)
+        gone[i] = True
+        if not 0.0 <= part <= 1.0:
+            far = int(part > 1.0)
+            ends[j, far], alone[j, far] = ends[i, 1 - side], alone[i, 1 - side]
+            grown[j] = True
+            waiting += [(j, k) for k in (0, 1) if alone[j, k]]
+    dropped = {straight[i] for i in np.flatnonzero(gone)}
+    made = [_line(edges[straight[i]], ends[i]) for i in np.flatnonzero(grown & ~gone)]
+    renewed = {straight[i] for i in np.flatnonzero(grown)}
+    return [edge for i, edge in enumerate(edges) if i not in dropped | renewed] + made
+
+
+def _alone(ends: Any, gap: float) -> Any:
+    """Whether no other end is at an end."""
+    from scipy.spatial import cKDTree
+
+    return np.array([len(near) for near in cKDTree(ends).query_ball_point(ends, gap)]) == 1
+
+
+def _beneath(i: int, side: int, ends: Any, alone: Any, gone: Any, gap: float) -> int | None:
+    """A line on which an end of another is, and that other within it, or beyond an end that is alone too."""
+    at, back = ends[i, side], ends[i, 1 - side]
+    a, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+    length = np.maximum(np.hypot(along[:, 0], along[:, 1]), gap)
+
+    def local(point: Any) -> tuple[Any, Any]:
+        off = point - a
+        across = (along[:, 0] * off[:, 1] - along[:, 1] * off[:, 0]) / length
+        return (off * along).sum(axis=1) / length, abs(across)
+
+    (here, off_here), (there, off_there) = local(at), local(back)
+    on = ~gone & (off_here < gap) & (off_there < gap) & (here > gap) & (here < length - gap)
+    on[i] = False
+    for j in np.flatnonzero(on):
+        within = gap < there[j] < length[j] - gap
+        passed = int(there[j] > 0.5 * length[j])
+        at_end = min(abs(there[j]), abs(there[j] - length[j])) <= gap
+        if at_end or (alone[i, 1 - side] if within else alone[j, passed]):
+            return int(j)
+    return None
+
+
+def _line(edge: Any, ends: Any) -> Any:
+    """An edge between other ends."""
+    from ezdxf import edgesmith
+    from ezdxf.entities.line import Line
+
+    line = Line.new(dxfattribs={"layer": edge.payload.dxf.layer, "start": tuple(ends[0]), "end": tuple(ends[1])})
+    return next(iter(edgesmith.edges_from_entities_2d([line])))
+
 
 _HEADER_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"}
 """Units by the number that the header of a drawing gives, $INSUNITS."""
@@ -60,15 +134,7 @@ class Layer:
 
 
 def layers_in(path: str | os.PathLike[str], unit: str | None) -> dict[str, Layer]:
-    """Read every layer that has something, by name; what is not shown counts as other things.
-
-    Raises
-    ------
-    InputError
-        If the file is no drawing, or has no unit.
-    SignoriniError
-        If ezdxf, which reads it, is not there.
-    """
+    """Read every layer that has something, by name; what is not shown counts as other things."""
     document = _opened(path)
     return _layers(document, _metres(document, unit))
 
@@ -104,6 +170,7 @@ def _metres(document: Document, unit: str | None) -> float:
 
 def _layers(document: Document, metres: float) -> dict[str, Layer]:
     """All layers that have something, by name; what is not shown counts as other things."""
+    from ezdxf.bbox import extents
     from ezdxf.upright import upright_all
 
     by_layer: dict[str, list[Any]] = defaultdict(list)
@@ -118,7 +185,8 @@ def _layers(document: Document, metres: float) -> dict[str, Layer]:
             hidden[name][f"hidden {entity.dxftype()}"] += 1
     for entities in by_layer.values():
         upright_all(entities)
-    extent = _extent(entity for entities in by_layer.values() for entity in entities)
+    box = extents(chain.from_iterable(by_layer.values()), fast=True)
+    extent = float(max(box.size.x, box.size.y)) if box.has_data else 0.0
     result = {name: _layer(entities, metres, extent * _OFF) for name, entities in by_layer.items()}
     for name, kinds in hidden.items():
         result.setdefault(name, Layer()).others.update(kinds)
@@ -145,13 +213,6 @@ def _taken_apart(entities: Iterable[Any], layer: str | None = None, depth: int =
 
 
 _DRAWN = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "POINT", "SOLID", "TRACE", "HATCH"}
-
-
-def _extent(entities: Iterable[Any]) -> float:
-    from ezdxf.bbox import extents
-
-    box = extents(entities, fast=True)
-    return float(max(box.size.x, box.size.y)) if box.has_data else 0.0
 
 
 def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
@@ -193,11 +254,10 @@ def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
     lines = []
     chains = edgeminer.find_all_simple_chains(edgeminer.Deposit(edges, gap_tol=GAP / metres)) if edges else ()
     # They come in the order of a set.
-    chains = sorted(chains, key=lambda chain: min(edge.id for edge in chain))
-    for chain in chains:
-        whole = edgesmith.polyline2d_from_chain(chain, max_sagitta=off)
+    for some in sorted(chains, key=lambda edges: min(edge.id for edge in edges)):
+        whole = edgesmith.polyline2d_from_chain(some, max_sagitta=off)
         joined = corners((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in whole.vertices)
-        if edgeminer.is_loop(chain, gap_tol=GAP / metres):
+        if edgeminer.is_loop(some, gap_tol=GAP / metres):
             loops.append(_closed(joined))
         elif len(joined) > 1:
             lines.append(joined)

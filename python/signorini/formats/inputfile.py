@@ -15,8 +15,7 @@ from signorini.base import arguments
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.expression import Expression
-from signorini.formats.toml_hints import hint
-from signorini.formats.toml_lines import Lines
+from signorini.formats.toml import Lines, hint
 from signorini.model import MeshPlate, Model, validate
 from signorini.model.problems import LISTS
 
@@ -46,7 +45,11 @@ def load(path: str | os.PathLike[str]) -> Model:
     source = os.path.basename(path)
     lines = functools.cache(lambda: Lines(text))
     data = _parse(text, source)
-    _look_beside(data, Path(path).parent)
+    # Tables of factors are named from where the program runs rather than from where the input file is.
+    tables = data.get("combination")
+    for table in tables if isinstance(tables, list) else ():
+        if isinstance(table, dict) and isinstance(table.get("file"), str):
+            table["file"] = str(Path(path).parent / table["file"])
     model = validate(data, source=source, line_of=lambda path: lines().of(path))
     if isinstance(model.plate, MeshPlate):
         plate = model.plate.model_copy(update={"file": Path(path).parent / model.plate.file})
@@ -54,23 +57,10 @@ def load(path: str | os.PathLike[str]) -> Model:
     return model
 
 
-def _look_beside(data: dict[str, Any], directory: Path) -> None:
-    """Name the tables of factors from where the program runs rather than from where the input file is."""
-    combinations = data.get("combination")
-    for table in combinations if isinstance(combinations, list) else ():
-        if isinstance(table, dict) and isinstance(table.get("file"), str):
-            table["file"] = str(directory / table["file"])
-
-
 def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
     """Put the file and line before the places of an error that was found only after reading.
 
-    Parameters
-    ----------
-    error : InputError
-        With places in the model; any others are left as they are.
-    path : str or path-like
-        The input file.
+    Places that are not in the model are left as they are.
     """
     if not any(part.path for part in error.parts):
         return error
@@ -86,17 +76,17 @@ def _read(path: str | os.PathLike[str]) -> str:
     place = str(path)
     try:
         content = read_regular(path, _LARGEST_FILE)
-    except FileNotFoundError:
-        raise InputError("there is no such file.", place=place) from None
-    except IsADirectoryError:
-        raise InputError("this is a directory; name the input file in it.", place=place) from None
-    except PermissionError:
-        raise InputError("this file may not be read.", place=place) from None
     except (OSError, ValueError) as error:
-        why = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise InputError(
-            f"this file cannot be read: {why}.", place=place if place.isprintable() else repr(place)
-        ) from None
+        match error:
+            case FileNotFoundError():
+                why = "there is no such file."
+            case IsADirectoryError():
+                why = "this is a directory; name the input file in it."
+            case PermissionError():
+                why = "this file may not be read."
+            case _:
+                why = f"this file cannot be read: {getattr(error, 'strerror', None) or error}."
+        raise InputError(why, place=place if place.isprintable() else repr(place)) from None
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

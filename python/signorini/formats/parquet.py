@@ -30,36 +30,15 @@ def widen(
     """Add columns to a Parquet file that follow from its own and those of other files with the same rows.
 
     ``more`` gives them of the numbers of a block: of the file, and of every other one.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> import numpy as np
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     files = [pathlib.Path(place, name) for name in ("own.parquet", "other.parquet")]
-    ...     for number, file in enumerate(files):
-    ...         with writing(file) as sink:
-    ...             sink([("w", np.array([1.0, 2.0]) + number)])
-    ...     widen(files[0], files[1:], lambda blocks: {"change": blocks[1]["w"] - blocks[0]["w"]})
-    ...     pq.read_table(files[0]).to_pydict()
-    {'w': [1.0, 2.0], 'change': [1.0, 1.0]}
     """
     own = pq.ParquetFile(path)
     readers = [_Rows(pq.ParquetFile(other)) for other in others]
-    with replacing(path) as beside:
-        writer: pq.ParquetWriter | None = None
-        try:
-            for group in range(own.num_row_groups):
-                block = own.read_row_group(group)
-                blocks = [block, *(reader.take(len(block)) for reader in readers)]
-                for name, values in more([_numbers(one) for one in blocks]).items():
-                    block = block.append_column(name, pa.array(values, from_pandas=True))
-                if writer is None:
-                    writer = pq.ParquetWriter(beside, block.schema)
-                writer.write_table(block)
-        finally:
-            if writer is not None:
-                writer.close()
+    with writing(path) as sink:
+        for group in range(own.num_row_groups):
+            block = own.read_row_group(group)
+            blocks = [block, *(reader.take(len(block)) for reader in readers)]
+            added = more([_numbers(one) for one in blocks])
+            sink([*zip(block.schema.names, block.columns, strict=True), *added.items()])
 
 
 class _Rows:
@@ -88,32 +67,7 @@ def _numbers(block: Any) -> Blocks:
 def writing(path: str | os.PathLike[str]) -> Iterator[Sink]:
     """Write a Parquet file that is there whole once the context ends, or not at all.
 
-    Parameters
-    ----------
-    path : path-like
-        The file to create or to replace.
-
-    Yields
-    ------
-    Sink
-        Takes columns as pairs of a name and an array or a list of texts. NaN becomes an absent value.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> import numpy as np
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     file = pathlib.Path(place, "combinations.parquet")
-    ...     with writing(file) as sink:
-    ...         sink([("combination", ["a", "b"]), ("reaction", np.array([1.0, 2.0]))])
-    ...         sink([("combination", ["c"]), ("reaction", np.array([np.nan]))])
-    ...     pq.read_table(file).to_pydict()
-    {'combination': ['a', 'b', 'c'], 'reaction': [1.0, 2.0, None]}
+    The sink takes columns as pairs of a name and an array or a list of texts. NaN becomes an absent value.
     """
     with replacing(path) as beside:
         writer: pq.ParquetWriter | None = None
@@ -121,7 +75,12 @@ def writing(path: str | os.PathLike[str]) -> Iterator[Sink]:
 
             def sink(columns: Iterable[tuple[str, Column]]) -> None:
                 nonlocal writer
-                block = pa.table({name: pa.array(values, from_pandas=True) for name, values in columns})
+                block = pa.table(
+                    {
+                        name: values if isinstance(values, pa.ChunkedArray) else pa.array(values, from_pandas=True)
+                        for name, values in columns
+                    }
+                )
                 if writer is None:
                     writer = pq.ParquetWriter(beside, block.schema)
                 writer.write_table(block)

@@ -27,18 +27,8 @@ def as_meshio(
     """Give fields on a plate as a mesh of meshio: in the plane z = 0, quadrilaterals before triangles.
 
     Scalars keep the signs of the package (deflection positive down); give the vector of :func:`displacement_vector` to
-    warp by.
-
-    Parameters
-    ----------
-    points : (n, 2) array
-        Nodes, in the model's unit of length.
-    elements : (e, 8) array
-        Corners counter-clockwise, then midsides; a triangle is [a, b, c, c, ab, bc, c, ca].
-    point_data : mapping of str to (n,), (n, 2) or (n, 3) array
-        Nodal fields.
-    cell_data : mapping of str to (e,) array, optional
-        Fields with one value an element.
+    warp by. Points (n, 2) are in the model's unit of length; a triangle among the elements (e, 8) is [a, b, c, c, ab,
+    bc, c, ca].
     """
     # Only files and other programs need meshio, which takes long to read.
     import meshio
@@ -55,31 +45,7 @@ def as_meshio(
 
 
 def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh) -> None:
-    """Write a mesh to a compressed binary VTK file, whole or not at all.
-
-    Parameters
-    ----------
-    path : path-like
-        The ``.vtu`` file to create or to replace.
-    mesh : meshio.Mesh
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
-
-    Examples
-    --------
-    >>> import meshio, pathlib, tempfile
-    >>> points = np.array([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5]])
-    >>> deflection = [0, 0, 0, 0, 1e-3, 0, 1e-3, 0]
-    >>> fields = {"deflection": deflection, "displacement": displacement_vector(deflection)}
-    >>> with tempfile.TemporaryDirectory() as directory:
-    ...     path = pathlib.Path(directory, "plate.vtu")
-    ...     write_vtu(path, as_meshio(points, np.arange(8)[None], fields))
-    ...     meshio.read(path).point_data["displacement"][4].tolist()
-    [0.0, 0.0, -0.001]
-    """
+    """Write a mesh to a compressed binary VTK file, whole or not at all."""
     import meshio
 
     with replacing(path) as beside:
@@ -89,19 +55,7 @@ def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh) -> None:
 def displacement_vector(deflection: ArrayLike) -> NDArray[np.float64]:
     """Turn deflections, positive down, into vectors of a space whose z points up.
 
-    Parameters
-    ----------
-    deflection : array_like, shape (n,)
-
-    Returns
-    -------
-    ndarray, shape (n, 3)
-        ``(0, 0, -w)``: ParaView's *Warp By Vector* then moves the plate down where it goes down.
-
-    Examples
-    --------
-    >>> displacement_vector([2.0, -1.0]).tolist()
-    [[0.0, 0.0, -2.0], [0.0, 0.0, 1.0]]
+    ``(0, 0, -w)``: ParaView's *Warp By Vector* then moves the plate down where it goes down.
     """
     down = np.asarray(deflection, dtype=float)
     vectors = np.zeros((len(down), 3))

@@ -1,8 +1,10 @@
-"""Nodes, elements and named edges from cells as meshio has them."""
+"""Nodes with their numbers, elements and named edges from cells as meshio has them."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,13 +43,7 @@ _KNOWN = ("vertex", "line", "line3", *_NODES)
 
 
 def arrays_of(data: meshio.Mesh) -> tuple[Floats, Ints, dict[str, Ints]]:
-    """Points (n, 2), elements (ne, 8) and edges as `signorini.mesh.Mesh` takes them.
-
-    Raises
-    ------
-    InputError
-        If the mesh is not plane, holds other cells than a plate may have, or names what is no side of them.
-    """
+    """Points (n, 2), elements (ne, 8) and edges as `signorini.mesh.Mesh` takes them."""
     elements = _elements(data)
     points = _plane(np.asarray(data.points, dtype=np.float64), elements)
     number, first = _merged(points, elements)
@@ -188,3 +184,79 @@ def _edges_of_nodes(data: meshio.Mesh, number: Ints, outline: Ints) -> dict[str,
         if len(triples):
             edges[name] = triples
     return edges
+
+
+_BY_POSITION = (".vtu", ".vtk")
+
+
+def node_numbers(path: Path, count: int) -> Ints:
+    """Numbers (n,) of so many nodes, in the order of the file, which meshio has read already.
+
+    The file is of Gmsh (.msh, as text), Abaqus (.inp) or VTK (.vtu, .vtk). The first two number their nodes; of VTK the
+    first has 0, as ParaView shows it.
+    """
+    match path.suffix.lower():
+        case suffix if suffix in _BY_POSITION:
+            return np.arange(count)
+        case ".inp":
+            result = _abaqus(path)
+        case ".msh":
+            result = _gmsh(path)
+        case suffix:
+            raise InputError(
+                f"Nodes by number are found in files .msh, .inp, .vtu and .vtk, not in {suffix}. Give points with at, "
+                "or write the mesh in one of these formats."
+            )
+    if len(result) != count:
+        raise InputError(f"The mesh file numbers {len(result)} of its {count} nodes; every node needs a number.")
+    return result
+
+
+def node_blocks(path: Path) -> int:
+    """How many headings *NODE a file of Abaqus has."""
+    return sum(map(_heads_nodes, _lines(path)))
+
+
+def _heads_nodes(line: str) -> bool:
+    return line.partition(",")[0].strip().upper() == "*NODE"
+
+
+def _abaqus(path: Path) -> Ints:
+    """Numbers under the headings *NODE."""
+    result, reading = [], False
+    for line in _lines(path):
+        if line.startswith("*"):
+            reading = _heads_nodes(line)
+        elif reading and line:
+            result.append(int(line.partition(",")[0]))
+    return np.array(result, dtype=np.int64)
+
+
+def _gmsh(path: Path) -> Ints:
+    lines = _lines(path)
+    version = ""
+    for line in lines:
+        if line == "$MeshFormat":
+            version, binary = next(lines).split()[:2]
+            if binary == "1":
+                raise InputError(
+                    "Nodes by number are found in files of Gmsh that are text; this one is binary. Write it with "
+                    "Mesh.Binary = 0, or give points with at."
+                )
+        elif line == "$Nodes":
+            break
+    first = next(lines).split()
+    if not version.startswith("4"):
+        return np.array([int(next(lines).split()[0]) for _ in range(int(first[0]))], dtype=np.int64)
+    result: list[int] = []
+    for _ in range(int(first[0])):
+        size = int(next(lines).split()[-1])
+        result += [int(next(lines)) for _ in range(size)]
+        for _ in range(size):
+            next(lines)
+    return np.array(result, dtype=np.int64)
+
+
+def _lines(path: Path) -> Iterator[str]:
+    with path.open(encoding="utf-8", errors="replace") as file:
+        yield from (line.strip() for line in file)

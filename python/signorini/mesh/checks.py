@@ -7,18 +7,7 @@ import numpy.typing as npt
 
 from signorini.base.components import components
 from signorini.errors import InputError, point
-from signorini.mesh.boxtree import BoxTree
-from signorini.mesh.isoparametric import (
-    CORNERS,
-    SIDES,
-    TRIANGLE_CORNERS,
-    are_triangles,
-    bounds,
-    determinants,
-    folded,
-    real_sides,
-    side_boxes,
-)
+from signorini.mesh import isoparametric as maps
 from signorini.mesh.sides import onto
 
 Floats = npt.NDArray[np.float64]
@@ -27,8 +16,8 @@ Ints = npt.NDArray[np.int64]
 
 _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])
-_STATIONS = np.vstack([CORNERS, _GAUSS])
-_TRIANGLE_STATIONS = np.vstack([TRIANGLE_CORNERS, folded(_GAUSS)])
+_STATIONS = np.vstack([maps.CORNERS, _GAUSS])
+_TRIANGLE_STATIONS = np.vstack([maps.TRIANGLE_CORNERS, maps.folded(_GAUSS)])
 _COINCIDENT = 1e-9
 _STRAIGHT = 1e-9
 """Rise of a side over its chord below which it is straight."""
@@ -62,7 +51,7 @@ def check_numbers(points: Floats, elements: Ints) -> None:
                          f"{elements.min()} to {elements.max()}.")  # fmt: skip
     ordered = np.sort(elements, axis=1)
     repeats = (ordered[:, 1:] == ordered[:, :-1]).sum(axis=1)
-    repeated = repeats != np.where(are_triangles(elements) & (elements[:, 2] == elements[:, 6]), 2, 0)
+    repeated = repeats != np.where(maps.are_triangles(elements) & (elements[:, 2] == elements[:, 6]), 2, 0)
     if repeated.any():
         raise InputError(
             f"{name_element(points, elements, int(np.argmax(repeated)))} uses a node twice; "
@@ -77,11 +66,11 @@ def check_numbers(points: Floats, elements: Ints) -> None:
 
 def check_jacobians(points: Floats, elements: Ints) -> None:
     """Check that every element is counter-clockwise and well enough shaped: a positive Jacobian."""
-    nodes, triangles = points[elements], are_triangles(elements)
+    nodes, triangles = points[elements], maps.are_triangles(elements)
     det = np.empty((len(elements), len(_STATIONS)))
     for kind, stations in ((False, _STATIONS), (True, _TRIANGLE_STATIONS)):
-        det[triangles == kind] = determinants(nodes[triangles == kind], stations, kind)
-    lower, upper = bounds(np.moveaxis(nodes, 1, 0))
+        det[triangles == kind] = maps.determinants(nodes[triangles == kind], stations, kind)
+    lower, upper = maps.bounds(np.moveaxis(nodes, 1, 0))
     extent = upper - lower
     bad = ~(det > 1e-10 * (extent[:, 0] * extent[:, 1])[:, None])
     if bad.any():
@@ -99,7 +88,7 @@ def check_sides(points: Floats, elements: Ints) -> None:
     """Check that elements meet along whole sides."""
     corner = np.zeros(len(points), dtype=bool)
     corner[elements[:, :4]] = True
-    real = real_sides(elements)
+    real = maps.real_sides(elements)
     at_corner = corner[elements[:, 4:]] & real
     hanging = at_corner.any(axis=1)
     if hanging.any():
@@ -109,7 +98,7 @@ def check_sides(points: Floats, elements: Ints) -> None:
             f"{name_element(points, elements, index)} has a hanging node: its midside {_name_node(points, node)} is a "
             "corner of another element. Elements must meet along whole sides."
         )
-    sides = elements[:, np.array(SIDES)][real]
+    sides = elements[:, np.array(maps.SIDES)][real]
     sides = sides[np.argsort(sides[:, 1], kind="stable")]
     same = sides[1:, 1] == sides[:-1, 1]
     thrice = np.append(False, same[1:] & same[:-1])
@@ -129,9 +118,9 @@ def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
     """Check that no boundary node lies on a boundary side it does not belong to: elements there only seem to meet."""
     sides = points[boundary]
     tolerance = _COINCIDENT * float(np.ptp(points, axis=0).max())
-    boxes = side_boxes(sides) + tolerance * np.array([-1.0, -1.0, 1.0, 1.0])
+    boxes = maps.side_boxes(sides) + tolerance * np.array([-1.0, -1.0, 1.0, 1.0])
     nodes = np.unique(boundary)
-    node, side = BoxTree.build(boxes).pairs(points[nodes])
+    node, side = maps.BoxTree.build(boxes).pairs(points[nodes])
     node = nodes[node]
     other = (boundary[side] != node[:, None]).all(axis=1)
     node, side = node[other], side[other]
@@ -153,7 +142,7 @@ def check_overlap(points: Floats, boundary: Ints) -> None:
     it, and a boundary of one piece that crosses itself nowhere winds around no point twice.
     """
     sides = points[boundary]
-    one, other = _near_each_other(side_boxes(sides))
+    one, other = _near_each_other(maps.side_boxes(sides))
     apart = (boundary[one][:, :, None] != boundary[other][:, None, :]).all(axis=(1, 2))
     one, other = one[apart], other[apart]
     a, middle, b = np.moveaxis(sides, 1, 0)
@@ -204,7 +193,7 @@ def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
 
 def check_one_piece(points: Floats, elements: Ints) -> None:
     """Check that every element can be reached from every other through sides."""
-    of, side = np.nonzero(real_sides(elements))
+    of, side = np.nonzero(maps.real_sides(elements))
     midsides = elements[of, 4 + side]
     order = np.argsort(midsides, kind="stable")
     shared = np.flatnonzero(np.diff(midsides[order]) == 0)
@@ -235,7 +224,7 @@ def check_edge(name: str, triples: Ints, sides: Ints) -> None:
 
 def on_boundary(elements: Ints) -> Bools:
     """Tell which sides (ne, 4) of elements (ne, 8) belong to one element only."""
-    midsides, real = elements[:, 4:], real_sides(elements)
+    midsides, real = elements[:, 4:], maps.real_sides(elements)
     return np.asarray((np.bincount(midsides[real], minlength=int(elements.max()) + 1)[midsides] == 1) & real)
 
 

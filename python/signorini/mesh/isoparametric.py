@@ -6,6 +6,7 @@ A triangle has the eight nodes [a, b, c, c, ab, bc, c, ca] and reference points 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import reduce
 from typing import Final
 
@@ -30,13 +31,7 @@ _SAMPLES = np.stack(np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 5)], indexing="ij")
 
 
 def are_triangles(elements: Ints) -> Bools:
-    """Tell which elements (ne, 8) are triangles (ne,): their third corner comes twice.
-
-    Examples
-    --------
-    >>> are_triangles(np.array([[0, 1, 2, 3, 4, 5, 6, 7], [1, 8, 2, 2, 9, 10, 2, 5]]))
-    array([False,  True])
-    """
+    """Tell which elements (ne, 8) are triangles (ne,): their third corner comes twice."""
     return np.asarray(elements[:, 2] == elements[:, 3])
 
 
@@ -46,14 +41,7 @@ def real_sides(elements: Ints) -> Bools:
 
 
 def shape_functions(triangles: Bools, xi: Floats) -> tuple[Floats, Floats]:
-    """Values (q, 8) and reference gradients (q, 8, 2) at reference points (q, 2), of triangles (q,) or quadrilaterals.
-
-    Examples
-    --------
-    >>> values, _ = shape_functions(np.array([True, False]), np.zeros((2, 2)))
-    >>> values.sum(axis=1).tolist(), values[0].tolist()
-    ([1.0, 1.0], [1.0, -0.0, -0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    """
+    """Values (q, 8) and reference gradients (q, 8, 2) at reference points (q, 2) of triangles or quadrilaterals."""
     if not triangles.any():
         return serendipity(xi)
     if triangles.all():
@@ -64,13 +52,7 @@ def shape_functions(triangles: Bools, xi: Floats) -> tuple[Floats, Floats]:
 
 
 def folded(xi: Floats) -> Floats:
-    """Take points (s, 2) spread over the reference square to points spread as evenly over the triangle.
-
-    Examples
-    --------
-    >>> folded(np.array([[0.0, -1.0], [1.0, 0.0]])).tolist()
-    [[0.5, 0.0], [0.0, 0.5]]
-    """
+    """Take points (s, 2) spread over the reference square to points spread as evenly over the triangle."""
     part = 0.5 * (xi + 1.0)
     return np.asarray(np.where(part.sum(axis=1, keepdims=True) > 1.0, 1.0 - part, part))
 
@@ -80,15 +62,7 @@ def _collapsed(nodes: Floats) -> Bools:
 
 
 def jacobians(nodes: Floats, xi: Floats) -> Floats:
-    """Differentiate the position (first index of 2, 2) by the reference coordinates (second index) at points (q, 2).
-
-    Examples
-    --------
-    >>> square = np.array([[0, 0], [4, 0], [4, 2], [0, 2], [2, 0], [4, 1], [2, 2], [0, 1]], float)
-    >>> jacobians(square[None], np.array([[0.5, 0.0]]))[0]
-    array([[2., 0.],
-           [0., 1.]])
-    """
+    """Differentiate the position (first index of 2, 2) by the reference coordinates (second index) at points (q, 2)."""
     return np.asarray(np.einsum("qnd,qna->qda", nodes, shape_functions(_collapsed(nodes), xi)[1]))
 
 
@@ -106,27 +80,9 @@ def determinants(nodes: Floats, xi: Floats, triangles: bool = False) -> Floats:
 def invert(nodes: Floats, points: Floats) -> tuple[Floats, Bools]:
     """Find the reference points of positions, by Newton's method.
 
-    Parameters
-    ----------
-    nodes : (q, 8, 2) float array
-        Nodes of the element each point is looked for in.
-    points : (q, 2) float array
-        Positions.
-
-    Returns
-    -------
-    xi : (q, 2) float array
-        Reference points; coordinates within 1e-10 of −1, 0 or 1, of triangles of 0, ½ or 1, are these numbers, so that
-        shape functions at nodes are exactly 0 and 1.
-    found : (q,) bool array
-        Whether the point was reached. Points farther out than 1.5 in reference coordinates are not.
-
-    Examples
-    --------
-    >>> square = np.array([[0, 0], [4, 0], [4, 2], [0, 2], [2, 0], [4, 1], [2, 2], [0, 1]], float)
-    >>> xi, result = invert(square[None], np.array([[3.0, 2.0]]))
-    >>> xi, result
-    (array([[0.5, 1. ]]), array([ True]))
+    Each point (q, 2) is looked for in the element with its nodes (q, 8, 2). Reference coordinates within 1e-10 of −1, 0
+    or 1, of triangles of 0, ½ or 1, are these numbers, so that shape functions at nodes are exactly 0 and 1. The second
+    array says which points were reached: none farther out than 1.5 in reference coordinates.
     """
     origin = nodes.mean(axis=1)
     local, target = nodes - origin[:, None], points - origin
@@ -151,13 +107,7 @@ def side_boxes(sides: Floats) -> Floats:
 
 
 def bounds(points: Iterable[Floats]) -> tuple[Floats, Floats]:
-    """Least and largest coordinates (k, 2) of some points (k, 2) each; NumPy is slow along so short an axis.
-
-    Examples
-    --------
-    >>> bounds([np.array([[0.0, 3.0]]), np.array([[1.0, 2.0]])])
-    (array([[0., 2.]]), array([[1., 3.]]))
-    """
+    """Least and largest coordinates (k, 2) of some points (k, 2) each; NumPy is slow along so short an axis."""
     some = list(points)
     return reduce(np.minimum, some), reduce(np.maximum, some)
 
@@ -191,3 +141,62 @@ def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools
             np.abs(xi[active]).max(axis=1) < REACH
         )
     return xi, result
+
+
+_FANOUT = 4
+
+
+@dataclass(frozen=True, eq=False)
+class BoxTree:
+    """Boxes packed four to a parent along a Morton curve (Guttman 1984; Kamel and Faloutsos 1993).
+
+    ``order`` (n,) are the boxes in the order of the leaves; ``levels`` (n_i, 4) those of each level, leaves first, as
+    xmin, ymin, xmax, ymax.
+    """
+
+    order: Ints
+    levels: tuple[Floats, ...]
+
+    @classmethod
+    def build(cls, boxes: Floats) -> BoxTree:
+        """Build the tree of boxes (n, 4), n ≥ 1, given as xmin, ymin, xmax, ymax."""
+        order = np.argsort(_morton(0.5 * (boxes[:, :2] + boxes[:, 2:])), kind="stable")
+        levels = [boxes[order]]
+        while len(levels[-1]) > _FANOUT:
+            below = levels[-1]
+            starts = np.arange(0, len(below), _FANOUT)
+            lower = np.minimum.reduceat(below[:, :2], starts)
+            upper = np.maximum.reduceat(below[:, 2:], starts)
+            levels.append(np.hstack([lower, upper]))
+        return cls(order, tuple(levels))
+
+    def pairs(self, points: Floats) -> tuple[Ints, Ints]:
+        """Find indices of points (q, 2) and of the boxes that contain them, by point and then box."""
+        top = len(self.levels[-1])
+        point = np.repeat(np.arange(len(points)), top)
+        box = np.tile(np.arange(top), len(points))
+        for i in range(len(self.levels) - 1, -1, -1):
+            p, b = points[point], self.levels[i][box]
+            inside = (p[:, 0] >= b[:, 0]) & (p[:, 1] >= b[:, 1]) & (p[:, 0] <= b[:, 2]) & (p[:, 1] <= b[:, 3])
+            point, box = point[inside], box[inside]
+            if i:
+                point = np.repeat(point, _FANOUT)
+                box = (box[:, None] * _FANOUT + np.arange(_FANOUT)).ravel()
+                present = box < len(self.levels[i - 1])
+                point, box = point[present], box[present]
+        box = self.order[box]
+        by_point = np.lexsort((box, point))
+        return point[by_point], box[by_point]
+
+
+def _morton(centres: Floats) -> Ints:
+    """Morton codes of the ranks of the coordinates, so that graded meshes are packed as well as even ones."""
+    bits = 16
+    code = np.zeros(len(centres), dtype=np.int64)
+    for axis in range(2):
+        rank = np.empty(len(centres), dtype=np.int64)
+        rank[np.argsort(centres[:, axis], kind="stable")] = np.arange(len(centres))
+        cell = rank * (1 << bits) // len(centres)
+        for bit in range(bits):
+            code |= ((cell >> bit) & 1) << (2 * bit + axis)
+    return code

@@ -16,26 +16,10 @@ from signorini.base.brief import Brief
 from signorini.base.remade import Remade
 from signorini.errors import InputError
 from signorini.mesh import checks as mesh_checks
-from signorini.mesh.boxtree import BoxTree
-from signorini.mesh.curves import edges_on_polyline, edges_on_ring, sides_mostly_on
-from signorini.mesh.holes import holes
-from signorini.mesh.isoparametric import (
-    CENTROID,
-    CORNERS,
-    SIDES,
-    TRIANGLE_CORNERS,
-    are_triangles,
-    bounds,
-    determinants,
-    folded,
-    invert,
-    jacobians,
-    real_sides,
-    side_boxes,
-)
+from signorini.mesh import isoparametric as maps
+from signorini.mesh.sides import edges_on_polyline, edges_on_ring, holes, sides_mostly_on
 from signorini.shapes import Curve, Ring
-from signorini.shapes.hull import diameter
-from signorini.shapes.tolerances import Tolerances
+from signorini.shapes.extent import Tolerances, diameter
 
 if TYPE_CHECKING:
     import meshio  # type: ignore[import-untyped]
@@ -127,23 +111,9 @@ class Mesh(Remade):
         """Take the mesh that meshio has read or that was made for it.
 
         Coincident nodes (within 1e-9 of the size) are merged, clockwise elements turned, the centre nodes of 9-node
-        quadrilaterals and unused nodes dropped.
-
-        Parameters
-        ----------
-        data : meshio.Mesh
-            8- or 9-node quadrilaterals, 6-node triangles, or both, in a plane of one z.
-
-        Returns
-        -------
-        Mesh
-            The edge ``boundary`` is the whole outline. Further edges come from named groups of 3-node lines, and from
-            named groups of nodes that hold whole sides of the outline.
-
-        Raises
-        ------
-        InputError
-            If it is not plane, or holds other cells; and as the class does.
+        quadrilaterals and unused nodes dropped. It holds 8- or 9-node quadrilaterals, 6-node triangles, or both, in a
+        plane of one z. The edge ``boundary`` is the whole outline. Further edges come from named groups of 3-node
+        lines, and from named groups of nodes that hold whole sides of the outline.
 
         Examples
         --------
@@ -200,7 +170,7 @@ class Mesh(Remade):
     @cached_property
     def triangles(self) -> Bools:
         """Which elements (ne,) are triangles."""
-        return are_triangles(self.elements)
+        return maps.are_triangles(self.elements)
 
     @cached_property
     def sides(self) -> Ints:
@@ -208,12 +178,12 @@ class Mesh(Remade):
 
         The third of a triangle is its third corner, three times.
         """
-        return np.asarray(self.elements[:, np.array(SIDES)])
+        return np.asarray(self.elements[:, np.array(maps.SIDES)])
 
     @cached_property
     def unique_sides(self) -> Ints:
         """Node triples (k, 3) of every side once."""
-        sides = self.sides[real_sides(self.elements)]
+        sides = self.sides[maps.real_sides(self.elements)]
         return np.asarray(sides[np.unique(sides[:, 1], return_index=True)[1]])
 
     @property
@@ -241,9 +211,9 @@ class Mesh(Remade):
     def element_area(self) -> Floats:
         """Area (ne,) of every element."""
         area = np.empty(len(self.elements))
-        of_squares = determinants(self.nodes[~self.triangles], _GAUSS) @ _GAUSS_WEIGHTS
+        of_squares = maps.determinants(self.nodes[~self.triangles], _GAUSS) @ _GAUSS_WEIGHTS
         area[~self.triangles] = of_squares
-        area[self.triangles] = 0.5 * determinants(self.nodes[self.triangles], _TRIANGLE, True).mean(axis=1)
+        area[self.triangles] = 0.5 * maps.determinants(self.nodes[self.triangles], _TRIANGLE, True).mean(axis=1)
         return area
 
     def part(self, elements: Ints) -> Mesh:
@@ -257,7 +227,7 @@ class Mesh(Remade):
     def corners_of_sides(self, elements: Ints, sides: Ints) -> tuple[Floats, Floats]:
         """Give the reference points (q, 2) at which sides (q,) of elements (q,) begin and end."""
         triangles = self.triangles[elements, None]
-        begin, end = ((TRIANGLE_CORNERS[at], CORNERS[at]) for at in (sides, (sides + 1) % 4))
+        begin, end = ((maps.TRIANGLE_CORNERS[at], maps.CORNERS[at]) for at in (sides, (sides + 1) % 4))
         return np.where(triangles, *begin), np.where(triangles, *end)
 
     def spread(self, elements: Ints, stations: Floats, part: float = 1.0) -> Floats:
@@ -268,13 +238,13 @@ class Mesh(Remade):
         places = np.empty((len(elements), len(stations), 2))
         triangles = self.triangles[elements]
         places[~triangles] = serendipity(part * stations)[0] @ self.nodes[elements[~triangles]]
-        within = CENTROID + part * (folded(stations) - CENTROID)
+        within = maps.CENTROID + part * (maps.folded(stations) - maps.CENTROID)
         places[triangles] = triangular(within)[0] @ self.nodes[elements[triangles]]
         return places
 
     def inward(self, elements: Ints, xi: Floats, part: float) -> Floats:
         """Move reference points (q, 2) of elements (q,) to a part of their distance from the element's middle."""
-        middle = self.triangles[elements, None] * CENTROID
+        middle = self.triangles[elements, None] * maps.CENTROID
         return np.asarray(middle + part * (xi - middle))
 
     def map(self, elements: Ints, xi: Floats) -> Floats:
@@ -287,17 +257,11 @@ class Mesh(Remade):
 
     def jacobian(self, elements: Ints, xi: Floats) -> Floats:
         """Differentiate the position by the reference coordinates: (q, 2, 2), position first."""
-        return jacobians(self.nodes[elements], xi)
+        return maps.jacobians(self.nodes[elements], xi)
 
     def invert(self, elements: Ints, points: Floats) -> Floats:
-        """Find the reference points (q, 2) of positions (q, 2) that are known to be in, or just outside, elements (q,).
-
-        Raises
-        ------
-        InputError
-            If an element is too distorted to find them.
-        """
-        xi, result = invert(self.nodes[elements], points)
+        """Find the reference points (q, 2) of positions (q, 2) known to be in, or just outside, elements (q,)."""
+        xi, result = maps.invert(self.nodes[elements], points)
         if not result.all():
             place = mesh_checks.name_element(self.points, self.elements, int(elements[np.argmin(result)]))
             raise InputError(f"{place} is so distorted that points in it cannot be mapped; improve its shape.")
@@ -306,17 +270,9 @@ class Mesh(Remade):
     def locate(self, points: Floats) -> Location:
         """Find the elements that points are in.
 
-        Parameters
-        ----------
-        points : (q, 2) float array
-            Positions. A point on a side or node belongs to the first of the elements that share it. One at most 2e-2
-            in reference coordinates past a curved convex boundary edge counts as inside (a point of the true circle
-            lies past the edge's parabola) and keeps its reference coordinate beyond 1.
-
-        Returns
-        -------
-        Location
-            Elements and reference points.
+        A point on a side or node belongs to the first of the elements that share it. One at most 2e-2 in reference
+        coordinates past a curved convex boundary edge counts as inside (a point of the true circle lies past the edge's
+        parabola) and keeps its reference coordinate beyond 1.
         """
         points = np.asarray(points, dtype=np.float64)
         point, held = self.holding(points)
@@ -330,7 +286,7 @@ class Mesh(Remade):
     def holding(self, points: Floats) -> tuple[Ints, Location]:
         """Find every element that points (q, 2) are in, as `locate` does: the points' numbers (k,), and where."""
         point, element = self._tree.pairs(points)
-        xi, result = invert(self.nodes[element], points[point])
+        xi, result = maps.invert(self.nodes[element], points[point])
         past = self.past(element, xi)
         inside = result & (past <= self._reach[element]).all(axis=1)
         point, element, xi, past = point[inside], element[inside], xi[inside], past[inside]
@@ -394,16 +350,9 @@ class Mesh(Remade):
     def edges_along(self, curve: Curve) -> Ints | None:
         """Find the sides that together cover a curve.
 
-        Parameters
-        ----------
-        curve : Polyline or Ring
-            Of a ring that leaves the plate, the part on the plate has to be covered.
-
-        Returns
-        -------
-        (k, 3) int array or None
-            Node triples in the order and direction of the curve (a ring counter-clockwise), with all nodes on it within
-            1e-8 of the mesh's diameter; None if the mesh does not follow the curve.
+        They are node triples (k, 3) in the order and direction of the curve (a ring counter-clockwise), with all nodes
+        on it within 1e-8 of the mesh's diameter; None if the mesh does not follow the curve. Of a ring that leaves the
+        plate, the part on the plate has to be covered.
         """
         triples, tolerance = self.unique_sides, self.near.place
         if not isinstance(curve, Ring):
@@ -461,18 +410,25 @@ class Mesh(Remade):
     @cached_property
     def _rounding(self) -> Floats:
         """Tolerance (ne,) in reference coordinates for points on a side."""
-        lower, upper = bounds(np.moveaxis(self.nodes, 1, 0))
+        lower, upper = maps.bounds(np.moveaxis(self.nodes, 1, 0))
         extent = (upper - lower).min(axis=1)
         return np.asarray(_ON_EDGE + 32.0 * np.finfo(float).eps * np.abs(self.points).max() / extent)
 
     @cached_property
+    def _chords(self) -> Floats:
+        """From corner to corner (ne, 4, 2) of every side."""
+        return np.asarray(self.points[self.sides[..., 2]] - self.points[self.sides[..., 0]])
+
+    @cached_property
+    def _lengths(self) -> Floats:
+        """Lengths (ne, 4) of the chords; 1 of what is no side of a triangle."""
+        return np.where(maps.real_sides(self.elements), np.hypot(*np.moveaxis(self._chords, 2, 0)), 1.0)
+
+    @cached_property
     def sagitta(self) -> Floats:
         """How far (ne, 4) the midside nodes lie outside the chord of their side; negative inside."""
-        a, middle, b = np.moveaxis(self.points[self.sides], 2, 0)
-        chord = b - a
-        offset = middle - a
-        length = np.where(real_sides(self.elements), np.hypot(chord[..., 0], chord[..., 1]), 1.0)
-        return np.asarray((chord[..., 1] * offset[..., 0] - chord[..., 0] * offset[..., 1]) / length)
+        chord, offset = self._chords, self.points[self.sides[..., 1]] - self.points[self.sides[..., 0]]
+        return np.asarray((chord[..., 1] * offset[..., 0] - chord[..., 0] * offset[..., 1]) / self._lengths)
 
     def round_outline_area(self, box: tuple[float, float, float, float]) -> float:
         """Bound the area between curved boundary edges in a box x0, y0, x1, y1 and the circles they stand for."""
@@ -484,22 +440,18 @@ class Mesh(Remade):
     def _round_outline(self) -> tuple[Floats, Floats]:
         """Boxes (k, 4) of the curved boundary edges, circles included, and the areas (k,) between these and them."""
         curved = self.on_boundary & self._curved
-        sides, rise = self.points[self.sides[curved]], np.abs(self.sagitta[curved])
-        chord = np.hypot(*(sides[:, 2] - sides[:, 0]).T)
+        sides, rise, chord = self.points[self.sides[curved]], np.abs(self.sagitta[curved]), self._lengths[curved]
         # Of a circle of chord c and sagitta s it is less than 0.03 c s on elements of up to 90 degrees.
-        return side_boxes(sides) + rise[:, None] * np.array([-1.0, -1.0, 1.0, 1.0]), 0.03 * chord * rise
+        return maps.side_boxes(sides) + rise[:, None] * np.array([-1.0, -1.0, 1.0, 1.0]), 0.03 * chord * rise
 
     @cached_property
     def _curved(self) -> Bools:
-        a, b = self.points[self.sides[..., 0]], self.points[self.sides[..., 2]]
-        return np.asarray(np.abs(self.sagitta) > 1e-9 * np.hypot(*np.moveaxis(b - a, 2, 0)))
+        return np.asarray(np.abs(self.sagitta) > 1e-9 * np.hypot(*np.moveaxis(self._chords, 2, 0)))
 
     @cached_property
     def _depth(self) -> Floats:
         """How deep elements are behind each side (ne, 4)."""
-        a, b = self.points[self.sides[..., 0]], self.points[self.sides[..., 2]]
-        length = np.where(real_sides(self.elements), np.hypot(*np.moveaxis(b - a, 2, 0)), 1.0)
-        return np.asarray(self.element_area[:, None] / length)
+        return np.asarray(self.element_area[:, None] / self._lengths)
 
     @cached_property
     def _reach(self) -> Floats:
@@ -511,12 +463,12 @@ class Mesh(Remade):
     @cached_property
     def boxes(self) -> Floats:
         """Boxes (ne, 4) xmin, ymin, xmax, ymax that contain the elements, curved sides included."""
-        boxes = side_boxes(self.points[self.sides].reshape(-1, 3, 2)).reshape(-1, 4, 4)
+        boxes = maps.side_boxes(self.points[self.sides].reshape(-1, 3, 2)).reshape(-1, 4, 4)
         corners = np.moveaxis(boxes.reshape(-1, 8, 2), 1, 0)
-        return np.hstack(bounds(corners))
+        return np.hstack(maps.bounds(corners))
 
     @cached_property
-    def _tree(self) -> BoxTree:
+    def _tree(self) -> maps.BoxTree:
         lower, upper = self.boxes[:, :2], self.boxes[:, 2:]
         margin = (upper - lower) * self._reach.max(axis=1)[:, None]
-        return BoxTree.build(np.hstack([lower - margin, upper + margin]))
+        return maps.BoxTree.build(np.hstack([lower - margin, upper + margin]))

@@ -1,4 +1,4 @@
-"""Meshes of rectangles, discs, annuli and their sectors."""
+"""Meshes of rectangles, discs, annuli and their sectors, of any outline, and those with every element in four."""
 
 from __future__ import annotations
 
@@ -8,14 +8,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from signorini._core import mesh_outline
 from signorini.base.memory import require_memory
 from signorini.errors import InputError
 from signorini.mesh import Mesh
-from signorini.mesh.axes import ALONG_X, Axes
-from signorini.mesh.grading import graded
-from signorini.mesh.subdivision import subdivide
-from signorini.shapes.contours import directions
-from signorini.shapes.outlines import Box, Point
+from signorini.mesh.divisions import ALONG_X, Axes, graded, subdivide
+from signorini.shapes.outlines import Box, Contour, Point, directions
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -23,7 +21,6 @@ Ints = npt.NDArray[np.int64]
 Refined = tuple[Box, float]
 
 _SAME = 1e-9
-SECTORS = (90, 180, 360)
 _ROUNDNESS = 0.3
 
 
@@ -40,33 +37,10 @@ def rectangle(
 ) -> Mesh:
     """Mesh a rectangle along the axes.
 
-    Parameters
-    ----------
-    origin : (x, y)
-        Lower left corner.
-    size : (width, height)
-        Lengths of the sides.
-    divisions : (int, int)
-        Elements along x and along y; the numbers are kept.
-    x_lines, y_lines : sequence of float
-        Coordinates that grid lines should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
-    refined : sequence of (box, size)
-        Boxes (x0, y0, x1, y1) in which elements are smaller, and how small; one that reaches from side to side asks
-        for it across alone. Then there are more elements than the divisions say (`signorini.mesh.grading.graded`).
-    x_lesser, y_lesser : sequence of float
-        Coordinates that give way to `x_lines` and `y_lines`.
-    axes : Axes
-        From where they begin, pieces between lines that are alike get their elements (`signorini.mesh.axes.axes_of`).
-
-    Returns
-    -------
-    Mesh
-        With edges left, right, bottom and top.
-
-    Raises
-    ------
-    InputError
-        If a length or a number of divisions is not positive.
+    The numbers of divisions along x and y are kept. Grid lines follow `x_lines` and `y_lines`, to which the lesser ones
+    give way, where `subdivide` can. In boxes (x0, y0, x1, y1) of ``refined`` elements are of a size of their own; one
+    that reaches from side to side asks for it across alone. Then there are more elements than the divisions say
+    (`graded`). Pieces between lines that are alike get their elements from where the axes begin (`axes_of`).
 
     Examples
     --------
@@ -74,8 +48,6 @@ def rectangle(
     >>> mesh.node_count, len(mesh.elements), sorted(mesh.edges)
     (37, 8, ['bottom', 'left', 'right', 'top'])
     """
-    _require_positive("The rectangle's size", size)
-    _require_divisions(divisions, ("x", "y"))
     x = _with_middles(_joints(0, origin, size, divisions, (x_lines, x_lesser), refined, axes))
     y = _with_middles(_joints(1, origin, size, divisions, (y_lines, y_lesser), refined, axes))
     require_memory(len(x) // 2 * (len(y) // 2), ("mesh",))
@@ -135,28 +107,9 @@ def annulus(
 ) -> Mesh:
     """Mesh the space between two circles, or a sector of it counted from the x axis.
 
-    Parameters
-    ----------
-    center : (x, y)
-        Centre of both circles.
-    inner, outer : float
-        Their radii.
-    divisions : (int, int)
-        Elements along a radius and along the circumference; the numbers are kept.
-    sector : float
-        Degrees, up to 360.
-    radii : sequence of float
-        Radii of circles that the mesh should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
-
-    Returns
-    -------
-    Mesh
-        With edges inner and outer, and of a sector start (at angle 0) and end. Nodes on circles are on them exactly.
-
-    Raises
-    ------
-    InputError
-        If the radii do not bound a ring, or there is less than one element to a quarter of the circumference.
+    The numbers of elements along a radius and along the circumference are kept. Circles of the radii are followed where
+    `subdivide` can. Its edges are inner and outer, of a sector start (at angle 0) and end too. Nodes on circles are on
+    them exactly.
 
     Examples
     --------
@@ -164,17 +117,7 @@ def annulus(
     >>> len(mesh.elements), sorted(mesh.edges)
     (24, ['inner', 'outer'])
     """
-    _require_positive("The annulus's radii", (inner, outer))
-    if not inner < outer:
-        raise InputError(f"An annulus's inner radius must be less than the outer one; found {inner:g} and {outer:g}.")
-    _require_divisions(divisions, ("the radius", "the circumference"))
-    if not 0.0 < sector <= 360.0:
-        raise InputError(f"A sector has up to 360 degrees; found {sector:g}.")
     radial, around = divisions
-    if around < sector / 90.0:
-        raise InputError(
-            f"Along the circumference there must be at least {math.ceil(sector / 90.0)} elements; found {around}."
-        )
     closed = sector == 360.0
     radius = _with_middles(subdivide(inner, outer, radial, radii))
     degrees = np.linspace(0.0, sector, 2 * around + 1)
@@ -198,31 +141,11 @@ def disc(
 ) -> Mesh:
     """Mesh a disc, or a sector of it counted from the x axis, with a square core inside rings.
 
-    Parameters
-    ----------
-    center : (x, y)
-        Centre.
-    radius : float
-        Radius of the rim.
-    divisions : (int, int)
-        Elements along a radius, those of the core included, and along the circumference. The circumference takes the
-        next multiple of 4 (of 2 for a quarter). The core of a disc with 4m elements around has m × m of them; of a half
-        disc with 4m, 2m × m; of a quarter with 2m, m × m. A radius takes at least those of the core and a quarter as
-        many again, over which the core's outline turns into a circle, and one for each of `radii`.
-    sector : 360, 180 or 90
-        Degrees.
-    radii : sequence of float
-        Radii of circles that the mesh should have; see `signorini.mesh.subdivision.subdivide` for which are followed.
-
-    Returns
-    -------
-    Mesh
-        With the edge rim, and of a sector start (at angle 0) and end. Nodes on circles are on them exactly.
-
-    Raises
-    ------
-    InputError
-        If the radius or a number of divisions is not positive.
+    Divisions are elements along a radius, those of the core included, and along the circumference. The circumference
+    takes the next multiple of 4 (of 2 for a quarter). The core of a disc with 4m elements around has m × m of them; of
+    a half disc with 4m, 2m × m; of a quarter with 2m, m × m. A radius takes at least those of the core and a quarter as
+    many again, over which the core's outline turns into a circle, and one for each of `radii`. Its edges are the rim,
+    of a sector start (at angle 0) and end too. Nodes on circles are on them exactly.
 
     Examples
     --------
@@ -230,9 +153,7 @@ def disc(
     >>> len(mesh.elements), sorted(mesh.edges)
     (48, ['rim'])
     """
-    _require_positive("The disc's radius", (radius,))
-    _require_divisions(divisions, ("the radius", "the circumference"))
-    quarters = _quarters(sector)
+    quarters = int(sector) // 90
     cells = -(-divisions[1] // (2 if quarters == 1 else 4))
     depth = -(-cells // 2) if quarters == 4 else cells
     turning = -(-depth // 4)
@@ -343,20 +264,138 @@ def _mesh(points: Floats, elements: Ints, edges: Mapping[str, Ints]) -> Mesh:
     return Mesh(points[used], number[elements], {name: number[triples] for name, triples in edges.items()})
 
 
-def _require_positive(what: str, numbers: Sequence[float]) -> None:
-    if not all(math.isfinite(number) and number > 0.0 for number in numbers):
-        raise InputError(f"{what} must be positive; found {', '.join(f'{number:g}' for number in numbers)}.")
+MOST = 10_000_000
+"""Elements above which no outline is meshed; what is prepared for so many might not fit into memory."""
 
 
-def _require_divisions(divisions: Sequence[int], along: tuple[str, str]) -> None:
-    if len(divisions) != 2 or min(divisions) < 1:
-        raise InputError(
-            f"Divisions are two positive numbers of elements, along {along[0]} and along {along[1]}; "
-            f"found {list(divisions)}."
+class OutlineError(InputError):
+    """An outline of which there is no mesh; ``contour`` and ``side`` say where, None where it is no one side."""
+
+    def __init__(self, message: str, contour: int | None = None, side: int | None = None) -> None:
+        super().__init__(message)
+        self.contour, self.side = contour, side
+
+
+def outlined(
+    contours: Sequence[Contour],
+    size: float,
+    refinements: Floats | None = None,
+    lines: Sequence[tuple[Floats, bool]] = (),
+    points: Floats | None = None,
+    most: int = MOST,
+    axes: Axes = ALONG_X,
+) -> Mesh:
+    """Mesh what lies within a contour and outside the holes in it.
+
+    The outline comes first among the contours, and ``size`` is the largest side of an element, were they all squares.
+    Its edges are those that the contours name; nodes on arcs are on them. Units, place and the order of corners, holes
+    and lines of a group make no difference along the same axes (`axes_of`).
+
+    Parameters
+    ----------
+    refinements : (r, 5) float array
+        Straight pieces with smaller elements: x, y to x, y, and the size there. From there sizes grow by a quarter of
+        the distance.
+    lines : sequence of (float array, bool)
+        Groups of lines for sides of elements to follow, those that matter most first: straight pieces (l, 4), x, y to
+        x, y, or arcs (a, 6) from x, y through x, y to x, y, with all nodes on them. They are followed but where they
+        leave the plate, and not if they come nearer to the outline or to earlier ones than about half an element: or
+        the parts that do not, if the group is followed in part.
+    points : (p, 2) float array
+        Points for nodes, where that is too near to nothing.
+    most : int
+        Elements at most, about.
+
+    Raises
+    ------
+    OutlineError
+        If contours cross, touch or nearly touch, a hole is outside, or the elements would be too many.
+
+    Examples
+    --------
+    >>> from signorini.shapes.outlines import circle, straight
+    >>> square = straight(((0, 0), (4, 0), (4, 4), (0, 4)), ("south", "east", "north", "west"))
+    >>> mesh = outlined([square, circle((2.0, 2.0), 1.0, "hole 1")], 0.5)
+    >>> sorted(mesh.edges), round(float(mesh.element_area.sum()), 2)
+    (['east', 'hole 1', 'north', 'south', 'west'], 12.86)
+    """
+    none = np.nan, np.nan
+    loops = [
+        (
+            np.array(contour.corners, dtype=np.float64),
+            np.array([none if m is None else m for m in contour.through], dtype=np.float64),
+            [contour.whole or name for name in contour.names],
         )
+        for contour in contours
+    ]
+    follow = [np.zeros((0, 8))]
+    for rank, (group, in_part) in enumerate(lines):
+        through = group[:, 2:4] if group.shape[1] == 6 else np.full((len(group), 2), np.nan)
+        told = np.broadcast_to([rank, in_part], (len(group), 2))
+        follow.append(np.column_stack([group[:, :2], group[:, -2:], through, told]))
+    finer, at = (np.zeros((0, k)) if given is None else given for given, k in ((refinements, 5), (points, 2)))
+    along = [list(axis) for axis in axes]
+    try:
+        nodes, elements, sides, of = mesh_outline(loops, size, finer, np.concatenate(follow), at, most, along)
+    except ValueError as error:
+        raise OutlineError(*error.args) from None
+    edges = {
+        name: sides[(of[:, 0] == ring) & np.isin(of[:, 1], own)]
+        for ring, contour in enumerate(contours)
+        for name, own in contour.edges.items()
+    }
+    return Mesh(nodes, elements, edges)
 
 
-def _quarters(sector: float) -> int:
-    if sector not in SECTORS:
-        raise InputError(f"A sector has 90, 180 or 360 degrees; found {sector:g}.")
-    return int(sector) // 90
+def divided(mesh: Mesh, times: int = 1) -> Mesh:
+    """Divide every element into four, so many times; sides keep their curves, and edges their names."""
+    return mesh if times == 0 else divided(_halved(mesh), times - 1)
+
+
+def _halved(mesh: Mesh) -> Mesh:
+    n = mesh.node_count
+    # Of every side the nodes at its quarters, once; in every quadrilateral the centre and the middles of its four
+    # joints, in every triangle those of its three.
+    sides = mesh.unique_sides
+    number = np.full(n, -1)
+    number[sides[:, 1]] = np.arange(len(sides))
+    a, m, b = mesh.points[sides].transpose(1, 0, 2)
+    quarters = np.stack([0.375 * a + 0.75 * m - 0.125 * b, -0.125 * a + 0.75 * m + 0.375 * b], axis=1)
+    squares, triangles = np.flatnonzero(~mesh.triangles), np.flatnonzero(mesh.triangles)
+    inside = np.array([[0.0, 0.0], [0.0, -0.5], [0.5, 0.0], [0.0, 0.5], [-0.5, 0.0]])
+    across = np.array([[0.25, 0.25], [0.5, 0.25], [0.25, 0.5]])
+    within = [
+        mesh.map(np.repeat(some, len(at)), np.tile(at, (len(some), 1)))
+        for some, at in ((squares, inside), (triangles, across))
+    ]
+    points = np.vstack([mesh.points, quarters.reshape(-1, 2), *within])
+    centre = n + 2 * len(sides) + 5 * np.arange(len(squares))
+    joint = n + 2 * len(sides) + 5 * len(squares) + 3 * np.arange(len(triangles))
+
+    # Quarter nodes of every element's sides, in the element's own sense.
+    first = n + 2 * number[mesh.sides[..., 1]]
+    along = sides[number[mesh.sides[..., 1]], 0] == mesh.sides[..., 0]
+    near, far = np.where(along, first, first + 1), np.where(along, first + 1, first)
+    corner, middle = mesh.elements[:, :4], mesh.elements[:, 4:]
+    parts = []
+    for i in range(4):
+        j = i - 1
+        joints = centre + 1 + i, centre + 1 + j % 4
+        own = [corner[squares, i], middle[squares, i], centre, middle[squares, j]]
+        parts.append(np.stack([*own, near[squares, i], *joints, far[squares, j]], axis=1))
+    around = [0, 1, 3]
+    middles = [middle[triangles, side] for side in around]
+    for i, side in enumerate(around):
+        a, b, c = corner[triangles, i], middles[i], middles[i - 1]
+        own = [a, b, c, c, near[triangles, side], joint + i, c, far[triangles, around[i - 1]]]
+        parts.append(np.stack(own, axis=1))
+    a, b, c = middles
+    parts.append(np.stack([a, b, c, c, joint + 1, joint + 2, c, joint], axis=1))
+    edges = {}
+    for name, triples in mesh.edges.items():
+        start = n + 2 * number[triples[:, 1]]
+        same = sides[number[triples[:, 1]], 0] == triples[:, 0]
+        one, other = np.where(same, start, start + 1), np.where(same, start + 1, start)
+        halves = np.stack([triples[:, 0], one, triples[:, 1], triples[:, 1], other, triples[:, 2]], axis=1)
+        edges[name] = halves.reshape(-1, 3)
+    return Mesh(points, np.concatenate(parts), edges)

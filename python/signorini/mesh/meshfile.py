@@ -18,7 +18,7 @@ import meshio  # type: ignore[import-untyped]
 from signorini.base.regular import open_regular
 from signorini.errors import InputError
 from signorini.mesh import Mesh
-from signorini.mesh.nodenumbers import node_blocks, node_numbers
+from signorini.mesh.cells import node_blocks, node_numbers
 
 _T = TypeVar("_T")
 
@@ -33,30 +33,8 @@ def read(path: str | Path) -> Mesh:
     """Read a mesh file.
 
     Coincident nodes (within 1e-9 of the size) are merged, clockwise elements turned, the centre nodes of 9-node
-    quadrilaterals and unused nodes dropped.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file; its extension tells the format (.msh, .vtu, .inp, .med, ...).
-
-    Returns
-    -------
-    Mesh
-        The edge ``boundary`` is the whole outline. Further edges come from named groups of 3-node lines, and from named
-        groups of nodes that hold whole sides of the outline.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, unreadable or empty, not plane, or holds other cells than 8- or 9-node quadrilaterals
-        and 6-node triangles; and as `signorini.mesh.Mesh` does.
-
-    Examples
-    --------
-    >>> read("nowhere.msh")
-    Traceback (most recent call last):
-    signorini.errors.InputError: nowhere.msh: There is no such mesh file.
+    quadrilaterals and unused nodes dropped. Its extension tells the format (.msh, .vtu, .inp, .med, ...);
+    `Mesh.from_meshio` says which edges it has.
     """
     return _read(Path(path), Mesh.from_meshio)
 
@@ -64,12 +42,8 @@ def read(path: str | Path) -> Mesh:
 def read_numbered(path: str | Path) -> tuple[Mesh, dict[int, tuple[float, float]]]:
     """Read a mesh file, and where its nodes are by the numbers that they have in it.
 
-    Merged and unused nodes are among them; see `signorini.mesh.nodenumbers` for the formats.
-
-    Raises
-    ------
-    InputError
-        As `read` does, and if the file is of a format that gives no numbers.
+    Merged and unused nodes are among them; see `signorini.mesh.cells` for the formats. Formats that give no numbers are
+    refused.
     """
     path = Path(path)
 

@@ -12,14 +12,7 @@ from signorini.mesh.mesh import Mesh
 
 @dataclass(frozen=True)
 class Quality:
-    """The smallest angle at a corner of an element, its corner, and the share of the area in quadrilaterals.
-
-    Examples
-    --------
-    >>> from signorini.mesh.meshers import rectangle
-    >>> Quality.of(rectangle((0.0, 0.0), (4.0, 2.0), (4, 2)))
-    Quality(angle=90.0, corner=(0.0, 0.0), quadrilaterals=1.0)
-    """
+    """The smallest angle at a corner of an element, its corner, and the share of the area in quadrilaterals."""
 
     angle: float
     corner: tuple[float, float]

@@ -4,27 +4,23 @@
 ``InputError``, everything at once; ``validate`` makes a ``Model`` of a mapping that was read somewhere.
 """
 
-from signorini.model.area import Area, Circle
-from signorini.model.combination import Combination, Factors
-from signorini.model.generated import Combinations
-from signorini.model.load import Load, Probe
-from signorini.model.material import Material
-from signorini.model.meshoptions import MeshOptions, Refinement
-from signorini.model.moving import Moving
-from signorini.model.output import ENVELOPED, Output
+from signorini.model.combination import Combination, Combinations, Factors
+from signorini.model.load import Load, Moving, Probe
+from signorini.model.material import Material, Zone
+from signorini.model.output import ENVELOPED, Output, Section, Strip
+from signorini.model.places import Area, Circle
 from signorini.model.plate import (
     AnnulusPlate,
     DiscPlate,
+    MeshOptions,
     MeshPlate,
     OutlinedPlate,
     PolygonPlate,
     RectanglePlate,
+    Refinement,
 )
-from signorini.model.section import Section, Strip
 from signorini.model.support import Support
-from signorini.model.validation import validate
-from signorini.model.whole import Model, Solver, Units
-from signorini.model.zone import Zone
+from signorini.model.whole import Model, Solver, Units, validate
 
 Plate = RectanglePlate | DiscPlate | AnnulusPlate | PolygonPlate | MeshPlate
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import reprlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Annotated, Any, Self
@@ -25,8 +25,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from signorini.errors import InputError, Place
 from signorini.expression import LARGEST, LEAST, Expression
-from signorini.model.problems import explained
-from signorini.model.words import as_list, describe
+from signorini.model.problems import as_list, describe, explained
 
 Complaint = tuple[Place, str]
 
@@ -59,10 +58,7 @@ class _InWords(ModelMetaclass):
 class Table(BaseModel, metaclass=_InWords):
     """A table of the input: immutable, and it refuses keys it does not know.
 
-    Raises
-    ------
-    InputError
-        Naming everything that is wrong, each with its place.
+    With wrong values it raises `InputError`, naming everything that is wrong, each with its place.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -177,7 +173,7 @@ def listed(length: int, form: str) -> Callable[[object], object]:
     return check
 
 
-def numbers_schema(length: int) -> dict[str, Any]:
+def _numbers_schema(length: int) -> dict[str, Any]:
     """JSON Schema of a list of so many numbers."""
     return {"type": "array", "items": {"type": "number"}, "minItems": length, "maxItems": length}
 
@@ -185,13 +181,12 @@ def numbers_schema(length: int) -> dict[str, Any]:
 def _points(value: object) -> object:
     """Read one point as a list of one."""
     value = as_list(value)
-    if isinstance(value, list | tuple) and not any(isinstance(as_list(item), list | tuple) for item in value):
+    if isinstance(value, list | tuple):
+        if any(isinstance(as_list(item), list | tuple) for item in value):
+            return value
         if len(value) == 2:
             return [value]
-        raise ValueError(f"found {describe(value)}; it must be a point [x, y] or a list of points.")
-    if not isinstance(value, list | tuple):
-        raise ValueError(f"found {describe(value)}; it must be a point [x, y] or a list of points.")
-    return value
+    raise ValueError(f"found {describe(value)}; it must be a point [x, y] or a list of points.")
 
 
 def _polyline(points: Any) -> object:
@@ -204,30 +199,30 @@ def _polyline(points: Any) -> object:
     return points
 
 
-def _nodes(value: object) -> object:
-    """Read one number as a list of one."""
-    value = as_list(value)
-    if isinstance(value, Integral):
-        return [value]
-    if not isinstance(value, list | tuple) or not value:
-        raise ValueError(f"found {describe(value)}; it must be the number of a node or a list of numbers.")
-    repeated = next((number for index, number in enumerate(value) if number in value[:index]), None)
-    if repeated is not None:
-        raise ValueError(f"{describe(repeated)} is listed twice.")
-    return value
+def twice(values: Sequence[object]) -> object | None:
+    """The first of some values that is there twice."""
+    return next((value for index, value in enumerate(values) if value in values[:index]), None)
 
 
-def _edges(value: object) -> object:
-    """Read one name as a list of one."""
-    value = as_list(value)
-    if isinstance(value, str):
-        return [value]
-    if not isinstance(value, list | tuple) or not value:
-        raise ValueError(f"found {describe(value)}; it must be the name of an edge or a list of names.")
-    repeated = next((name for index, name in enumerate(value) if name in value[:index]), None)
-    if repeated is not None:
-        raise ValueError(f"{describe(repeated)} is listed twice.")
-    return value
+def _several(kind: type, what: str) -> BeforeValidator:
+    """Read one of a kind as a list of one, and refuse a list that is empty or has something twice."""
+
+    def read(value: object) -> object:
+        value = as_list(value)
+        if isinstance(value, kind):
+            return [value]
+        if not isinstance(value, list | tuple) or not value:
+            raise ValueError(f"found {describe(value)}; it must be {what}.")
+        if (repeated := twice(value)) is not None:
+            raise ValueError(f"{describe(repeated)} is listed twice.")
+        return value
+
+    return BeforeValidator(read)
+
+
+def vector(length: int, form: str) -> tuple[BeforeValidator, WithJsonSchema]:
+    """Annotations of a key that takes a list of so many numbers, described by ``form``."""
+    return BeforeValidator(listed(length, form)), WithJsonSchema(_numbers_schema(length))
 
 
 Number = Annotated[float, BeforeValidator(number)]
@@ -248,19 +243,17 @@ Rotation = Annotated[
         {"type": "array", "items": {"anyOf": [{"type": "number"}, {"type": "string"}]}, "minItems": 2, "maxItems": 2}
     ),
 ]
-Point = Annotated[
-    tuple[Number, Number], BeforeValidator(listed(2, "a point [x, y]")), WithJsonSchema(numbers_schema(2))
-]
+Point = Annotated[tuple[Number, Number], *vector(2, "a point [x, y]")]
 Points = Annotated[
     tuple[Point, ...],
     BeforeValidator(_points),
-    WithJsonSchema({"anyOf": [numbers_schema(2), {"type": "array", "items": numbers_schema(2), "minItems": 1}]}),
+    WithJsonSchema({"anyOf": [_numbers_schema(2), {"type": "array", "items": _numbers_schema(2), "minItems": 1}]}),
 ]
 Polyline = Annotated[tuple[Point, ...], BeforeValidator(_polyline), Field(json_schema_extra={"minItems": 2})]
 NodeNumber = Annotated[int, Field(ge=0), BeforeValidator(_whole)]
 Nodes = Annotated[
     tuple[NodeNumber, ...],
-    BeforeValidator(_nodes),
+    _several(Integral, "the number of a node or a list of numbers"),
     WithJsonSchema(
         {
             "anyOf": [
@@ -272,7 +265,7 @@ Nodes = Annotated[
 ]
 Edges = Annotated[
     tuple[Text, ...],
-    BeforeValidator(_edges),
+    _several(str, "the name of an edge or a list of names"),
     WithJsonSchema(
         {
             "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}],

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, Generic, Literal, TypeVar
+import csv
+import io
+import math
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from pathlib import Path
+from typing import Annotated, Any, Generic, Literal, TypeVar, overload
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema
 
-from signorini.model.base import Complaint, Number, Table, Text
-from signorini.model.factortable import FactorTable, read_factor_table
-from signorini.model.words import as_list, describe
+from signorini.base.regular import read_regular
+from signorini.expression import LARGEST
+from signorini.model.base import Complaint, Number, Table, Text, twice
+from signorini.model.problems import as_list, describe
+
+_LARGEST_FILE = 200_000_000
+
 
 Value = TypeVar("Value")
 
@@ -54,6 +65,95 @@ class FrozenMapping(Mapping[str, Value], Generic[Value]):
 
 class Factors(FrozenMapping[float]):
     """Factor of each load case: an immutable mapping."""
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Combinations written out in a table, one a row, its columns the load cases; and the file that it is read from."""
+
+    columns: tuple[str, ...]
+    names: tuple[str, ...]
+    rows: tuple[tuple[float, ...], ...]
+    source: str = ""
+    group: str = ""
+
+    def __len__(self) -> int:
+        """Count the combinations."""
+        return len(self.names)
+
+    def __getitem__(self, index: int) -> tuple[str, Factors]:
+        """Return the name and the factors of one combination."""
+        row = zip(self.columns, self.rows[index], strict=True)
+        return self.names[index], Factors({case: factor for case, factor in row if factor})
+
+    @property
+    def cases(self) -> set[str]:
+        """Every case that occurs."""
+        return set(self.columns)
+
+
+def read_factor_table(value: object) -> Listing | None:
+    """Read a CSV file whose first column holds names and whose header names the load cases of the others.
+
+    An empty cell is the factor 0. What is wrong with the file is told in a ValueError, with its line.
+    """
+    if value is None or isinstance(value, Listing):
+        return value
+    if not isinstance(value, str | Path):
+        raise ValueError(f"found {describe(value)}; it must be the name of a CSV file, in quotes.")
+    path = Path(value)
+    try:
+        text = read_regular(path, _LARGEST_FILE).decode("utf-8-sig")
+        lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
+    except OSError as error:
+        raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"{path} is not UTF-8 text. Save it in the encoding UTF-8.") from None
+    except csv.Error as error:
+        raise ValueError(f"{path} is not a CSV file: {error}.") from None
+    if lines and len(lines[0]) == 1 and lines[0][0].count(";") > 0:
+        raise ValueError(f"{path} has semicolons between its columns. Save it with commas, and with decimal points.")
+    if not lines or len(lines[0]) < 2:
+        raise ValueError(f'{path} has no header; its first line must be "name" and the load cases, set off by commas.')
+    first, *columns = (cell.strip() for cell in lines[0])
+    if first != "name":
+        raise ValueError(
+            f'the header of {path} begins with {describe(first)}; it must begin with "name", the column of the '
+            "combinations' names, before the load cases."
+        )
+    for index, case in enumerate(columns):
+        if not case or case in columns[:index]:
+            what = f'names the load case "{case}" twice' if case else "has a column without a load case"
+            raise ValueError(f"the header of {path} {what}.")
+    names, rows = [], []
+    for number, line in enumerate(lines[1:], start=2):
+        if not any(cell.strip() for cell in line):
+            continue
+        names.append(name := line[0].strip())
+        if not name or not name.isprintable() or len(name) > 200:
+            what = describe(line[0])
+            raise ValueError(f"line {number} of {path} begins with {what}; it must be the combination's name.")
+        rows.append(_factors_of(line[1:], tuple(columns), path, number))
+    if not rows:
+        raise ValueError(f"{path} has a header but no rows.")
+    return Listing(tuple(columns), tuple(names), tuple(rows), str(value))
+
+
+def _factors_of(cells: list[str], columns: tuple[str, ...], path: Path, number: int) -> tuple[float, ...]:
+    if len(cells) != len(columns):
+        raise ValueError(f"line {number} of {path} has {len(cells)} factors; the header names {len(columns)} cases.")
+    factors = []
+    for case, cell in zip(columns, cells, strict=True):
+        try:
+            # float() would take 1_000 and the digits of every script.
+            plain = cell.isascii() and "_" not in cell
+            factor = 0.0 if not cell.strip() else float(cell) if plain else float("nan")
+        except ValueError:
+            factor = float("nan")
+        if not abs(factor) <= LARGEST:
+            raise ValueError(f'line {number} of {path} has {describe(cell)} under "{case}"; it must be a number.')
+        factors.append(factor)
+    return tuple(factors)
 
 
 def _values(value: object) -> object:
@@ -133,7 +233,7 @@ class Combination(Table):
         "there; positions: one combination for each position of the moving cases in factors.",
     )
     file: Annotated[
-        FactorTable | None,
+        Listing | None,
         BeforeValidator(read_factor_table),
         PlainSerializer(lambda table: table.source if table else None),
         WithJsonSchema({"type": "string"}),
@@ -191,8 +291,7 @@ class Combination(Table):
             yield (other,), f"'{other}' is missing; it goes with {written[0]}."
         if self.columns is None or self.rows is None:
             return
-        repeated = next((case for i, case in enumerate(self.columns) if case in self.columns[:i]), None)
-        if repeated is not None:
+        if (repeated := twice(self.columns)) is not None:
             yield ("columns",), f'"{repeated}" is listed twice.'
         for name, row in self.rows.items():
             if len(row) != len(self.columns):
@@ -214,6 +313,14 @@ class Combination(Table):
                 seen.add(case)
 
     @property
+    def listing(self) -> Listing:
+        """The rows of a table."""
+        if self.file is not None:
+            return self.file
+        assert self.columns is not None and self.rows is not None  # one or the other is given
+        return Listing(self.columns, tuple(self.rows), tuple(self.rows.values()))
+
+    @property
     def cases(self) -> dict[str, tuple[str | int, ...]]:
         """The load cases that it names, and under which key each first stands."""
         places: dict[str, tuple[str | int, ...]] = {}
@@ -230,3 +337,150 @@ class Combination(Table):
         for case in self.file.columns if self.file is not None else ():
             places.setdefault(case, ("file",))
         return places
+
+
+Positions = Mapping[str, Sequence[str]]
+"""The cases that a moving load becomes, by its own case."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One way to fill a place of a pattern: a term of the name, and the factor of one case; or nothing."""
+
+    term: str = ""
+    case: str = ""
+    factor: float = 0.0
+
+
+@dataclass(frozen=True)
+class Product:
+    """Every way to fill each place with one of its choices, the last place changing first."""
+
+    name: str
+    fixed: tuple[tuple[str, float], ...]
+    places: tuple[tuple[Choice, ...], ...]
+    group: str = ""
+
+    def __len__(self) -> int:
+        """Count the combinations."""
+        return math.prod(len(choices) for choices in self.places)
+
+    def __getitem__(self, index: int) -> tuple[str, Factors]:
+        """Return the name and the factors of one combination."""
+        chosen: list[Choice] = []
+        for choices in reversed(self.places):
+            index, which = divmod(index, len(choices))
+            chosen.insert(0, choices[which])
+        factors = dict(self.fixed) | {choice.case: choice.factor for choice in chosen if choice.case}
+        terms = _sum([choice.term for choice in chosen if choice.term])
+        return ": ".join(part for part in (self.name, terms) if part), Factors(factors)
+
+    @property
+    def cases(self) -> set[str]:
+        """Every case that occurs."""
+        return {case for case, _ in self.fixed} | {c.case for choices in self.places for c in choices if c.case}
+
+
+@dataclass(frozen=True, eq=False)
+class Combinations(Sequence[Combination]):
+    """Combinations in the order of the input, generated ones where their table stands."""
+
+    products: tuple[Product | Listing, ...]
+
+    def __post_init__(self) -> None:
+        """Find where each product begins."""
+        object.__setattr__(self, "_ends", list(accumulate(len(product) for product in self.products)))
+
+    def __len__(self) -> int:
+        """Count the combinations."""
+        return int(self._ends[-1]) if self.products else 0  # type: ignore[attr-defined]
+
+    @property
+    def cases(self) -> set[str]:
+        """Every case that occurs in some combination."""
+        return {case for product in self.products for case in product.cases}
+
+    @overload
+    def __getitem__(self, index: int) -> Combination: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Combination]: ...
+    def __getitem__(self, index: int | slice) -> Combination | Sequence[Combination]:
+        """Make one combination, or those of a slice."""
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"there are {len(self)} combinations; found {index}")
+        index %= len(self)
+        which = bisect_right(self._ends, index)  # type: ignore[attr-defined]
+        name, factors = self.products[which][index - (self._ends[which - 1] if which else 0)]  # type: ignore[attr-defined]
+        return Combination.model_construct(name=name, group=self.products[which].group, factors=factors)
+
+    @property
+    def groups(self) -> dict[str, int]:
+        """How many combinations each group with a name has, in the order of the input."""
+        counts: dict[str, int] = {}
+        for product in self.products:
+            if product.group:
+                counts[product.group] = counts.get(product.group, 0) + len(product)
+        return counts
+
+    def names(self) -> Iterator[str]:
+        """Yield every name."""
+        for product in self.products:
+            for index in range(len(product)):
+                yield product[index][0]
+
+
+def products(combination: Combination, positions: Positions) -> Iterator[Product | Listing]:
+    """What a table of the input stands for."""
+    group = combination.group
+    match combination.generate:
+        case None:
+            yield Product(combination.name, tuple(_factors(combination).items()), (), group)
+        case "positions":
+            yield _of_factors(combination.name, _factors(combination), positions, group)
+        case "table":
+            listing = combination.listing
+            if positions.keys() & listing.cases:
+                yield from (_of_factors(*listing[index], positions, group) for index in range(len(listing)))
+            else:
+                yield replace(listing, group=group)
+        case "patterns":
+            yield Product(combination.name, (), tuple(_patterns(combination, positions)), group)
+
+
+def _factors(combination: Combination) -> Mapping[str, float]:
+    assert combination.factors is not None  # a combination without factors is refused
+    return combination.factors
+
+
+def _of_factors(name: str, factors: Mapping[str, float], positions: Positions, group: str) -> Product:
+    fixed = tuple((case, factor) for case, factor in factors.items() if case not in positions)
+    moving = ((case, factor) for case, factor in factors.items() if case in positions)
+    places = tuple(tuple(Choice(at, at, factor) for at in positions[case]) for case, factor in moving)
+    return Product(name, fixed, places, group)
+
+
+def _patterns(combination: Combination, positions: Positions) -> Iterator[tuple[Choice, ...]]:
+    def choices(case: str, values: Sequence[float]) -> tuple[Choice, ...]:
+        places = positions.get(case, (case,))
+        return tuple(Choice(_term(factor, at), at, factor) for factor in values for at in places)
+
+    assert combination.variable is not None  # patterns without variable cases are refused
+    for case, values in (combination.permanent or {}).items():
+        yield choices(case, values)
+    grouped = {case: group for group in combination.exclusive for case in group}
+    for case in combination.variable:
+        group = grouped.get(case, (case,))
+        if case == group[0]:
+            yield (Choice(), *(choice for name in group for choice in choices(name, combination.variable[name])))
+
+
+def _term(factor: float, case: str) -> str:
+    return case if factor == 1 else f"-{case}" if factor == -1 else f"{factor:.12g} {case}"
+
+
+def _sum(terms: Sequence[str]) -> str:
+    """Join terms the way a sum is written."""
+    first, *others = terms or [""]
+    return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in others)

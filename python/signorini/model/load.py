@@ -1,29 +1,30 @@
-"""Loads, and the points where results are asked for."""
+"""Loads, those that move along a line, and the points where results are asked for."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
-from signorini.model.area import AnyArea, Circle
 from signorini.model.base import (
     Complaint,
     Edges,
     Nodes,
+    NonNegative,
     Number,
     Points,
     Polyline,
+    Positive,
     Scalar,
     Table,
     Text,
-    listed,
-    numbers_schema,
+    vector,
 )
-from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.model.footprint import Angle, Patch, Radius, footprint_complaints
-from signorini.model.words import describe
+from signorini.model.places import FOOTPRINT, Angle, AnyArea, Circle, Patch, Radius, footprint_complaints
+from signorini.model.problems import as_list, describe
 
 Kind = Literal["pressure", "force", "line_load", "moment", "couple_about", "self_weight", "curvature"]
 
@@ -36,6 +37,12 @@ _PLACES: dict[Kind, tuple[str, ...]] = {
     "self_weight": (),
     "curvature": (),
 }
+
+
+_KINDS: list[Any] = [
+    {"required": [kind]} | ({"oneOf": [{"required": [place]} for place in places]} if len(places) > 1 else {})
+    for kind, places in _PLACES.items()
+]
 
 
 def _true(value: object) -> object:
@@ -62,15 +69,7 @@ class Load(Table):
 
     model_config = ConfigDict(
         json_schema_extra={
-            "oneOf": [
-                {"required": ["pressure"]},
-                {"required": ["force"], "oneOf": [{"required": [place]} for place in _PLACES["force"]]},
-                {"required": ["line_load"], "oneOf": [{"required": [place]} for place in _PLACES["line_load"]]},
-                {"required": ["moment"], "oneOf": [{"required": [place]} for place in _PLACES["moment"]]},
-                {"required": ["couple_about"], "oneOf": [{"required": [place]} for place in _PLACES["couple_about"]]},
-                {"required": ["self_weight"]},
-                {"required": ["curvature"]},
-            ],
+            "oneOf": _KINDS,
             "not": {"required": ["patch", "radius"]},
         }
     )
@@ -84,14 +83,7 @@ class Load(Table):
         default=None,
         description="Force per length along edge, line or circle, positive down: a number or an expression.",
     )
-    moment: (
-        Annotated[
-            tuple[Number, Number],
-            BeforeValidator(listed(2, "[mx, my], couples about two axes")),
-            WithJsonSchema(numbers_schema(2)),
-        ]
-        | None
-    ) = Field(
+    moment: Annotated[tuple[Number, Number], *vector(2, "[mx, my], couples about two axes")] | None = Field(
         default=None,
         description="Couples [mx, my] at each point of at or nodes; mx works on the rotation θx = ∂w/∂x, my on θy.",
     )
@@ -102,14 +94,9 @@ class Load(Table):
     self_weight: Annotated[Literal[True], BeforeValidator(_true)] | None = Field(
         default=None, description="true: the plate's own weight, from material.unit_weight and the thickness."
     )
-    curvature: (
-        Annotated[
-            tuple[Number, Number, Number],
-            BeforeValidator(listed(3, "three curvatures [kx, ky, kxy]")),
-            WithJsonSchema(numbers_schema(3)),
-        ]
-        | None
-    ) = Field(default=None, description="Stress-free curvatures [kx, ky, kxy], as by a temperature gradient.")
+    curvature: Annotated[tuple[Number, Number, Number], *vector(3, "three curvatures [kx, ky, kxy]")] | None = Field(
+        default=None, description="Stress-free curvatures [kx, ky, kxy], as by a temperature gradient."
+    )
     at: Points | None = Field(default=None, description="A point [x, y] or a list of points; they need not be nodes.")
     nodes: Nodes | None = Field(
         default=None, description="A node of the mesh file by its number, or a list of numbers."
@@ -133,24 +120,12 @@ class Load(Table):
 
     @property
     def kind(self) -> Kind:
-        """The key that says what the load is.
-
-        Examples
-        --------
-        >>> Load(force=20e3, at=[5.5, 3.5]).kind
-        'force'
-        """
+        """The key that says what the load is."""
         return next(kind for kind in _PLACES if getattr(self, kind) is not None)
 
     @property
     def couple(self) -> tuple[float, float] | None:
-        """Couples [mx, my] at each point, of ``moment`` or ``couple_about``; None of other loads.
-
-        Examples
-        --------
-        >>> Load(couple_about={"x": 3, "y": 5}, at=[1, 2]).couple
-        (-5.0, 3.0)
-        """
+        """Couples [mx, my] at each point, of ``moment`` or ``couple_about``; None of other loads."""
         if self.couple_about is None:
             return self.moment
         # z points down: a turn about x takes y to z, one about y takes z to x.
@@ -183,3 +158,82 @@ class Probe(Table):
     """Points where deflection, rotations, moments and shears are written out."""
 
     at: Points = Field(description="A point [x, y] or a list of points.")
+
+
+_END = 1e-9
+"""A last step shorter than this part of a step is none."""
+
+
+def _axles(value: object) -> object:
+    value = as_list(value)
+    if isinstance(value, list | tuple) and value and not any(isinstance(as_list(item), list | tuple) for item in value):
+        return [value]
+    return value
+
+
+Axle = Annotated[tuple[NonNegative, Number], *vector(2, "an axle [distance behind the first, force]")]
+Print = Annotated[tuple[Positive, Positive], *vector(2, "a patch [length along the line, width across it]")]
+Wheel = tuple[tuple[float, float], tuple[float, float], float]
+"""Where a wheel stands, the unit direction it rolls in, and its force."""
+
+
+class Moving(Table):
+    """A load that moves along a line: axles with one or two wheels, each a force at a point or on a patch."""
+
+    case: Text = Field(min_length=1, description="Name of the load case that the positions belong to.")
+    line: Polyline = Field(description="The line [[x, y], [x, y], ...] along which the first axle moves.")
+    step: Positive = Field(description="Distance from one position to the next; the end of the line is the last one.")
+    axles: Annotated[tuple[Axle, ...], Field(min_length=1), BeforeValidator(_axles)] = Field(
+        description="[distance behind the first axle, force] of each axle, such as [[0, 60], [1.2, 60]]."
+    )
+    gauge: NonNegative = Field(
+        default=0.0, description="Distance between the two wheels of an axle, half its force on each; 0: one wheel."
+    )
+    patch: Print | None = Field(
+        default=None, description="[length along the line, width across it] of each wheel's print; left out: a point."
+    )
+
+    def _complaints(self) -> Iterator[Complaint]:
+        if self.patch is not None and 0 < self.gauge < self.patch[1]:
+            yield (
+                ("patch",),
+                f"the prints of an axle's wheels overlap: they are {self.patch[1]:g} wide and {self.gauge:g} apart.",
+            )
+
+    @property
+    def length(self) -> float:
+        """Length of the line."""
+        return sum(math.dist(a, b) for a, b in pairwise(self.line))
+
+    @property
+    def count(self) -> int:
+        """Number of positions."""
+        return math.ceil(self.length / self.step - _END) + 1
+
+    @property
+    def positions(self) -> dict[str, float]:
+        """Distance of the first axle along the line, by the name of the load case."""
+        travelled = [min(i * self.step, self.length) for i in range(self.count)]
+        return {f"{self.case}@{round(s, 12):.10g}": s for s in travelled}
+
+    def wheels(self, travelled: float) -> list[Wheel]:
+        """Every wheel, with the first axle so far along the line; the line goes on straight before its beginning."""
+        wheels: list[Wheel] = []
+        for behind, force in self.axles:
+            (x, y), (tx, ty) = self._at(travelled - behind)
+            sides = (-0.5, 0.5) if self.gauge else (0.0,)
+            for side in sides:
+                offset = side * self.gauge
+                wheels.append(((x - offset * ty, y + offset * tx), (tx, ty), force / len(sides)))
+        return wheels
+
+    def _at(self, travelled: float) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Point of the line and its direction there."""
+        left = travelled
+        for a, b in pairwise(self.line):
+            length = math.dist(a, b)
+            if left <= length or b == self.line[-1]:
+                break
+            left -= length
+        tx, ty = (b[0] - a[0]) / length, (b[1] - a[1]) / length
+        return (a[0] + left * tx, a[1] + left * ty), (tx, ty)

@@ -1,43 +1,33 @@
-"""What is written of each combination."""
+"""What is written: of each combination, of sections, strips and profiles."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, WithJsonSchema
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
 
-from signorini.model.base import Complaint, Table, Text
-from signorini.model.words import as_list, describe
+from signorini.errors import point
+from signorini.model.base import Complaint, Point, Polyline, Positive, Stations, Table, Text, twice
+from signorini.model.places import Circle, curve
+from signorini.model.problems import as_list, describe
+from signorini.shapes import Floats, Ring
+from signorini.shapes.regions import meeting
 
 FEW = 12
 """Combinations up to which each is written by itself."""
 
 _WORDS = ("governing", "all", "none")
 
-EnvelopeField = Literal[
-    "deflection",
-    "mx",
-    "my",
-    "mxy",
-    "qx",
-    "qy",
-    "m1",
-    "m2",
-    "mx_bottom",
-    "my_bottom",
-    "mx_top",
-    "my_top",
-    "sx_top",
-    "sy_top",
-    "txy_top",
-    "sx_bottom",
-    "sy_bottom",
-    "txy_bottom",
-    "von_mises",
-    "txz",
-    "tyz",
-]
+_Forces = Literal["deflection", "mx", "my", "mxy", "qx", "qy", "m1", "m2"]
+_Design = Literal["mx_bottom", "my_bottom", "mx_top", "my_top"]
+_Stresses = Literal[
+    "sx_top", "sy_top", "txy_top", "sx_bottom", "sy_bottom", "txy_bottom", "von_mises", "txz", "tyz"
+]  # fmt: skip
+EnvelopeField = Literal[_Forces, _Design, _Stresses]
 ENVELOPED: tuple[EnvelopeField, ...] = ("deflection", "mx", "my", "mxy", "qx", "qy")
 
 
@@ -80,6 +70,115 @@ class Output(Table):
             for key in ("fields", "envelope"):
                 if getattr(self, key) != type(self).model_fields[key].default:
                     yield (key,), f'{key} goes with combinations = "table"; with "each" every combination has all.'
-        repeated = next((f for i, f in enumerate(self.envelope) if f in self.envelope[:i]), None)
-        if repeated is not None:
+        if (repeated := twice(self.envelope)) is not None:
             yield ("envelope",), f'"{repeated}" is listed twice.'
+
+
+_OF_STRIP = 21
+"""Twenty steps meet supports, middles and quarters of one to five equal spans."""
+_CLOSED = 1e-5
+"""Part of a line's extent within which its ends are one: coordinates are written with so many digits or more."""
+
+
+def _closing(line: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Let a line that ends in its first point but for rounding end there."""
+    extent = float(np.ptp(np.array(line), axis=0).max())
+    near = len(line) > 2 and math.dist(line[0], line[-1]) <= _CLOSED * extent
+    return (*line[:-1], line[0]) if near else line
+
+
+def _spaced(line: tuple[Point, ...], stations: int) -> tuple[Floats, Floats, Floats]:
+    """How far along a line its corners are, how far evenly spaced stations, and where these are (k, 2)."""
+    ends = np.cumsum([0.0, *(math.dist(a, b) for a, b in pairwise(line))])
+    travelled = np.linspace(0.0, ends[-1], stations)
+    return ends, travelled, np.column_stack([np.interp(travelled, ends, part) for part in np.array(line).T])
+
+
+def _pieces(line: tuple[Point, ...]) -> Floats:
+    return np.array(list(pairwise(line)))
+
+
+class Section(Table):
+    """A line through the plate: the force and the moments that one part of the plate gives the other along it."""
+
+    name: Text = Field(default="", description='Name, each once; default "section 1", "section 2", ...')
+    line: Annotated[Polyline, AfterValidator(_closing)] = Field(
+        description="The line [[x, y], [x, y], ...]; it begins and ends on the plate."
+    )
+
+    def _complaints(self) -> Iterator[Complaint]:
+        met = meeting(_pieces(self.line), self.line[0] == self.line[-1])
+        if met is not None:
+            one, other = (f"from {point(self.line[at])} to {point(self.line[at + 1])}" for at in met)
+            yield (
+                ("line",),
+                f"the line goes back, or crosses or touches itself: its pieces {one} and {other} meet. A section has "
+                "one part of the plate on its left and one on its right; split it into several sections.",
+            )
+
+
+class Strip(Table):
+    """A strip of the plate, such as a column strip: mean moments over its width at stations along its middle line."""
+
+    name: Text = Field(default="", description='Name, each once; default "strip 1", "strip 2", ...')
+    line: Polyline = Field(description="Its middle line [[x, y], [x, y], ...].")
+    width: Positive = Field(description="Its width, half on either side of the line.")
+    stations: Stations = Field(
+        default=_OF_STRIP, description="How many stations, evenly from one end of the line to the other; default 21."
+    )
+
+    def _complaints(self) -> Iterator[Complaint]:
+        for a, b, c in zip(self.line, self.line[1:], self.line[2:], strict=False):
+            met = meeting(_pieces((a, b, c)), False)
+            if met is not None:
+                yield ("line",), f"the line goes back on itself at {point(b)}. Split it into two strips."
+
+    @property
+    def places(self) -> tuple[Floats, Floats]:
+        """Where the stations are (n, 2), and the unit direction of the line there (n, 2), at a corner the mean."""
+        pieces = np.diff(np.array(self.line), axis=0)
+        ends, travelled, at = _spaced(self.line, self.stations)
+        tiny = 1e-9 * ends[-1]
+        before, after = (
+            np.clip(np.searchsorted(ends, travelled + sign * tiny) - 1, 0, len(pieces) - 1) for sign in (-1.0, 1.0)
+        )
+        unit = pieces / np.hypot(*pieces.T)[:, None]
+        along = unit[before] + unit[after]
+        return at, np.asarray(along / np.hypot(*along.T)[:, None])
+
+    @property
+    def across(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+        """The line across it at each station, so that the strip's own line crosses it from its left to its right."""
+        at, along = self.places
+        half = 0.5 * self.width * np.column_stack([along[:, 1], -along[:, 0]])
+        return [(tuple(a), tuple(b)) for a, b in zip((at + half).tolist(), (at - half).tolist(), strict=True)]
+
+
+_OF_PROFILE = 101
+"""A hundred steps meet halves, quarters, fifths and tenths of a line, and draw its curves smoothly."""
+
+
+class Profile(Table):
+    """A line or a circle with stations, evenly from its beginning to its end."""
+
+    name: Text = Field(default="", description='Name, each once; default "profile 1", "profile 2", ...')
+    line: Polyline | None = Field(default=None, description="The line [[x, y], [x, y], ...].")
+    circle: Circle | None = Field(default=None, description="{ center = [x, y], radius = r }, from x towards y.")
+    stations: Stations = Field(
+        default=_OF_PROFILE, description="How many stations, evenly from one end to the other; default 101."
+    )
+
+    def _complaints(self) -> Iterator[Complaint]:
+        if len(self.given(("line", "circle"))) != 1:
+            yield (), "it must have a line or a circle, one of them."
+
+    @property
+    def places(self) -> tuple[Floats, Floats]:
+        """How far along (k,) the stations are, and where (k, 2)."""
+        result = curve(self)
+        assert result is not None  # it has a line or a circle
+        if isinstance(result, Ring):
+            along = np.linspace(0.0, result.length, self.stations)
+            turned = along / result.radius
+            return along, np.array(result.center) + result.radius * np.column_stack([np.cos(turned), np.sin(turned)])
+        return _spaced(result.points, self.stations)[1:]

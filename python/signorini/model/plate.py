@@ -1,34 +1,100 @@
-"""The plate: its outline, thickness and element."""
+"""The plate: its outline, thickness, element, and how finely it is meshed."""
 
 from __future__ import annotations
 
 import math
 import os
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, StrictBool, WithJsonSchema
 
-from signorini.model.base import (
-    Complaint,
-    Point,
-    Positive,
-    PositiveScalar,
-    Table,
-    listed,
-    number,
-    numbers_schema,
-)
-from signorini.model.contour import Holes
-from signorini.model.corners import Corners, contour
+from signorini.model import base
 from signorini.model.material import Modifiers, Stiffness
-from signorini.model.meshoptions import MeshOptions
-from signorini.model.problems import BRANCHES
-from signorini.model.words import describe
+from signorini.model.places import AnyArea, Area, Box, Circle, Corners, Holes, contour
+from signorini.model.problems import BRANCHES, describe
 from signorini.shapes import Curve, Region, Ring
-from signorini.shapes.contours import Contour, circle, sector, straight
+from signorini.shapes.outlines import Contour, bounds_of, circle, sector, straight
+
+_PLACES = ("at", "edge", "line", "circle", "area")
+
+Divisions = Annotated[
+    tuple[base.Count, base.Count],
+    BeforeValidator(base.listed(2, "two whole numbers, such as [20, 20]")),
+    WithJsonSchema({"type": "array", "items": {"type": "integer", "minimum": 1}, "minItems": 2, "maxItems": 2}),
+]
+
+
+class Refinement(base.Table):
+    """Smaller elements at a place, and around it in so far as sizes grow from there."""
+
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [place]} for place in _PLACES]})
+
+    at: base.Points | None = Field(default=None, description="A point [x, y] or a list of points.")
+    edge: base.Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
+    line: base.Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
+    circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
+    area: AnyArea | None = Field(default=None, description="A table with one of rectangle, circle, polygon.")
+    size: base.Positive = Field(description="Largest side of an element there.")
+
+    def _complaints(self) -> Iterator[base.Complaint]:
+        places = self.given(_PLACES)
+        if len(places) != 1:
+            result = " and ".join(places) or "none"
+            yield (), f"found {result}; exactly one of {', '.join(_PLACES)} says where elements are smaller."
+        if self.area == "all":
+            yield ("area",), 'found "all"; that is what the size of [mesh] is for.'
+
+    def boxes(self, plate: Box) -> list[Box]:
+        """Boxes [x0, y0, x1, y1] around the places, of a rectangle with that box."""
+        x0, y0, x1, y1 = plate
+        sides = {"left": (x0, y0, x0, y1), "right": (x1, y0, x1, y1), "bottom": (x0, y0, x1, y0)}
+        sides["top"] = (x0, y1, x1, y1)
+        result = [sides[name] for name in self.edge or ()] + [(x, y, x, y) for x, y in self.at or ()]
+        if self.line is not None:
+            result.append(bounds_of(self.line))
+        if self.circle is not None:
+            (x, y), radius = self.circle.center, self.circle.radius
+            result.append((x - radius, y - radius, x + radius, y + radius))
+        if isinstance(self.area, Area):
+            result.append(self.area.region.bounds)
+        return result
+
+
+class MeshOptions(base.Table):
+    """How finely the plate is meshed: by counts or by element size; by default 20 elements along the longer side."""
+
+    model_config = ConfigDict(json_schema_extra={"not": {"required": ["divisions", "size"]}})
+
+    divisions: Divisions | None = Field(
+        default=None,
+        description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
+    )
+    size: base.Positive | None = Field(default=None, description="Largest side of an element.")
+    refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements.")
+    snap: base.NonNegative = Field(
+        default=0.0,
+        description="A length; supports, zones and loads nearer than this to an edge or to each other are moved onto "
+        "it. Default 0: nothing moves.",
+    )
+    accuracy: Annotated[float, Field(gt=0, lt=1), BeforeValidator(base.number)] | None = Field(
+        default=None,
+        description="Refine until every half-width is at most this part of the largest value of its field.",
+    )
+    error: StrictBool | None = Field(
+        default=None,
+        description="Say of every number how far the mesh is from the plate, by the plate's answers on other meshes; "
+        "by default where the mesh is not read from a file.",
+    )
+
+    def _complaints(self) -> Iterator[base.Complaint]:
+        if self.divisions is not None and self.size is not None:
+            yield ("size",), "found both divisions and size; give one of them."
+        if self.accuracy is not None and self.error is False:
+            yield ("error",), "found false; an accuracy that is asked for needs half-widths. Leave it out."
+
 
 _DEFAULT_ALONG = 20
 _SHAPES = "One of rectangle, disc, annulus, polygon, mesh."
@@ -42,15 +108,15 @@ def _require_shape(schema: dict[str, Any]) -> None:
     schema["required"] = ["shape", *schema.get("required", [])]
 
 
-class _Plate(Table):
+class _Plate(base.Table):
     model_config = ConfigDict(json_schema_extra=_require_shape)
 
-    thickness: PositiveScalar = Field(description="Thickness: a number, or an expression in x and y.")
+    thickness: base.PositiveScalar = Field(description="Thickness: a number, or an expression in x and y.")
     element: Literal["mitc9", "q8r"] = Field(
         default="mitc9",
         description="Finite element: mitc9 (free of locking) or q8r (Hinton-Owen, reduced integration).",
     )
-    shear_factor: Positive = Field(default=5 / 6, description="Shear correction factor; default 5/6.")
+    shear_factor: base.Positive = Field(default=5 / 6, description="Shear correction factor; default 5/6.")
     modifiers: Modifiers = Field(
         default=Modifiers(), description="Factors of the stiffness in bending, twist and shear."
     )
@@ -123,21 +189,20 @@ class _PatternedPlate(OutlinedPlate):
             return None
         if mesh.divisions is not None:
             return mesh.divisions
-        lengths = self._lengths()
         size = self.element_size(mesh)
-        counts = (math.ceil(min(length / size, 1e9) - 1e-9) for length in lengths)
-        first, second = (max(count, least) for count, least in zip(counts, self.fewest, strict=True))
-        return first, second
+        return self._enough(min(length / size, 1e9) - 1e-9 for length in self._lengths())
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
         """Mesh options for elements larger by a factor, as far as there are enough of them, in rows if they are so."""
         scaled = super().scaled(mesh, factor, divisions)
         if divisions is None:
             return scaled
-        first, second = (
-            max(math.ceil(count / factor), least) for count, least in zip(divisions, self.fewest, strict=True)
-        )
-        return scaled.model_copy(update={"divisions": (first, second), "size": None})
+        counts = self._enough(count / factor for count in divisions)
+        return scaled.model_copy(update={"divisions": counts, "size": None})
+
+    def _enough(self, counts: Iterable[float]) -> tuple[int, int]:
+        first, second = (max(math.ceil(count), least) for count, least in zip(counts, self.fewest, strict=True))
+        return first, second
 
     @abstractmethod
     def _lengths(self) -> tuple[float, float]:
@@ -150,12 +215,10 @@ class RectanglePlate(_PatternedPlate):
     rows_refine: ClassVar[bool] = True
 
     shape: Literal["rectangle"] = Field(default="rectangle", description=_SHAPES)
-    size: Annotated[
-        tuple[Positive, Positive],
-        BeforeValidator(listed(2, "two lengths [a, b], along x and y")),
-        WithJsonSchema(numbers_schema(2)),
-    ] = Field(description="Side lengths [along x, along y].")
-    origin: Point = Field(default=(0.0, 0.0), description="Lower left corner [x, y]; default [0, 0].")
+    size: Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "two lengths [a, b], along x and y")] = Field(
+        description="Side lengths [along x, along y]."
+    )
+    origin: base.Point = Field(default=(0.0, 0.0), description="Lower left corner [x, y]; default [0, 0].")
 
     @property
     def outline(self) -> Contour:
@@ -172,19 +235,17 @@ class RectanglePlate(_PatternedPlate):
     def _lengths(self) -> tuple[float, float]:
         return self.size
 
-    def _complaints(self) -> Iterator[Complaint]:
+    def _complaints(self) -> Iterator[base.Complaint]:
         if max(self.size) > SLIMMEST * min(self.size):
-            yield (
-                ("size",),
-                f"found {list(self.size)}: one side is over {SLIMMEST:g} times the other. Calculate a beam.",
-            )
+            why = f"found {list(self.size)}: one side is over {SLIMMEST:g} times the other. Calculate a beam."
+            yield ("size",), why
         yield from _too_far("origin", self.origin, max(self.size))
 
 
 class _RoundPlate(_PatternedPlate):
     """A plate between circles around a center, in rows around it."""
 
-    center: Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
 
     def follows(self, border: Region | Curve) -> bool:
         """Whether rows can have a border or curve for their lines: circles around the center, but of zones no borders.
@@ -204,8 +265,8 @@ class DiscPlate(_RoundPlate):
     """A full, half or quarter disc; a sector starts at the x axis and turns towards y."""
 
     shape: Literal["disc"] = Field(default="disc", description=_SHAPES)
-    radius: Positive = Field(description="Radius of the disc.")
-    sector: Annotated[float, AfterValidator(_quarters), BeforeValidator(number)] = Field(
+    radius: base.Positive = Field(description="Radius of the disc.")
+    sector: Annotated[float, AfterValidator(_quarters), BeforeValidator(base.number)] = Field(
         default=360.0,
         description="Degrees from the x axis: 90, 180 or 360.",
         json_schema_extra={"enum": [90, 180, 360]},
@@ -221,7 +282,7 @@ class DiscPlate(_RoundPlate):
     def _lengths(self) -> tuple[float, float]:
         return self.radius, math.radians(self.sector) * self.radius
 
-    def _complaints(self) -> Iterator[Complaint]:
+    def _complaints(self) -> Iterator[base.Complaint]:
         yield from _too_far("center", self.center, self.radius)
 
 
@@ -229,9 +290,9 @@ class AnnulusPlate(_RoundPlate):
     """A ring or a sector of one; a sector starts at the x axis and turns towards y."""
 
     shape: Literal["annulus"] = Field(default="annulus", description=_SHAPES)
-    inner: Positive = Field(description="Inner radius.")
-    outer: Positive = Field(description="Outer radius.")
-    sector: Annotated[float, Field(gt=0, le=360), BeforeValidator(number)] = Field(
+    inner: base.Positive = Field(description="Inner radius.")
+    outer: base.Positive = Field(description="Outer radius.")
+    sector: Annotated[float, Field(gt=0, le=360), BeforeValidator(base.number)] = Field(
         default=360.0, description="Degrees from the x axis; default 360."
     )
 
@@ -260,7 +321,7 @@ class AnnulusPlate(_RoundPlate):
         chord = 2 * self.outer * math.sin(math.radians(min(self.sector, 180)) / 2)
         return max(chord, self.outer - self.inner)
 
-    def _complaints(self) -> Iterator[Complaint]:
+    def _complaints(self) -> Iterator[base.Complaint]:
         least, opening = self.outer / _FARTHEST, 360 - self.sector
         if not self.outer - self.inner > least:
             yield ("outer",), f"found {describe(self.outer)}; it must exceed inner, which is {describe(self.inner)}."
@@ -286,17 +347,15 @@ class PolygonPlate(OutlinedPlate):
         """The sides: edge 1 from corner 1 to corner 2, and so on."""
         return contour(self.points, "edge", numbered=True)
 
-    def _complaints(self) -> Iterator[Complaint]:
+    def _complaints(self) -> Iterator[base.Complaint]:
         x0, y0, x1, y1 = self.outline.bounds
         yield from _too_far("points", (max(abs(x0), abs(x1)), max(abs(y0), abs(y1))), max(x1 - x0, y1 - y0))
 
 
-def _too_far(key: str, point: tuple[float, float], size: float) -> Iterator[Complaint]:
+def _too_far(key: str, point: tuple[float, float], size: float) -> Iterator[base.Complaint]:
     if max(map(abs, point)) > _FARTHEST * size:
-        yield (
-            (key,),
-            f"found {list(point)}: over {_FARTHEST:g} times the plate's size away. Move the plate to the origin.",
-        )
+        why = f"found {list(point)}: over {_FARTHEST:g} times the plate's size away. Move the plate to the origin."
+        yield (key,), why
 
 
 def _file(value: object) -> FilePath:

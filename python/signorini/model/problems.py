@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import datetime
 import difflib
 import re
+import reprlib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -13,7 +14,36 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from signorini.errors import InputError, Place
-from signorini.model.words import as_list, describe
+
+
+def describe(value: object) -> str:
+    """Show a value the way the input file writes it, cut short when long."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case None:
+            return "nothing"
+        case str():
+            shown = value if len(value) <= 60 else f"{value[:57]}..."
+            return f'"{shown}"' if shown.isprintable() else f'"{repr(shown)[1:-1]}"'
+        case dict():
+            return "a table"
+        case float():
+            return repr(float(value)).removesuffix(".0")
+        case int() if abs(value) > 10**20:
+            return "an integer of more than 20 digits"
+        case datetime.date() | datetime.time():
+            return f"the date or time {value}"
+        case list() | tuple() if value and all(isinstance(one, str) for one in value):
+            return reprlib.repr(list(value)).replace("'", '"')
+        case _:
+            return reprlib.repr(value)
+
+
+def as_list(value: Any) -> Any:
+    """Turn a NumPy array into lists; leave anything else as it is."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
 
 _MOST_READ = 1000
 
@@ -27,35 +57,12 @@ TOP: dict[str, tuple[type[BaseModel], ...]] = {}
 """Keys of the whole model with the tables below each, so that a key in the wrong one is told its place."""
 
 
-@dataclass(frozen=True)
-class Problem:
-    """One thing that is wrong with a model.
-
-    Parameters
-    ----------
-    path : tuple of str and int
-        Where; positions in lists count from 0.
-    label : str
-        Name or case of the support, load or combination, if it has one.
-    message : str
-        What was found and what is allowed.
-    """
-
-    path: Place
-    label: str
-    message: str
-
-    def error(self, source: str, line: int) -> InputError:
-        """Say it at its path, and, where a line is given, at this of the source.
-
-        Examples
-        --------
-        >>> print(Problem(("support", 1, "stiffness"), "soil", "found -1.").error("slab.toml", 7))
-        slab.toml:7: support[2].stiffness ("soil"): found -1.
-        """
-        error = InputError(self.message, self.path)
-        error.place += f' ("{self.label}")' if self.label else ""
-        return InputError(self.message, place=f"{source}:{line}: {error.place}") if line else error
+_LIMITS = {
+    "greater_than": ("be greater than", "gt"),
+    "greater_than_equal": ("not be less than", "ge"),
+    "less_than": ("be less than", "lt"),
+    "less_than_equal": ("not be greater than", "le"),
+}
 
 
 def explained(
@@ -67,16 +74,17 @@ def explained(
 ) -> InputError:
     """Put pydantic's error with data for a table in words; the other parameters are those of `validate`."""
     errors = error.errors(include_url=False)
-    result = _problems(errors[:_MOST_READ], data, root)
-    placed = [(line_of(problem.path) if line_of is not None else 0, problem) for problem in result]
+    placed = []
+    for path, message in _problems(errors[:_MOST_READ], data, root):
+        line, result, label = line_of(path) if line_of is not None else 0, InputError(message, path), _label(path, data)
+        result.place += f' ("{label}")' if label else ""
+        placed.append((line, InputError(message, place=f"{source}:{line}: {result.place}") if line else result))
     placed.sort(key=lambda pair: pair[0])
-    return InputError.of(
-        [problem.error(source, line) for line, problem in placed], source, untold=len(errors[_MOST_READ:])
-    )
+    return InputError.of([problem for _, problem in placed], source, untold=len(errors[_MOST_READ:]))
 
 
-def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> list[Problem]:
-    """Put every error in words, but for those that only echo another one."""
+def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> list[tuple[Place, str]]:
+    """Put every error in words, with its path, but for those that only echo another one."""
     resolved = [(details, *_resolve(details["loc"], data, root)) for details in errors]
     misspelt = {
         (*path[:-1], _nearest(str(path[-1]), table.model_fields))
@@ -91,7 +99,7 @@ def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> l
             path = (*path, "shape")
             field = next(iter(BRANCHES["plate"].values())).model_fields["shape"]
         if not echo:
-            result.append(Problem(path, _label(path, data), _message(details, path, table, field)))
+            result.append((path, _message(details, path, table, field)))
     return list(dict.fromkeys(result))
 
 
@@ -108,7 +116,8 @@ def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[
         if isinstance(key, int):
             nested = isinstance(loc[position + 1], int) if position + 1 < len(loc) else False
             # one point or one edge may stand without its list, and then has no position of its own
-            if isinstance(value, list | tuple) and not (nested and not any(map(_is_list, value))):
+            lists = [isinstance(as_list(one), list | tuple) for one in value] if isinstance(value, list | tuple) else []
+            if isinstance(value, list | tuple) and (any(lists) or not nested):
                 path.append(key)
                 value = value[key] if key < len(value) else None
         elif key in branches:
@@ -121,10 +130,6 @@ def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[
             path.append(key)
             value = value.get(key) if isinstance(value, Mapping) else None
     return tuple(path), owner, field
-
-
-def _is_list(value: object) -> bool:
-    return isinstance(as_list(value), list | tuple)
 
 
 def tables_of(root: type[BaseModel]) -> dict[str, tuple[type[BaseModel], ...]]:
@@ -174,14 +179,9 @@ def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: 
         case "literal_error":
             allowed = re.findall(r"'([^']*)'", str(context["expected"]))
             return f"{result}; it must be one of {', '.join(allowed)}.{_suggest(details['input'], allowed)}"
-        case "greater_than":
-            return f"{result}; it must be greater than {context['gt']:g}."
-        case "greater_than_equal":
-            return f"{result}; it must not be less than {context['ge']:g}."
-        case "less_than":
-            return f"{result}; it must be less than {context['lt']:g}."
-        case "less_than_equal":
-            return f"{result}; it must not be greater than {context['le']:g}."
+        case kind if kind in _LIMITS:
+            words, limit = _LIMITS[kind]
+            return f"{result}; it must {words} {context[limit]:g}."
         case "string_type":
             return f"{result}; it must be text in quotes."
         case "string_too_long":
@@ -200,14 +200,16 @@ def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: 
 def _written_as(path: Place) -> str:
     """How a table that is missing is written."""
     name = str(path[-1])
-    if len(path) > 1 or not TOP.get(name):
-        return ""
-    return f" Write it under {f'[[{name}]]' if name in LISTS else f'[{name}]'}."
+    return "" if len(path) > 1 or not TOP.get(name) else f" Write it under {_header(name)}."
+
+
+def _header(name: str) -> str:
+    return f"[[{name}]]" if name in LISTS else f"[{name}]"
 
 
 def _unknown_key(path: Place, table: type[BaseModel]) -> str:
     key = str(path[-1])
-    headers = {name: f"[[{name}]]" if name in LISTS else f"[{name}]" for name, tables in TOP.items() if tables}
+    headers = {name: _header(name) for name, tables in TOP.items() if tables}
     near = _nearest(key, table.model_fields)
     inner = [name for name, below in tables_of(table).items() if _has(below, key)] if len(path) > 1 else []
     if len(path) > 1 and key in headers:

@@ -17,23 +17,9 @@ from pydantic import (
 )
 
 from signorini.expression import Expression
-from signorini.model.area import AnyArea, Circle
-from signorini.model.base import (
-    Complaint,
-    Edges,
-    Nodes,
-    NonNegativeScalar,
-    Points,
-    Polyline,
-    PositiveScalar,
-    Rotation,
-    Scalar,
-    Table,
-    Text,
-)
-from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.model.footprint import Angle, Patch, Radius, footprint_complaints
-from signorini.model.words import as_list, describe
+from signorini.model import base
+from signorini.model.places import FOOTPRINT, Angle, AnyArea, Circle, Patch, Radius, footprint_complaints
+from signorini.model.problems import as_list, describe
 
 Place = Literal["at", "edge", "line", "circle", "area"]
 Component = Literal["w", "slope", "twist"]
@@ -80,7 +66,7 @@ Fix = Annotated[
 ]
 
 
-class Support(Table):
+class Support(base.Table):
     """A support: where (exactly one of at, nodes, edge, line, circle, area) and how (fix, or resists)."""
 
     model_config = ConfigDict(
@@ -90,16 +76,18 @@ class Support(Table):
         }
     )
 
-    name: Text = Field(default="", description='Name, each once; default "support 1", "support 2", ...')
-    at: Points | None = Field(default=None, description="A point [x, y] or a list of points; they need not be nodes.")
-    nodes: Nodes | None = Field(
+    name: base.Text = Field(default="", description='Name, each once; default "support 1", "support 2", ...')
+    at: base.Points | None = Field(
+        default=None, description="A point [x, y] or a list of points; they need not be nodes."
+    )
+    nodes: base.Nodes | None = Field(
         default=None, description="A node of the mesh file by its number, or a list of numbers."
     )
     patch: Patch = None
     angle: Angle = None
     radius: Radius = None
-    edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
-    line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
+    edge: base.Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
+    line: base.Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
     circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
     area: AnyArea | None = Field(default=None, description='"all", or a table with one of rectangle, circle, polygon.')
     fix: Fix | None = Field(
@@ -112,18 +100,18 @@ class Support(Table):
         description="Which way it resists: down (pushes up only), up (holds down only), both; default both.",
         json_schema_extra={"default": "both"},
     )
-    gap: NonNegativeScalar = Field(
+    gap: base.NonNegativeScalar = Field(
         default=Expression(0.0),
         description="Free travel before it acts, either way it resists: a number or an expression; default 0.",
     )
-    stiffness: PositiveScalar | None = Field(
+    stiffness: base.PositiveScalar | None = Field(
         default=None,
         description="None: rigid. Per point, per length (edge, line, circle), per area: a number or an expression.",
     )
-    settlement: Scalar = Field(
+    settlement: base.Scalar = Field(
         default=Expression(0.0), description="The base moves down by this: a number or an expression; default 0."
     )
-    rotation: Rotation | None = Field(
+    rotation: base.Rotation | None = Field(
         default=None,
         description="Slopes [θx, θy] at which slope and twist are held, numbers or expressions; default [0, 0].",
     )
@@ -146,13 +134,7 @@ class Support(Table):
 
     @property
     def fixed(self) -> tuple[Component, ...]:
-        """What ``fix`` holds, in the order w, slope, twist; empty where ``resists`` says how.
-
-        Examples
-        --------
-        >>> Support(edge="left", fix="hard").fixed
-        ('w', 'twist')
-        """
+        """What ``fix`` holds, in the order w, slope, twist; empty where ``resists`` says how."""
         if self.fix is None:
             return ()
         held = _KINDS[self.fix] if isinstance(self.fix, str) else self.fix
@@ -175,13 +157,7 @@ class Support(Table):
 
     @property
     def holds_both_ways_unsaid(self) -> bool:
-        """Whether it holds both ways because nothing is said of how.
-
-        Examples
-        --------
-        >>> Support(area="all").holds_both_ways_unsaid, Support(area="all", resists="both").holds_both_ways_unsaid
-        (True, False)
-        """
+        """Whether it holds both ways because nothing is said of how."""
         return self._is_unsaid
 
     @property
@@ -189,7 +165,7 @@ class Support(Table):
         """Whether it holds the deflection without giving way."""
         return self.stiffness is None and self.holds_w
 
-    def _complaints(self) -> Iterator[Complaint]:
+    def _complaints(self) -> Iterator[base.Complaint]:
         places = self.given(_PLACES)
         if len(places) != 1:
             result = " and ".join(places) or "none"
@@ -209,7 +185,7 @@ class Support(Table):
                 "clamped, hard or symmetry, or a list with slope or twist.",
             )
 
-    def _fix_complaints(self) -> Iterator[Complaint]:
+    def _fix_complaints(self) -> Iterator[base.Complaint]:
         fixed = self.fixed
         if self.resists is not None:
             yield ("resists",), "found both fix and resists; give one. fix holds both ways."

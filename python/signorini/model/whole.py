@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, ValidationError
 
-from signorini.errors import unknown
+from signorini.errors import Place, unknown
 from signorini.model.base import Complaint, Table, Text
-from signorini.model.combination import Combination
-from signorini.model.curve import curve, worth_following
-from signorini.model.generated import Choice, Combinations, Positions, Product, products
-from signorini.model.load import Load, Probe
-from signorini.model.material import Material, constant_thickness
-from signorini.model.meshoptions import MeshOptions
-from signorini.model.moving import Moving
-from signorini.model.output import FEW, Output
-from signorini.model.plate import AnyPlate, MeshPlate
-from signorini.model.problems import TOP, tables_of
-from signorini.model.profile import Profile
-from signorini.model.section import Section, Strip
+from signorini.model.combination import Choice, Combination, Combinations, Positions, Product, products
+from signorini.model.load import Load, Moving, Probe
+from signorini.model.material import Material, Zone, constant_thickness
+from signorini.model.output import FEW, Output, Profile, Section, Strip
+from signorini.model.places import curve, worth_following
+from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate, Refinement
+from signorini.model.problems import TOP, explained, tables_of
 from signorini.model.support import Support
-from signorini.model.zone import Zone
 
 _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
@@ -39,14 +33,7 @@ class Units(Table):
     force: Text = Field(default="", description='Label of the unit of force, such as "N".')
 
     def force_by_length(self, power: int) -> str:
-        """Unit of a force times a power of a length, from -2 to 1; empty where a label is missing.
-
-        Examples
-        --------
-        >>> units = Units(length="m", force="kN")
-        >>> [units.force_by_length(power) for power in (-2, -1, 0, 1)], Units(force="kN").force_by_length(1)
-        (['kN/m²', 'kN/m', 'kN', 'kN m'], '')
-        """
+        """Unit of a force times a power of a length, from -2 to 1; empty where a label is missing."""
         if not self.force or (power and not self.length):
             return ""
         return self.force + {-2: f"/{self.length}²", -1: f"/{self.length}", 0: "", 1: f" {self.length}"}[power]
@@ -177,26 +164,19 @@ class Model(Table):
 
     def _complaints(self) -> Iterator[Complaint]:
         yield from self._mesh_complaints()
-        yield from _repeated("support", [support.name for support in self.support])
-        yield from _repeated("combination", [combination.name for combination in self.combination])
-        yield from _repeated("section", [section.name for section in self.section])
-        yield from _repeated("strip", [strip.name for strip in self.strip])
-        yield from _repeated("profile", [profile.name for profile in self.profile])
+        for key in ("support", "combination", "section", "strip", "profile"):
+            yield from _repeated(key, [table.name for table in getattr(self, key)])
         yield from self._edge_complaints()
         yield from self._node_complaints()
         yield from self._section_complaints()
         for index, load in enumerate(self.load):
             if load.self_weight and self.material.unit_weight is None:
-                yield (
-                    ("load", index, "self_weight"),
-                    "self_weight needs the material's unit_weight, which is not given.",
-                )
+                why = "self_weight needs the material's unit_weight, which is not given."
+                yield ("load", index, "self_weight"), why
         for index, zone in enumerate(self.zone if any(load.self_weight for load in self.load) else ()):
             if zone.material is not None and zone.material.unit_weight is None:
-                yield (
-                    ("zone", index, "material"),
-                    "there is a load of self_weight, which needs this material's unit_weight.",
-                )
+                why = "there is a load of self_weight, which needs this material's unit_weight."
+                yield ("zone", index, "material"), why
         yield from self._moving_complaints()
         yield from self._combination_complaints()
 
@@ -241,10 +221,8 @@ class Model(Table):
         yield from _repeated("moving", [moving.case for moving in self.moving], key="case")
         for index, moving in enumerate(self.moving):
             if moving.case in self.cases:
-                yield (
-                    ("moving", index, "case"),
-                    f'"{moving.case}" is a case of [[load]] too; give the moving load a case of its own.',
-                )
+                why = f'"{moving.case}" is a case of [[load]] too; give the moving load a case of its own.'
+                yield ("moving", index, "case"), why
         total = sum(moving.count for moving in self.moving)
         if total > _MOST_POSITIONS:
             longest = max(range(len(self.moving)), key=lambda index: self.moving[index].count)
@@ -293,10 +271,10 @@ class Model(Table):
             for index, combination in enumerate(self.combination):
                 for name in Combinations(tuple(products(combination, positions))).names():
                     if name in taken:
+                        other = f"combination[{taken[name] + 1}]"
                         yield (
                             ("combination", index),
-                            f'it makes "{name}", a name that combination[{taken[name] + 1}] makes; each may '
-                            "stand once.",
+                            f'it makes "{name}", a name that {other} makes; each may stand once.',
                         )
                         return
                     taken[name] = index
@@ -311,20 +289,19 @@ class Model(Table):
         names = self.plate.edge_names
         if names is None:
             return
-        places: list[tuple[tuple[str | int, ...], tuple[str, ...]]] = [
-            *((("support", index), support.edge or ()) for index, support in enumerate(self.support)),
-            *((("load", index), load.edge or ()) for index, load in enumerate(self.load)),
-            *((("mesh", "refine", index), one.edge or ()) for index, one in enumerate(self.mesh.refine)),
-        ]
-        for place, listed in places:
+        tables: tuple[tuple[Place, tuple[Support | Load | Refinement, ...]], ...] = (
+            (("support",), self.support),
+            (("load",), self.load),
+            (("mesh", "refine"), self.mesh.refine),
+        )
+        listings = (((*place, index), item.edge or ()) for place, items in tables for index, item in enumerate(items))
+        for place, listed in listings:
             for position, edge in enumerate(listed):
                 if edge not in names:
                     yield (*place, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
                 elif whole := next((other for other in listed if edge.startswith(f"{other} ")), None):
-                    yield (
-                        (*place, "edge", position),
-                        f'"{edge}" is part of "{whole}", which is listed too. Leave it out.',
-                    )
+                    why = f'"{edge}" is part of "{whole}", which is listed too. Leave it out.'
+                    yield (*place, "edge", position), why
 
     def _node_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
@@ -333,20 +310,51 @@ class Model(Table):
         for key, items in tables:
             for index, item in enumerate(items):
                 if item.nodes is not None:
-                    yield (
-                        (key, index, "nodes"),
-                        f"nodes are those of a mesh file, and this {self.plate.shape} has none. Give points with at.",
-                    )
+                    why = f"nodes are those of a mesh file, and this {self.plate.shape} has none. Give points with at."
+                    yield (key, index, "nodes"), why
 
 
 def _repeated(table: str, names: list[str], key: str = "name") -> Iterator[Complaint]:
     first: dict[str, int] = {}
     for index, name in enumerate(names):
         if first.setdefault(name, index) != index:
-            yield (
-                (table, index, key),
-                f'the name "{name}" is taken by {table}[{first[name] + 1}]; each name may stand once.',
-            )
+            why = f'the name "{name}" is taken by {table}[{first[name] + 1}]; each name may stand once.'
+            yield (table, index, key), why
 
 
 TOP.update(tables_of(Model))
+
+
+def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Place], int] | None = None) -> Model:
+    """Make a model of nested mappings and lists, as read from an input file.
+
+    Parameters
+    ----------
+    data : mapping
+        The tables, under the keys of the input file.
+    source : str
+        Name of the file they come from, for messages.
+    line_of : callable, optional
+        Line in that file of a path of keys and positions (these count from 0).
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    InputError
+        Naming everything that is wrong, each with its place.
+
+    Examples
+    --------
+    >>> validate({"material": {"E": 30e9, "nu": 0.5}, "plate": {"shape": "disc", "radius": 1, "thickness": 0.1},
+    ...           "load": [{"pressure": 1}]})
+    Traceback (most recent call last):
+        ...
+    signorini.errors.InputError: material.nu: found 0.5; it must be less than 0.5.
+    """
+    try:
+        return Model.model_validate(data)
+    except ValidationError as error:
+        raise explained(error, Model, data, source, line_of) from None

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.accuracy.estimate import PathEstimate
+from signorini.accuracy.comparison import PathEstimate
 from signorini.base.files import replacing_together
 from signorini.output.directory import cannot_write, former_path
 from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE, name_cell
@@ -160,7 +160,7 @@ def write_path(
         If the directory cannot be made or written to, or has files of these names that no earlier path wrote.
     """
     # Only this function needs matplotlib.
-    from signorini.plot import save
+    from signorini.plot.files import save
 
     target = FilePath(directory)
     figure = path.plot()

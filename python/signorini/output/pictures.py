@@ -7,7 +7,7 @@ import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from signorini.accuracy.refinement import ORDER
+from signorini.accuracy.meshes import ORDER
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.output.names import (
@@ -122,7 +122,8 @@ def profiles_csv(results: Results) -> str:
 def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) -> None:
     """Draw every profile, a picture each, with a curve for each combination."""
     # Only this function needs matplotlib.
-    from signorini.plot import profile_picture, save
+    from signorini.plot.curves import profile_picture
+    from signorini.plot.files import save
 
     units, shown = results.model.units, profiled(results, pictures)
     for profile, file in zip(results.model.profile, profile_pictures(results.model), strict=True) if shown else ():

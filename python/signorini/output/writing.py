@@ -8,9 +8,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Literal, get_args
 
-from signorini.accuracy.estimate import PathEstimate
-from signorini.analysis.estimate import Estimates, estimates_of
-from signorini.analysis.path_estimate import estimate_asked
+from signorini.accuracy.comparison import PathEstimate
+from signorini.analysis.estimate import Estimates, estimate_asked, estimates_of
 from signorini.analysis.results import Results
 from signorini.base import arguments
 from signorini.base.arguments import watching

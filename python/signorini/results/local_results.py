@@ -12,7 +12,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Location, Mesh
-from signorini.model.profile import Profile
+from signorini.model.output import Profile
 from signorini.results.contact_field.area_contact import without_shared_borders
 from signorini.results.quantities import PRESSURE, design_moments, face_stresses, principal_moments, shear_stresses
 from signorini.results.support_result import SupportResult

@@ -16,7 +16,7 @@ from signorini.discretise.stressnodes import StressNodes
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.mesh import Mesh
 from signorini.model import Area, Circle, Load, Model, Support
-from signorini.model.footprint import footprints
+from signorini.model.places import footprints
 from signorini.model.whole import Units
 from signorini.plot.picture import (
     CutMark,

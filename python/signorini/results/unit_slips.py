@@ -10,7 +10,7 @@ import numpy as np
 from signorini.base.plain import plain
 from signorini.base.units import METRES
 from signorini.discretise import Discretisation
-from signorini.model.words import describe
+from signorini.model.problems import describe
 
 _NEWTONS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "kgf": 9.80665, "kp": 9.80665, "tf": 9806.65, "t": 9806.65}
 _NEWTONS |= {"lbf": 4.4482216, "lb": 4.4482216, "kip": 4448.2216, "kips": 4448.2216}

@@ -18,14 +18,12 @@ from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.errors import point
 from signorini.model import Load, MeshPlate, Model, Support
-from signorini.model.curve import curve
-from signorini.model.footprint import KEYS as FOOTPRINT
-from signorini.model.zone import KEYS
+from signorini.model.material import ZONE_KEYS
+from signorini.model.places import FOOTPRINT, curve
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult
 from signorini.results.unit_slips import unit_slips
-from signorini.shapes.depths import depth
-from signorini.shapes.distances import distances
+from signorini.shapes.distances import depth, distances
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import at_peaks
 
@@ -138,7 +136,7 @@ def _zones(discretisation: Discretisation) -> Iterator[str]:
     for (one, earlier), (other, later) in combinations(enumerate(discretisation.model.zone, 1), 2):
         first, second = discretisation.zones.inside[[one - 1, other - 1]]
         both = first & second
-        keys = " and ".join(key for key in earlier.given(KEYS) if key in later.given(KEYS))
+        keys = " and ".join(key for key in earlier.given(ZONE_KEYS) if key in later.given(ZONE_KEYS))
         if not keys or (both == second).all() or not both.any():
             continue
         if (both == first).all():

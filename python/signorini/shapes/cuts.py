@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from signorini.shapes.outlines import Box, Outline, Point
-from signorini.shapes.regions import Polyline
+from signorini.shapes.regions import Polyline, Region
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -21,45 +21,13 @@ _APART = 1e-12
 """Part of a segment within which two crossings are one."""
 
 
-class Part(Protocol):
-    """A part of the plane that elements can be divided by."""
-
-    @property
-    def outline(self) -> Outline:
-        """What bounds it."""
-        ...
-
-    @property
-    def area(self) -> float:
-        """Its area, or that of more."""
-        ...
-
-    @property
-    def bounds(self) -> Box:
-        """A box that contains it."""
-        ...
-
-    def contains(self, points: Floats) -> Bools:
-        """Whether each of the points (q, 2) is inside."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class Near:
     """Where points are from a cut line.
 
-    Parameters
-    ----------
-    piece : (q,) array
-        Its nearest piece.
-    shares : (q, p) array
-        1 for this piece; of several as near, about a corner, each as much.
-    station : (q,) array
-        How far along the straight line of this piece.
-    off : (q, p) array
-        How far off the straight lines of all pieces, positive to the right.
-    side : (q,) array
-        -1 to the left, 1 to the right, 0 on the line.
+    ``piece`` (q,) is the nearest of its pieces, ``station`` (q,) how far along the straight line of this one they are.
+    ``shares`` (q, p) are 1 for it; of several as near, about a corner, each as much. ``off`` (q, p) is how far off the
+    straight lines of all pieces they are, positive to the right; ``side`` (q,) is LEFT, RIGHT, or 0 on the line.
     """
 
     piece: Ints
@@ -70,16 +38,10 @@ class Near:
 
 
 class CutLine:
-    """A polyline that goes on beyond its ends, but one that closes.
+    """A polyline that goes on beyond its ends, unless it closes: unless its last point is the first.
 
-    Parameters
-    ----------
-    points : (p, 2) array or sequence of (x, y)
-        The last of a closed one is the first.
-    touching : float
-        How far points on the line may be from it.
-    ways : two of (2,) array or None
-        In what direction it goes on at its ends; None: straight. Only what is left and right depends on these.
+    Points on the line may be ``touching`` from it. ``ways`` (2,) are the directions in which it goes on at its ends,
+    None straight; only what is left and right depends on these.
 
     Examples
     --------
@@ -150,18 +112,11 @@ class CutLine:
 
 @dataclass(frozen=True, eq=False)
 class LeftOf:
-    """What of a box lies on the left of a cut line, or of a region there, whose outline may lie beyond the box.
-
-    Parameters
-    ----------
-    line : CutLine
-    box : (x0, y0, x1, y1)
-    region : Part or None
-    """
+    """What of a box lies on the left of a cut line, or of a region there, whose outline may lie beyond the box."""
 
     line: CutLine
     box: Box
-    region: Part | None = None
+    region: Region | LeftOf | None = None
 
     @property
     def outline(self) -> Outline:
@@ -189,6 +144,10 @@ class LeftOf:
         """Whether each of the points (q, 2) is on the left, and in the region."""
         left = self.line.near(points).side < 0
         return left if self.region is None else np.asarray(left & self.region.contains(points))
+
+
+Part: TypeAlias = Region | LeftOf
+"""A part of the plane that elements can be divided by."""
 
 
 def _divided(a: Floats, b: Floats, outline: Outline) -> Floats:

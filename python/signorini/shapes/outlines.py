@@ -1,4 +1,4 @@
-"""What regions and curves share: their outlines, and what they ask a mesh to follow."""
+"""Outlines of plates, regions and curves: straight sides, circles and arcs, and what they ask a mesh to follow."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from signorini.errors import InputError
-
 Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 Point: TypeAlias = tuple[float, float]
 Box: TypeAlias = tuple[float, float, float, float]
 Side: TypeAlias = tuple[Point, Point | None, Point]
@@ -43,28 +42,13 @@ class Outline:
         return np.concatenate([self.circles, np.column_stack([*(a + offset), np.hypot(*offset)])])
 
 
-class Straight(ABC):
-    """What everything made of straight segments asks of a mesher: its axis-parallel lines, and where they end."""
+class Drawn(ABC):
+    """What everything that is drawn asks of a mesh: its lines along the axes, and its circles."""
 
     @property
     @abstractmethod
     def outline(self) -> Outline:
-        """The segments."""
-
-    @property
-    def drawn(self) -> Floats:
-        """Points (k, 2) along the outline."""
-        return np.asarray(self.outline.segments[:, 0])
-
-    @property
-    def loops(self) -> tuple[Floats, ...]:
-        """Points (k, 2) along every outline: the one there is."""
-        return (self.drawn,)
-
-    @property
-    def corners(self) -> Floats:
-        """Corners (c, 2)."""
-        return self.drawn
+        """What it is drawn with."""
 
     @property
     def x_lines(self) -> tuple[float, ...]:
@@ -77,17 +61,37 @@ class Straight(ABC):
         return self._lines(1)
 
     def radii(self, center: Point) -> tuple[float, ...]:
-        """Radii of circles around `center` that a round mesh should have: none."""
-        return ()
+        """Radii of circles around `center` that a round mesh should have."""
+        return tuple(r for x, y, r in self.outline.circles.tolist() if math.dist(center, (x, y)) <= 1e-9 * r)
 
     def _lines(self, axis: int) -> tuple[float, ...]:
         segments = self.outline.segments
         parallel = (segments[:, 0] == segments[:, 1]).any(axis=1)
-        return tuple(float(x) for x in np.unique(segments[parallel][..., axis]))
+        return tuple(np.unique(segments[parallel][..., axis]).tolist())
 
 
-class Round:
-    """What a circle asks of a mesher: its radius, of a mesh around the same centre."""
+class Straight(Drawn):
+    """A line or region with corners; a region has one outline."""
+
+    @property
+    def drawn(self) -> Floats:
+        """Points (k, 2) along the outline."""
+        return np.asarray(self.outline.segments[:, 0])
+
+    @property
+    def loops(self) -> tuple[Floats, ...]:
+        """Points (k, 2) along every outline."""
+        return (self.drawn,)
+
+    @property
+    def corners(self) -> Floats:
+        """Corners (c, 2)."""
+        return self.drawn
+
+
+@dataclass(frozen=True)
+class Round(Drawn):
+    """A circle, or the disc in it."""
 
     center: Point
     radius: float
@@ -98,46 +102,10 @@ class Round:
         return Outline(circles=np.array([[*self.center, self.radius]]))
 
     @property
-    def x_lines(self) -> tuple[float, ...]:
-        """Abscissae a rectangular mesh should have grid lines at: none."""
-        return ()
-
-    @property
-    def y_lines(self) -> tuple[float, ...]:
-        """Ordinates a rectangular mesh should have grid lines at: none."""
-        return ()
-
-    def radii(self, center: Point) -> tuple[float, ...]:
-        """Radii of circles around `center` that a round mesh should have: this one's if it has the same centre."""
-        return (self.radius,) if math.dist(center, self.center) <= 1e-9 * self.radius else ()
-
-    @property
     def bounds(self) -> Box:
         """Bounding box xmin, ymin, xmax, ymax."""
         (x, y), r = self.center, self.radius
         return (x - r, y - r, x + r, y + r)
-
-
-def require_finite(owner: str, numbers: Sequence[float]) -> None:
-    """Refuse infinities and NaN."""
-    if not all(math.isfinite(number) for number in numbers):
-        raise InputError(f"{owner} needs finite coordinates; found {', '.join(f'{number:g}' for number in numbers)}.")
-
-
-def require_circle(center: Point, radius: float) -> None:
-    """Refuse a circle without a positive radius."""
-    require_finite("A circle", (*center, radius))
-    if not radius > 0.0:
-        raise InputError(f"A circle's radius must be positive; found {radius:g}.")
-
-
-def points_of(owner: str, points: Sequence[Sequence[float]]) -> tuple[Point, ...]:
-    """Normalise a list of points."""
-    for point in points:
-        if len(point) != 2:
-            raise InputError(f"{owner} is a list of [x, y] points; found {list(point)!r}.")
-        require_finite(owner, point)
-    return tuple((float(x), float(y)) for x, y in points)
 
 
 def closed(points: Sequence[Point]) -> Floats:
@@ -150,3 +118,133 @@ def bounds_of(points: Sequence[Point]) -> Box:
     """Bound points by xmin, ymin, xmax, ymax."""
     x, y = zip(*points, strict=True)
     return (min(x), min(y), max(x), max(y))
+
+
+_TURN = 360
+"""Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""
+_FLAT = 1e-9
+"""Rise over chord of an arc that is drawn as a line."""
+
+
+@dataclass(frozen=True)
+class Contour:
+    """A closed line: sides from each corner to the next, the last one to the first.
+
+    A corner that an arc leads from has a point of this arc in ``through``. Several sides may share a name, and all may
+    have one together.
+    """
+
+    corners: tuple[Point, ...]
+    through: tuple[Point | None, ...]
+    names: tuple[str, ...]
+    whole: str = ""
+
+    @property
+    def sides(self) -> list[Side]:
+        """Each side: its corner, what it is an arc through or None, and the next corner."""
+        return list(zip(self.corners, self.through, (*self.corners[1:], self.corners[0]), strict=True))
+
+    @property
+    def edges(self) -> dict[str, list[int]]:
+        """The sides of every name."""
+        result: dict[str, list[int]] = {self.whole: list(range(len(self.names)))} if self.whole else {}
+        for side, name in enumerate(self.names):
+            result.setdefault(name, []).append(side)
+        return result
+
+    def points(self, name: str | None = None) -> Floats:
+        """Points (k, 2) along the sides of one name, or all: their corners, and of arcs one a degree."""
+        sides = self.sides
+        chosen = sides if name is None else [sides[side] for side in self.edges[name]]
+        result = [along_side(a, m, b) for a, m, b in chosen]
+        return np.concatenate(result if name is None else [*result, [b for _, _, b in chosen]])
+
+    @property
+    def bounds(self) -> Box:
+        """Bounding box xmin, ymin, xmax, ymax."""
+        return bounds_of(self.points().tolist())
+
+
+def directions(degrees: Floats) -> Floats:
+    """Compute unit vectors (q, 2), exact at multiples of 90° and symmetric between them."""
+    quarter = np.round(degrees / 90.0)
+    rest = np.radians(degrees - 90.0 * quarter)
+    c, s = np.cos(rest), np.sin(rest)
+    turn = quarter.astype(np.int64) % 4
+    return np.column_stack([np.choose(turn, [c, -s, -c, s]), np.choose(turn, [s, c, -s, -c])])
+
+
+def straight(corners: Sequence[Point], names: Sequence[str]) -> Contour:
+    """Join corners by straight sides."""
+    return Contour(tuple(corners), (None,) * len(corners), tuple(names))
+
+
+def circle(center: Point, radius: float, name: str) -> Contour:
+    """Draw a circle, whose sides are quarters of one name."""
+    (*corners, _), through = _arc(center, radius, 0.0, 360.0)
+    return Contour(tuple(corners), through, (name,) * len(corners))
+
+
+def sector(center: Point, inner: float, outer: float, degrees: float, names: tuple[str, str, str, str]) -> Contour:
+    """Draw a sector from the x axis on; names are of its start, outer arc, end and inner arc.
+
+    With an inner radius of 0 it ends at the center.
+    """
+    start, rim, end, hub = names
+    rims, rim_through = _arc(center, outer, 0.0, degrees)
+    hubs, hub_through = _arc(center, inner, degrees, 0.0) if inner > 0.0 else ((center,), ())
+    corners = (*rims, *hubs)
+    through = (*rim_through, None, *hub_through, None)
+    return Contour(corners, through, (*[rim] * len(rim_through), end, *[hub] * len(hub_through), start))
+
+
+def _arc(center: Point, radius: float, start: float, end: float) -> tuple[tuple[Point, ...], tuple[Point, ...]]:
+    """Ends of the parts of an arc, at most quarters of a circle, and their middles."""
+    count = max(1, math.ceil(abs(end - start) / 90.0))
+    points = np.array(center) + radius * directions(np.linspace(start, end, 2 * count + 1))
+    places = [(float(x), float(y)) for x, y in points]
+    return tuple(places[::2]), tuple(places[1::2])
+
+
+def along_side(a: Point, through: Point | None, b: Point) -> Floats:
+    """Points (k, 2) along a side from a on, of an arc one a degree, without b."""
+    arc = None if through is None else arc_through(a, through, b)
+    if arc is None:
+        return np.array(a)[None]
+    center, radius, start, sweep = arc
+    # Rounding makes no further point of a whole number of degrees.
+    count = max(1, math.ceil(_TURN * abs(sweep) / math.tau - 1e-6))
+    turn = start + sweep * np.arange(1, count) / count
+    return np.vstack([a, center + radius * np.column_stack([np.cos(turn), np.sin(turn)])])
+
+
+def arc_through(a: Point, through: Point, b: Point) -> tuple[Floats, float, float, float] | None:
+    """Centre, radius, angle of the first end and angle turned through of an arc; None where it is a line.
+
+    Examples
+    --------
+    >>> center, radius, start, sweep = arc_through((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))
+    >>> center.tolist(), radius, start, round(sweep, 6)
+    ([0.0, 0.0], 1.0, 0.0, 3.141593)
+    """
+    first, last = np.array(a), np.array(b)
+    u, v = np.array(through) - first, last - first
+    bend = u[0] * v[1] - u[1] * v[0]
+    if abs(bend) <= _FLAT * (v @ v):
+        return None
+    center = first + np.array([v[1] * (u @ u) - u[1] * (v @ v), u[0] * (v @ v) - v[0] * (u @ u)]) / (2.0 * bend)
+    start, end = (math.atan2(*(p - center)[::-1]) for p in (first, last))
+    sweep = (end - start) % math.tau if bend > 0.0 else -((start - end) % math.tau)
+    return center, float(np.hypot(*(first - center))), start, sweep
+
+
+def farthest(center: Floats, radius: float, start: float, sweep: float) -> Floats:
+    """Points (k, 2) of an arc, as `arc_through` gives it, that are farthest along x and y, but its ends."""
+    quarters = np.arange(4) * (math.pi / 2)
+    passed = ((quarters - start) * math.copysign(1.0, sweep)) % math.tau < abs(sweep)
+    return np.asarray(center + radius * directions(np.degrees(quarters[passed])))
+
+
+def along_arc(a: Point, through: Point, b: Point) -> Floats:
+    """Points (k, 2) on an arc, one a degree, both its ends included."""
+    return np.vstack([along_side(a, through, b), b])

@@ -4,54 +4,30 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from signorini.errors import InputError, point
-from signorini.shapes.contours import circle
-from signorini.shapes.outlines import (
-    Box,
-    Outline,
-    Point,
-    Round,
-    Side,
-    Straight,
-    bounds_of,
-    closed,
-    points_of,
-    require_circle,
-    require_finite,
-)
-from signorini.shapes.rounded import Rounded
+from signorini.errors import InputError
+from signorini.shapes import outlines
 
 Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _CHUNK = 4_000_000
 _PAIRS = 200_000
-"""Pairs of sides that are looked at together."""
+"""Crossings, and pairs of sides, that are looked at together."""
+_KINK = 0.1
+"""Turn of an outline, in radians, from which on it has a corner: less is where arcs were meant to go on smoothly."""
+_SAME = 1e-6
+"""Part of a hole's area that is rounding, where it touches what is beside it."""
 
 
 @dataclass(frozen=True)
-class Rectangle(Straight):
-    """A rectangle along the axes, its outline included.
-
-    Raises
-    ------
-    InputError
-        If the upper corner is not above and to the right of the lower one.
-
-    Examples
-    --------
-    >>> patch = Rectangle(1.0, 0.0, 3.0, 1.0)
-    >>> patch.area, patch.x_lines
-    (2.0, (1.0, 3.0))
-    >>> patch.contains(np.array([[2.0, 0.5], [0.0, 0.5]]))
-    array([ True, False])
-    """
+class Rectangle(outlines.Straight):
+    """A rectangle along the axes, its outline included."""
 
     x0: float
     y0: float
@@ -59,8 +35,7 @@ class Rectangle(Straight):
     y1: float
 
     def __post_init__(self) -> None:
-        """Refuse numbers that bound nothing."""
-        require_finite("A rectangle", (self.x0, self.y0, self.x1, self.y1))
+        """Refuse numbers that bound nothing, as they may once they are moved onto edges."""
         if not (self.x1 > self.x0 and self.y1 > self.y0):
             raise InputError(
                 f"Rectangle [{self.x0:g}, {self.y0:g}, {self.x1:g}, {self.y1:g}] encloses nothing; "
@@ -68,10 +43,10 @@ class Rectangle(Straight):
             )
 
     @property
-    def outline(self) -> Outline:
+    def outline(self) -> outlines.Outline:
         """The four sides, counter-clockwise."""
         corners = ((self.x0, self.y0), (self.x1, self.y0), (self.x1, self.y1), (self.x0, self.y1))
-        return Outline(segments=closed(corners))
+        return outlines.Outline(segments=outlines.closed(corners))
 
     @property
     def area(self) -> float:
@@ -79,39 +54,19 @@ class Rectangle(Straight):
         return (self.x1 - self.x0) * (self.y1 - self.y0)
 
     @property
-    def bounds(self) -> Box:
+    def bounds(self) -> outlines.Box:
         """Bounding box xmin, ymin, xmax, ymax."""
         return (self.x0, self.y0, self.x1, self.y1)
 
-    def contains(self, points: Floats) -> Bools:
+    def contains(self, points: Floats) -> outlines.Bools:
         """Whether each of the points (q, 2) is inside or on the outline."""
         inside = (points >= (self.x0, self.y0)) & (points <= (self.x1, self.y1))
         return np.asarray(inside.all(axis=1))
 
 
 @dataclass(frozen=True)
-class Circle(Round):
-    """A disc, its outline included.
-
-    Raises
-    ------
-    InputError
-        If the radius is not positive.
-
-    Examples
-    --------
-    >>> round(Circle((0.0, 0.0), 2.0).area, 3)
-    12.566
-    >>> Circle((0.0, 0.0), 2.0).radii((0.0, 0.0)), Circle((0.0, 0.0), 2.0).radii((1.0, 0.0))
-    ((2.0,), ())
-    """
-
-    center: Point
-    radius: float
-
-    def __post_init__(self) -> None:
-        """Refuse a radius that is not positive."""
-        require_circle(self.center, self.radius)
+class Circle(outlines.Round):
+    """A disc, its outline included."""
 
     @property
     def area(self) -> float:
@@ -121,126 +76,159 @@ class Circle(Round):
     @property
     def loops(self) -> tuple[Floats, ...]:
         """Points (k, 2) along every outline: the one there is, one a degree."""
-        return (circle(self.center, self.radius, "").points(),)
+        return (outlines.circle(self.center, self.radius, "").points(),)
 
     @property
     def corners(self) -> Floats:
         """Corners (c, 2): none."""
         return np.zeros((0, 2))
 
-    def contains(self, points: Floats) -> Bools:
+    def contains(self, points: Floats) -> outlines.Bools:
         """Whether each of the points (q, 2) is inside or on the outline."""
         return np.asarray(np.hypot(*(points - self.center).T) <= self.radius)
 
 
 @dataclass(frozen=True)
-class Polygon(Straight):
+class Polygon(outlines.Straight):
     """A simple polygon, convex or not, in either orientation.
 
-    Parameters
-    ----------
-    points : sequence of (x, y)
-        The corners in order; the last may repeat the first.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than three corners, or the outline crosses or touches itself.
-
-    Examples
-    --------
-    >>> Polygon(((0.0, 0.0), (2.0, 0.0), (0.0, 2.0))).area
-    2.0
-    >>> Polygon(((0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)))
-    Traceback (most recent call last):
-    signorini.errors.InputError: The polygon crosses or touches itself: the sides from corners 1 and 3 meet. ...
+    One that crosses or touches itself is refused.
     """
 
-    points: tuple[Point, ...]
+    points: tuple[outlines.Point, ...]
 
     def __post_init__(self) -> None:
-        """Normalise the corners and refuse an outline that crosses itself."""
-        points = points_of("A polygon", self.points)
-        if len(points) > 1 and points[0] == points[-1]:
-            points = points[:-1]
-        if len(points) < 3:
-            raise InputError(f"A polygon needs at least 3 corners; found {len(points)}.")
-        object.__setattr__(self, "points", points)
+        """Refuse an outline that crosses itself."""
         _require_simple(self.outline.segments)
 
     @property
-    def outline(self) -> Outline:
+    def outline(self) -> outlines.Outline:
         """The sides, in the order given."""
-        return Outline(segments=closed(self.points))
+        return outlines.Outline(segments=outlines.closed(self.points))
 
     @property
     def area(self) -> float:
         """Area."""
         local = np.array(self.points) - self.points[0]
-        x, y = local.T
-        return float(0.5 * abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
+        return float(0.5 * abs(np.sum(_cross(local, np.roll(local, -1, axis=0)))))
 
     @property
-    def bounds(self) -> Box:
+    def bounds(self) -> outlines.Box:
         """Bounding box xmin, ymin, xmax, ymax."""
-        return bounds_of(self.points)
+        return outlines.bounds_of(self.points)
 
-    def contains(self, points: Floats) -> Bools:
+    def contains(self, points: Floats) -> outlines.Bools:
         """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
-        inside = np.empty(len(points), dtype=bool)
-        (ax, ay), (bx, by) = self.outline.segments.transpose(1, 2, 0)
-        step = max(1, _CHUNK // len(ax))
-        for start in range(0, len(points), step):
-            x, y = points[start : start + step].T[..., None]
-            level = (ay > y) != (by > y)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                right = x < ax + (y - ay) / (by - ay) * (bx - ax)
-            inside[start : start + step] = (level & right).sum(axis=1) % 2 == 1
-        return inside
+        return inside(points, self.outline.segments)
 
 
 @dataclass(frozen=True)
-class Polyline(Straight):
-    """Straight segments from point to point.
+class Rounded(outlines.Straight):
+    """A simple region of straight sides and arcs, in either orientation; its sides are not named."""
 
-    Parameters
-    ----------
-    points : sequence of (x, y)
-        Where its sides meet, and its ends.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than two points, or two that follow each other coincide.
-
-    Examples
-    --------
-    >>> wall = Polyline(((0.0, 2.0), (3.0, 2.0), (7.0, 5.0)))
-    >>> wall.length, wall.x_lines, wall.y_lines
-    (8.0, (0.0, 3.0), (2.0,))
-    """
-
-    points: tuple[Point, ...]
+    contour: outlines.Contour
 
     def __post_init__(self) -> None:
-        """Normalise the points and refuse segments without length."""
-        points = points_of("A line", self.points)
-        if len(points) < 2:
-            raise InputError(f"A line needs at least 2 points; found {len(points)}.")
-        for i, (a, b) in enumerate(pairwise(points)):
-            if a == b:
-                raise InputError(f"Points {i + 1} and {i + 2} of a line coincide at {point(a)}; leave one out.")
-        object.__setattr__(self, "points", points)
+        """Refuse arcs that go back as they came."""
+        if not self.area > 0.0:
+            raise InputError("The polygon encloses nothing.")
+
+    @cached_property
+    def outline(self) -> outlines.Outline:
+        """The straight sides and arcs, in the order given."""
+        sides = self.contour.sides
+        straight = [(a, b) for a, m, b in sides if m is None or outlines.arc_through(a, m, b) is None]
+        arcs = [(a, m, b) for a, m, b in sides if m is not None and outlines.arc_through(a, m, b) is not None]
+        return outlines.Outline(np.array(straight).reshape(-1, 2, 2), arcs=np.array(arcs).reshape(-1, 3, 2))
 
     @property
-    def sides(self) -> list[Side]:
+    def drawn(self) -> Floats:
+        """Points (k, 2) along the outline, of arcs one a degree."""
+        return self.contour.points()
+
+    @property
+    def corners(self) -> Floats:
+        """Corners (c, 2), but not where an arc goes on as a side does."""
+        points, count = self.drawn, len(self.drawn)
+        ahead = np.roll(points, -1, axis=0) - points
+        turn = np.arctan2(ahead[:, 1], ahead[:, 0])
+        bend = np.abs((turn - np.roll(turn, 1) + np.pi) % (2.0 * np.pi) - np.pi)
+        at = [i for i in range(count) if tuple(points[i]) in self.contour.corners and bend[i] > _KINK]
+        return np.asarray(points[at])
+
+    @property
+    def tips(self) -> Floats:
+        """Corners, and points (t, 2) of arcs farthest along x and y."""
+        return np.concatenate([self.corners, *self._farthest])
+
+    @cached_property
+    def area(self) -> float:
+        """Area."""
+        corners = np.array(self.contour.corners) - self.contour.corners[0]
+        total = float(np.sum(_cross(corners, np.roll(corners, -1, axis=0))))
+        return 0.5 * abs(total + sum(radius**2 * (sweep - math.sin(sweep)) for _, radius, _, sweep in self._arcs))
+
+    @property
+    def bounds(self) -> outlines.Box:
+        """Bounding box xmin, ymin, xmax, ymax."""
+        return outlines.bounds_of(np.concatenate([np.array(self.contour.corners), *self._farthest]).tolist())
+
+    def contains(self, points: Floats) -> outlines.Bools:
+        """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
+        (x, y), count = points.T, np.zeros(len(points), np.int64)
+        for (ax, ay), (bx, by) in self.outline.segments:
+            level = (ay > y) != (by > y)
+            if level.any():
+                count += level & (x < ax + (y - ay) / (by - ay) * (bx - ax))
+        for (cx, cy), radius, low, high, side in self._monotone:
+            level = (low > y) != (high > y)
+            reach = np.sqrt(np.maximum(radius**2 - (y - cy) ** 2, 0.0))
+            count += level & (x < cx + side * reach)
+        return np.asarray(count % 2 == 1)
+
+    @cached_property
+    def _farthest(self) -> list[Floats]:
+        """Of every arc the points farthest along x and y, but its ends."""
+        return [outlines.farthest(*arc) for arc in self._arcs]
+
+    @cached_property
+    def _arcs(self) -> list[tuple[Floats, float, float, float]]:
+        """Centre, radius, angle of the first end and angle turned through of every arc."""
+        result = [outlines.arc_through(*map(tuple, arc)) for arc in self.outline.arcs.tolist()]
+        return [arc for arc in result if arc is not None]
+
+    @cached_property
+    def _monotone(self) -> list[tuple[Floats, float, float, float, float]]:
+        """Parts of arcs that rise or fall: centre, radius, ordinates of their ends, and 1 right of the centre or −1."""
+        result = []
+        for (begin, _, end), (center, radius, start, sweep) in zip(self.outline.arcs, self._arcs, strict=True):
+            low, high = sorted((start, start + sweep))
+            first = math.ceil((low - math.pi / 2) / math.pi)
+            turns = [math.pi / 2 + k * math.pi for k in range(first, first + 4)]
+            breaks = [low, *(turn for turn in turns if low < turn < high), high]
+            levels = [center[1] + radius * round(math.sin(angle)) for angle in breaks]
+            levels[0], levels[-1] = (begin[1], end[1]) if sweep > 0.0 else (end[1], begin[1])
+            for i, (a, b) in enumerate(pairwise(breaks)):
+                side = math.copysign(1.0, math.cos(0.5 * (a + b)))
+                result.append((center, radius, levels[i], levels[i + 1], side))
+        return result
+
+
+@dataclass(frozen=True)
+class Polyline(outlines.Straight):
+    """Straight segments from point to point."""
+
+    points: tuple[outlines.Point, ...]
+
+    @property
+    def sides(self) -> list[outlines.Side]:
         """Each side in order: where it begins, None since it is straight, and where it ends."""
         return [(a, None, b) for a, b in pairwise(self.points)]
 
     @property
-    def outline(self) -> Outline:
+    def outline(self) -> outlines.Outline:
         """The segments in the order given."""
-        return Outline(np.array(list(pairwise(self.points))))
+        return outlines.Outline(np.array(list(pairwise(self.points))))
 
     @property
     def length(self) -> float:
@@ -248,32 +236,14 @@ class Polyline(Straight):
         return math.fsum(math.dist(a, b) for a, b in pairwise(self.points))
 
     @property
-    def bounds(self) -> Box:
+    def bounds(self) -> outlines.Box:
         """Bounding box xmin, ymin, xmax, ymax."""
-        return bounds_of(self.points)
+        return outlines.bounds_of(self.points)
 
 
 @dataclass(frozen=True)
-class Ring(Round):
-    """The circumference of a circle.
-
-    Raises
-    ------
-    InputError
-        If the radius is not positive.
-
-    Examples
-    --------
-    >>> round(Ring((0.0, 0.0), 2.0).length, 3)
-    12.566
-    """
-
-    center: Point
-    radius: float
-
-    def __post_init__(self) -> None:
-        """Refuse a radius that is not positive."""
-        require_circle(self.center, self.radius)
+class Ring(outlines.Round):
+    """The circumference of a circle."""
 
     @property
     def length(self) -> float:
@@ -281,9 +251,9 @@ class Ring(Round):
         return 2.0 * math.pi * self.radius
 
     @property
-    def sides(self) -> list[Side]:
+    def sides(self) -> list[outlines.Side]:
         """Its quarters in order: where each begins, a point that it is an arc through, and where it ends."""
-        return circle(self.center, self.radius, "").sides
+        return outlines.circle(self.center, self.radius, "").sides
 
 
 Whole: TypeAlias = Rectangle | Circle | Polygon | Rounded
@@ -292,6 +262,20 @@ Curve: TypeAlias = Polyline | Ring
 
 def _cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def inside(points: Floats, segments: Floats) -> outlines.Bools:
+    """Whether points (q, 2) are within closed segments (k, 2, 2), by counting crossings."""
+    result = np.empty(len(points), dtype=bool)
+    (ax, ay), (bx, by) = segments.transpose(1, 2, 0)
+    step = max(1, _CHUNK // len(ax))
+    for start in range(0, len(points), step):
+        x, y = points[start : start + step].T[..., None]
+        level = (ay > y) != (by > y)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            right = x < ax + (y - ay) / (by - ay) * (bx - ax)
+        result[start : start + step] = (level & right).sum(axis=1) % 2 == 1
+    return result
 
 
 def _require_simple(segments: Floats) -> None:
@@ -317,11 +301,6 @@ def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
     """Find two of the segments (k, 2, 2) of a line that meet but where one ends in the other, or None.
 
     The second follows the first where it folds back on it. After the last one of a closed line comes the first.
-
-    Examples
-    --------
-    >>> meeting(np.array([[[0.0, 0.0], [2.0, 0.0]], [[2.0, 0.0], [1.0, 1.0]], [[1.0, 1.0], [1.0, -1.0]]]), False)
-    (0, 2)
     """
     count = len(segments)
     a, b = segments[:, 0], segments[:, 1]
@@ -347,3 +326,108 @@ def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
         if not apart.all():
             return int(i[np.argmin(apart)]), int(j[np.argmin(apart)])
     return None
+
+
+@dataclass(frozen=True)
+class Hollow(outlines.Drawn):
+    """A region without its holes.
+
+    Holes that are not within it, or overlap, are refused.
+    """
+
+    around: Whole
+    holes: tuple[Whole, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse holes that are not apart, or not within."""
+        (around,) = self.around.loops
+        for number, hole in enumerate(self.holes):
+            (own,) = hole.loops
+            size = overlap(own, own)
+            if overlap(own, around) < (1.0 - _SAME) * size:
+                raise InputError(f"Hole {number + 1} reaches out of the area. Cut it to the area.")
+            for other, earlier in enumerate(self.holes[:number]):
+                if overlap(own, earlier.loops[0]) > _SAME * size:
+                    raise InputError(f"Holes {other + 1} and {number + 1} overlap. Draw them as one.")
+        if not self.area > 0.0:
+            raise InputError("The holes leave nothing of the area.")
+
+    @cached_property
+    def parts(self) -> tuple[Whole, ...]:
+        """What is around, and the holes."""
+        return (self.around, *self.holes)
+
+    @cached_property
+    def outline(self) -> outlines.Outline:
+        """The outline around and those of the holes."""
+        drawn = [part.outline for part in self.parts]
+        return outlines.Outline(
+            *(np.concatenate([getattr(one, of) for one in drawn]) for of in ("segments", "circles", "arcs"))
+        )
+
+    @property
+    def loops(self) -> tuple[Floats, ...]:
+        """Points (k, 2) along every outline, that around first."""
+        return tuple(loop for part in self.parts for loop in part.loops)
+
+    @property
+    def corners(self) -> Floats:
+        """Corners (c, 2)."""
+        return np.concatenate([part.corners for part in self.parts])
+
+    @cached_property
+    def area(self) -> float:
+        """Area."""
+        return self.around.area - sum(hole.area for hole in self.holes)
+
+    @property
+    def bounds(self) -> outlines.Box:
+        """Bounding box xmin, ymin, xmax, ymax."""
+        return self.around.bounds
+
+    def contains(self, points: Floats) -> outlines.Bools:
+        """Whether each of the points (q, 2) is inside; on the outline of a hole either answer may come."""
+        inside = self.around.contains(points)
+        for hole in self.holes:
+            inside &= ~hole.contains(points)
+        return inside
+
+
+Region: TypeAlias = Whole | Hollow
+
+
+"""Crossings of sides with stations that are looked at together."""
+
+
+def overlap(one: Floats, other: Floats) -> float:
+    """Area that two simple polygons, corners (n, 2) and (m, 2) in either sense, have in common.
+
+    Between the abscissae of corners and crossings the height that is in both is linear in x, so that its middle counts.
+    """
+    (a, b), (c, d) = ((corners, np.roll(corners, -1, axis=0)) for corners in (one, other))
+    u, v = (b - a)[:, None], (d - c)[None]
+    from_a = c[None] - a[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        area = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+        s = (from_a[..., 0] * v[..., 1] - from_a[..., 1] * v[..., 0]) / area
+        t = (from_a[..., 0] * u[..., 1] - from_a[..., 1] * u[..., 0]) / area
+    i, j = np.nonzero((s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0))
+    stations = np.unique(np.concatenate([a[:, 0], c[:, 0], a[i, 0] + s[i, j] * (b - a)[i, 0]]))
+    middles, widths = 0.5 * (stations[1:] + stations[:-1]), np.diff(stations)
+    begin, end = np.concatenate([a, c]), np.concatenate([b, d])
+    first = np.arange(len(begin)) < len(a)
+    total = 0.0
+    for part in np.array_split(np.arange(len(middles)), 1 + len(middles) * len(begin) // _CHUNK):
+        x = middles[part, None]
+        crossed = (begin[:, 0] > x) != (end[:, 0] > x)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rise = begin[:, 1] + (x - begin[:, 0]) / (end[:, 0] - begin[:, 0]) * (end[:, 1] - begin[:, 1])
+        height = np.where(crossed, rise, np.inf)
+        order = np.argsort(height, axis=1)
+        height = np.take_along_axis(height, order, axis=1)
+        in_one = np.cumsum(first[order], axis=1) % 2 == 1
+        in_both = in_one & (np.cumsum(~first[order], axis=1) % 2 == 1)
+        both = in_both[:, :-1] & np.isfinite(height[:, 1:])
+        steps = np.subtract(height[:, 1:], height[:, :-1], where=both, out=np.zeros_like(height[:, 1:]))
+        total += float(widths[part] @ steps.sum(axis=1))
+    return total

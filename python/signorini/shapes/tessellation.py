@@ -18,37 +18,25 @@ class Tessellation:
     """Triangles that follow the shape functions of 8-node quadrilaterals and 6-node triangles.
 
     Every element is cut by an even grid of the reference square, one side of it collapsed for a triangle, so all its
-    nodes are among the vertices.
-    Vertices on a shared edge are one vertex, so contours cross it without a seam.
-
-    Attributes
-    ----------
-    elements : ndarray of int, shape (e, 8)
-        The mesh: corners counter-clockwise, then midsides; of triangles [a, b, c, c, ab, bc, c, ca].
-    owners : ndarray of int, shape (v,)
-        One element that each vertex lies in.
-    weights : ndarray, shape (v, 8)
-        The owner's shape functions at the vertex.
-    triangles : ndarray of int, shape (t, 3)
-        Vertices of the triangles.
-    parents : ndarray of int, shape (t,)
-        The element that each triangle is a part of.
-    edges : ndarray of int, shape (k, d + 1)
-        Vertices along each edge of the mesh, every edge once.
-    midsides : ndarray of int, shape (k,)
-        The mesh's node in the middle of each edge.
-    outer : ndarray of bool, shape (k,)
-        Whether one element only has the edge: the outline of the plate.
+    nodes are among the vertices. Vertices on a shared edge are one vertex, so contours cross it without a seam.
     """
 
     elements: NDArray[np.int64]
+    """The mesh (e, 8): corners counter-clockwise, then midsides; of triangles [a, b, c, c, ab, bc, c, ca]."""
     owners: NDArray[np.int64]
+    """One element (v,) that each vertex lies in."""
     weights: NDArray[np.float64]
+    """The owner's shape functions (v, 8) at the vertex."""
     triangles: NDArray[np.int64]
+    """Vertices (t, 3) of the triangles."""
     parents: NDArray[np.int64]
+    """The element (t,) that each triangle is a part of."""
     edges: NDArray[np.int64]
+    """Vertices (k, d + 1) along each edge of the mesh, every edge once."""
     midsides: NDArray[np.int64]
+    """The mesh's node (k,) in the middle of each edge."""
     outer: NDArray[np.bool_]
+    """Whether (k,) one element only has the edge: the outline of the plate."""
 
     def interpolate(self, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
         """Evaluate a nodal field, shape (n,) or (n, c), at the vertices."""
@@ -59,19 +47,7 @@ class Tessellation:
 def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tessellation:
     """Cut every element into ``divisions`` × ``divisions`` cells of two triangles.
 
-    Parameters
-    ----------
-    elements : ndarray of int, shape (e, 8)
-        Corners counter-clockwise, then midsides.
-    divisions : int, optional
-        An even number; by default finer for coarser meshes, so that a picture of any mesh is as smooth.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> cut = tessellate(np.array([[0, 1, 2, 3, 6, 7, 8, 9], [1, 4, 5, 2, 10, 11, 12, 7]]), divisions=2)
-    >>> len(cut.owners), len(cut.triangles), len(cut.edges), int(cut.outer.sum())
-    (15, 16, 7, 6)
+    An even number; by default finer for coarser meshes, so that a picture of any mesh is as smooth.
     """
     count = len(elements)
     d = divisions or int(np.clip(2 * round(np.sqrt(_WANTED_CELLS / count) / 2), 2, _FINEST))

@@ -21,7 +21,7 @@ from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.mesh.sides import onto
 from signorini.model import Load, Support
-from signorini.model.curve import curve
+from signorini.model.places import curve
 
 Complexes = npt.NDArray[np.complex128]
 Slopes = Literal["free", "slope", "twist", "clamped"]

@@ -13,7 +13,7 @@ from signorini.discretise.quadrature import curve_quadrature
 from signorini.discretise.quadrature.lines import arc_of
 from signorini.discretise.rows import Floats, Ints
 from signorini.model import AnnulusPlate, DiscPlate, Load, Support
-from signorini.model.curve import curve
+from signorini.model.places import curve
 from signorini.shapes import Curve, Polyline, Ring
 from signorini.singularities.boundary import STRAIGHT, Boundary, boundary_of, moments_grow, shears_along, slopes_held
 from signorini.singularities.singularity import Singularity, as_places

@@ -13,8 +13,7 @@ from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.errors import point
 from signorini.model import Load, Support
-from signorini.model.curve import curve
-from signorini.model.footprint import KEYS as FOOTPRINT
+from signorini.model.places import FOOTPRINT, curve
 from signorini.shapes import Circle, Curve, Polyline, Region, Ring
 from signorini.singularities.boundary import boundary_of, shears_grow
 from signorini.singularities.lines import ends_of_line, ends_of_load, of_cut_elements, of_held_slopes

@@ -43,40 +43,26 @@ Sink = Callable[[Iterable[tuple[str, Column]]], None]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Combined(Brief):
-    """What is known of all combinations together.
-
-    Parameters
-    ----------
-    combinations : Combinations
-    layout : Layout
-    envelope : Envelope
-        Over those that were solved.
-    groups : dict of Envelope
-        By group with a name, over those of it that were solved, if any.
-    solved : int
-        How many have an equilibrium.
-    alone : int
-        How many of them were solved by themselves, because what was found together was not certain enough.
-    not_unique : int
-        How many have other answers that are as right; of each the least is in the table.
-    certificate : dict of float
-        The worst of each figure.
-    unbalanced : dict of str
-        Why the first of those without equilibrium have none, by name.
-    rows : dict or None
-        The table's columns, where they are few enough numbers to be kept.
-    """
+    """What is known of all combinations together."""
 
     combinations: Combinations
     layout: Layout
     envelope: Envelope
+    """Over those that were solved."""
     groups: Mapping[str, Envelope]
+    """By group with a name, over those of it that were solved, if any."""
     solved: int
+    """How many have an equilibrium."""
     alone: int
+    """How many of them were solved by themselves, because what was found together was not certain enough."""
     not_unique: int
+    """How many have other answers that are as right; of each the least is in the table."""
     certificate: Mapping[str, float]
+    """The worst of each figure."""
     unbalanced: Mapping[str, str]
+    """Why the first of those without equilibrium have none, by name."""
     rows: Mapping[str, Column] | None
+    """The table's columns, where they are few enough numbers to be kept."""
 
     def over(self, group: str) -> Envelope:
         """The envelope over a group; by no name over all."""
@@ -98,18 +84,10 @@ def combine(
 ) -> Combined:
     """Solve every combination of a model.
 
-    Parameters
-    ----------
-    problem : ContactProblem
-    single : callable
-        Solves one combination by itself; used where a sum of responses is not certain.
-    several : callable or None
-        Solves combinations of an active set side by side, and those it is not certain of by the function it is given.
-        None leaves every combination to ``single``, which knows them all.
-    begin : callable
-        Called with the name of the first combination of each block as it begins; what it raises ends the run.
-    sink : callable, optional
-        Takes the columns of each block, see `Block.columns`.
+    ``single`` solves one combination by itself, where a sum of responses is not certain. ``several`` solves
+    combinations of an active set side by side, and those it is not certain of by the function it is given; None leaves
+    every combination to ``single``. ``begin`` is called with the name of the first combination of each block; what it
+    raises ends the run. ``sink`` takes the columns of each block.
     """
     discretisation = problem.discretisation
     layout = Layout.of(discretisation)
@@ -151,8 +129,10 @@ class _Run:
         self.terms: Terms | None = None
         # Where nodes are held together their forces are shared alike in every combination.
         self._always = "reactions" if discretisation.held_together else ""
-        count = len(discretisation.model.effective_combinations)
-        if several is not None and problem.method == "lemke" and _worth_while(problem, count):
+        # So many combinations are worth a response of every contact point, and memory holds these.
+        most = min(_MOST_POINTS, max(_FEW_POINTS, 2 * len(discretisation.model.effective_combinations)))
+        worth_while = not len(discretisation.repeated) and len(discretisation.contacts) <= most
+        if several is not None and problem.method == "lemke" and worth_while:
             self.terms = terms_of(problem, self.cases, layout.fields, layout.around_areas)
         self.envelopes: dict[str, Envelope] = {}
         self.solved = self.alone = self.not_unique = 0
@@ -200,7 +180,8 @@ class _Run:
         rows = np.flatnonzero(verdict == 0)
         coefficients = np.ascontiguousarray(np.hstack([np.ones((len(rows), 1)), factors[rows], pushes[rows]]))
         figures = terms.proof.figures(coefficients, np.ascontiguousarray(reaction[rows]))
-        certain = _certain(figures)
+        # Certificates that pass, and leave no doubt that equilibrium exists.
+        certain = (figures <= TOLERANCE).all(axis=1) & (figures[:, FIGURES.index("balance")] <= _BALANCED)
         certain &= ~doubtful(self.problem.discretisation, self.problem.freedom, reaction[rows], gap[rows])
         rows, coefficients = rows[certain], np.ascontiguousarray(coefficients[certain])
         block.solved[rows] = True
@@ -230,8 +211,7 @@ class _Run:
         self._put_areas(block, rows)
         block.iterations[:] = pivots
         for row in rows:
-            block.method[row] = "lemke"
-            block.not_unique[row] = self._always
+            block.method[row], block.not_unique[row] = "lemke", self._always
         without = np.flatnonzero(verdict == 1)
         explained = without[: max(0, _EXPLAINED - self._without_equilibrium)]
         self._without_equilibrium += len(without) - len(explained)
@@ -277,10 +257,8 @@ class _Run:
         """Largest pressures and areas in contact of rows of which the deflections around areas are known."""
         result, layout = self.problem.discretisation, self.layout
         for at, (index, at_rest) in enumerate(layout.at_rest.items()):
-            where, (most, area) = (
-                layout.slices[index],
-                layout.catalogue.at("support", "max_pressure", "contact_area")[at],
-            )
+            where = layout.slices[index]
+            most, area = layout.catalogue.at("support", "max_pressure", "contact_area")[at]
             pressures = at_rest.measured(block.around(at_rest, layout, rows), block.reaction[rows, where])
             block.values[rows, most] = pressures.max(axis=1, initial=0.0)
             step = max(1, _DEFLECTIONS // result.mesh.node_count)
@@ -299,19 +277,6 @@ def _by_group(groups: Sequence[str], rows: Ints) -> Iterator[tuple[str, Ints]]:
     """Divide rows (k,), in rising order, by their groups."""
     for group in dict.fromkeys(groups[row] for row in rows):
         yield group, np.array([row for row in rows if groups[row] == group])
-
-
-def _worth_while(problem: ContactProblem, count: int) -> bool:
-    """Whether so many combinations are worth a response of every contact point, and memory holds these."""
-    discretisation = problem.discretisation
-    points = len(discretisation.contacts)
-    return not len(discretisation.repeated) and points <= min(_MOST_POINTS, max(_FEW_POINTS, 2 * count))
-
-
-def _certain(figures: Floats) -> Bools:
-    """Whether certificates (k, 5) pass, and leave no doubt that equilibrium exists."""
-    balance = figures[:, FIGURES.index("balance")]
-    return np.asarray((figures <= TOLERANCE).all(axis=1) & (balance <= _BALANCED))
 
 
 def _factors(combinations: Sequence[Combination], cases: Sequence[str]) -> Floats:

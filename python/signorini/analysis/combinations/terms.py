@@ -1,23 +1,158 @@
-"""What every combination is a sum of: the plate at rest, under each load case, and pushed at each contact point.
-
-Displacements, fields, probes and the supports' forces are linear in the coefficients of this sum; only those of the
-points are the answer of a contact problem.
-"""
+"""What every combination is a sum of, and certificates of many sums from what was measured of their terms."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from signorini import _core
-from signorini.analysis.combinations.certificate_bounds import Proof, Sizes, Watch
+from signorini.contact.certificate import FIGURES
 from signorini.contact.problem import ContactProblem
-from signorini.discretise import CaseLoad
+from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.results.quantities import LINEAR, PEAKING
 from signorini.results.support_points import SupportPoints
+
+_WATCHED = 64
+"""Nodes whose deflections, and dofs whose loads, bound the largest from below."""
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """Nodes all over the plate, and the dofs (node by node, three each) that some load case loads most."""
+
+    nodes: Ints
+    dofs: Ints
+
+    @classmethod
+    def of(cls, discretisation: Discretisation, cases: Sequence[str]) -> Watch:
+        """Choose them; of many load cases some."""
+        unit = np.tile(_units(discretisation), discretisation.mesh.node_count)
+        some = cases[:: max(1, len(cases) // _WATCHED)]
+        dofs = {int(np.abs(discretisation.cases[case].nodal / unit).argmax()) for case in some}
+        nodes = np.unique(np.linspace(0, discretisation.mesh.node_count - 1, _WATCHED).astype(np.int64))
+        return cls(nodes, np.array(sorted(dofs), dtype=np.int64))
+
+
+class Sizes(NamedTuple):
+    """What certificates need of one term, or, with an axis (b,) in front, of all."""
+
+    moved: Floats
+    """(m,): displacement Gu of every contact point."""
+    reaction: Floats
+    """(m,)"""
+    errors: Floats
+    """(2,): largest nodal force out of balance, couples by the force they are at an element's size apart; and largest
+    violation of a held deflection, slopes times the plate's size."""
+    balance: Floats
+    """(3,): the resultants that supports do not balance."""
+    resultant: Floats
+    """(3,): those of the load, of what of it has any."""
+    deflection: Floats
+    """Of the nodes that are watched."""
+    load: Floats
+    """On the dofs that are watched."""
+
+    @classmethod
+    def of(
+        cls,
+        discretisation: Discretisation,
+        watch: Watch,
+        load: CaseLoad,
+        hi: Floats,
+        lo: Floats,
+        reaction: Floats,
+        imbalance: Floats,
+        on_plate: Floats,
+        at_rest: bool,
+    ) -> Sizes:
+        """Measure a term: displacements ``hi + lo``, what is out of balance, and the supports' forces (3n,) each."""
+        rows, held = discretisation.contacts.rows, discretisation.held
+        exact = hi.astype(np.longdouble) + lo
+        moved = rows.dot(discretisation.mesh.elements, exact)
+        unit = _units(discretisation)
+        free = np.abs(np.where(held.dofs, 0.0, imbalance).reshape(-1, 3)) / unit
+        values = held.values if at_rest else np.zeros_like(held.values)
+        lengths = np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
+        slip = np.abs(np.where(held.dofs, hi + lo - values, 0.0)).reshape(-1, 3) * lengths
+        motions = discretisation.rigid_motions / lengths
+        return cls(
+            moved.astype(np.float64),
+            reaction,
+            np.array([free.max(initial=0.0), slip.max(initial=0.0)]),
+            motions.T @ (load.weighing - on_plate),
+            motions.T @ load.weighing,
+            hi[3 * watch.nodes],
+            load.nodal[watch.dofs] / unit[watch.dofs % 3],
+        )
+
+
+def _units(discretisation: Discretisation) -> Floats:
+    """What turns the three dofs' forces into forces: couples count by the force at an element's size."""
+    across = float(np.sqrt(discretisation.mesh.element_area.mean()))
+    return np.array([1.0, across, across])
+
+
+@dataclass(frozen=True, eq=False)
+class Proof:
+    """What was measured of all terms, how points (m,) move with rigid motions, and how they grip."""
+
+    discretisation: Discretisation
+    terms: Sizes
+    moves: Floats
+    grip: Floats
+
+    @classmethod
+    def of(cls, discretisation: Discretisation, sizes: Sequence[Sizes]) -> Proof:
+        """Put the terms together."""
+        rows = abs(discretisation.contact_rows)
+        rows.data /= _units(discretisation)[rows.indices % 3]
+        motions = discretisation.rigid_motions / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
+        return cls(
+            discretisation,
+            Sizes(*map(np.array, zip(*sizes, strict=True))),
+            np.ascontiguousarray(discretisation.contact_rows @ motions),
+            np.ascontiguousarray(rows.max(axis=1).toarray().reshape(-1, 1)),
+        )
+
+    def figures(self, coefficients: Floats, reaction: Floats) -> Floats:
+        """Bounds (k, 5) of the certificates' figures of sums with coefficients (k, b) and reactions (k, m)."""
+        contacts, size, terms = self.discretisation.contacts, self.discretisation.mesh.size, self.terms
+        carried = _core.superpose(coefficients, terms.reaction) - reaction
+        errors = _core.superpose(np.abs(coefficients), terms.errors)
+        gap = contacts.distance - _core.superpose(coefficients, terms.moved) + contacts.compliance * reaction
+        balance = _core.superpose(coefficients, terms.balance) + _core.superpose(carried, self.moves)
+        resultant = np.abs(_core.superpose(coefficients, terms.resultant)).max(axis=1, initial=0.0)
+        load = np.abs(_core.superpose(coefficients, terms.load)).max(axis=1, initial=0.0)
+        deflection = np.abs(_core.superpose(coefficients, terms.deflection)).max(axis=1, initial=0.0)
+
+        force = np.where(contacts.slope, reaction / size, reaction)
+        largest = np.abs(force).max(axis=1, initial=0.0)
+        length = np.maximum(deflection, np.abs(self.discretisation.held.values[::3]).max(initial=0.0))
+        lengths = np.where(contacts.slope, length[:, None] / size, length[:, None])
+        scale = np.where(load > 0, load, largest)
+        pressing = np.maximum(scale, largest)
+        one_sided = np.where(contacts.two_sided, 0.0, force)
+        open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
+        both = np.minimum(_ratio(np.abs(one_sided), pressing[:, None]), _ratio(np.abs(gap), lengths))
+        balanced = np.abs(balance).max(axis=1, initial=0.0)
+        figures = {
+            "penetration": np.maximum(_ratio(open_by, lengths).max(axis=1, initial=0.0), _ratio(errors[:, 1], length)),
+            "tension": _ratio((-one_sided).max(axis=1, initial=0.0), pressing),
+            "complementarity": both.max(axis=1, initial=0.0),
+            "equilibrium": _ratio(errors[:, 0] + _core.superpose(np.abs(carried), self.grip)[:, 0], scale),
+            "balance": _ratio(balanced, np.maximum(resultant, largest)),
+        }
+        return np.column_stack([figures[name] for name in FIGURES])
+
+
+def _ratio(error: Floats, size: Floats) -> Floats:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(error == 0.0, 0.0, error / size))
+
 
 _TOGETHER = 32
 """Load cases whose displacements are in memory at once."""
@@ -25,70 +160,53 @@ _TOGETHER = 32
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """The terms (b,) of the sum: one at rest, one a load case, one a contact point.
-
-    Parameters
-    ----------
-    cases : tuple of str
-        The load cases, in the order of the terms.
-    shared : _core.CombinedCases
-        The contact problem condensed for all of them.
-    fields : dict of (b, n) arrays
-        Those that envelopes are sought of, "reaction" among them.
-    on_areas : (b, k) array
-        Deflection of the nodes around elastic areas.
-    probes : (b, 8q) array
-        Every field at every probe.
-    through : (b, 3s) array
-        Moment, twist and shear of every section, and their means at every station of a strip.
-    fixed : (b, f) array
-        Upward force of held nodes and springs, support by support.
-    proof : Proof
-        What certificates are made of.
-    """
+    """The terms (b,) of the sum: one at rest, one a load case, one a contact point."""
 
     cases: tuple[str, ...]
+    """The load cases, in the order of the terms."""
     shared: _core.CombinedCases
+    """The contact problem condensed for all of them."""
     fields: dict[str, Floats]
+    """Those that envelopes are sought of, "reaction" among them."""
     on_areas: Floats
+    """(b, k): deflection of the nodes around elastic areas."""
     probes: Floats
+    """(b, 8q): every field at every probe."""
     through: Floats
+    """(b, 3s): moment, twist and shear of every section, and their means at every station of a strip."""
     fixed: Floats
+    """(b, f): upward force of held nodes and springs, support by support."""
     proof: Proof
+    """What certificates are made of."""
 
 
 def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str], nodes: Ints) -> Terms:
     """Solve for every term.
 
-    Parameters
-    ----------
-    problem : ContactProblem
-        With every contact point in its LCP.
-    cases : sequence of str
-        Load cases that occur in some combination.
-    enveloped : sequence of str
-        Fields that envelopes are sought of.
-    nodes : (k,) array
-        Around elastic areas.
+    The load cases are those that occur in some combination; ``enveloped`` fields have envelopes; the nodes (k,) are
+    around elastic areas.
     """
     result, core = problem.discretisation, problem.core
     names = summed(enveloped)
-    measured = _Measured(problem, names, Watch.of(result, cases), nodes)
+    reader = _Reader(result, names, Watch.of(result, cases), nodes)
     rest = _core.rest_response(core, result.held.values)
-    measured.add([rest], None, at_rest=True)
+    terms = reader.read([rest], None, at_rest=True)
     responses: list[_core.Response] = []
     for first in range(0, len(cases), _TOGETHER):
         loads = [result.cases[case] for case in cases[first : first + _TOGETHER]]
         solved = _core.load_responses(core, np.array([load.nodal for load in loads]))
-        measured.add(solved, loads)
+        terms += reader.read(solved, loads)
         responses += [response.at_points() for response in solved]
     points: list[_core.Response] = []
     for first in range(0, len(result.contacts), _TOGETHER):
         solved = _core.point_responses(core, first, min(first + _TOGETHER, len(result.contacts)))
-        measured.add(solved, None)
+        terms += reader.read(solved, None)
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
-    return measured.terms(tuple(cases), shared)
+    fields, on_areas, probes, through, fixed, sizes = zip(*terms, strict=True)
+    by_name = dict(zip([*names, "reaction"] if names else [], map(np.array, zip(*fields, strict=True)), strict=True))
+    at_areas, at_probes, cut, held = (np.array(column) for column in (on_areas, probes, through, fixed))
+    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, Proof.of(result, sizes))
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
@@ -97,27 +215,24 @@ def summed(enveloped: Sequence[str]) -> list[str]:
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
 
-class _Measured:
-    """Collects what is read from each term, so that its displacements can go."""
+_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Sizes]
+"""Of one term its fields, then what `Terms` has of it."""
 
-    def __init__(self, problem: ContactProblem, names: list[str], watch: Watch, nodes: Ints) -> None:
-        self._names, self._watch = names, watch
-        discretisation = self._found = problem.discretisation
+
+class _Reader:
+    """Reads what is kept of terms, so that their displacements can go."""
+
+    def __init__(self, discretisation: Discretisation, names: list[str], watch: Watch, nodes: Ints) -> None:
+        self._found, self._names, self._watch, self._nodes = discretisation, names, watch, nodes
         self._springs = discretisation.springs.arrays
         elements, rows, further, stiffness, base = self._springs
         self._still = (elements, rows, further, stiffness, np.zeros_like(base))
         self._supports = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
         self._at = discretisation.probe_sides.where
         self._values: Floats = discretisation.mesh.shape_functions(self._at.elements, self._at.xi)
-        self._fields: list[list[Floats]] = []
-        self._nodes = nodes
-        self._on_areas: list[Floats] = []
-        self._probes: list[Floats] = []
-        self._through: list[Floats] = []
-        self._fixed: list[Floats] = []
-        self._sizes: list[Sizes] = []
 
-    def add(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> None:
+    def read(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> list[_Term]:
+        """Read some terms, without loads those of no load."""
         """Read some terms."""
         result = self._found
         if loads is None:
@@ -129,14 +244,12 @@ class _Measured:
                 np.array([getattr(load, part) for load in loads]) for part in ("curvature", "couples")
             )
             stresses = _core.response_stresses(result.plate, responses, curvatures, couples)
-        for response, load, stress in zip(responses, loads, stresses, strict=True):
-            self._add(response, load, stress, at_rest)
+        return [self._term(*one, at_rest) for one in zip(responses, loads, stresses, strict=True)]
 
-    def _add(self, response: _core.Response, load: CaseLoad, stress: Floats, at_rest: bool) -> None:
+    def _term(self, response: _core.Response, load: CaseLoad, stress: Floats, at_rest: bool) -> _Term:
         result, hi, lo, reaction = self._found, response.hi, response.lo, response.reaction
         springs = self._springs if at_rest else self._still
-        displacement = hi + lo
-        nodal = displacement.reshape(-1, 3)
+        nodal = (hi + lo).reshape(-1, 3)
         nodes = result.stress_nodes
         every = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(result.held.to_global(nodal[:, 1:])), stress])
         spread = result.contact_rows.T @ reaction
@@ -144,7 +257,6 @@ class _Measured:
         at_holds = np.where(result.held.dofs, imbalance, 0.0)
         pull = result.spring_forces(hi, lo, springs[4])
         on_plate = at_holds + spread + result.spring_rows.T @ pull
-        self._on_areas.append(nodal[self._nodes, 0])
         kept = [
             every[: nodes.count if name in PEAKING else len(nodal), place]
             for place, name in enumerate(LINEAR)
@@ -154,30 +266,8 @@ class _Measured:
             points, off = result.off_areas
             at_nodes = at_holds + result.contact_rows.T @ (points[: len(reaction)] * reaction)
             kept.append((at_nodes + result.spring_rows.T @ (off * pull))[::3])
-        self._fields.append(kept)
-        at_probes = np.einsum("qi,qif->qf", self._values, every[nodes.elements[self._at.elements]])
-        self._probes.append(at_probes.ravel())
-        self._through.append(result.through(load, hi, lo, reaction, pull))
+        at_probes = np.einsum("qi,qif->qf", self._values, every[nodes.elements[self._at.elements]]).ravel()
         forces = [np.concatenate([at_holds[::3][points.nodes], pull[points.springs]]) for points in self._supports]
-        self._fixed.append(np.concatenate([np.zeros(0), *forces]))
-        self._sizes.append(Sizes.of(result, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest))
-
-    def terms(self, cases: tuple[str, ...], shared: _core.CombinedCases) -> Terms:
-        """Put the terms together."""
-        names = [*self._names, "reaction"] if self._names else []
-        fields = {name: np.array([field[i] for field in self._fields]) for i, name in enumerate(names)}
-        proof = Proof.of(self._found, self._sizes)
-        return Terms(
-            cases,
-            shared,
-            fields,
-            _table(self._on_areas),
-            _table(self._probes),
-            _table(self._through),
-            _table(self._fixed),
-            proof,
-        )
-
-
-def _table(rows: Iterable[Floats]) -> Floats:
-    return np.ascontiguousarray(np.array(list(rows)))
+        fixed = np.concatenate([np.zeros(0), *forces])
+        sizes = Sizes.of(result, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest)
+        return kept, nodal[self._nodes, 0], at_probes, result.through(load, hi, lo, reaction, pull), fixed, sizes

@@ -12,8 +12,8 @@ from signorini.discretise.quadrature.rules import Quadrature, collapsed, gauss, 
 from signorini.discretise.quadrature.stepped import OFF, Levels, among, crossed, cut_by, sides_of
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
-from signorini.mesh.curves import at_ends
 from signorini.mesh.isoparametric import TRIANGLE_CORNERS, determinants, real_sides
+from signorini.mesh.sides import at_ends
 from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.cuts import Part
 

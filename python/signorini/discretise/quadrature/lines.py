@@ -14,11 +14,10 @@ from signorini.discretise.quadrature.rules import LineQuadrature, gauss, lobatto
 from signorini.discretise.quadrature.stepped import INSIDE, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
-from signorini.mesh.curves import at_ends
 from signorini.mesh.isoparametric import side_boxes
+from signorini.mesh.sides import at_ends
 from signorini.shapes import Curve, Ring
-from signorini.shapes.contours import arc_through
-from signorini.shapes.outlines import Outline, Side
+from signorini.shapes.outlines import Outline, Side, arc_through
 
 _SAME = 1e-13
 _TOUCHED = 1e-6

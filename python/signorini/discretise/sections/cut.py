@@ -33,9 +33,8 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, point
 from signorini.mesh import Mesh
 from signorini.mesh.sides import onto
-from signorini.shapes.contours import arc_through
 from signorini.shapes.cuts import LEFT, RIGHT, CutLine, LeftOf, Near, Part
-from signorini.shapes.outlines import Point
+from signorini.shapes.outlines import Point, arc_through
 
 BESIDE = 1e-6
 """How far from an edge, of the plate's size, an end is on it, and from a node of an edge in it: more than rounding."""

@@ -22,7 +22,7 @@ from signorini.discretise.supports import ContactPoints, Springs
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
-from signorini.model.footprint import footprints
+from signorini.model.places import footprints
 from signorini.shapes import Polyline
 from signorini.shapes.cuts import Part
 from signorini.shapes.outlines import Point

@@ -20,7 +20,7 @@ from signorini.results.contact_field.cells import Cells, bounds, edge_of_contact
 from signorini.results.contact_field.lines import Segments, chained, clipped, thinned
 from signorini.results.extremes import peak
 from signorini.shapes import Region
-from signorini.shapes.depths import depth
+from signorini.shapes.distances import depth
 from signorini.shapes.tessellation import Tessellation
 
 _WHOLE = 1.0 - 1e-9

@@ -1,6 +1,8 @@
-"""The convex hull of points."""
+"""The convex hull and the diameter of points, and how near is the same on a plate."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -46,13 +48,7 @@ def hull(points: Floats) -> npt.NDArray[np.int64]:
 
 
 def diameter(points: Floats) -> float:
-    """The largest distance between two of points (k, 2), which no turn of them changes but by rounding.
-
-    Examples
-    --------
-    >>> diameter(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]]))
-    5.0
-    """
+    """The largest distance between two of points (k, 2), which no turn of them changes but by rounding."""
     corners = points[hull(points)]
     return max(float(np.hypot(*(corners - one).T).max()) for one in corners)
 
@@ -72,3 +68,36 @@ def _chain(points: Floats, which: npt.NDArray[np.int64], flat: float) -> list[in
             side.append((index, x, y))
         corners += [index for index, _, _ in side[:-1]]
     return corners
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Lengths that tell places of a plate from each other.
+
+    Its diameter, and its thickness at one place or some; 0 where no support is judged by it.
+    """
+
+    extent: float
+    thickness: float | Floats = 0.0
+
+    @property
+    def place(self) -> float:
+        """Two places nearer than this are one.
+
+        Rows of nearer ones differ by less than their rounding: at 1e-9 two rigid points with a spring beside them
+        changed deflections by 3 %.
+        """
+        return 1e-8 * self.extent
+
+    @property
+    def written(self) -> float:
+        """What is nearer than this to an edge or a circle is on it: coordinates are written with six digits."""
+        return 1e-6 * self.extent
+
+    @property
+    def apart(self) -> float | Floats:
+        """Rigid supports that are not at one place are at least so far from each other.
+
+        What a plate does between two grows with the inverse of the square.
+        """
+        return self.thickness / 10.0

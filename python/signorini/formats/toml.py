@@ -1,4 +1,4 @@
-"""Line numbers of the keys of a TOML text, which `tomllib` does not give."""
+"""What `tomllib` does not tell: the lines of keys, and what to write instead of what is not TOML."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import bisect
 import contextlib
 import re
 import tomllib
+from collections.abc import Collection
 
 Path = tuple[str | int, ...]
 
@@ -20,11 +21,6 @@ _SCALAR = re.compile(r"[^,\]}\n#]*")
 
 class Lines:
     r"""Line numbers, from 1, of the tables, keys and list items of a valid TOML text.
-
-    Parameters
-    ----------
-    text : str
-        What `tomllib.loads` has already accepted.
 
     Examples
     --------
@@ -141,3 +137,73 @@ class Lines:
 
     def _line(self) -> int:
         return bisect.bisect_left(self._breaks, self._position) + 1
+
+
+_NUMBER = r"(?>[+-]?\d[\d_]*(?:\.\d+)?(?:[eE][+-]?\d+)?)"
+_ENDS = r"\s*(?:[,}\]#].*)?$"
+
+# Slips that show in the line where reading stopped, by a pattern and what to say of its groups. The first one that is
+# found is told.
+_SLIPS: tuple[tuple[str, str], ...] = (
+    (r"^(?://|;|%|--)", "A comment begins with #."),
+    (r"[“”„‘’«»]", "Quotes are straight: \" or '."),
+    (r'=\s*"[^"]*\\', "Write a path with / in place of \\, or in single quotes."),
+    (r"=\s*\(", "A list stands in square brackets: [1, 2]."),
+    (rf"=\s*([+-]?\d{{1,3}}(?:,\d{{3}}){{2,}}){_ENDS}", "Write a number without commas: {joined}."),
+    (
+        rf"=\s*([+-]?\d+),(\d{{3}}){_ENDS}",
+        "The decimal sign is a point: {1}.{2}. If {1},{2} is meant in thousands, write {1}{2}.",
+    ),
+    (rf"=\s*([+-]?\d+),(\d+(?:[eE][+-]?\d+)?){_ENDS}", "The decimal sign is a point: {1}.{2}."),
+    (r",\s*\}", "No comma stands before the closing brace."),
+    (
+        r"\{[^}]*$",
+        "A table in braces stands on one line, from {{ to }}; a longer one under a header of its own.",
+    ),
+    (r"[=,\[]\s*([+-]?)(\.\d+)", "A digit stands before the point: {1}0{2}."),
+    (r"[=,\[]\s*([+-]?\d+)\.(?!\d)((?:[eE][+-]?\d+)?)", "A digit stands behind the point: {1}.0{2}."),
+    (r"=\s*[+-]?0+(\d[\d.]*)", "A number has no zeros before it: {1}."),
+    (rf"=\s*({_NUMBER})\s*[*^/]", "Write a power of ten as 30e9, and a formula in quotes."),
+    (r"=\s*(\d+(?: \d{3})+)\b", "Write a number without spaces: {joined}."),
+    (rf"=\s*({_NUMBER})\s*[^\W\d_]", "A number stands without its unit: {1}. Units have labels in [units]."),
+    (rf"=\s*{_NUMBER}\s*;", "A line ends without a semicolon."),
+    (r"=\s*(True|False|TRUE|FALSE)\b", "Write {small} in small letters."),
+    (r"=\s*([^\W\d]\w*)", 'Text stands in quotes: "{1}".'),
+    (r"=\s*(?:#.*)?$", "The value is missing behind the =."),
+    (r"^[\w.\- ]+:", "Between a key and its value stands =."),
+    (r"[{,]\s*\w+\s*:", "Between a key and its value stands =."),
+    (r"^\[\[[^\]]*\](?!\])", "A header in double brackets ends in ]]."),
+    (r"^\[[^\]]*$", "A header in brackets ends in ]."),
+    (r"""=\s*(["'])(?:(?!\1).)*$""", "The closing quote {1} is missing."),
+    (r"^\{", "This looks like JSON; docs/input.md shows the same in TOML."),
+    (r"^[^=\[]+$", "A line is [a header], key = value, or # a comment."),
+    (r"^[^\x00-\x7f]", "Keys are written in plain letters, such as nu."),
+)
+
+
+def hint(says: str, line: str, lists: Collection[str]) -> str:
+    """Say what to write, or nothing.
+
+    ``says`` is what the parser says of the line where it stopped; ``lists`` are the tables in double brackets.
+
+    Examples
+    --------
+    >>> hint("Expected newline or end of document after a statement", "nu = 0,3", ["support"])
+    'The decimal sign is a point: 0.3.'
+    >>> hint("Cannot declare ('support',) twice", "[support]", ["support"])
+    'Each of several such tables has double brackets: [[support]].'
+    """
+    line = line.strip()
+    header = re.match(r"\[\[?\s*(\w+)\s*\]", line)
+    if header and ("twice" in says or "overwrite" in says or "mutate" in says):
+        if header[1] in lists:
+            return f"Each of several such tables has double brackets: [[{header[1]}]]."
+        return "A table stands once; put all its keys under one header."
+    if "overwrite" in says:
+        return "A key stands once in a table."
+    for slip, words in _SLIPS:
+        if result := re.search(slip, line):
+            first = result.group(1) if result.re.groups else ""
+            joined, small = re.sub("[, ]", "", first), first.lower()
+            return words.format(result.group(), *result.groups(), joined=joined, small=small)
+    return ""

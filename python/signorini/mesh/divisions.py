@@ -1,0 +1,236 @@
+"""Divisions of a length into elements that follow lines, or are small where it is asked; the axes of a plate."""
+
+from __future__ import annotations
+
+import bisect
+import heapq
+import math
+from collections.abc import Iterable, Sequence
+from itertools import pairwise, product
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+
+_SAME = 1e-9
+_STEEPEST = 3.0
+
+
+def subdivide(
+    start: float,
+    stop: float,
+    count: int,
+    lines: Sequence[float] = (),
+    lesser: Sequence[float] = (),
+    *,
+    first: int = 1,
+) -> Floats:
+    """Divide an interval into `count` parts with joints at wanted lines.
+
+    The joints (count + 1,) have the two ends among them; those at lines are the lines' numbers exactly.
+
+    Parameters
+    ----------
+    start, stop : float
+        The interval.
+    count : int
+        Number of parts; it is kept.
+    lines : sequence of float
+        Wanted joints. If equal parts have them all, the parts are equal. Else each piece between lines has equal parts,
+        and the pieces share the count so that the largest part is smallest. A line is left out when there are not
+        enough parts, or when parts on its two sides would differ in size by more than 3 to 1.
+    lesser : sequence of float
+        Others, of which those that keep one of `lines` from being followed are left out first.
+    first : int
+        Least number of parts before the first joint at a line.
+
+    Examples
+    --------
+    >>> subdivide(0.0, 4.0, 4, [3.0])
+    array([0., 1., 2., 3., 4.])
+    >>> subdivide(0.0, 4.0, 4, [1.2])
+    array([0.        , 1.2       , 2.13333333, 3.06666667, 4.        ])
+    >>> subdivide(0.0, 4.0, 4, [0.1])
+    array([0., 1., 2., 3., 4.])
+    >>> subdivide(0.0, 4.0, 4, [1.2], [1.3])
+    array([0.        , 1.2       , 2.13333333, 3.06666667, 4.        ])
+    """
+    even = np.linspace(start, stop, count + 1)
+    same = _SAME * (stop - start)
+    joints, followed = even, list[float]()
+    for group in filter(len, (lines, lesser)):
+        wanted = [start, *followed, stop]
+        for line in sorted(group):
+            place = bisect.bisect(wanted, line)
+            if 0 < place < len(wanted) and line - wanted[place - 1] > same and wanted[place] - line > same:
+                wanted.insert(place, line)
+        joints, followed = _followed(even, wanted[1:-1], set(followed), first)
+    return joints
+
+
+def _followed(even: Floats, wanted: list[float], kept: set[float], first: int) -> tuple[Floats, list[float]]:
+    """Joints at wanted lines, those kept among them, and the lines that they are at."""
+    start, stop, count = float(even[0]), float(even[-1]), len(even) - 1
+    same = _SAME * (stop - start)
+    while any(np.abs(even[first:] - line).min() > same for line in wanted):
+        knots = np.array([start, *wanted, stop])
+        lengths = np.diff(knots)
+        counts = _share(lengths, count, first)
+        if counts is None:
+            culprit = _first_largest(-lengths)
+        else:
+            sizes = lengths / counts
+            steps = np.maximum(sizes[1:] / sizes[:-1], sizes[:-1] / sizes[1:])
+            if steps.max() <= _STEEPEST * (1.0 + _SAME):
+                parts = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(knots, knots[1:], counts, strict=False)]
+                return np.append(np.concatenate(parts), stop), wanted
+            worst = _first_largest(steps)
+            culprit = worst if sizes[worst] < sizes[worst + 1] else worst + 1
+        ends = [knot for knot in knots[culprit : culprit + 2] if start < knot < stop and knot not in kept]
+        if not ends:
+            others = [line for line in wanted if line not in kept]
+            away = np.abs(np.array(others) - 0.5 * (knots[culprit] + knots[culprit + 1]))
+            ends = [others[_first_largest(-away, same)]]
+        wanted.remove(ends[_first_largest(np.array([np.abs(even - line).min() for line in ends]), same)])
+    return even, wanted
+
+
+def _first_largest(values: Floats, same: float | None = None) -> int:
+    """The first of the values that are the largest but for rounding, so that units make no difference."""
+    largest = values.max()
+    return int(np.argmax(values >= largest - (_SAME * abs(largest) if same is None else same)))
+
+
+def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | None:
+    """Share divisions among pieces, each next one to the piece with the largest parts; None if there are too few."""
+    counts = np.ones(len(lengths), dtype=np.int64)
+    counts[0] = first
+    if counts.sum() > count:
+        return None
+    heap = [(-length / n, i) for i, (length, n) in enumerate(zip(lengths, counts, strict=True))]
+    heapq.heapify(heap)
+    left = count - int(counts.sum())
+    while left:
+        # Of parts that are equal but for rounding the first piece comes first.
+        ties = [heapq.heappop(heap)]
+        while heap and heap[0][0] <= ties[0][0] * (1.0 - _SAME):
+            ties.append(heapq.heappop(heap))
+        for _, i in sorted(ties, key=lambda tie: tie[1]):
+            counts[i] += left > 0
+            left -= left > 0
+            heapq.heappush(heap, (-lengths[i] / counts[i], i))
+    return counts
+
+
+Cap = tuple[float, float, float]
+"""From, to, and the largest size between."""
+
+STEEPEST = 1.3
+"""Size of an element over that of its neighbour, at most."""
+
+_SHORTEST = 0.5
+"""Part of the size asked for below which a piece between two lines is too short for an element: a line is left out."""
+_SAMPLES = 4000
+_ROUNDS = 50
+
+
+def graded(
+    start: float,
+    stop: float,
+    size: float,
+    caps: Sequence[Cap],
+    lines: Sequence[float] = (),
+    lesser: Sequence[float] = (),
+) -> Floats:
+    """Divide an interval into elements of at most a size, smaller under caps, with joints at lines, first at `lines`.
+
+    Away from a cap the size grows by the distance times ln 1.3, so that neighbours differ by 1.3 at most. Between
+    lines the joints share ∫ dx/size equally; a piece whose elements come out smaller is a cap to the others.
+
+    Examples
+    --------
+    >>> graded(0.0, 10.0, 2.0, [(0.0, 0.0, 0.5)]).round(2)
+    array([ 0.  ,  0.53,  1.2 ,  2.05,  3.14,  4.53,  6.29,  8.14, 10.  ])
+    """
+    wanted = list(caps)
+    knots = _kept(start, stop, (lines, lesser), size, wanted)
+    for _ in range(_ROUNDS):
+        parts = [_divided(a, b, size, wanted) for a, b in pairwise(knots)]
+        joints = np.concatenate([*(part[:-1] for part in parts), [stop]])
+        sides = np.diff(joints)
+        steep = np.maximum(sides[1:], sides[:-1]) > STEEPEST * np.minimum(sides[1:], sides[:-1]) * (1 + 1e-9)
+        if not steep.any():
+            break
+        for place in np.flatnonzero(steep):
+            small = place if sides[place] < sides[place + 1] else place + 1
+            wanted.append((float(joints[small]), float(joints[small + 1]), float(sides[small]) / 1.02))
+    return joints
+
+
+def _kept(
+    start: float, stop: float, groups: Iterable[Sequence[float]], size: float, caps: Sequence[Cap]
+) -> list[float]:
+    """Lines with room for an element between them and beside the ends; the groups in turn."""
+    knots = [start, stop]
+    for line in (line for group in groups for line in sorted(group)):
+        asked = _SHORTEST * float(_size(np.array([line]), size, caps)[0])
+        place = bisect.bisect(knots, line)
+        if 0 < place < len(knots) and line - knots[place - 1] >= asked and knots[place] - line >= asked:
+            knots.insert(place, line)
+    return knots
+
+
+def _size(x: Floats, size: float, caps: Sequence[Cap]) -> Floats:
+    result = np.full(len(x), size)
+    for a, b, most in caps:
+        away = np.maximum(np.maximum(a - x, x - b), 0.0)
+        result = np.minimum(result, most + math.log(STEEPEST) * away)
+    return result
+
+
+def _divided(a: float, b: float, size: float, caps: Sequence[Cap]) -> Floats:
+    x = np.unique(np.concatenate([np.linspace(a, b, _SAMPLES), np.clip([c for cap in caps for c in cap[:2]], a, b)]))
+    middle = 0.5 * (x[1:] + x[:-1])
+    share = np.concatenate([[0.0], np.cumsum(np.diff(x) / _size(middle, size, caps))])
+    count = max(1, math.ceil(share[-1] - 1e-6))
+    joints = np.asarray(np.interp(np.linspace(0.0, share[-1], count + 1), share, x))
+    joints[[0, -1]] = a, b
+    return joints
+
+
+Axes: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
+"""Two unit vectors, along x and y in either order and sense."""
+
+ALONG_X: Axes = ((1.0, 0.0), (0.0, 1.0))
+_AXES: tuple[Axes, ...] = tuple(
+    axes for u, v in product((1.0, -1.0), repeat=2) for axes in (((u, 0.0), (0.0, v)), ((0.0, u), (v, 0.0)))
+)
+_GRID = 2.0**-30
+"""Part of the plate's extent below which coordinates are the same: far more than rounding of numbers in any unit."""
+
+
+def axes_of(places: Sequence[Floats]) -> Axes:
+    """Choose the axes along which places reach farthest, by the second coordinate and then the first.
+
+    Places (k, 2) are points of the outline, then of each thing on the plate, those of the first thing first; points of
+    one thing have no order. Of equal axes the first are chosen, x and y before all others: along either of them the
+    plate is the same.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    >>> axes_of([square]), axes_of([square, np.array([[1.0, 2.0]])])
+    (((1.0, 0.0), (0.0, 1.0)), ((0.0, 1.0), (-1.0, 0.0)))
+    """
+    low, high = places[0].min(axis=0), places[0].max(axis=0)
+    points = np.rint((np.concatenate(places) - 0.5 * (low + high)) / (_GRID * (high - low).max()))
+    thing = np.repeat(np.arange(len(places)), [len(some) for some in places])
+
+    def along(axes: Axes) -> list[list[float]]:
+        first, second = np.array(axes) @ points.T
+        order = np.lexsort((-first, -second, thing))
+        return np.column_stack([second[order], first[order]]).tolist()  # type: ignore[no-any-return]
+
+    return max(_AXES, key=along)

@@ -1,0 +1,310 @@
+"""Places that the input names: outlines, areas, holes, lines, and footprints of points."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from functools import cached_property
+from typing import Annotated, Any, ClassVar, Literal, Protocol, TypeAlias
+
+import numpy as np
+from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
+
+from signorini import shapes
+from signorini.errors import InputError
+from signorini.model import base
+from signorini.model.problems import BRANCHES, as_list, describe
+from signorini.shapes import Curve, Polyline, Region, Ring, Whole
+from signorini.shapes.outlines import Contour, circle, directions, straight
+
+MOST_CORNERS = 2000
+_SAME = 1e-9
+"""Part of an outline's size within which its last arc ends at its first corner."""
+
+
+class Arc(base.Table):
+    """An arc from the corner before it through a point to a corner."""
+
+    through: base.Point = Field(description="A point of the arc [x, y], near its middle.")
+    to: base.Point = Field(description="The corner [x, y] where it ends.")
+
+
+def _form(value: object) -> str | None:
+    if isinstance(value, dict | Arc):
+        return "arc"
+    return "point" if isinstance(as_list(value), list | tuple) else None
+
+
+Corner: TypeAlias = Annotated[
+    Annotated[base.Point, Tag("point")] | Annotated[Arc, Tag("arc")],
+    Discriminator(
+        _form,
+        custom_error_type="area",
+        custom_error_message="it must be a corner [x, y], or an arc to one, { through = [x, y], to = [x, y] }.",
+    ),
+]
+
+
+def _corners(value: Any) -> object:
+    value = as_list(value)
+    if not isinstance(value, list | tuple) or len(value) < 3:
+        raise ValueError(f"found {describe(value)}; it must be a list of at least 3 corners [x, y].")
+    if len(value) > MOST_CORNERS:
+        raise ValueError(f"found {len(value)} corners; at most {MOST_CORNERS} are allowed.")
+    if isinstance(value[0], dict | Arc):
+        raise ValueError("it begins with an arc, which has no corner to start from. Begin with a corner [x, y].")
+    if as_list(value[0]) == as_list(value[-1]):
+        raise ValueError("the last corner is the first one again; leave it out, the outline closes by itself.")
+    return value
+
+
+Corners: TypeAlias = Annotated[tuple[Corner, ...], BeforeValidator(_corners), Field(json_schema_extra={"minItems": 3})]
+
+
+def contour(corners: tuple[tuple[float, float] | Arc, ...], name: str, numbered: bool) -> Contour:
+    """Draw the outline with such corners; of a last arc that ends at the first corner the corner counts once.
+
+    It ends there if it is nearer to it than a billionth of the outline's size: coordinates of arcs are rounded.
+    """
+    points = [corner.to if isinstance(corner, Arc) else corner for corner in corners]
+    through = [corner.through if isinstance(corner, Arc) else None for corner in corners]
+    size = max(max(axis) - min(axis) for axis in zip(*points, strict=True))
+    if through[-1] is not None and math.dist(points[-1], points[0]) <= _SAME * size:
+        points.pop()
+    else:
+        through.append(None)
+    names = tuple(f"{name} {i}" if numbered else name for i in range(1, len(points) + 1))
+    return Contour(tuple(points), tuple(through[1:]), names)
+
+
+BRANCHES["points"] = BRANCHES["polygon"] = {"point": Arc, "arc": Arc}
+
+
+_FORMS = ("rectangle", "circle", "polygon")
+
+
+class Circle(base.Table):
+    """A circle: its line for a support or line load, its disc for an area."""
+
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    radius: base.Positive = Field(description="Radius.")
+
+
+Box = Annotated[tuple[base.Number, base.Number, base.Number, base.Number], *base.vector(4, "[x0, y0, x1, y1]")]
+
+
+def _refused(key: str, build: Callable[[], Region]) -> Iterator[base.Complaint]:
+    """Yield why a region cannot be built, at the key that it is built from."""
+    try:
+        build()
+    except InputError as error:
+        yield (key,), error.message
+
+
+class Outline(base.Table):
+    """A closed line: exactly one of rectangle, circle, polygon."""
+
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in _FORMS]})
+    forms: ClassVar[tuple[str, ...]] = _FORMS
+
+    rectangle: Box | None = Field(default=None, description="Sides parallel to the axes: [x0, y0, x1, y1].")
+    circle: Circle | None = Field(default=None, description="A disc: { center = [x, y], radius = r }.")
+    polygon: Corners | None = Field(
+        default=None, description="Corners [x, y] in order; an arc to a corner is { through = [x, y], to = [x, y] }."
+    )
+
+    def _complaints(self) -> Iterator[base.Complaint]:
+        forms = self.given(self.forms)
+        if len(forms) != 1:
+            yield (), f"found {' and '.join(forms) or 'none'}; exactly one of {', '.join(self.forms)} is needed."
+        box = self.rectangle
+        if box is not None and not (box[0] < box[2] and box[1] < box[3]):
+            yield ("rectangle",), f"found {list(box)}; [x0, y0, x1, y1] needs x0 < x1 and y0 < y1."
+
+
+class Form(Outline):
+    """A part of the plane without holes."""
+
+    def _complaints(self) -> Iterator[base.Complaint]:
+        yield from super()._complaints()
+        if self.polygon is not None:
+            yield from _refused("polygon", lambda: self.whole)
+
+    @cached_property
+    def whole(self) -> Whole:
+        """The region of the plane, without holes."""
+        if self.rectangle is not None:
+            return shapes.Rectangle(*self.rectangle)
+        if self.circle is not None:
+            return shapes.Circle(self.circle.center, self.circle.radius)
+        assert self.polygon is not None  # it has exactly one of the three
+        drawn = contour(self.polygon, "", numbered=False)
+        if not any(drawn.through):
+            return shapes.Polygon(drawn.corners)
+        try:
+            shapes.Polygon(tuple((x, y) for x, y in drawn.points().tolist()))
+        except InputError:
+            raise InputError(
+                "The polygon crosses or touches itself. Give corners and arcs in order around the outline, or split it "
+                "into several polygons."
+            ) from None
+        return shapes.Rounded(drawn)
+
+
+class Annulus(base.Table):
+    """What is between two circles about one center."""
+
+    center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
+    inner: base.Positive = Field(description="Radius of the inner circle.")
+    outer: base.Positive = Field(description="Radius of the outer circle.")
+
+    def _complaints(self) -> Iterator[base.Complaint]:
+        if not self.inner < self.outer:
+            yield ("inner",), f"found {self.inner:g}; it must be less than outer, {self.outer:g}."
+
+
+class Area(Form):
+    """A part of the plate: exactly one of rectangle, circle, polygon, annulus, and the holes in it."""
+
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in (*_FORMS, "annulus")]})
+    forms: ClassVar[tuple[str, ...]] = (*_FORMS, "annulus")
+
+    annulus: Annulus | None = Field(
+        default=None, description="{ center = [x, y], inner = r, outer = R }: what is between two circles."
+    )
+    holes: tuple[Form, ...] = Field(
+        default=(), description="Holes in it, each a table with one of rectangle, circle, polygon."
+    )
+
+    def _complaints(self) -> Iterator[base.Complaint]:
+        wrong = list(super()._complaints())
+        yield from wrong
+        if self.holes and not wrong:
+            yield from _refused("holes", lambda: self.region)
+
+    @cached_property
+    def region(self) -> Region:
+        """The region of the plane."""
+        holes = tuple(hole.whole for hole in self.holes)
+        if self.annulus is not None:
+            center, inner, outer = self.annulus.center, self.annulus.inner, self.annulus.outer
+            return shapes.Hollow(shapes.Circle(center, outer), (shapes.Circle(center, inner), *holes))
+        return shapes.Hollow(self.whole, holes) if holes else self.whole
+
+
+def _area_form(value: object) -> str | None:
+    if isinstance(value, str) and value == "all":
+        return "all"
+    return "table" if isinstance(value, dict | Area) else None
+
+
+AnyArea = Annotated[
+    Annotated[Literal["all"], Tag("all")] | Annotated[Area, Tag("table")],
+    Discriminator(
+        _area_form,
+        custom_error_type="area",
+        custom_error_message='it must be "all" or a table with one of rectangle, circle, polygon, annulus.',
+    ),
+]
+BRANCHES["area"] = {"all": Area, "table": Area}
+
+
+class Hole(Outline):
+    """A hole: exactly one of rectangle, circle, polygon."""
+
+    def contour(self, name: str) -> Contour:
+        """Draw its outline, of that name, its sides as they are called where they are the plate's."""
+        if self.rectangle is not None:
+            x0, y0, x1, y1 = self.rectangle
+            sides = [f"{name} {side}" for side in ("bottom", "right", "top", "left")]
+            return replace(straight(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), sides), whole=name)
+        if self.circle is not None:
+            return circle(self.circle.center, self.circle.radius, name)
+        assert self.polygon is not None  # it has exactly one of the three
+        return replace(contour(self.polygon, f"{name} edge", numbered=True), whole=name)
+
+
+Holes: TypeAlias = Annotated[tuple[Hole, ...], Field(max_length=MOST_CORNERS)]
+
+
+_LEAST_RADIUS = 0.5
+"""Part of the element size from which on a circle is worth following: twelve elements around it are half as large."""
+
+
+class _Along(Protocol):
+    """A support, load or refinement, as far as it may be on a line."""
+
+    @property
+    def line(self) -> tuple[tuple[float, float], ...] | None: ...
+    @property
+    def circle(self) -> Circle | None: ...
+
+
+def curve(item: _Along) -> Curve | None:
+    """The curve that a line or circle names, or None for other places."""
+    if item.line is not None:
+        return Polyline(item.line)
+    if item.circle is not None:
+        return Ring(item.circle.center, item.circle.radius)
+    return None
+
+
+def worth_following(along: Curve, size: float) -> bool:
+    """Whether elements of some size are to follow a curve: around a small circle they would be too many."""
+    return not isinstance(along, Ring) or along.radius >= _LEAST_RADIUS * size
+
+
+FOOTPRINT = ("patch", "radius")
+
+Patch = Annotated[
+    Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "a patch [length along x, width along y]")] | None,
+    Field(description="Footprint of each point of at or nodes: a rectangle [length along x, width along y] about it."),
+]
+Angle = Annotated[
+    Annotated[float, BeforeValidator(base.number)] | None,
+    Field(description="Turns the patch: degrees from x to its first side, towards y; default 0."),
+]
+Radius = Annotated[base.Positive | None, Field(description="Footprint of each point of at or nodes: a disc about it.")]
+
+
+class _AtPoints(Protocol):
+    """A support or load, as far as it may be at points."""
+
+    @property
+    def at(self) -> tuple[tuple[float, float], ...] | None: ...
+    @property
+    def patch(self) -> tuple[float, float] | None: ...
+    @property
+    def angle(self) -> float | None: ...
+    @property
+    def radius(self) -> float | None: ...
+    def given(self, keys: Iterable[str]) -> list[str]: ...
+
+
+def footprint_complaints(item: _AtPoints) -> Iterator[base.Complaint]:
+    """Yield what is wrong with the footprint of a support or load."""
+    keys = item.given(FOOTPRINT)
+    if len(keys) > 1:
+        yield ("radius",), "found both patch and radius; give one."
+    elif keys and not item.given(("at", "nodes")):
+        yield (keys[0],), f"{keys[0]} is the footprint of points; it goes with at or nodes."
+    if item.angle is not None and item.patch is None:
+        yield ("angle",), "angle turns a patch, and there is none."
+
+
+def footprints(item: _AtPoints) -> tuple[shapes.Rectangle | shapes.Circle | shapes.Polygon, ...]:
+    """The footprint of every point; none where points are points."""
+    points = item.at or ()
+    if item.radius is not None:
+        return tuple(shapes.Circle(at, item.radius) for at in points)
+    if item.patch is None:
+        return ()
+    a, b = item.patch
+    if item.angle:
+        ((c, s),) = directions(np.array([item.angle])).tolist()
+        around = [(0.5 * u * a, 0.5 * v * b) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        return tuple(
+            shapes.Polygon(tuple((x + c * u - s * v, y + s * u + c * v) for u, v in around)) for x, y in points
+        )
+    return tuple(shapes.Rectangle(x - 0.5 * a, y - 0.5 * b, x + 0.5 * a, y + 0.5 * b) for x, y in points)
