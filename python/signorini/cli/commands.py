@@ -17,12 +17,12 @@ from typing import Annotated, Literal
 import typer
 
 import signorini
-from signorini.analysis.check import ASKED
 from signorini.base.units import METRES
 from signorini.cli import interrupts, streams
 from signorini.cli.grid import say
 from signorini.cli.streams import progress_line, visible
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
+from signorini_command import ASKED
 
 _MOST_REASONS = 20
 _SHORT = 0.999
