@@ -116,6 +116,21 @@ def gmsh(**sections):
     return "".join(f"${name}\n" + "\n".join(map(str, body)) + f"\n$End{name}\n" for name, body in sections.items())
 
 
+def test_an_edge_and_one_that_contains_it_are_refused_together(tmp_path):
+    """Its sides would be loaded twice."""
+    path = tmp_path / "plate.msh"
+    tagged().write(path, file_format="gmsh22")
+    model = Model(
+        material={"E": 1e9, "nu": 0.2},
+        plate={"shape": "mesh", "file": str(path), "thickness": 0.1},
+        support=[{"edge": "left", "fix": "clamped"}],
+        load=[{"line_load": 1.0, "edge": ["right", "boundary"]}],
+    )
+    with pytest.raises(InputError, match='"right", "boundary" have sides in common') as raised:
+        discretise(model)
+    assert raised.value.place == "load[1].edge"
+
+
 def msh41(mesh, edges):
     """Text of a file of Gmsh's format 4.1, each edge a physical curve with two in the group "sides" as well."""
     groups = [f'1 {i} "{name}"' for i, name in enumerate(edges, 1)] + ['1 9 "sides"', '2 10 "plate"']

@@ -189,3 +189,17 @@ def test_results_are_the_same_in_whatever_order_they_are_read(seed: int) -> None
     assert told(first, widths) == told(second, others) == told(second, estimate(second))
     assert told(first, None) == plain == told(second, None)
     assert (result.warnings, result._repr_html_()) == before
+
+
+def test_a_probe_where_the_thickness_jumps_has_no_stress() -> None:
+    """The moment of one side over the thickness of the other would be no stress of the plate."""
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [8, 6], "thickness": 0.2},
+        mesh={"size": 0.5},
+        zone=[{"area": {"rectangle": [3, 2, 5, 4]}, "thickness": 0.5}],
+        support=[{"edge": ["left", "right", "bottom", "top"], "fix": "simple"}],
+        load=[{"pressure": 1e4}],
+    )
+    on, beside = solve(model)["all"].probe([(4, 2), (4, 1.999)])
+    assert np.isnan(on.stress["bottom"]).all() and np.isfinite(beside.stress["bottom"]).all()

@@ -60,7 +60,7 @@ def path(
     at : sequence of float, optional
         The t to solve, in place of ``steps``.
     when : sequence of str
-        Thresholds to find, such as ``"bolts[1].reaction = 203e3"``: any result of a stop that has a name.
+        Thresholds to find, such as ``"bolts[1].reaction = -203e3"``: any result of a stop that has a name.
     events : {"named", "all"}
         "all" follows every contact point from event to event instead, exactly, without half-widths.
 

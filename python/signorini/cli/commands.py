@@ -202,7 +202,7 @@ def path(
     at: Annotated[str | None, typer.Option(metavar="T,T", help="The t to solve instead: 0.5,1,1.5.")] = None,
     when: Annotated[
         list[str] | None,
-        typer.Option(metavar="EQUATION", help='A threshold to find, such as "bolts[1].reaction = 203e3"; repeatable.'),
+        typer.Option(metavar="EQUATION", help='A threshold to find, such as "bolts[1].reaction = -203e3"; repeatable.'),
     ] = None,
     events: Annotated[
         str,

@@ -220,12 +220,12 @@ class Discretisation(Remade):
 
     @cached_property
     def probe_thickness(self) -> Floats:
-        """The same at probes (q,), where it jumps that of the thinner side."""
+        """The same at probes (q,); NaN also where it jumps."""
         sides, nodes = self.probe_sides, self.stress_nodes
         if not len(sides.point):
             return np.zeros(0)
         values = self.mesh.shape_functions(sides.where.elements, sides.where.xi)
-        return sides.least(np.einsum("qi,qi->q", values, self.node_thickness[nodes.elements[sides.where.elements]]))
+        return sides.alike(np.einsum("qi,qi->q", values, self.node_thickness[nodes.elements[sides.where.elements]]))
 
     @property
     def middle(self) -> Floats:

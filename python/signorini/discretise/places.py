@@ -91,7 +91,11 @@ def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
     ]
     if problems:
         raise InputError.of(problems)
-    return np.concatenate([mesh.edges[name] for name in names])
+    sides = np.concatenate([mesh.edges[name] for name in names])
+    if len(np.unique(sides[:, 1])) < len(sides):
+        said = ", ".join(f'"{name}"' for name in names)
+        raise InputError(f"{said} have sides in common. Name each part of the boundary once.", place=(*place, "edge"))
+    return sides
 
 
 def mesh_edges(mesh: Mesh, plate: Plate, item: Support | Load, place: Place) -> Ints | None:

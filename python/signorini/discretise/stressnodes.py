@@ -44,9 +44,11 @@ class Sides:
         high, low = (extreme.reduceat(values, first, axis=-2) for extreme in (np.maximum, np.minimum))
         return np.where(high >= -(1.0 - _ALIKE) * low, high, low)
 
-    def least(self, values: Floats) -> Floats:
-        """Of a number (k,) of every side the least of each point (q,)."""
-        return np.asarray(np.minimum.reduceat(values, np.flatnonzero(np.diff(self.point, prepend=-1))))
+    def alike(self, values: Floats) -> Floats:
+        """Of a number (k,) of every side that of each point (q,), NaN where it jumps."""
+        first = np.flatnonzero(np.diff(self.point, prepend=-1))
+        high, low = np.maximum.reduceat(values, first), np.minimum.reduceat(values, first)
+        return np.where(high - low <= _ALIKE * high, high, np.nan)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

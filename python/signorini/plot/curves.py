@@ -163,11 +163,30 @@ def _draw_curves(
         axes.add_line(Line2D([], [], label=f"{left_out} more are not drawn", linestyle="none"))
     axes.autoscale_view()
     axes.margins(x=0.01)
+    _without_rounding(axes, max((float(np.abs(values).max()) for values in curves.values()), default=0.0))
     axes.set_ylabel(label, fontsize=9, color=INK)
     axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(alpha=0.25, linewidth=0.5)
     axes.tick_params(labelsize=8.5)
+
+
+def _without_rounding(axes: Axes, size: float) -> None:
+    """Show what varies by rounding alone, of values of a size, as level."""
+    low, high = axes.get_ylim()
+    least = _ALIKE * size
+    if abs(high - low) < least:
+        middle, way = 0.5 * (low + high), np.sign(high - low) or 1.0
+        axes.set_ylim(middle - way * least, middle + way * least)
+        axes.ticklabel_format(axis="y", useOffset=False)
+
+
+_COLOURS = 10
+"""Colours of lines in turn, then they come again with another style."""
+
+
+def _unit_of(label: str) -> str:
+    return label.partition("[")[2]
 
 
 _ACROSS = 4
@@ -194,8 +213,16 @@ def profile_picture(
     for unused in grid[len(shown) :]:
         unused.remove()
     for axes, (name, curves) in zip(grid, shown.items(), strict=False):
-        for values in curves.values():
+        for i, values in enumerate(curves.values()):
             line(distance, values, ax=axes)
+            axes.lines[-1].set_linestyle(_STYLES[i // _COLOURS % len(_STYLES)])
+        alike = [
+            np.abs(value)
+            for other, more in shown.items()
+            if _unit_of(other) == _unit_of(name)
+            for value in more.values()
+        ]
+        _without_rounding(axes, float(np.nanmax(alike)))
         axes.set_ylabel(literal(name), fontsize=8.5, color=INK)
         axes.set_xlabel(literal(along), fontsize=8.5, color=INK)
         axes.tick_params(labelsize=8)

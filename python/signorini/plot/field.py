@@ -105,7 +105,7 @@ def draw_field(axes: Axes, plan: Plan, field: Floats, scale: Scale, labels: Labe
 def draw_pressure(axes: Axes, plan: Plan, layers: Sequence[PressureLayer], scale: Scale, labels: Labels) -> None:
     """Draw pressures on a pale plate, and the plate's outline."""
     draw_sheet(axes, plan)
-    draw_outlines(axes, plan)
+    draw_outlines(axes, plan, hatched=False)
     for layer in layers:
         drawn = _draw_layer(axes, plan.nodes, layer, scale, labels)
         if layer.outline is not None:

@@ -85,14 +85,14 @@ def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence
         draw_field(axes, plan, panel.values, scale, labels)
     else:
         draw_pressure(axes, plan, panel.values, scale, labels)
-    return [*draw_supports(marks, axes), *_remarks(plan)]
+    return [*draw_supports(marks, axes), *_remarks(plan, hatched=isinstance(panel.values, np.ndarray))]
 
 
-def _remarks(plan: Plan) -> list[Entry]:
+def _remarks(plan: Plan, hatched: bool = True) -> list[Entry]:
     """Entries in the legend of dashed lines inside the plate and of what is hatched, if there are any."""
     dashed = Line2D([], [], color=INK, linewidth=0.7, linestyle="dashed")
     result: list[Entry] = [("moments and shears jump", (dashed,))] * bool(np.size(plan.edges[2].vertices))
-    if plan.left_out is not None and plan.left_out.any():
+    if hatched and plan.left_out is not None and plan.left_out.any():
         result.append(("left out of the extremes", (Patch(**HATCHED),)))
     return result
 

@@ -103,10 +103,10 @@ def draw_mesh(axes: Axes, plan: Plan) -> None:
         axes.add_collection(PathCollection(plan.edges[:1], zorder=1.8, label="_elements", **look), autolim=False)
 
 
-def draw_outlines(axes: Axes, plan: Plan) -> None:
-    """Draw the plate's outline, dashed the borders of zones, and hatch what is left out."""
+def draw_outlines(axes: Axes, plan: Plan, hatched: bool = True) -> None:
+    """Draw the plate's outline, dashed the borders of zones; hatch what is left out."""
     _, outline, borders = plan.edges
-    if plan.left_out is not None and plan.left_out.any():
+    if hatched and plan.left_out is not None and plan.left_out.any():
         part = Triangulation(plan.triangles.x, plan.triangles.y, plan.cut.triangles[plan.left_out[plan.cut.parents]])
         (path,) = axes.tricontourf(part, np.zeros(len(part.x)), levels=[-1, 1], alpha=0.0).get_paths()
         axes.add_patch(PathPatch(path, zorder=2.1, **HATCHED))

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from signorini import _core
+from signorini.base.brief import Brief
 from signorini.base.remade import Remade
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import Discretisation
@@ -123,9 +124,11 @@ class Ends:
     min_by: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Envelope:
     """Extremes over all results with an equilibrium."""
+
+    __repr__ = Brief.__repr__
 
     layout: Layout
     values: Extremes  # of every number of the layout's catalogue (n,)

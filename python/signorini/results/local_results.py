@@ -109,7 +109,7 @@ def probe_results(
             positions.tolist(),
             at_points.tolist(),
             pressures,
-            sides.least(np.einsum("qi,qi->q", values, thickness[elements])).tolist(),
+            sides.alike(np.einsum("qi,qi->q", values, thickness[elements])).tolist(),
             strict=True,
         )
     ]

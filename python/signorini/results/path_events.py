@@ -155,7 +155,7 @@ def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
 class Threshold:
     """A result that is to be found at a value."""
 
-    when: str  # as it was asked for: ``"bolts[1].reaction = 203e3"``
+    when: str  # as it was asked for: ``"bolts[1].reaction = -203e3"``
     quantity: str  # its name
     value: float
     t: float | None = None  # where it first comes to the value; None where it does not on the path
@@ -169,7 +169,7 @@ class Threshold:
 def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Threshold, ...]:
     """Read what is asked for: equations of a result's name and a number."""
     if isinstance(when, str) or not isinstance(when, Sequence):
-        raise InputError('it must be a list of texts such as ["bolts[1].reaction = 203e3"].', place="when")
+        raise InputError('it must be a list of texts such as ["bolts[1].reaction = -203e3"].', place="when")
     known, asked = numbers_at_stops(discretisation).by_name, []
     for text in when:
         name, equals, number = text.rpartition("=") if isinstance(text, str) else ("", "", "")
@@ -179,7 +179,7 @@ def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Thr
             value = math.nan
         if not (equals and name.strip() and math.isfinite(value)):
             raise InputError(
-                f'found {text!r}; it must be a name and a number, such as "bolts[1].reaction = 203e3".', place="when"
+                f'found {text!r}; it must be a name and a number, such as "bolts[1].reaction = -203e3".', place="when"
             )
         quantity = re.sub(r"\s*([\[\].])\s*", r"\1", name.strip())
         if quantity not in known:
