@@ -263,6 +263,7 @@ SLOW_TO_READ = {
         {"at": [[1, 1], [3, 1], [1, 3], [3, 3]], "resists": "down"},
         {"area": "all", "resists": "down", "stiffness": 1e7},
         {"edge": ["left", "right"], "fix": "simple"},
+        {"edge": ["left", "right"], "fix": "clamped"},
     ],
 )
 def test_a_plain_solve_reads_no_module_that_it_can_do_without(support: dict[str, object]) -> None:

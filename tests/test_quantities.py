@@ -203,3 +203,17 @@ def test_a_probe_where_the_thickness_jumps_has_no_stress() -> None:
     )
     on, beside = solve(model)["all"].probe([(4, 2), (4, 1.999)])
     assert np.isnan(on.stress["bottom"]).all() and np.isfinite(beside.stress["bottom"]).all()
+
+
+def test_a_probe_on_a_wall_under_a_taper_has_stresses() -> None:
+    """Moments jump there, the thickness does not."""
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [8, 6], "thickness": "0.2 + 0.1*y"},
+        mesh={"divisions": [16, 12]},
+        support=[{"edge": ["left", "right"], "fix": "simple"}, {"line": [[2, 3], [6, 3]]}],
+        load=[{"pressure": 1e4}],
+    )
+    (probe,) = solve(model)["all"].probe([(3.7, 3)])
+    # Solid plate: 6 m / h².
+    assert probe.stress["bottom"][1] == pytest.approx(6 * probe.moment[1] / 0.5**2)

@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from signorini.accuracy.half_width import FASTEST, sections_at
+from signorini.discretise.held import sides_that_hold_turns
 from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
@@ -157,9 +158,7 @@ def _ends(field: str) -> tuple[Path, Path]:
 
 def _sides(model: Model, mesh: Mesh) -> Ints:
     """Sides (k, 3) of the boundary at which the plate may turn along them, and across."""
-    held = [mesh.edges[name] for one in model.support if {"slope", "twist"} & set(one.fixed) for name in one.edge or ()]
-    still = np.concatenate([np.zeros((0, 3), np.int64), *held])
-    return np.asarray(mesh.boundary[~np.isin(mesh.boundary[:, 1], still[:, 1])])
+    return np.asarray(mesh.boundary[~np.isin(mesh.boundary[:, 1], sides_that_hold_turns(model, mesh)[:, 1])])
 
 
 def _chords(mesh: Mesh, sides: Ints) -> tuple[Floats, Floats]:

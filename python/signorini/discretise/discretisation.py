@@ -221,11 +221,7 @@ class Discretisation(Remade):
     @cached_property
     def probe_thickness(self) -> Floats:
         """The same at probes (q,); NaN also where it jumps."""
-        sides, nodes = self.probe_sides, self.stress_nodes
-        if not len(sides.point):
-            return np.zeros(0)
-        values = self.mesh.shape_functions(sides.where.elements, sides.where.xi)
-        return sides.alike(np.einsum("qi,qi->q", values, self.node_thickness[nodes.elements[sides.where.elements]]))
+        return self.probe_sides.alike(self.stress_nodes.at(self.probe_sides, self.node_thickness))
 
     @property
     def middle(self) -> Floats:

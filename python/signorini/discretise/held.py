@@ -19,7 +19,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems, path_in_words, point
 from signorini.mesh import Mesh
-from signorini.model import Support
+from signorini.model import Model, Support
 
 PARALLEL = np.sin(np.radians(10.0))
 """Directions closer than this count as one: a rim's tangent, from its parabolas, is not quite square to a radius."""
@@ -276,13 +276,19 @@ def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:
     return np.column_stack([one(*positions.T, place=(*placed.place, "rotation")) for one in rotation])
 
 
+def sides_that_hold_turns(model: Model, mesh: Mesh) -> Ints:
+    """Sides (k, 3) of edges at which a support holds a slope or a twist, support by support."""
+    held = [mesh.edges[name] for one in model.support if one.turns_held for name in one.edge or ()]
+    return np.concatenate([np.zeros((0, 3), np.int64), *held])
+
+
 def _collect(mesh: Mesh, holds: Holds, placed: Placed) -> None:
     """Hold deflections and slopes at nodes of a support's edge or line, or at those that its points are at."""
     support, tangents = placed.support, dict[int, list[tuple[float, float]]]()
     if placed.sides is not None:
         nodes, _ = edge_nodes(mesh, placed.sides)
         numbers = np.zeros_like(nodes)
-        if {"slope", "twist"} & set(support.fixed):
+        if support.turns_held:
             tangents = tangents_at_nodes(mesh, placed.sides)
     else:
         (numbers,) = np.nonzero(placed.nodes >= 0)

@@ -22,6 +22,7 @@ from signorini.discretise.quadrature import (
     off_plate,
 )
 from signorini.discretise.quadrature.lines import arcs_of, breaks
+from signorini.discretise.quadrature.rules import gauss
 from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, Problems, length, point, unknown
@@ -213,15 +214,16 @@ def _how_far(mesh: Mesh, shape: Region | Curve) -> str:
 
 def edge_nodes(mesh: Mesh, triples: Ints) -> tuple[Ints, Floats]:
     """Every node (q,) of mesh edges once, and as its length (q,) the integral of its quadratic shape function."""
-    a, m, b = (mesh.points[triples[:, i]] for i in range(3))
-    root = np.sqrt(0.6)
-    length = np.zeros((len(triples), 3))
-    for s, weight in ((-root, 5 / 9), (0.0, 8 / 9), (root, 5 / 9)):
-        shape = np.array([0.5 * s * (s - 1), 1 - s * s, 0.5 * s * (s + 1)])
-        slope = (s - 0.5) * a - 2 * s * m + (s + 0.5) * b
-        length += weight * np.hypot(slope[:, 0], slope[:, 1])[:, None] * shape
     nodes, inverse = np.unique(triples, return_inverse=True)
-    return nodes, np.bincount(inverse.ravel(), length.ravel()).astype(np.float64)
+    return nodes, np.bincount(inverse.ravel(), side_lengths(mesh, triples).ravel()).astype(np.float64)
+
+
+def side_lengths(mesh: Mesh, triples: Ints) -> Floats:
+    """Integrals (k, 3) of the quadratic functions of the nodes of mesh edges along them."""
+    s, weights = gauss(3)
+    slopes = np.column_stack([s - 0.5, -2 * s, s + 0.5]) @ mesh.points[triples]
+    shapes = np.column_stack([s * (s - 1) / 2, 1 - s * s, s * (s + 1) / 2])
+    return np.asarray((weights * np.hypot(slopes[..., 0], slopes[..., 1])) @ shapes)
 
 
 def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:

@@ -45,10 +45,10 @@ class Sides:
         return np.where(high >= -(1.0 - _ALIKE) * low, high, low)
 
     def alike(self, values: Floats) -> Floats:
-        """Of a number (k,) of every side that of each point (q,), NaN where it jumps."""
+        """Of a thickness (k,) of every side that of each point (q,), NaN where it jumps."""
         first = np.flatnonzero(np.diff(self.point, prepend=-1))
-        high, low = np.maximum.reduceat(values, first), np.minimum.reduceat(values, first)
-        return np.where(high - low <= _ALIKE * high, high, np.nan)
+        high, low = (extreme.reduceat(values, first) for extreme in (np.maximum, np.minimum))
+        return np.where(high - low <= _SAME * high, low, np.nan)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -106,6 +106,11 @@ class StressNodes(Remade):
     def spread(self, values: Floats) -> Floats:
         """Give nodal values (n, ...), or those at these nodes (s, ...), at these nodes."""
         return values if len(values) == self.count else np.asarray(values[self.nodes])
+
+    def at(self, sides: Sides, values: Floats) -> Floats:
+        """Interpolate values (s, ...) at nodes of stresses to points on every side of a jump: (k, ...)."""
+        shapes = self.mesh.shape_functions(sides.where.elements, sides.where.xi)
+        return np.asarray(np.einsum("qi,qi...->q...", shapes, values[self.elements[sides.where.elements]]))
 
     def sides(self, positions: Floats, where: Location) -> Sides:
         """Find points (q, 2) of the mesh, whose first elements are known, on every side of a jump."""

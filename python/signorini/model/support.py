@@ -141,9 +141,9 @@ class Support(base.Table):
         return tuple(part for part in _COMPONENTS if part in held)
 
     @property
-    def holds_edge_slope(self) -> bool:
-        """Whether it is an edge that holds the slope across."""
-        return self.edge is not None and "slope" in self.fixed
+    def turns_held(self) -> bool:
+        """Whether it holds a slope or a twist."""
+        return bool({"slope", "twist"} & set(self.fixed))
 
     @property
     def on_nodes(self) -> bool:
@@ -178,7 +178,7 @@ class Support(base.Table):
         yield from footprint_complaints(self)
         if self.fix is not None:
             yield from self._fix_complaints()
-        if self.rotation is not None and not {"slope", "twist"} & set(self.fixed):
+        if self.rotation is not None and not self.turns_held:
             yield (
                 ("rotation",),
                 f"{describe(self.fix or self.resists)} does not hold a slope, so none is prescribed; use fix = "

@@ -212,17 +212,15 @@ def profile_picture(
     grid = figure.subplots(rows, _ACROSS, squeeze=False).ravel()
     for unused in grid[len(shown) :]:
         unused.remove()
+    sizes: dict[str, float] = {}
+    for name, curves in shown.items():
+        largest = np.nanmax(np.abs([np.asarray(values, dtype=float) for values in curves.values()]))
+        sizes[_unit_of(name)] = max(sizes.get(_unit_of(name), 0.0), float(largest))
     for axes, (name, curves) in zip(grid, shown.items(), strict=False):
         for i, values in enumerate(curves.values()):
             line(distance, values, ax=axes)
             axes.lines[-1].set_linestyle(_STYLES[i // _COLOURS % len(_STYLES)])
-        alike = [
-            np.abs(value)
-            for other, more in shown.items()
-            if _unit_of(other) == _unit_of(name)
-            for value in more.values()
-        ]
-        _without_rounding(axes, float(np.nanmax(alike)))
+        _without_rounding(axes, sizes[_unit_of(name)])
         axes.set_ylabel(literal(name), fontsize=8.5, color=INK)
         axes.set_xlabel(literal(along), fontsize=8.5, color=INK)
         axes.tick_params(labelsize=8)

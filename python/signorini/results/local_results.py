@@ -99,9 +99,7 @@ def probe_results(
     if not len(positions):
         return []
     sides = nodes.sides(positions, where)
-    values = nodes.mesh.shape_functions(sides.where.elements, sides.where.xi)
-    elements = nodes.elements[sides.where.elements]
-    at_points = sides.larger(np.einsum("qi,qif->qf", values, fields[elements]))
+    at_points = sides.larger(nodes.at(sides, fields))
     pressures = total_pressure(supports, where).tolist()
     return [
         ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h)
@@ -109,7 +107,7 @@ def probe_results(
             positions.tolist(),
             at_points.tolist(),
             pressures,
-            sides.alike(np.einsum("qi,qi->q", values, thickness[elements])).tolist(),
+            sides.alike(nodes.at(sides, thickness)).tolist(),
             strict=True,
         )
     ]
@@ -118,8 +116,7 @@ def probe_results(
 def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Floats) -> Floats:
     """Interpolate fields (s, f) to positions (q, 2): (q, f), of several sides the largest in size."""
     sides = nodes.sides(positions, where)
-    values = nodes.mesh.shape_functions(sides.where.elements, sides.where.xi)
-    return sides.larger(np.einsum("qi,qif->qf", values, fields[nodes.elements[sides.where.elements]]))
+    return sides.larger(nodes.at(sides, fields))
 
 
 def total_pressure(supports: Sequence[SupportResult], where: Location) -> Floats:

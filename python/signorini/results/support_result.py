@@ -11,11 +11,12 @@ import numpy as np
 from signorini.base.remade import Remade
 from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
+from signorini.discretise.held import sides_that_hold_turns
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
 from signorini.model import Support
 from signorini.results.contact_field.area_contact import AreaContact
-from signorini.results.edge_couples import EdgeCouples, edge_couples
+from signorini.results.edge_couples import EdgeCouples
 from signorini.results.support_points import SupportPoints, closed_part
 
 MEANINGS = {
@@ -160,11 +161,9 @@ def support_result(
     if support.area is not None:
         area = area_contact(discretisation, index, deflection, centres, closed, reactions)
     edge = None
-    if support.edge is not None and support.holds_edge_slope:
-        mesh, turns = discretisation.mesh, {"slope", "twist"}
-        names = [name for one in discretisation.model.support if turns & set(one.fixed) for name in one.edge or ()]
-        held = np.concatenate([mesh.edges[name] for name in names])
-        edge = edge_couples(mesh, support.edge, held_couple, held, discretisation.held.bodies.inside)
+    if support.edge is not None and "slope" in support.fixed:
+        held = sides_that_hold_turns(discretisation.model, discretisation.mesh)
+        edge = EdgeCouples.of(discretisation.mesh, support.edge, held_couple, held, discretisation.held.bodies.inside)
     return SupportResult(
         support.name,
         describe(support),

@@ -161,7 +161,7 @@ def of_held_slopes(discretisation: Discretisation) -> Iterator[Singularity]:
     """Nodes of elements through which a line runs that holds slopes: moments jump there."""
     for support in discretisation.model.support:
         along = curve(support)
-        if along is None or not {"slope", "twist"} & set(support.fixed):
+        if along is None or not support.turns_held:
             continue
         what = f"The {'circle' if isinstance(along, Ring) else 'line'} of {support.name}"
         advice = f"They are means of both sides there; {_BESIDE} {to_follow(discretisation.model)}"

@@ -249,7 +249,7 @@ def _of_zones(discretisation: Discretisation) -> Iterator[Singularity]:
 def _determinate(discretisation: Discretisation) -> bool:
     """Whether three points are all that holds the deflection, so that reactions follow from equilibrium."""
     holding = [support for support in discretisation.model.support if support.holds_w]
-    slopes = any({"slope", "twist"} & set(support.fixed) for support in discretisation.model.support)
+    slopes = any(support.turns_held for support in discretisation.model.support)
     return not slopes and all(s.at is not None for s in holding) and sum(len(s.at or ()) for s in holding) == 3
 
 
