@@ -18,20 +18,8 @@ pub fn room(len: usize) -> PyResult<Vec<f64>> {
     dense::room(len).map_err(|_| PyMemoryError::new_err("not enough memory"))
 }
 
-pub fn vector(array: &PyReadonlyArray1<'_, f64>) -> Vec<f64> {
-    array.as_array().to_vec()
-}
-
 /// A vector of a stated length.
-pub fn sized(what: &str, array: &PyReadonlyArray1<'_, f64>, length: usize) -> PyResult<Vec<f64>> {
-    if array.len() == length {
-        Ok(vector(array))
-    } else {
-        Err(invalid(format!("{what} has length {}; expected {length}", array.len())))
-    }
-}
-
-pub fn flags(what: &str, array: &PyReadonlyArray1<'_, bool>, length: usize) -> PyResult<Vec<bool>> {
+pub fn sized<T: numpy::Element + Copy>(what: &str, array: &PyReadonlyArray1<'_, T>, length: usize) -> PyResult<Vec<T>> {
     if array.len() == length {
         Ok(array.as_array().to_vec())
     } else {

@@ -172,7 +172,7 @@ pub fn combine<'py>(
         let values = result.iter().flat_map(|combined| of(combined).iter().copied()).collect();
         PyArray1::from_vec(py, values).reshape([result.len(), count])
     };
-    let closed = result.iter().flat_map(|combined| problem.inner.points.holding(&combined.piece)).collect();
+    let closed = result.iter().flat_map(|combined| problem.inner.points.acting(&combined.piece)).collect();
     Ok((
         PyArray1::from_vec(py, result.iter().map(|combined| verdict(combined.outcome)).collect()),
         table(|combined| &combined.factor)?,

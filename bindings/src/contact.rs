@@ -1,4 +1,4 @@
-use crate::arrays::{SpringArrays, element_rows, flags, invalid, matrix, rows, sized, springs};
+use crate::arrays::{SpringArrays, element_rows, invalid, matrix, rows, sized, springs};
 use crate::plate::Plate;
 use crate::solution::ContactSolution;
 use crate::threads::{released, told};
@@ -14,10 +14,10 @@ use std::sync::Arc;
 /// A plate on its supports, factored once.
 ///
 /// `held` (3n,) marks dofs with a prescribed value; `springs` is (elements, rows, further, stiffness, base);
-/// `constraints` is (elements, rows, further, distance, compliance, two_sided, regularization), one entry a contact point,
-/// whose row may go on in further elements, at the end of `elements` and `rows`:
-/// row·u + gap − compliance·reaction = distance. `regularization` is the stiffness that the factor carries of points that
-/// are condensed. `free_motions` (d, 3n) are the rigid motions that held dofs, springs and two-sided points leave free; none
+/// `constraints` is (elements, rows, further, distance, law, scale, unit, regularization), one entry a contact point, whose
+/// row may go on in further elements, at the end of `elements` and `rows`: its reaction is scale times the force of its law
+/// at the travel (row·u − distance) / unit. `laws` are (vertices, slopes at both ends). `regularization` is the stiffness that the
+/// factor carries of points that are condensed. `free_motions` (d, 3n) are the rigid motions that held dofs, springs and two-sided points leave free; none
 /// if absent. `method` is "lemke", "active_set" or "saddle".
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactProblem {
@@ -29,10 +29,14 @@ type ConstraintArrays<'py> = (
     PyReadonlyArray2<'py, f64>,
     PyReadonlyArray1<'py, i64>,
     PyReadonlyArray1<'py, f64>,
+    PyReadonlyArray1<'py, i64>,
     PyReadonlyArray1<'py, f64>,
-    PyReadonlyArray1<'py, bool>,
+    PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, f64>,
 );
+
+/// Vertices [travel, force], and slopes before the first and beyond the last.
+type Law = (Vec<[f64; 2]>, [f64; 2]);
 
 type PosedLcp<'py> =
     (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<bool>>);
@@ -53,28 +57,28 @@ fn method_of(name: &str) -> PyResult<Method> {
     }
 }
 
-/// Points that hold one way or both ways, each with a spring unless it has no compliance.
+/// Points with laws, which are numbered.
 fn points_of(
     plate: &signorini_core::plate::Plate,
     rows: &Rows,
     distance: &[f64],
-    compliance: &[f64],
-    two_sided: &[bool],
-) -> Points {
+    laws: Vec<Law>,
+    law: &[i64],
+    scale: &[f64],
+) -> PyResult<Points> {
     let mut points = Points::with_capacity(rows.len());
-    let laws = [
-        Graph::one_sided(1.0),
-        Graph::one_sided(f64::INFINITY),
-        Graph::two_sided(1.0),
-        Graph::two_sided(f64::INFINITY),
-    ]
-    .map(|law| points.add_graph(law));
-    for i in 0..rows.len() {
-        let is_rigid = compliance[i] == 0.0;
-        let law = laws[2 * usize::from(two_sided[i]) + usize::from(is_rigid)];
-        points.push_row(plate, rows, i, law, distance[i], if is_rigid { 1.0 } else { 1.0 / compliance[i] });
+    let mut numbers = Vec::with_capacity(laws.len());
+    for (vertices, ends) in laws {
+        let is_straight = vertices.len() == 1 && ends[0] == ends[1];
+        let graph = if is_straight { Ok(Graph::two_sided(ends[0])) } else { Graph::new(vertices, ends) };
+        numbers.push(points.add_graph(graph.map_err(|error| invalid(error.to_string()))?));
     }
-    points
+    for i in 0..rows.len() {
+        let number = usize::try_from(law[i]).ok().and_then(|law| numbers.get(law));
+        let &number = number.ok_or_else(|| invalid(format!("there is no law {}", law[i])))?;
+        points.push_row(plate, rows, i, number, distance[i], scale[i]);
+    }
+    Ok(points)
 }
 
 fn form_of(name: &str) -> PyResult<Form> {
@@ -138,7 +142,7 @@ enum News {
 #[pymethods]
 impl ContactProblem {
     #[new]
-    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, free_motions=None, method="lemke", room=None))]
+    #[pyo3(signature = (plate, held, spring_arrays, constraint_arrays, laws, free_motions=None, method="lemke", room=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -146,30 +150,36 @@ impl ContactProblem {
         held: PyReadonlyArray1<'_, bool>,
         spring_arrays: SpringArrays<'_>,
         constraint_arrays: ConstraintArrays<'_>,
+        laws: Vec<Law>,
         free_motions: Option<PyReadonlyArray2<'_, f64>>,
         method: &str,
         room: Option<usize>,
     ) -> PyResult<Self> {
         let room = room.unwrap_or(usize::MAX);
-        let held = flags("held", &held, plate.inner.dof_count())?;
+        let held = sized("held", &held, plate.inner.dof_count())?;
         let springs = springs(&spring_arrays, &plate.inner)?;
-        let (elements, coefficients, further, distance, compliance, two_sided, regularization) = &constraint_arrays;
+        let (elements, coefficients, further, distance, law, scale, unit, regularization) = &constraint_arrays;
         let own = element_rows(elements, coefficients, further, &plate.inner)?;
         let m = own.len();
         let distance = sized("distance", distance, m)?;
-        let compliance = sized("compliance", compliance, m)?;
-        let two_sided = flags("two_sided", two_sided, m)?;
+        let law = sized("law", law, m)?;
+        let scale = sized("scale", scale, m)?;
+        let unit = sized("unit", unit, m)?;
         let delta = sized("regularization", regularization, m)?;
         let free_motions = free_motions.map_or(Vec::new(), |motions| rows(&motions));
         if free_motions.iter().any(|motion| motion.len() != held.len()) {
             return Err(invalid(format!("free_motions must have {} columns", held.len())));
         }
-        let not_negative = |v: &[f64]| v.iter().all(|x| *x >= 0.0 && x.is_finite());
-        if !not_negative(&compliance) || !not_negative(&delta) || distance.iter().any(|d| !d.is_finite()) {
-            return Err(invalid("compliance and regularization must be finite and not negative, distances finite"));
+        let are_sizes = |v: &[f64]| v.iter().all(|x| *x >= 0.0 && x.is_finite());
+        let are_lengths = unit.iter().all(|unit| *unit > 0.0 && unit.is_finite());
+        if !are_sizes(&scale) || !are_lengths || !are_sizes(&delta) || distance.iter().any(|d| !d.is_finite()) {
+            return Err(invalid(
+                "scale and regularization must be finite and not negative, units positive, distances finite",
+            ));
         }
         let method = method_of(method)?;
-        let points = points_of(&plate.inner, &own, &distance, &compliance, &two_sided);
+        let mut points = points_of(&plate.inner, &own, &distance, laws, &law, &scale)?;
+        points.unit = unit;
         // Points have what they need of it; a million of rows are a part of memory.
         drop(own);
         let on = Supported { springs, held, points, delta, free_motions };
@@ -233,17 +243,20 @@ impl ContactProblem {
         Ok(self.solution(inner))
     }
 
-    /// Displacements, reactions and gaps under one load on a contact set (m,) that is given, signs as they come.
+    /// Displacements, reactions and gaps under one load on pieces (m,) that are given, beyond whose ends points may be.
     fn solve_on(
         &self,
         py: Python<'_>,
         load: PyReadonlyArray1<'_, f64>,
         held_value: PyReadonlyArray1<'_, f64>,
-        closed: PyReadonlyArray1<'_, bool>,
+        pieces: PyReadonlyArray1<'_, u8>,
     ) -> PyResult<ContactSolution> {
         let (load, held_value) = self.load_and_held(&load, &held_value)?;
-        let closed = flags("closed", &closed, self.inner.points.len())?;
-        let pieces = self.inner.points.pieces_holding(&closed);
+        let pieces = sized("pieces", &pieces, self.inner.points.len())?;
+        let points = &self.inner.points;
+        if (0..points.len()).any(|i| usize::from(pieces[i]) >= points.graph(i).pieces()) {
+            return Err(invalid("pieces must be of the points' laws"));
+        }
         let inner = released(py, || self.inner.solve_on(&load, &held_value, &pieces))?.map_err(failed)?;
         Ok(self.solution(inner))
     }

@@ -1,4 +1,4 @@
-use crate::arrays::{SpringArrays, flags, further_rows, indices, invalid, matrix, rows_of, sized, springs};
+use crate::arrays::{SpringArrays, further_rows, indices, invalid, matrix, rows_of, sized, springs};
 use crate::threads::released;
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
@@ -259,7 +259,7 @@ impl Plate {
         hi: PyReadonlyArray1<'_, f64>,
         lo: PyReadonlyArray1<'_, f64>,
     ) -> PyResult<f64> {
-        let held = flags("held", &held, self.inner.dof_count())?;
+        let held = sized("held", &held, self.inner.dof_count())?;
         let displacement = displacement(&hi, &lo, self.inner.dof_count())?;
         released(py, || {
             let all = internal_magnitudes(&self.inner, &displacement);

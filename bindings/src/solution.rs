@@ -42,9 +42,16 @@ impl ContactSolution {
         PyArray1::from_slice(py, &self.inner.gap)
     }
 
+    /// The piece (m,) of its law that every point is on.
+    #[getter]
+    fn piece<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        PyArray1::from_slice(py, &self.inner.piece)
+    }
+
+    /// Points that are not open: they hold, or yield.
     #[getter]
     fn closed<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        PyArray1::from_vec(py, self.of.points.holding(&self.inner.piece))
+        PyArray1::from_vec(py, self.of.points.acting(&self.inner.piece))
     }
 
     #[getter]

@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Literal, final
 
 import numpy as np
@@ -8,7 +8,9 @@ _Floats = npt.NDArray[np.float64]
 _Ints = npt.NDArray[np.int64]
 _Bools = npt.NDArray[np.bool_]
 _Springs = tuple[_Ints, _Floats, _Ints, _Floats, _Floats]
-_Constraints = tuple[_Ints, _Floats, _Ints, _Floats, _Floats, _Bools, _Floats]
+_Constraints = tuple[_Ints, _Floats, _Ints, _Floats, _Ints, _Floats, _Floats, _Floats]
+_Laws = Sequence[tuple[Sequence[tuple[float, float]], tuple[float, float]]]
+_Pieces = npt.NDArray[np.uint8]
 _Form = Literal["dual", "stiffness"] | None
 
 __all__ = [
@@ -159,6 +161,7 @@ class ContactProblem:
         held: _Bools,
         spring_arrays: _Springs,
         constraint_arrays: _Constraints,
+        laws: _Laws,
         free_motions: _Floats | None = None,
         method: Literal["lemke", "active_set", "saddle"] = "lemke",
         room: int | None = None,
@@ -177,7 +180,7 @@ class ContactProblem:
     def solve_by_interior_point(
         self, load: _Floats, held_value: _Floats, progress: Callable[[int, int, float], object] | None = None
     ) -> ContactSolution: ...
-    def solve_on(self, load: _Floats, held_value: _Floats, closed: _Bools) -> ContactSolution: ...
+    def solve_on(self, load: _Floats, held_value: _Floats, pieces: _Pieces) -> ContactSolution: ...
     def path(
         self,
         start: _Floats,
@@ -210,6 +213,8 @@ class ContactSolution:
     def gap(self) -> _Floats: ...
     @property
     def closed(self) -> _Bools: ...
+    @property
+    def piece(self) -> _Pieces: ...
     @property
     def pivots(self) -> int: ...
     @property

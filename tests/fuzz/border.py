@@ -80,15 +80,17 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
     u, load = np.linspace(0.0, 1.0, found.dof_count), found.cases["load"].nodal
     rows = contacts.rows
     constraints = [
-        *(*rows.arrays, contacts.distance, contacts.compliance, contacts.two_sided),
+        *(*rows.arrays, contacts.distance, contacts.law, contacts.scale, contacts.unit),
         np.zeros(len(rows)),
     ]
 
+    laws = [(law.vertices, law.ends) for law in contacts.laws]
+
     def contact(
-        elements, coefficients, further, distance, compliance, two_sided, regularization, dofs, motions, method, *spring
+        elements, coefficients, further, distance, law, scale, unit, regularization, dofs, motions, method, *spring
     ):
-        arrays = (elements, coefficients, further, distance, compliance, two_sided, regularization)
-        _core.ContactProblem(found.plate, dofs, spring, arrays, motions, method).solve(load, held.values)
+        arrays = (elements, coefficients, further, distance, law, scale, unit, regularization)
+        _core.ContactProblem(found.plate, dofs, spring, arrays, laws, motions, method).solve(load, held.values)
 
     def residual(load, hi, lo, *spring):
         found.plate.residual(spring, load, hi, lo)
@@ -130,7 +132,7 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
         (_core.rest_response, [core, held.values]),
         (_core.load_responses, [core, load[None]]),
         (_core.point_responses, [core, 0, count]),
-        (core.solve_on, [load, held.values, np.ones(count, np.bool_)]),
+        (core.solve_on, [load, held.values, np.zeros(count, np.uint8)]),
         (core.path, [0 * load, load, held.values, 2.0, lambda *stop: None]),
         (found.plate.openings, [*rows.arrays, contacts.distance, u, u]),
         (_core.superpose, [one, u[None]]),

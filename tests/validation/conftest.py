@@ -9,7 +9,7 @@ from signorini import _core
 
 NO_ROWS = (np.zeros(0, np.int64), np.zeros((0, 24)), np.zeros(0, np.int64))
 NO_SPRINGS = (*NO_ROWS, np.zeros(0), np.zeros(0))
-NO_CONTACTS = (*NO_ROWS, np.zeros(0), np.zeros(0), np.zeros(0, np.bool_), np.zeros(0))
+NO_CONTACTS = (*NO_ROWS, np.zeros(0), np.zeros(0, np.int64), *[np.zeros(0)] * 3)
 
 
 def _square(support, thickness, n, element="mitc9", twist_held=False):
@@ -21,7 +21,7 @@ def _square(support, thickness, n, element="mitc9", twist_held=False):
 def _prescribed(plate, held, values, load=None):
     """Displacements (hi, lo) of a core plate with ``held`` dofs at ``values`` under nodal forces."""
     load = np.zeros(plate.dof_count) if load is None else load
-    answer = _core.ContactProblem(plate, held, NO_SPRINGS, NO_CONTACTS).solve(load, values)
+    answer = _core.ContactProblem(plate, held, NO_SPRINGS, NO_CONTACTS, []).solve(load, values)
     assert answer.status == "solved"
     return answer.hi, answer.lo
 

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 /// Marks a row that is over more than one element.
 const NO_ELEMENT: u32 = u32::MAX;
 
-/// Contact points in the caller's order. Point i travels by row_i·u − shift_i and pushes with weight_i times the force of its
-/// graph at that travel, against its row: Ku + Gᵀr = f.
+/// Contact points in the caller's order. Point i travels by (row_i·u − shift_i) / unit_i and pushes with weight_i times the force
+/// of its graph at that travel, against its row: Ku + Gᵀr = f.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
     start: Vec<usize>,
@@ -27,6 +27,8 @@ pub struct Points {
     pub shift: Vec<f64>,
     /// Force for a unit of the graph's: an area, a stiffness.
     pub weight: Vec<f64>,
+    /// Length of a unit of the graph's travel, as where laws differ by their limits alone; 1 unless said otherwise.
+    pub unit: Vec<f64>,
     /// By what a reaction is a force, and one over that a travel is a length: 1, or the arm of a couple.
     pub arm: Vec<f64>,
 }
@@ -70,6 +72,7 @@ impl Points {
         self.graph.push(graph);
         self.shift.push(shift);
         self.weight.push(weight);
+        self.unit.push(1.0);
     }
 
     /// Puts row i of a table behind the others.
@@ -152,30 +155,37 @@ impl Points {
     /// The line of a piece of a point, over the travel of its row and in its own force.
     pub fn piece(&self, i: usize, number: u8) -> Piece {
         let Piece { travel, force, slope } = self.graph(i).piece(number);
-        let weight = self.weight[i];
-        Piece { travel: self.shift[i] + travel, force: weight * force, slope: weight * slope }
+        let (weight, unit) = (self.weight[i], self.unit[i]);
+        Piece { travel: self.shift[i] + unit * travel, force: weight * force, slope: weight / unit * slope }
     }
 
     /// Where a piece of a point ends below and above, [travel of its row, force].
     pub fn ends(&self, i: usize, number: u8) -> [Option<[f64; 2]>; 2] {
-        let own = |[travel, force]: [f64; 2]| [self.shift[i] + travel, self.weight[i] * force];
+        let own = |[travel, force]: [f64; 2]| [self.shift[i] + self.unit[i] * travel, self.weight[i] * force];
         self.graph(i).ends(number).map(|end| end.map(own))
     }
 
     /// The piece at a stretch, travel + compliance · force, beyond `shift`, of the graph in series with a compliance.
     pub fn piece_at(&self, i: usize, compliance: f64, stretch: f64) -> u8 {
-        self.graph(i).piece_at(compliance * self.weight[i], stretch)
+        self.graph(i).piece_at(compliance * self.weight[i] / self.unit[i], stretch / self.unit[i])
     }
 
     /// Force at such a stretch, and the slope of force over stretch.
     pub fn force_at(&self, i: usize, compliance: f64, stretch: f64) -> (f64, f64) {
-        let (force, slope) = self.graph(i).force_at(compliance * self.weight[i], stretch);
-        (self.weight[i] * force, self.weight[i] * slope)
+        let (weight, unit) = (self.weight[i], self.unit[i]);
+        let (force, slope) = self.graph(i).force_at(compliance * weight / unit, stretch / unit);
+        (weight * force, weight / unit * slope)
     }
 
     /// Whether forces on the pieces depend on travels, by point.
     pub fn holding(&self, pieces: &[u8]) -> Vec<bool> {
         (0..self.len()).map(|i| self.graph(i).piece(pieces[i]).holds()).collect()
+    }
+
+    /// Whether points on the pieces have a force: open ones have none.
+    pub fn acting(&self, pieces: &[u8]) -> Vec<bool> {
+        let acts = |piece: Piece| piece.holds() || piece.force != 0.0;
+        (0..self.len()).map(|i| acts(self.graph(i).piece(pieces[i]))).collect()
     }
 
     /// Pieces of points that hold or do not; of graphs with more than two pieces the first one that does.

@@ -16,7 +16,7 @@ from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import Answer, chosen, doubtful
 from signorini.contact.strategy import WORDS, answered, methods_along, uncertain
 from signorini.discretise import CaseLoad
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints, Pieces
 from signorini.equilibrium.imbalance import CONTRADICTION, supports_contradict
 from signorini.errors import NoEquilibriumError, NotCertifiedError
 from signorini.results.exact_path import ExactPath, ahead
@@ -98,12 +98,12 @@ class PathJudge:
     """Of the answers that are judged, as far as all passed."""
     doubts: list[int] = field(default_factory=list)
     """Numbers of stops up to the next of which more answers than one may be right."""
-    first: Bools | None = None
-    """(m,): the contact set from t = 0 on."""
+    first: Pieces | None = None
+    """(m,): pieces of the laws from t = 0 on."""
     _waiting: list[tuple[float, Ints, Answer]] = field(default_factory=list)
     _before: tuple[float, Answer] | None = None
     _last: tuple[float, Answer] | None = None
-    _shown: Bools | None = None
+    _shown: Pieces | None = None
 
     def take(self, t: float, points: Ints, answer: Answer) -> None:
         """Take the answer at t, from which on ``points`` open or close; raise `NotCertifiedError` where one fails."""
@@ -132,7 +132,7 @@ class PathJudge:
                 continue
             at, turn = part, begin + part * (t - begin)
             load = self.loads[0] + turn * self.loads[1]
-            solution = self.problem.core.solve_on(load.nodal, discretisation.held.values, before.closed)
+            solution = self.problem.core.solve_on(load.nodal, discretisation.held.values, before.piece)
             if begin < turn < t and solution.status == "solved":
                 yield turn, np.zeros(0, np.int64), Answer.of(discretisation, solution)
 
@@ -144,16 +144,16 @@ class PathJudge:
         at, points, answers = [list(column) for column in zip(*waiting, strict=True)]
         loads = [self.loads[0] + t * self.loads[1] for t in at]
         hi, lo, reaction = (np.array([getattr(one, name) for one in answers]) for name in ("hi", "lo", "reaction"))
-        closed = np.array([answer.closed for answer in answers])
+        pieces = np.array([answer.piece for answer in answers])
         # What stands on one set at both ends of a segment is proven between them.
-        before = np.concatenate([closed[:1] if self._before is None else self._before[1].closed[None], closed[:-1]])
+        before = np.concatenate([pieces[:1] if self._before is None else self._before[1].piece[None], pieces[:-1]])
         made_of = [beside(self.loads, t) for t in at]
         imbalance = imbalances(result, loads, hi, lo)
-        certificates = certify_each(result, loads, hi, lo, reaction, (before, closed), made_of, imbalance)
+        certificates = certify_each(result, loads, hi, lo, reaction, (before, pieces), made_of, imbalance)
         passed = next((row for row, one in enumerate(certificates) if not one.passed), len(at))
         doubts = self._doubtful(at, answers)
         if self.first is None and passed:
-            self.first = closed[0]
+            self.first = pieces[0]
 
         least: list[Answer] = []
         for row in range(passed):
@@ -171,9 +171,9 @@ class PathJudge:
         # Of points that repeat each other all open or close, not only the one that the path is followed with.
         switched = []
         for row, one in enumerate(least):
-            changed = None if self._shown is None else np.flatnonzero(one.closed != self._shown)
+            changed = None if self._shown is None else np.flatnonzero(one.piece != self._shown)
             switched.append(points[row] if changed is None else changed)
-            self._shown = one.closed
+            self._shown = one.piece
         doubted = np.flatnonzero(doubts[: count + (count < passed)])
         self.doubts += (len(self.stops) + doubted - 1).tolist()
         if count:
@@ -204,7 +204,7 @@ class PathJudge:
             if before is not None:
                 yield before.reaction
             yield answer.reaction
-            yield from ahead(self.problem, self.loads, t, answer.closed)
+            yield from ahead(self.problem, self.loads, t, answer.piece)
 
         return chosen(self.problem.discretisation, self.problem.freedom, load.nodal, answer, elsewhere)
 

@@ -15,13 +15,14 @@ from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import Answer, chosen
 from signorini.contact.strategy import refusal
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Bools, Floats, Pieces
 from signorini.errors import InputError, NotCertifiedError, point
 from signorini.results.result import Result
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+_S = TypeVar("_S", Bools, Pieces)
 _T = TypeVar("_T")
 _ACCURATE = 1e-6
 """Part of the largest reaction or load by which given reactions may miss those on their contact set: what iterations
@@ -122,8 +123,8 @@ def _recover(problem: ContactProblem, name: str, load: CaseLoad, given: Floats) 
     unit = np.where(discretisation.contacts.slope, discretisation.mesh.size, 1.0)
     size = float(max(np.nanmax(np.abs(given) / unit, initial=0.0), np.abs(load.nodal[::3]).max()))
 
-    def on(pushing: Bools) -> Result:
-        solution = problem.core.solve_on(load.nodal, problem.held_values, pushing)
+    def on(pieces: Pieces) -> Result:
+        solution = problem.core.solve_on(load.nodal, problem.held_values, pieces)
         if solution.status != "solved":
             raise NotCertifiedError(f"{_NOT}where they push the plate is not held, or not in one way.")
         _require_same(problem, given, solution.reaction, unit, size)
@@ -137,11 +138,11 @@ def _recover(problem: ContactProblem, name: str, load: CaseLoad, given: Floats) 
             raise NotCertifiedError(f"{_NOT}{refusal(name, discretisation, load, answer, certificate)}")
         return Result.of(discretisation, name, ("given",), load, answer, certificate)
 
-    return _first(on, [problem.two_sided | (given > part * size) for part in _NONE])
+    return _first(on, [discretisation.contacts.pieces_at(given, part * size) for part in _NONE])
 
 
-def _first(on: Callable[[Bools], _T], sets: Sequence[Bools]) -> _T:
-    """What comes of the first set of rows that is not refused."""
+def _first(on: Callable[[_S], _T], sets: Sequence[_S]) -> _T:
+    """What comes of the first state of the rows that is not refused."""
     try:
         return on(sets[0])
     except NotCertifiedError:

@@ -242,7 +242,7 @@ def _guess(sampler: Sampler, watch: Watch, states: tuple[State | None, State, St
         if first == second:
             continue
         t = one.t - first * (other.t - one.t) / (second - first)
-        same = np.array_equal(one.answer.closed, other.answer.closed)
+        same = np.array_equal(one.answer.piece, other.answer.piece)
         if low.t < t < high.t:
             nearest = min(abs(first), abs(second))
             guesses.append((not same, (one, other) == (low, high), nearest, t))

@@ -14,9 +14,9 @@ from typing import Self
 import numpy as np
 
 from signorini.contact.selection import Answer
-from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise import CaseLoad, ContactPoints, Discretisation
 from signorini.discretise.loads import CANCELLED
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Bools, Floats, Ints
 
 TOLERANCE = 1e-8
 CERTIFIABLE = 1e-4
@@ -113,17 +113,17 @@ def certify(
     hi: Floats,
     lo: Floats,
     reaction: Floats,
-    closed: Sequence[Bools] = (),
+    pieces: Sequence[Ints] = (),
     beside: Sequence[CaseLoad] = (),
 ) -> Certificate:
     """Judge displacements ``hi + lo`` (3n,) and the contact points' reactions (m,) under a load.
 
-    ``closed`` are contact sets (m,) on which they claim to be solutions: what open points of one react with and how far
-    its closed ones are open counts as complementarity too. An answer at both ends of a stretch that stands on one set
-    proves all between them, which is linear. ``beside`` are the loads that this one is the sum of: their rounding, and
+    ``pieces`` (m,) are pieces of the laws on which they claim to be solutions: how far points are off such a piece
+    counts as complementarity too. An answer at both ends of a stretch that stands on the same pieces proves all
+    between them, which is linear. ``beside`` are the loads that this one is the sum of: their rounding, and
     that of the reactions to them, is none of the answer's fault where they cancel.
     """
-    sets = [those[None] for those in closed]
+    sets = [those[None] for those in pieces]
     return certify_each(discretisation, [load], hi[None], lo[None], reaction[None], sets, [beside])[0]
 
 
@@ -133,7 +133,7 @@ def certify_each(
     hi: Floats,
     lo: Floats,
     reaction: Floats,
-    closed: Sequence[Bools] = (),
+    pieces: Sequence[Ints] = (),
     beside: Sequence[Sequence[CaseLoad]] = (),
     imbalance: Floats | None = None,
 ) -> list[Certificate]:
@@ -154,9 +154,7 @@ def certify_each(
         at_holds = np.where(held.dofs, imbalance - pushes, 0.0)
         at_free = np.where(held.dofs, 0.0, imbalance - pushes)
 
-        rows = contacts.rows.arrays
-        each = (discretisation.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True))
-        gap = contacts.compliance * reaction + np.array(list(each))
+        travels = _travels(discretisation, hi, lo)
         force = np.where(contacts.slope, reaction / size, reaction)
         slip = np.where(held.dofs, hi + lo - held.values, 0.0)
         # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
@@ -179,7 +177,6 @@ def certify_each(
         slope = maximum(largest_magnitudes(slopes), length / size)
         lengths = np.where(contacts.slope, slope[:, None], np.maximum(travel, length[:, None]))
         lengths += length[:, None] == 0.0
-        open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
 
         across = float(np.sqrt(discretisation.mesh.element_area.mean()))
         # Forces count from what bending to the deflection takes, less the rigid motion in it; under no load, from what
@@ -194,19 +191,22 @@ def certify_each(
         by_supports = maximum(by_force(at_holds, across), largest_magnitudes(force))
         scale = maximum(np.where(by_load != 0.0, by_load, by_supports), rest)
         pressing = maximum(scale, largest_magnitudes(force))
-        reacting, away = np.abs(force) / np.where(pressing != 0.0, pressing, 1.0)[:, None], np.abs(gap) / lengths
-        both = np.max([np.minimum(reacting, away), *(np.where(those, away, reacting) for those in closed)], axis=0)
+        unit = np.where(contacts.slope, size, 1.0) * np.where(pressing != 0.0, pressing, 1.0)[:, None]
+        too_far, too_near, beyond = _off_laws(contacts, travels, reaction, lengths, unit)
+        too_near = np.max(
+            [too_near, *(_off_pieces(contacts, those, travels, reaction, lengths, unit) for those in pieces)], axis=0
+        )
         pull = discretisation.spring_forces(hi, lo)
         against = at_holds + (discretisation.spring_rows.T @ pull.T).T + pushes
         out_of_balance, total = resultants_and_sizes(discretisation, nodal, against)
         by_name = {
             "penetration": maximum(
-                largest_magnitudes(open_by / lengths),
+                largest_magnitudes(too_far),
                 ratio(largest_magnitudes(slip[:, ::3]), length),
                 ratio(largest_magnitudes(slip.reshape(slopes.shape[0], -1, 3)[:, :, 1:]), slope),
             ),
-            "tension": ratio(largest_magnitudes(np.where(contacts.two_sided, 0.0, np.maximum(-force, 0.0))), pressing),
-            "complementarity": largest_magnitudes(np.where(contacts.two_sided, 0.0, both)),
+            "tension": largest_magnitudes(beyond),
+            "complementarity": largest_magnitudes(too_near),
             "equilibrium": ratio(by_force(at_free, across), scale),
             "balance": ratio(out_of_balance, maximum(total, rest)),
         }
@@ -283,6 +283,62 @@ def certified(
 def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
     """Deflection below which that of a load is rounding."""
     return _NIL * float(loaded_deflection(discretisation, load.nodal))
+
+
+def _travels(discretisation: Discretisation, hi: Floats, lo: Floats) -> Floats:
+    contacts = discretisation.contacts
+    rows = contacts.rows.arrays
+    return -np.array(
+        [discretisation.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True)]
+    )
+
+
+def _off_laws(
+    contacts: ContactPoints, travels: Floats, reaction: Floats, lengths: Floats, sizes: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """How far points (k, m) have gone beyond their laws, fall short of them, and are beyond what these can give.
+
+    A point that reacts is off its law by a travel; on a flat piece by a force, if that is less.
+    """
+    result = np.zeros((3, *travels.shape))
+    for number, law in enumerate(contacts.laws):
+        mine = contacts.law == number
+        at = slice(None) if mine.all() else np.flatnonzero(mine)
+        if not mine.any():
+            continue
+        travel, scale, unit = travels[:, at] / contacts.unit[at], contacts.scale[at], contacts.unit[at]
+        force = reaction[:, at] / scale
+        least, most = law.forces
+        given = np.clip(force, least, most)
+        low, high = law.travels(given)
+        result[2][:, at] = scale * np.abs(force - given) / sizes[:, at]
+        flat = scale * np.abs(given - law.flat_force(travel)) / sizes[:, at]
+        for which, off in enumerate((travel - high, low - travel)):
+            result[which][:, at] = np.minimum(np.maximum(off, 0.0) * unit / lengths[:, at], flat)
+        if law.straight:
+            result[0][:, at] = result[:2, :, at].max(axis=0)
+            result[1][:, at] = 0.0
+    return result[0], result[1], result[2]
+
+
+def _off_pieces(
+    contacts: ContactPoints, pieces: Ints, travels: Floats, reaction: Floats, lengths: Floats, sizes: Floats
+) -> Floats:
+    """How far points (k, m) are off the lines of pieces of their laws; straight laws have but one."""
+    result = np.zeros(travels.shape)
+    for number, law in enumerate(contacts.laws):
+        if law.straight or not (mine := contacts.law == number).any():
+            continue
+        at = np.broadcast_to(mine, travels.shape).nonzero()
+        piece = np.broadcast_to(pieces, travels.shape)[at]
+        vertex, slope, scale = law.corners[piece], law.slopes[piece], contacts.scale[at[1]]
+        unit = contacts.unit[at[1]]
+        force = reaction[at] / scale
+        flat = scale * np.abs(force - vertex[:, 1]) / sizes[at]
+        along = (force - vertex[:, 1]) / np.where(slope == 0.0, np.inf, slope)
+        away = np.abs(travels[at] - unit * (vertex[:, 0] + along)) / lengths[at]
+        result[at] = np.where(slope == 0.0, flat, away)
+    return result
 
 
 def _lost(

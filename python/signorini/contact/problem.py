@@ -314,7 +314,7 @@ class ContactProblem(Statement, Remade):
         self._require_regular()
         load = vector(load, self.discretisation.dof_count, "load")
         values = self.held_values if held else np.zeros_like(load)
-        solution = self._bare.solve_on(load, values, np.zeros(len(self.gaps), np.bool_))
+        solution = self._bare.solve_on(load, values, np.zeros(len(self.gaps), np.uint8))
         return solution.hi + solution.lo
 
     def _require_regular(self) -> None:
@@ -336,7 +336,7 @@ class ContactProblem(Statement, Remade):
         if not points.two_sided.any() and not regularization(result, self.freedom).any():
             return self.condensed.core
         if "dual" not in self._cores:
-            one_sided = replace(points, two_sided=np.zeros(len(points), np.bool_))
+            one_sided = replace(points, laws=tuple(law.pushing for law in points.laws))
             motions = self.freedom.motions[:, :0]
             self._cores["dual"] = core_problem(result, one_sided, np.zeros(len(points)), motions, "lemke")
         return self._cores["dual"]

@@ -22,7 +22,7 @@ from signorini.base.remade import Remade
 from signorini.discretise import Discretisation
 from signorini.discretise.quadrature import area_quadrature
 from signorini.discretise.repeated import SAME
-from signorini.discretise.rows import Bools, Floats, null_space
+from signorini.discretise.rows import Bools, Floats, Pieces, null_space
 from signorini.equilibrium.balance import RigidFreedom, describe_motion
 
 _AGAINST_EACH_OTHER = 1e6
@@ -82,11 +82,12 @@ class NotUnique:
 class Answer(Remade):
     """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
 
-    Displacements ``hi + lo`` (3n,) are the sum of two doubles. ``reaction``, ``gap`` and ``closed`` (m,) are those of
-    every contact point; reactions of two-sided points are those of all that repeat them, too. ``shared`` (m + r,) has
-    the reaction of every contact point and, behind these, of every repeated one, each with its own share.
-    ``not_unique`` is empty where this is the only answer; ``somehow`` is what the solver came to, where this was chosen
-    instead. ``solution`` is the solver's own, for other loads of the same problem to begin with; not pickled.
+    Displacements ``hi + lo`` (3n,) are the sum of two doubles. ``reaction``, ``gap``, ``closed`` and ``piece`` (m,) are
+    those of every contact point, and the piece of its law that it is on; reactions of two-sided points are those of all
+    that repeat them, too. ``shared`` (m + r,) has the reaction of every contact point and, behind these, of every
+    repeated one, each with its own share. ``not_unique`` is empty where this is the only answer; ``somehow`` is what
+    the solver came to, where this was chosen instead. ``solution`` is the solver's own, for other loads of the same
+    problem to begin with; not pickled.
     """
 
     status: Literal["solved", "no_equilibrium", "unsolved"]
@@ -95,6 +96,7 @@ class Answer(Remade):
     reaction: Floats
     gap: Floats
     closed: Bools
+    piece: Pieces
     shared: Floats
     pivots: int
     iterations: int
@@ -131,6 +133,7 @@ class Answer(Remade):
             reaction,
             solution.gap,
             solution.closed,
+            solution.piece,
             np.concatenate([reaction, np.zeros(len(discretisation.repeated))]),
             solution.pivots,
             solution.iterations,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
 import numpy as np
@@ -13,6 +13,7 @@ from scipy.sparse import csr_array
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
+Pieces = npt.NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +124,7 @@ def _matrix(owners: Ints, coefficients: Floats, elements: Ints, size: int) -> cs
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Arrays, or rows, of equal length, one entry a row."""
+    """Arrays, or rows, of equal length, one entry a row, and what holds for all of them."""
 
     def __len__(self) -> int:
         """Count the rows."""
@@ -133,7 +134,7 @@ class Table:
         """Keep the rows marked; where that is every one, no copy is made."""
         if which.dtype == np.bool_ and which.all():
             return self
-        return type(self)(*(getattr(self, one.name)[which] for one in fields(self)))
+        return replace(self, **{name: getattr(self, name)[which] for name in self._columns()})
 
     @classmethod
     def join(cls, parts: Sequence[Self]) -> Self:
@@ -141,8 +142,14 @@ class Table:
         filled = [part for part in parts if len(part)]
         if len(filled) == 1:
             return filled[0]
-        columns: list[list[Any]] = [[getattr(part, one.name) for part in parts] for one in fields(cls)]
-        return cls(*(Rows.join(each) if isinstance(each[0], Rows) else np.concatenate(each) for each in columns))
+        joined: dict[str, Any] = {}
+        for name in parts[0]._columns():
+            each: list[Any] = [getattr(part, name) for part in parts]
+            joined[name] = Rows.join(each) if isinstance(each[0], Rows) else np.concatenate(each)
+        return replace(parts[0], **joined)
+
+    def _columns(self) -> list[str]:
+        return [one.name for one in fields(self) if isinstance(getattr(self, one.name), np.ndarray | Rows)]
 
 
 def null_space(rows: Floats, rounding: float) -> Floats:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 
 from signorini import _core
 from signorini.base.brief import Brief
 from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
+from signorini.discretise.laws import LAWS, Law, laws_of
 from signorini.discretise.placed import Placed, mean_deflections
 from signorini.discretise.places import (
     MOST,
@@ -23,7 +26,7 @@ from signorini.discretise.places import (
 )
 from signorini.discretise.quadrature import LineQuadrature, Quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
-from signorini.discretise.rows import Bools, Floats, Ints, Rows, Table
+from signorini.discretise.rows import Bools, Floats, Ints, Pieces, Rows, Table
 from signorini.discretise.thickness import PlateStiffness
 from signorini.errors import Place, Problems
 from signorini.expression.levels import Level
@@ -79,11 +82,11 @@ class Springs(Table, Brief):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactPoints(Table, Brief):
-    """Contact points: row·u + gap − compliance·reaction = distance.
+    """Contact points: each reacts with ``scale`` times the force of its law at (row·u − distance) / ``unit``.
 
-    Of ``distance`` the part ``settlement`` is that of the base in the row's direction; the rest is free travel.
-    ``direction`` is +1 where the support pushes the plate up and −1 where it holds it down (its row is turned round);
-    ``two_sided`` marks equations; other points only push.
+    ``law`` (m,) numbers the `laws`. Of ``distance`` the part ``settlement`` is that of the base in the row's direction;
+    the rest is free travel.
+    ``direction`` is +1 where the support pushes the plate up and −1 where it holds it down (its row is turned round).
     ``slope`` marks two-sided points that hold a slope instead of the deflection. ``shared`` (m, 4) names the elements
     of which points of an averaged area stand for part, by their areas; −1 where there is none. ``numbers`` (m,) say
     which of its support's points each is, as the input lists them from 0; 0 along lines and on areas.
@@ -92,8 +95,9 @@ class ContactPoints(Table, Brief):
     rows: Rows
     distance: Floats
     settlement: Floats
-    compliance: Floats
-    two_sided: Bools
+    law: Ints
+    scale: Floats
+    unit: Floats
     direction: Floats
     slope: Bools
     positions: Floats
@@ -101,6 +105,33 @@ class ContactPoints(Table, Brief):
     support: Ints
     shared: Ints
     numbers: Ints
+    laws: tuple[Law, ...]
+
+    @classmethod
+    def join(cls, parts: Sequence[Self]) -> Self:
+        """Put tables behind one another; equal laws have one number."""
+        laws = tuple(dict.fromkeys(law for part in parts for law in part.laws))
+        numbers = [np.array([laws.index(law) for law in part.laws], np.int64)[part.law] for part in parts]
+        return super().join([replace(part, law=law, laws=laws) for part, law in zip(parts, numbers, strict=True)])
+
+    @cached_property
+    def compliance(self) -> Floats:
+        """Travel over force (m,) where the law is steepest; 0 where it is rigid."""
+        slope: Floats = np.array([law.slopes.max() for law in self.laws])[self.law]
+        return np.asarray(self.unit / (self.scale * slope))
+
+    def pieces_at(self, reaction: Floats, nothing: float) -> Pieces:
+        """Pieces (m,) of the laws on which points have these reactions, but for ``nothing``; of several a flat one."""
+        result = np.zeros(len(self), np.uint8)
+        for number, law in enumerate(self.laws):
+            at = np.flatnonzero(self.law == number)
+            result[at] = law.pieces_at(reaction[at] / self.scale[at], nothing / self.scale[at])
+        return result
+
+    @cached_property
+    def two_sided(self) -> Bools:
+        """Points (m,) that never let go or yield, and so are equations."""
+        return np.array([law.straight for law in self.laws], np.bool_)[self.law]
 
     @property
     def averaged(self) -> Bools:
@@ -160,10 +191,10 @@ def springs_and_contacts(
     """What the supports do beyond the dofs that they hold at nodes."""
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
-    no_contacts = none, none, none, flags, none, flags, place, none, who, np.zeros((0, 4), np.int64), who
+    no_contacts = none, none, who, none, none, none, flags, place, none, who, np.zeros((0, 4), np.int64), who
     result: list[Springs | ContactPoints] = [
         Springs(Rows.join([]), none, none, place, none, who, who),
-        ContactPoints(Rows.join([]), *no_contacts),
+        ContactPoints(Rows.join([]), *no_contacts, LAWS),
     ]
     ground = _Ground(shape, mesh, plate, held, stiffness)
     for placed in supports:
@@ -280,16 +311,18 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
     settlement = acting.slope if slope.any() else support.settlement(*at.T, place=(*place, "settlement"))
     gap = support.gap(*at.T, at_least=0.0, place=(*place, "gap"))
     who = np.full(count, placed.index, dtype=np.int64)
-    compliance = np.zeros(count)
     two_way = support.fix is not None or support.resists == "both"
     equation = two_way and not gap.any()
+    elastic, stiffness = np.zeros(count, np.bool_), np.ones(count)
     if support.stiffness is not None:
         shear = on.stiffness.in_shear[acting.rows.elements]
         stiffness = weights * support.stiffness(*at.T, above=0.0, place=(*place, "stiffness"))
         if equation:
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return [Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers)]
-        compliance = np.where(stiffness < STIFFEST_SPRING * shear, 1.0 / stiffness, 0.0)
+        elastic = stiffness < STIFFEST_SPRING * shear
+    law = np.where(elastic, *(LAWS.index(law) for law in laws_of(both=equation, limited=False)))
+    scale, unit = np.where(elastic, stiffness, 1.0), np.ones(count)
     ways = [1.0] * (equation or support.resists != "up") + [-1.0] * (not equation and support.resists != "down")
     of_points = slope, positions, weights, who, acting.shared, numbers
     return [
@@ -297,10 +330,12 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
             acting.rows if way > 0 else -acting.rows,
             gap + way * settlement,
             way * settlement,
-            compliance,
-            np.full(count, equation),
+            law,
+            scale,
+            unit,
             np.full(count, way),
             *of_points,
+            LAWS,
         )
         for way in ways
     ]

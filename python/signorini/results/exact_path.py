@@ -16,7 +16,7 @@ from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import Answer, NotUnique, chosen
 from signorini.contact.strategy import answered, refusal
 from signorini.discretise import CaseLoad
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Floats, Pieces
 from signorini.errors import NotCertifiedError
 from signorini.results.load_path import LoadPath, beside
 from signorini.results.path_stop import PathStop
@@ -29,7 +29,7 @@ class Segment(Brief):
 
     begin: PathStop  # what holds at its two ends
     end: PathStop
-    closed: Bools  # (m,): contact points that are closed on it
+    pieces: Pieces  # (m,): pieces of their laws that contact points are on
 
     @property
     def jumps(self) -> bool:
@@ -44,7 +44,7 @@ class ExactPath(LoadPath):
     It has stops too where supports begin to share a reaction otherwise.
     """
 
-    _first: Bools | None = None
+    _first: Pieces | None = None
     _doubtful: tuple[int, ...] = ()
     """Segments on which more answers than one may be right."""
 
@@ -52,11 +52,11 @@ class ExactPath(LoadPath):
     def segments(self) -> tuple[Segment, ...]:
         """Stretches between neighbouring stops."""
         assert self._first is not None
-        closed, result = self._first, []
+        pieces, result = self._first, []
         for begin, end in zip(self.stops[:-1], self.stops[1:], strict=True):
-            closed = closed.copy()
-            closed[begin.points] ^= True
-            result.append(Segment(begin, end, closed))
+            pieces = pieces.copy()
+            pieces[begin.points] = begin.pieces
+            result.append(Segment(begin, end, pieces))
         return tuple(result)
 
     @cached_property
@@ -68,7 +68,7 @@ class ExactPath(LoadPath):
         result, stretches = self.problem.discretisation, list[tuple[float, float, NotUnique]]()
         for segment in (self.segments[index] for index in self._doubtful):
             load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
-            solution = self.problem.core.solve_on(load.nodal, result.held.values, segment.closed)
+            solution = self.problem.core.solve_on(load.nodal, result.held.values, segment.pieces)
             answer = chosen(result, self.problem.freedom, load.nodal, Answer.of(result, solution))
             for one in answer.not_unique:
                 before = [stretch for stretch in stretches if stretch[1:] == (segment.begin.t, one)]
@@ -89,7 +89,7 @@ class ExactPath(LoadPath):
         for segment in self.segments:
             if segment.begin.t <= t <= segment.end.t and not segment.jumps:
                 load = self._loads[0] + 0.5 * (segment.begin.t + segment.end.t) * self._loads[1]
-                solution = self.problem.core.solve_on(load.nodal, held, segment.closed)
+                solution = self.problem.core.solve_on(load.nodal, held, segment.pieces)
                 if solution.status == "solved":
                     yield solution.reaction
 
@@ -109,8 +109,8 @@ class ExactPath(LoadPath):
         load = self._loads[0] + t * self._loads[1]
         discretisation = self.problem.discretisation
         assert self._first is not None
-        closed = self.segments[segment].closed if self.segments else self._first
-        answer = Answer.of(discretisation, self.problem.core.solve_on(load.nodal, discretisation.held.values, closed))
+        pieces = self.segments[segment].pieces if self.segments else self._first
+        answer = Answer.of(discretisation, self.problem.core.solve_on(load.nodal, discretisation.held.values, pieces))
         made_of = beside(self._loads, t)
         methods: Sequence[Method] = (self.problem.method,)
         answer, certificate = certified(discretisation, load, answer, made_of)
@@ -137,11 +137,11 @@ class ExactPath(LoadPath):
         return Result.of(discretisation, self.load_at(t), methods, load, answer, certificate)
 
 
-def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, closed: Bools) -> Iterator[Floats]:
-    """Reactions (m,) on a contact set at a t well beyond this one, signs as they come; none where it does not hold."""
+def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, pieces: Pieces) -> Iterator[Floats]:
+    """Reactions (m,) on given pieces at a t well beyond this one, signs as they come; none where it does not hold."""
     start, add = (np.abs(load.nodal).max() for load in loads)
     far = t + max(t, start / add if start else 1.0)
     held = problem.discretisation.held.values
-    solution = problem.core.solve_on((loads[0] + far * loads[1]).nodal, held, closed)
+    solution = problem.core.solve_on((loads[0] + far * loads[1]).nodal, held, pieces)
     if solution.status == "solved":
         yield solution.reaction

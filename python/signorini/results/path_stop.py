@@ -12,7 +12,7 @@ from signorini.base.brief import Brief
 from signorini.contact.certificate import imbalances
 from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
-from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.rows import Floats, Ints, Pieces
 from signorini.results.extremes import peak
 from signorini.results.quantities import SIDES, Catalogue, Home
 from signorini.results.support_points import SupportPoints, catalogue_of, closed_part
@@ -43,6 +43,7 @@ class PathStop(Brief):
     t: float
     switched: tuple[Switch, ...]  # contact points that open or close here
     points: Ints  # (k,): which contact points these are
+    pieces: Pieces  # (k,): pieces of their laws that they are on from here on
     catalogue: Catalogue  # what ``values`` are
     values: Floats  # (n,): supports count as closed what is closed from here on
     largest_at: tuple[float, float]  # where the extremes of the deflection are
@@ -162,6 +163,7 @@ def path_stops(
                 t,
                 switches(discretisation, switched[row], answer),
                 points[row],
+                answer.piece[points[row]],
                 catalogue,
                 numbers[row],
                 most,

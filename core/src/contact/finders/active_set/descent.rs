@@ -119,7 +119,7 @@ impl Descent<'_> {
             let piece = points.graph(i).piece(pieces[i]);
             all.reaction[i] = points.force_at(i, series[i], self.stretch[i]).0;
             let travel = self.stretch[i] - series[i] * self.multiplier[i];
-            all.gap[i] = if piece.holds() { 0.0 } else { piece.travel - travel };
+            all.gap[i] = if piece.holds() { 0.0 } else { points.unit[i] * piece.travel - travel };
         }
         all.piece = pieces;
         all

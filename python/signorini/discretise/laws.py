@@ -1,0 +1,121 @@
+"""Laws of contact points: force over travel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from signorini.discretise.rows import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Law:
+    """A nondecreasing polyline of force over travel, a monotone graph (Moreau 1965; Rockafellar 1970, section 24).
+
+    Parameters
+    ----------
+    vertices : tuple of (travel, force)
+        One at least, none below the one before it.
+    ends : (float, float)
+        Slopes before the first vertex and beyond the last; infinite where the point is rigid.
+    """
+
+    vertices: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
+    ends: tuple[float, float] = (0.0, 1.0)
+
+    @property
+    def slopes(self) -> Floats:
+        """Slope (p,) of every piece, in the order of travel; a straight law has one piece."""
+        steps = np.diff(np.reshape(self.vertices, (-1, 2)), axis=0)
+        with np.errstate(divide="ignore"):
+            inner = steps[:, 1] / steps[:, 0]
+        return np.array(self.ends[:1] if self.straight else [self.ends[0], *inner, self.ends[1]])
+
+    @property
+    def corners(self) -> Floats:
+        """A vertex (p, 2) of every piece: where it begins, of the first where it ends."""
+        return np.array(self.vertices[:1] if self.straight else [self.vertices[0], *self.vertices])
+
+    @property
+    def straight(self) -> bool:
+        """Whether it is one line, so that a point never lets go or yields."""
+        return len(self.vertices) == 1 and self.ends[0] == self.ends[1]
+
+    @property
+    def pushing(self) -> Law:
+        """One that pushes only, as stiff as this is at most."""
+        return Law(ends=(0.0, float(self.slopes.max())))
+
+    @property
+    def forces(self) -> tuple[float, float]:
+        """The least and the largest force that it can give."""
+        (first, last), (before, beyond) = (self.vertices[0][1], self.vertices[-1][1]), self.ends
+        return -np.inf if before > 0.0 else first, np.inf if beyond > 0.0 else last
+
+    def pieces_at(self, force: Floats, nothing: Floats) -> Ints:
+        """Pieces (k,) on which it has forces (k,), but for so much; at a vertex the flat one."""
+        if self.straight:
+            return np.zeros(len(force), np.int64)
+        at = self.corners[1:, 1]
+        first = np.searchsorted(at, force - nothing, "left")
+        last = np.searchsorted(at, force + nothing, "right")
+        flat = np.flatnonzero(self.slopes == 0.0)
+        number = np.searchsorted(flat, first)
+        candidate = np.append(flat, len(self.slopes))[number]
+        return np.where(candidate <= last, candidate, first)
+
+    def flat_force(self, travel: ArrayLike) -> Floats:
+        """Force of the flat piece that travels are within; infinite where there is none.
+
+        Examples
+        --------
+        >>> Law(((0.0, 0.0), (0.01, 5.0)), (0.0, 0.0)).flat_force([-1.0, 0.0, 0.005, 0.02]).tolist()
+        [0.0, 0.0, inf, 5.0]
+        """
+        at = np.asarray(travel, dtype=np.float64)
+        ends = [-np.inf, *(vertex[0] for vertex in self.vertices), np.inf]
+        result = np.full_like(at, np.inf)
+        for piece, (slope, (_, force)) in enumerate(zip(self.slopes, self.corners, strict=True)):
+            if slope == 0.0:
+                result[(ends[piece] <= at) & (at <= ends[piece + 1])] = force
+        return result
+
+    def travels(self, force: ArrayLike) -> tuple[Floats, Floats]:
+        """Least and largest travel at forces that it can give; infinite where it goes on without more force.
+
+        Examples
+        --------
+        >>> soil = Law(((0.0, 0.0), (0.01, 5.0)), (0.0, 0.0))
+        >>> [ends.tolist() for ends in soil.travels([0.0, 2.0, 5.0])]
+        [[-inf, 0.004, 0.01], [0.0, 0.004, inf]]
+        """
+        travel, at = np.array(self.vertices).T
+        at_force = np.asarray(force, dtype=np.float64)
+        result = []
+        for side in ("left", "right"):
+            # Beyond the vertices below a force, or, for the largest travel, not above it.
+            count = np.searchsorted(at, at_force, side)
+            before, after = np.maximum(count - 1, 0), np.minimum(count, len(at) - 1)
+            rise = np.where(before < after, at[after] - at[before], 1.0)
+            inside = travel[before] + (at_force - at[before]) / rise * (travel[after] - travel[before])
+            low, high = (
+                np.full_like(at_force, outside) if slope == 0.0 else travel[end] + (at_force - at[end]) / slope
+                for end, slope, outside in ((0, self.ends[0], -np.inf), (-1, self.ends[1], np.inf))
+            )
+            result.append(np.where(count == 0, low, np.where(count == len(at), high, inside)))
+        return result[0], result[1]
+
+
+LAWS = tuple(Law(ends=(0.0, slope)) for slope in (1.0, np.inf))
+LAWS += tuple(Law(ends=(slope, slope)) for slope in (1.0, np.inf))
+LAWS += tuple(Law(((0.0, 0.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
+LAWS += tuple(Law(((-travel, -1.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
+"""Of supports that push, that hold both ways, and the same with a limit of 1; each with a spring, and rigid."""
+
+
+def laws_of(both: bool, limited: bool) -> tuple[Law, Law]:
+    """Give the laws of a support with a spring, and without."""
+    at = 4 * limited + 2 * both
+    return LAWS[at], LAWS[at + 1]
