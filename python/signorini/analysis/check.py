@@ -192,7 +192,8 @@ def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterat
         resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)
         total = sum(abs(factor) * size[case] for case, factor in factors.items())
         work = motions @ (resultant / scale @ freedom.motions) if len(motions) else np.zeros(0)
-        why = imbalance_of(discretisation, freedom, combination) if work.max(initial=0.0) > WORK * total else None
+        doubtful = freedom.outline.limited or work.max(initial=0.0) > WORK * total
+        why = imbalance_of(discretisation, freedom, combination) if doubtful else None
         yield _of(discretisation, combination, resultant, total, why, limit=None if why is None else why.limit)
 
 

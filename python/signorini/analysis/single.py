@@ -21,7 +21,7 @@ from signorini.contact.strategy import WORDS, answered, refusal, uncertain
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import allowed_motions, work_of
-from signorini.equilibrium.imbalance import CONTRADICTION, explain, imbalance_of
+from signorini.equilibrium.imbalance import CONTRADICTION, explain, imbalance, imbalance_of
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination
 from signorini.results.result import Result, unsolved_result
@@ -111,6 +111,8 @@ def _solve(
 
     def surely_balanced(load: CaseLoad) -> bool:
         """Whether it does no work in any motion that the supports allow, so that reactions balance it."""
+        if problem.freedom.on_mesh.limited:
+            return imbalance(discretisation, problem.freedom, load.weighing) is None
         work = work_of(discretisation, problem.freedom, load.weighing) if problem.freedom.count else np.zeros(0)
         return not len(work) or bool((rays @ work).max(initial=0.0) <= 0.0)
 

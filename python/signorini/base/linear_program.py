@@ -24,7 +24,7 @@ def minimise(
     bounds: tuple[_Floats | float, _Floats | float],
     tolerance: float = _FEASIBLE,
 ) -> _Floats | None:
-    """Minimise c·x with l ≤ A x ≤ u and x between bounds.
+    """Minimise c·x with l ≤ A x ≤ u and x between bounds; `minimise_with_prices` gives the rows' multipliers too.
 
     Parameters
     ----------
@@ -53,6 +53,18 @@ def minimise(
     >>> minimise(np.ones(1), np.ones((1, 1)), (2.0, np.inf), (0.0, 1.0)) is None
     True
     """
+    least = minimise_with_prices(cost, rows, row_bounds, bounds, tolerance)
+    return None if least is None else least[0]
+
+
+def minimise_with_prices(
+    cost: _Floats,
+    rows: Any,
+    row_bounds: tuple[_Floats | float, _Floats | float],
+    bounds: tuple[_Floats | float, _Floats | float],
+    tolerance: float = _FEASIBLE,
+) -> tuple[_Floats, _Floats] | None:
+    """The x of `minimise`, and by how much the cost grows with the bounds of each row (m,)."""
     # Only this function needs it.
     import highspy
 
@@ -93,7 +105,10 @@ def minimise(
     status = solver.getModelStatus()
     if status not in _told(ends):
         raise RuntimeError(f"HiGHS {solver.version()} ended a linear program with {status.name}.")
-    return np.array(solver.getSolution().col_value) if status == ends.kOptimal else None
+    if status != ends.kOptimal:
+        return None
+    solution = solver.getSolution()
+    return np.array(solution.col_value), np.array(solution.row_dual)
 
 
 def _told(ends: Any) -> tuple[object, ...]:

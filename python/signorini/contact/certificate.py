@@ -192,7 +192,7 @@ def certify_each(
         scale = maximum(np.where(by_load != 0.0, by_load, by_supports), rest)
         pressing = maximum(scale, largest_magnitudes(force))
         unit = np.where(contacts.slope, size, 1.0) * np.where(pressing != 0.0, pressing, 1.0)[:, None]
-        too_far, too_near, beyond = _off_laws(contacts, travels, reaction, lengths, unit)
+        too_far, too_near, beyond = off_laws(contacts, travels, reaction, lengths, unit)
         too_near = np.max(
             [too_near, *(_off_pieces(contacts, those, travels, reaction, lengths, unit) for those in pieces)], axis=0
         )
@@ -293,7 +293,7 @@ def _travels(discretisation: Discretisation, hi: Floats, lo: Floats) -> Floats:
     )
 
 
-def _off_laws(
+def off_laws(
     contacts: ContactPoints, travels: Floats, reaction: Floats, lengths: Floats, sizes: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """How far points (k, m) have gone beyond their laws, fall short of them, and are beyond what these can give.

@@ -19,7 +19,7 @@ import numpy as np
 from signorini import _core
 from signorini.base.linear_program import minimise
 from signorini.base.remade import Remade
-from signorini.discretise import Discretisation
+from signorini.discretise import ContactPoints, Discretisation
 from signorini.discretise.quadrature import area_quadrature
 from signorini.discretise.repeated import SAME
 from signorini.discretise.rows import Bools, Floats, Pieces, null_space
@@ -83,11 +83,11 @@ class Answer(Remade):
     """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
 
     Displacements ``hi + lo`` (3n,) are the sum of two doubles. ``reaction``, ``gap``, ``closed`` and ``piece`` (m,) are
-    those of every contact point, and the piece of its law that it is on; reactions of two-sided points are those of all
-    that repeat them, too. ``shared`` (m + r,) has the reaction of every contact point and, behind these, of every
-    repeated one, each with its own share. ``not_unique`` is empty where this is the only answer; ``somehow`` is what
-    the solver came to, where this was chosen instead. ``solution`` is the solver's own, for other loads of the same
-    problem to begin with; not pickled.
+    those of every contact point, and the piece of its law that it is on; the gap of one that yields is minus the travel
+    by which it has. Reactions of two-sided points are those of all that repeat them, too. ``shared`` (m + r,) has the
+    reaction of every contact point and, behind these, of every repeated one, each with its own share. ``not_unique`` is
+    empty where this is the only answer; ``somehow`` is what the solver came to, where this was chosen instead.
+    ``solution`` is the solver's own, for other loads of the same problem to begin with; not pickled.
     """
 
     status: Literal["solved", "no_equilibrium", "unsolved"]
@@ -125,13 +125,13 @@ class Answer(Remade):
     @classmethod
     def of(cls, discretisation: Discretisation, solution: _core.ContactSolution) -> Self:
         """Take a solution as it comes."""
-        reaction = solution.reaction
+        reaction, yields = solution.reaction, discretisation.contacts.yield_on(solution.piece)
         return cls(
             solution.status,
             solution.hi,
             solution.lo,
             reaction,
-            solution.gap,
+            np.where(yields, -np.abs(solution.gap), solution.gap),
             solution.closed,
             solution.piece,
             np.concatenate([reaction, np.zeros(len(discretisation.repeated))]),
@@ -172,12 +172,11 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
     if discretisation.shared:
         # Where every point is closed gaps are rounding, of what the reactions bend the plate by.
         travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(discretisation.contacts.distance).max()
-        touching = gap <= _DOUBTFUL * (travel + _bending(discretisation, reaction))[:, None]
+        touching = np.abs(gap) <= _DOUBTFUL * (travel + _bending(discretisation, reaction))[:, None]
         several |= np.any([touching[:, one.points].sum(axis=1) > 1 for one in discretisation.shared], axis=0)
     if freedom.count:
-        pushing = ~discretisation.contacts.two_sided & (
-            reaction > _DOUBTFUL * reaction.max(axis=1, initial=0.0)[:, None]
-        )
+        nothing = _DOUBTFUL * np.abs(reaction).max(axis=1, initial=0.0)[:, None]
+        pushing = _holding(discretisation.contacts, reaction, nothing)
         squares = np.einsum("mi,mj->mij", freedom.moves, freedom.moves).reshape(len(freedom.moves), -1)
         held = (pushing.astype(np.float64) @ squares).reshape(-1, freedom.count, freedom.count)
         values = np.linalg.eigvalsh(held)
@@ -190,10 +189,10 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
     """Shift reactions among points that share them, each over what it stands for, until their squares are least."""
     points, count = discretisation.points, len(answer.reaction)
     together: list[Iterable[int]] = list(discretisation.held_together)
-    reaction, closed = answer.shared.copy(), answer.closed.copy()
+    reaction, closed, piece = answer.shared.copy(), answer.closed.copy(), answer.piece.copy()
     gap = np.append(answer.gap, np.zeros(len(discretisation.repeated)))
     largest = max(float(np.abs(answer.hi[::3]).max()), _HARDLY * float(_bending(discretisation, answer.reaction)))
-    touching = points.two_sided | (gap <= _NIL * np.maximum(largest, np.abs(points.distance)))
+    touching = points.two_sided | (np.abs(gap) <= _NIL * np.maximum(largest, np.abs(points.distance)))
     nothing = _NIL * _force(discretisation, nodal, answer)
     nodes, holders = np.unique(discretisation.held.holders[:, 0], return_counts=True)
     for shared in discretisation.shared:
@@ -204,21 +203,26 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
         if not ways.shape[1]:
             continue
         ways, _ = np.linalg.qr(ways)
-        pushes, root = ~points.two_sided[mine], np.sqrt(discretisation.share_weights[mine])
+        root = np.sqrt(discretisation.share_weights[mine])
         size = max(float(np.abs(reaction[mine]).max()), nothing) or 1.0
         rows, offset = [ways / root[:, None]], [reaction[mine] / root / size]
         if (at_holds := discretisation.point_rows[mine][:, 3 * nodes]).nnz:
             imbalance = discretisation.plate.residual(discretisation.springs.arrays, nodal, answer.hi, answer.lo)
             rows.append(-(at_holds.T @ ways) / np.sqrt(holders)[:, None])
             offset.append((imbalance - discretisation.point_rows.T @ reaction)[3 * nodes] / np.sqrt(holders) / size)
-        room = np.maximum(reaction[mine][pushes], 0.0) / size
-        change = ways @ least(np.vstack(rows), np.concatenate(offset), -ways[pushes], room)
+        low, high = (limit[mine] for limit in points.limits)
+        sides, ends = np.concatenate([-ways, ways]), np.concatenate([-low, high])
+        at_ends = np.isfinite(ends)
+        room = np.maximum(ends - np.concatenate([-reaction[mine], reaction[mine]]), 0.0)[at_ends] / size
+        change = ways @ least(np.vstack(rows), np.concatenate(offset), sides[at_ends], room)
         shares = reaction[mine] + size * change
-        shares[pushes & (shares <= nothing)] = 0.0
-        others = ways @ span_of_cone(-ways[pushes & (shares == 0.0)])
+        shares = np.where(shares <= low + nothing, low, np.where(shares >= high - nothing, high, shares))
+        others = ways @ span_of_cone(sides[np.concatenate([shares == low, shares == high])])
         which = mine[(np.abs(others) > _MOVED).any(axis=1)]
         reaction[mine] = shares
-        closed[mine[mine < count]] = True
+        own = mine[mine < count]
+        closed[own] = True
+        piece[own] = discretisation.contacts.pieces_at(reaction[:count], nothing, flat=False)[own]
         if len(which):
             together.append(set(points.support[which].tolist()))
     folded = reaction[:count] + discretisation.repeated.follows.T @ reaction[count:]
@@ -228,7 +232,12 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
         return answer
     gap = np.where(closed, 0.0, answer.gap)
     several = (*answer.not_unique, *several)
-    return replace(answer, reaction=folded, shared=reaction, closed=closed, gap=gap, not_unique=several)
+    return replace(answer, reaction=folded, shared=reaction, closed=closed, piece=piece, gap=gap, not_unique=several)
+
+
+def _holding(contacts: ContactPoints, reaction: Floats, nothing: Floats | float) -> Bools:
+    """Whether points (..., m) that could let go or yield do neither, so that motions change their forces."""
+    return np.asarray(~contacts.two_sided & ~contacts.flat_on(contacts.pieces_at(reaction, nothing)))
 
 
 def _bending(discretisation: Discretisation, reaction: Floats) -> Floats:
@@ -263,27 +272,32 @@ def _force(discretisation: Discretisation, nodal: Floats, answer: Answer) -> flo
 def _with_least_deflection(
     discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, answer: Answer, elsewhere: Elsewhere | None
 ) -> Answer:
-    one_sided = ~discretisation.contacts.two_sided
-    pushing = one_sided & (answer.reaction > _NIL * _force(discretisation, nodal, answer))
+    contacts, nothing = discretisation.contacts, _NIL * _force(discretisation, nodal, answer)
+    pushing = _holding(contacts, answer.reaction, nothing)
     # Of a load without a resultant the plate's own forces may leave more in its stops than that.
     rounding = np.finfo(float).eps * discretisation.plate.internal_magnitude(
         discretisation.held.dofs, answer.hi, answer.lo
     )
-    if (answer.reaction[pushing] <= rounding).all():
+    if (np.abs(answer.reaction[pushing]) <= rounding).all():
         pushing[:] = False
     free = null_space(freedom.moves[pushing], _STILL)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():
             # Where a path begins without load all reactions are rounding.
-            pushing |= one_sided & (reaction > max(_NIL * float(np.abs(reaction).max()), rounding))
+            pushing |= _holding(contacts, reaction, max(_NIL * float(np.abs(reaction).max()), rounding))
         free = null_space(freedom.moves[pushing], _STILL)
     if not free.shape[1]:
         return answer
-    length = np.maximum(float(np.abs(answer.hi[::3]).max()), np.abs(discretisation.contacts.distance))
-    idle = np.flatnonzero(one_sided & ~pushing)
-    gap = np.where(answer.gap > _NIL * length, answer.gap, 0.0)
-    sides = freedom.moves[idle] @ free
-    ways = free @ span_of_cone(sides[gap[idle] == 0.0])
+    idle = ~contacts.two_sided & ~pushing
+    # What pushes so little does not push, and what is so near to its limit yields.
+    flat = contacts.forces_on(contacts.pieces_at(answer.reaction, nothing))
+    settled = np.where(idle, flat, answer.reaction)
+    travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, answer.hi, answer.lo)
+    length = np.maximum(float(np.abs(answer.hi[::3]).max()), np.abs(contacts.distance))
+    sides = np.concatenate([-freedom.moves[idle], freedom.moves[idle]]) @ free
+    room = np.concatenate([np.where(one > _NIL * length, one, 0.0)[idle] for one in contacts.room(travel, settled)])
+    sides, room = sides[np.isfinite(room)], room[np.isfinite(room)]
+    ways = free @ span_of_cone(sides[room == 0.0])
     if not ways.shape[1]:
         return answer
     motions = freedom.motions @ free
@@ -293,28 +307,31 @@ def _with_least_deflection(
     at = np.column_stack([np.ones(len(root)), (over.positions - discretisation.middle) / discretisation.mesh.size])
     deflection = (values * (answer.hi + answer.lo)[::3][discretisation.mesh.elements[over.elements]]).sum(axis=1)
     unit = float(np.abs(deflection).max()) or 1.0
-    part = least(root[:, None] * (at @ motions), root * deflection / unit, sides, gap[idle] / unit)
+    part = least(root[:, None] * (at @ motions), root * deflection / unit, sides, room / unit)
     w, *slopes = unit * (motions @ part)
     x, y = discretisation.middle.tolist()
     motion = (float(w), float(slopes[0] / discretisation.mesh.size), float(slopes[1] / discretisation.mesh.size))
     hi, lo = discretisation.plate.moved(answer.hi, answer.lo, (x, y), motion)
-    left = discretisation.plate.openings(*discretisation.contacts.rows.arrays, discretisation.contacts.distance, hi, lo)
-    length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(discretisation.contacts.distance))
+    travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
+    back, on = contacts.room(travel, settled)
+    length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(contacts.distance))
     # Of where the plate was, the motion leaves a rounding.
     nil = np.maximum(_NIL * length, _ROUNDING * float(np.abs(answer.hi[::3]).max()))
-    closed = ~one_sided | pushing | (left <= nil)
-    # What pushes so little does not push.
-    reaction, shared = answer.reaction.copy(), answer.shared.copy()
-    reaction[one_sided & ~pushing] = shared[: len(reaction)][one_sided & ~pushing] = 0.0
+    touching = ~idle | (np.minimum(back, on) <= nil)
+    closed = touching | (settled != 0.0)
+    piece = np.where(touching, contacts.pieces_at(settled, 0.0, flat=False), contacts.pieces_at(settled, 0.0))
+    shared = answer.shared.copy()
+    shared[: len(settled)][idle] = settled[idle]
     several = NotUnique("deflection", motion=_in_words(freedom.motions @ ways, discretisation))
     return replace(
         answer,
         hi=hi,
         lo=lo,
-        reaction=reaction,
+        reaction=settled,
         shared=shared,
-        gap=np.where(closed, 0.0, left),
+        gap=np.where(touching, 0.0, np.where(settled == 0.0, on, -np.minimum(back, on))),
         closed=closed,
+        piece=piece,
         not_unique=(*answer.not_unique, several),
     )
 

@@ -265,7 +265,11 @@ def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Probl
 def holds_deflection(support: Support) -> bool:
     """Whether a support holds the deflection both ways, rigidly and without a gap."""
     no_gap = support.gap.is_constant and support.gap.value == 0
-    return support.stiffness is None and ("w" in support.fixed or (support.resists == "both" and no_gap))
+    return (
+        support.stiffness is None
+        and support.limit is None
+        and ("w" in support.fixed or (support.resists == "both" and no_gap))
+    )
 
 
 def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:

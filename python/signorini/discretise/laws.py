@@ -54,16 +54,15 @@ class Law:
         (first, last), (before, beyond) = (self.vertices[0][1], self.vertices[-1][1]), self.ends
         return -np.inf if before > 0.0 else first, np.inf if beyond > 0.0 else last
 
-    def pieces_at(self, force: Floats, nothing: Floats) -> Ints:
-        """Pieces (k,) on which it has forces (k,), but for so much; at a vertex the flat one."""
+    def pieces_at(self, force: Floats, nothing: Floats, flat: bool = True) -> Ints:
+        """Pieces (..., k) on which it has forces (..., k), but for so much; at a vertex one that is flat, or is not."""
         if self.straight:
-            return np.zeros(len(force), np.int64)
+            return np.zeros(force.shape, np.int64)
         at = self.corners[1:, 1]
         first = np.searchsorted(at, force - nothing, "left")
         last = np.searchsorted(at, force + nothing, "right")
-        flat = np.flatnonzero(self.slopes == 0.0)
-        number = np.searchsorted(flat, first)
-        candidate = np.append(flat, len(self.slopes))[number]
+        wanted = np.flatnonzero((self.slopes == 0.0) == flat)
+        candidate = np.append(wanted, len(self.slopes))[np.searchsorted(wanted, first)]
         return np.where(candidate <= last, candidate, first)
 
     def flat_force(self, travel: ArrayLike) -> Floats:

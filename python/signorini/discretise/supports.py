@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -120,13 +120,52 @@ class ContactPoints(Table, Brief):
         slope: Floats = np.array([law.slopes.max() for law in self.laws])[self.law]
         return np.asarray(self.unit / (self.scale * slope))
 
-    def pieces_at(self, reaction: Floats, nothing: float) -> Pieces:
-        """Pieces (m,) of the laws on which points have these reactions, but for ``nothing``; of several a flat one."""
-        result = np.zeros(len(self), np.uint8)
+    @cached_property
+    def limits(self) -> tuple[Floats, Floats]:
+        """Least and largest force (m,) that points can give; infinite where there is no end to it."""
+        least, most = np.array([law.forces for law in self.laws])[self.law].T
+        return self.scale * least, self.scale * most
+
+    def yield_on(self, pieces: Ints | Pieces) -> Bools:
+        """Whether points (..., m) give all they can on these pieces of their laws."""
+        each = [(law.slopes == 0.0) & (law.corners[:, 1] != 0.0) for law in self.laws]
+        return np.asarray(self._by_piece(each, pieces))
+
+    def forces_on(self, pieces: Ints | Pieces) -> Floats:
+        """Forces (..., m) that points have on these pieces of their laws, where they do not depend on the travel."""
+        return np.asarray(self.scale * self._by_piece([law.corners[:, 1] for law in self.laws], pieces))
+
+    def _by_piece(self, each: Sequence[Any], pieces: Ints | Pieces) -> Any:
+        """What each law has, of every one of its pieces, for points (..., m) on their pieces."""
+        table = np.zeros((len(each), max(map(len, each))), each[0].dtype)
+        for row, values in zip(table, each, strict=True):
+            row[: len(values)] = values
+        return table[self.law, pieces]
+
+    def room(self, travel: Floats, reaction: Floats) -> tuple[Floats, Floats]:
+        """How far points (m,) can travel back and on, from this travel, with the same reaction."""
+        back, on = np.zeros(len(self)), np.zeros(len(self))
         for number, law in enumerate(self.laws):
             at = np.flatnonzero(self.law == number)
-            result[at] = law.pieces_at(reaction[at] / self.scale[at], nothing / self.scale[at])
+            low, high = law.travels(np.clip(reaction[at] / self.scale[at], *law.forces))
+            back[at], on[at] = travel[at] - self.unit[at] * low, self.unit[at] * high - travel[at]
+        return back, on
+
+    def pieces_at(self, reaction: Floats, nothing: Floats | float, flat: bool = True) -> Pieces:
+        """Pieces (..., m) of the laws on which points have these reactions (..., m), but for ``nothing``.
+
+        Where several are, a flat one, or else one that is not.
+        """
+        result = np.zeros(reaction.shape, np.uint8)
+        force, least = reaction / self.scale, nothing / self.scale
+        for number, law in enumerate(self.laws):
+            at = np.flatnonzero(self.law == number)
+            result[..., at] = law.pieces_at(force[..., at], least[..., at], flat)
         return result
+
+    def flat_on(self, pieces: Ints | Pieces) -> Bools:
+        """Whether the force of points (..., m) does not depend on their travel on these pieces of their laws."""
+        return np.asarray(self._by_piece([law.slopes == 0.0 for law in self.laws], pieces))
 
     @cached_property
     def two_sided(self) -> Bools:
@@ -208,10 +247,14 @@ def springs_and_contacts(
 
 
 def can_let_go(support: Support) -> bool:
-    """Whether there are deflections at which the support does not act."""
+    """Whether there are deflections at which the support does not act, or gives no more than its limit."""
     if support.fix is not None:
         return False
-    return support.resists != "both" or not (support.gap.is_constant and support.gap.value == 0)
+    return (
+        support.limit is not None
+        or support.resists != "both"
+        or not (support.gap.is_constant and support.gap.value == 0)
+    )
 
 
 def _acting(on: _Ground, placed: Placed) -> list[_Acting]:
@@ -276,8 +319,10 @@ def _along_line(on: _Ground, placed: Placed) -> list[_Acting]:
 
 
 def _steps(support: Support) -> list[Level]:
-    """Where an elastic support's stiffness, gap or settlement jumps; the points of a rigid one are what they are."""
-    formulas = (support.stiffness, support.gap, support.settlement) if support.stiffness is not None else ()
+    """Where an elastic support's stiffness, limit, gap or settlement jumps; a rigid one's points are what they are."""
+    if support.stiffness is None:
+        return []
+    formulas = support.stiffness, support.limit, support.gap, support.settlement
     return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
 
 
@@ -317,12 +362,15 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
     if support.stiffness is not None:
         shear = on.stiffness.in_shear[acting.rows.elements]
         stiffness = weights * support.stiffness(*at.T, above=0.0, place=(*place, "stiffness"))
-        if equation:
+        if equation and support.limit is None:
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return [Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers)]
         elastic = stiffness < STIFFEST_SPRING * shear
-    law = np.where(elastic, *(LAWS.index(law) for law in laws_of(both=equation, limited=False)))
+    law = np.where(elastic, *(LAWS.index(law) for law in laws_of(both=equation, limited=support.limit is not None)))
     scale, unit = np.where(elastic, stiffness, 1.0), np.ones(count)
+    if support.limit is not None:
+        scale = weights * support.limit(*at.T, above=0.0, place=(*place, "limit"))
+        unit = np.where(elastic, scale / stiffness, 1.0)
     ways = [1.0] * (equation or support.resists != "up") + [-1.0] * (not equation and support.resists != "down")
     of_points = slope, positions, weights, who, acting.shared, numbers
     return [

@@ -30,12 +30,20 @@ _MOST_NUMBERS = 1 << 20
 class Bearing:
     """Places at which one-sided supports act, of many that act the same way the corners of their hull.
 
-    ``moves`` (k, d) is how far each of the free rigid motions presses the plate into the support there.
+    ``moves`` (k, d) is how far each of the free rigid motions presses the plate into the support there, ``least`` and
+    ``most`` (k,) the forces that it can give.
     """
 
     positions: Floats
     moves: Floats
     support: Ints
+    least: Floats
+    most: Floats
+
+    @property
+    def limited(self) -> bool:
+        """Whether a force has an end other than none."""
+        return bool(np.isfinite(self.most).any() or self.least.any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,9 +100,15 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
         )
     one_sided = contacts.pick(~contacts.two_sided)
     on_mesh = _bearing(discretisation, motions, one_sided.positions, one_sided.direction, one_sided.support)
+    outlines = _outlines(discretisation, motions)
+    least, most = one_sided.limits
+    if least.any() or np.isfinite(most).any():
+        # What limits carry depends on what each point stands for.
+        moves = at_contacts[~contacts.two_sided] @ motions
+        on_mesh = outlines = Bearing(one_sided.positions, moves, one_sided.support, least, most)
     regular = null_space(in_stiffness, RANK).shape[1] == 0
     rows = (null_space(held, RANK), of_springs, at_contacts)
-    return RigidFreedom(motions, moves, _outlines(discretisation, motions), on_mesh, regular, *rows)
+    return RigidFreedom(motions, moves, outlines, on_mesh, regular, *rows)
 
 
 def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
@@ -124,7 +138,8 @@ def _bearing(
         deciding.append(those)
     which = np.concatenate(deciding)
     at = np.column_stack([np.ones(len(which)), (positions[which] - discretisation.middle) / discretisation.mesh.size])
-    return Bearing(positions[which], directions[which, None] * (at @ motions), supports[which])
+    none = np.zeros(len(which))
+    return Bearing(positions[which], directions[which, None] * (at @ motions), supports[which], none, none + np.inf)
 
 
 def _name_motion(loose: Floats, discretisation: Discretisation) -> str:

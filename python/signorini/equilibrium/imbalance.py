@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from scipy.sparse import csr_array, hstack, vstack
 
-from signorini.base.linear_program import minimise
+from signorini.base.linear_program import minimise, minimise_with_prices
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.equilibrium.balance import RANK, Bearing, RigidFreedom, allowed_motions, load_size, work_of
@@ -81,8 +81,9 @@ class Imbalance:
     ``resultant`` is the sum of the load's forces, positive down; ``way`` the way in which the plate moves off its
     supports, or ``axis`` the line about which it tips, ``moment`` what is short about it. ``hinges`` (k, 2) are points
     of the supports' outlines on the line, ``supports`` (k,) whose they are. ``holding`` is None if no force at one
-    point holds the plate; ``limit`` is a case of a combination and the factor on top of its own at which it would just
-    stand.
+    point holds the plate; ``limit`` is a case of a combination and the factor on top of its own at which it would
+    just stand. Where ``supports`` come to their limits, ``carried`` is the part of the load that can be carried,
+    ``most`` the force, or the moment about the line, that they can give, and ``moment`` what is short of either.
     """
 
     resultant: float
@@ -93,6 +94,8 @@ class Imbalance:
     supports: Ints
     holding: Holding | None
     limit: tuple[str, float] | None = None
+    carried: float | None = None
+    most: float = np.inf
 
 
 def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
@@ -100,6 +103,8 @@ def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floa
 
     Where they exist, but the contact points of the mesh do not reach as far as they act, the load is refused.
     """
+    if freedom.outline.limited:
+        return _beyond_limits(discretisation, freedom, nodal)
     if way := _lifting(discretisation, freedom, nodal):
         down, mx, my = (float(part) for part in discretisation.rigid_motions.T @ nodal)
         acting = discretisation.middle + np.array([mx, my]) / down
@@ -113,6 +118,47 @@ def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floa
     work = work_of(discretisation, freedom, nodal) / load_size(discretisation, nodal)
     most = steepest(freedom.motions, freedom.outline.moves, work)
     return _tipping(discretisation, freedom, nodal, best if most is None else most)
+
+
+def _beyond_limits(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
+    """Why supports with limits cannot balance a load: the mechanism by which they open and yield; None where they can.
+
+    The part of the load that they carry is a linear program over their reactions, whose multipliers are the mechanism
+    (static and kinematic theorem, Drucker, Prager and Greenberg 1952): on it the load does more work than they can.
+    """
+    bearing, total = freedom.outline, load_size(discretisation, nodal)
+    if not freedom.count or total == 0.0:
+        return None
+    work = work_of(discretisation, freedom, nodal)
+    cost = np.append(-1.0, np.zeros(len(bearing.moves)))
+    bounds = np.append(0.0, bearing.least / total), np.append(1.0, bearing.most / total)
+    best = minimise_with_prices(cost, np.column_stack([-work / total, bearing.moves.T]), (0.0, 0.0), bounds, WORK)
+    if best is None or best[0][0] >= 1.0 - WORK:
+        return None
+    motion = -best[1]
+    motion *= np.sign(work @ motion) / np.abs(motion).max()
+    w, *slopes = (freedom.motions @ motion) / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
+    turning, pressed = float(np.hypot(*slopes)), bearing.moves @ motion
+    tips = turning * discretisation.mesh.size > _HOLDS * abs(w)
+    strength = np.where(pressed > 0.0, bearing.most, bearing.least)
+    gives = np.isfinite(strength) & (strength != 0.0) & (np.abs(pressed) > _CLOSED * np.abs(pressed).max())
+    unit = turning if tips else abs(float(w))
+    most = float(strength[gives] @ pressed[gives]) / unit
+    axis = None
+    if tips:
+        normal = np.array(slopes) / turning
+        axis = Axis(normal, float(w / turning - normal @ discretisation.middle))
+    return Imbalance(
+        float((discretisation.rigid_motions.T @ nodal)[0]),
+        None if tips else "down" if w > 0 else "up",
+        axis,
+        float(work @ motion) / unit - most,
+        np.zeros((0, 2)),
+        np.unique(bearing.support[gives]),
+        None,
+        carried=float(best[0][0]),
+        most=most,
+    )
 
 
 def _tipping(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, motion: Floats) -> Imbalance:
@@ -226,7 +272,9 @@ def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
         return ""
     force = discretisation.model.units.force
     unit = f" {force}" if force else ""
-    if why.axis is None:
+    if why.carried is not None:
+        text = _limits_in_words(discretisation, why, why.carried, unit)
+    elif why.axis is None:
         verb, resultant = "lifts off" if why.way == "up" else "drops away from", f"{abs(why.resultant):.6g}{unit}"
         text = f"The plate {verb} its supports: the load's resultant is {resultant} {why.way}, and no support resists "
         text += "that way."
@@ -256,6 +304,19 @@ def _tipping_in_words(discretisation: Discretisation, why: Imbalance, axis: Axis
     moment_unit = f"{unit} {discretisation.model.units.length}".rstrip() if unit else ""
     line = line_in_words(axis.normal, axis.offset, size)
     return f"The plate tips about the line {line}{hinges}, short by a moment of {why.moment:.6g}{moment_unit}."
+
+
+def _limits_in_words(discretisation: Discretisation, why: Imbalance, carried: float, unit: str) -> str:
+    names = " and ".join(discretisation.model.support[index].name for index in why.supports.tolist())
+    text, of = f"The plate moves {why.way}: {names} can give no more than", f"{why.most:.6g}{unit}"
+    if why.axis is not None:
+        unit = f"{unit} {discretisation.model.units.length}".rstrip() if unit else ""
+        line = line_in_words(why.axis.normal, why.axis.offset, discretisation.mesh.size)
+        text, of = (
+            f"The plate turns about the line {line}: {names} can give no more than",
+            f"a moment of {why.most:.6g}{unit}",
+        )
+    return f"{text} {of}, short by {why.moment:.6g}{unit}. They can carry {carried:.4g} times the load."
 
 
 def line_in_words(normal: Floats, offset: float, size: float) -> str:
@@ -339,6 +400,8 @@ def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: F
     total = load_size(discretisation, nodal)
     if not freedom.count or total == 0:
         return False
+    if freedom.outline.limited:
+        return largest_factor(discretisation, freedom, freedom.outline, 0.0 * nodal, nodal) <= 1.0 + _BRINK
     one_sided = freedom.outline.moves
     # Reactions with as much as can be to spare at all of them: the first unknown.
     cost = np.append(-1.0, np.zeros(len(one_sided)))
@@ -407,7 +470,7 @@ def _limits(
     one_sided = bearing.moves
     balance = np.column_stack([-work_of(discretisation, freedom, case) / total, one_sided.T])
     wanted = work_of(discretisation, freedom, rest) / total
-    bounds = 0.0, np.append(_MOST, np.full(len(one_sided), np.inf))
+    bounds = np.append(0.0, bearing.least / total), np.append(_MOST, bearing.most / total)
     found_limits = []
     for sign in (1.0, -1.0):
         cost = np.append(sign, np.zeros(len(one_sided)))

@@ -108,6 +108,11 @@ class Support(base.Table):
         default=None,
         description="None: rigid. Per point, per length (edge, line, circle), per area: a number or an expression.",
     )
+    limit: base.PositiveScalar | None = Field(
+        default=None,
+        description="Largest reaction; beyond it the support yields. Per point, per length (edge, line, circle), per "
+        "area: a number or an expression.",
+    )
     settlement: base.Scalar = Field(
         default=Expression(0.0), description="The base moves down by this: a number or an expression; default 0."
     )
@@ -162,7 +167,7 @@ class Support(base.Table):
 
     @property
     def is_rigid(self) -> bool:
-        """Whether it holds the deflection without giving way."""
+        """Whether it holds the deflection without giving way, but for a limit."""
         return self.stiffness is None and self.holds_w
 
     def _complaints(self) -> Iterator[base.Complaint]:
@@ -201,6 +206,8 @@ class Support(base.Table):
             yield ("fix",), f"{describe(self.fix)} holds slopes, and a footprint its mean deflection; use simple."
         if self.gap != Expression(0.0):
             yield ("gap",), "a gap does not go with fix; use resists."
+        if self.limit is not None:
+            yield ("limit",), "a limit does not go with fix; use resists."
         if self.stiffness is not None and fixed != ("w",):
             yield ("stiffness",), f"a stiffness goes with fix = simple or with resists, not with {describe(self.fix)}."
         if self.settlement != Expression(0.0) and "w" not in fixed:

@@ -99,7 +99,7 @@ class SupportPoints:
 
     def gaps(self, gap: Floats) -> Floats:
         """What is left of the travel (..., p) of every point, from that of contacts (..., m); 0 of repeated ones."""
-        gap = _with(gap, self.rows, 0.0)
+        gap = _with(np.maximum(gap, 0.0), self.rows, 0.0)
         travel = gap[..., self.rows].min(axis=-2)
         if self.shares is not None:
             travel = np.minimum.reduceat(travel[..., self.shares.indices], self.shares.indptr[:-1], axis=-1)

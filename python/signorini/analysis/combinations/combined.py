@@ -248,7 +248,13 @@ class _Run:
         for points in self.layout.supports:
             held = fixed[:, first : first + points.fixed]
             first += points.fixed
-            of_points.append((points.forces(held, reaction), points.gaps(gap[rows]), points.closed(closed[rows])))
+            of_points.append(
+                (
+                    points.forces(held, reaction),
+                    points.gaps(np.where(closed, 0.0, gap)[rows]),
+                    points.closed(closed[rows]),
+                )
+            )
         if of_points:
             all_forces, gaps, all_closed = (np.concatenate(column, axis=1) for column in zip(*of_points, strict=True))
             block.put_supports(rows, self.layout, all_forces, gaps, all_closed)

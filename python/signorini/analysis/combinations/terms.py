@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from signorini import _core
-from signorini.contact.certificate import FIGURES
+from signorini.contact.certificate import FIGURES, off_laws
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
@@ -123,7 +123,7 @@ class Proof:
         contacts, size, terms = self.discretisation.contacts, self.discretisation.mesh.size, self.terms
         carried = _core.superpose(coefficients, terms.reaction) - reaction
         errors = _core.superpose(np.abs(coefficients), terms.errors)
-        gap = contacts.distance - _core.superpose(coefficients, terms.moved) + contacts.compliance * reaction
+        travel = _core.superpose(coefficients, terms.moved) - contacts.distance
         balance = _core.superpose(coefficients, terms.balance) + _core.superpose(carried, self.moves)
         resultant = np.abs(_core.superpose(coefficients, terms.resultant)).max(axis=1, initial=0.0)
         load = np.abs(_core.superpose(coefficients, terms.load)).max(axis=1, initial=0.0)
@@ -135,14 +135,14 @@ class Proof:
         lengths = np.where(contacts.slope, length[:, None] / size, length[:, None])
         scale = np.where(load > 0, load, largest)
         pressing = np.maximum(scale, largest)
-        one_sided = np.where(contacts.two_sided, 0.0, force)
-        open_by = np.maximum(np.where(contacts.two_sided, np.abs(gap), -gap), 0.0)
-        both = np.minimum(_ratio(np.abs(one_sided), pressing[:, None]), _ratio(np.abs(gap), lengths))
+        unit = np.where(contacts.slope, size, 1.0) * np.where(pressing > 0.0, pressing, 1.0)[:, None]
+        lengths = np.where(lengths > 0.0, lengths, 1.0)
+        too_far, too_near, beyond = off_laws(contacts, travel, reaction, lengths, unit)
         balanced = np.abs(balance).max(axis=1, initial=0.0)
         figures = {
-            "penetration": np.maximum(_ratio(open_by, lengths).max(axis=1, initial=0.0), _ratio(errors[:, 1], length)),
-            "tension": _ratio((-one_sided).max(axis=1, initial=0.0), pressing),
-            "complementarity": both.max(axis=1, initial=0.0),
+            "penetration": np.maximum(too_far.max(axis=1, initial=0.0), _ratio(errors[:, 1], length)),
+            "tension": beyond.max(axis=1, initial=0.0),
+            "complementarity": too_near.max(axis=1, initial=0.0),
             "equilibrium": _ratio(errors[:, 0] + _core.superpose(np.abs(carried), self.grip)[:, 0], scale),
             "balance": _ratio(balanced, np.maximum(resultant, largest)),
         }

@@ -16,7 +16,15 @@ from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import real_sides
 from signorini.model import Support
-from signorini.results.contact_field.cells import Cells, bounds, edge_of_contact, free_travel, overlap, pressing
+from signorini.results.contact_field.cells import (
+    Cells,
+    bounds,
+    edge_of_contact,
+    free_travel,
+    overlap,
+    pressing,
+    within_limit,
+)
 from signorini.results.contact_field.lines import Segments, chained, clipped, thinned
 from signorini.results.extremes import peak
 from signorini.shapes import Region
@@ -53,8 +61,13 @@ class AreaContact(Remade):
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Least and greatest pressure that the support can exert."""
+        """Least and greatest pressure that the support can exert, but for a limit."""
         return bounds(self.support)
+
+    def _exerted(self, deflection: Floats, positions: Floats) -> Floats:
+        """Pressures (..., q) of an elastic area for deflections (..., q) at positions (q, 2)."""
+        pressure = within_limit(self.support, pressing(self.support, deflection, positions), positions)
+        return np.asarray(np.clip(pressure, *self.bounds))
 
     @cached_property
     def covered(self) -> Floats:
@@ -85,8 +98,7 @@ class AreaContact(Remade):
         result = np.zeros(deflection.shape)
         on = self.on_nodes[nodes]
         if not self.on_means:
-            law = pressing(self.support, deflection[..., on], self.mesh.points[nodes[on]])
-            result[..., on] = np.clip(law, *self.bounds)
+            result[..., on] = self._exerted(deflection[..., on], self.mesh.points[nodes[on]])
         if self.stiff.any():
             elements = np.flatnonzero(self.covered > 0)
             around = np.zeros((len(self.covered), 8))
@@ -137,7 +149,7 @@ class AreaContact(Remade):
         if soft.any():
             nodal = self.deflection[self.mesh.elements[elements[soft]]]
             deflection = np.einsum("qi,qi->q", self.mesh.shape_functions(elements[soft], xi[soft]), nodal)
-            result[soft] = np.clip(pressing(self.support, deflection, positions[soft]), *self.bounds)
+            result[soft] = self._exerted(deflection, positions[soft])
         return result
 
     def pressing(self, cut: Tessellation) -> Floats:
@@ -145,9 +157,9 @@ class AreaContact(Remade):
 
         What is beyond `bounds` the area does not exert; without a jump in slope there, it shows the edge of contact.
         """
-        return np.nan_to_num(
-            pressing(self.support, cut.interpolate(self.deflection), cut.interpolate(self.mesh.points))
-        )
+        at = cut.interpolate(self.mesh.points)
+        pressure = pressing(self.support, cut.interpolate(self.deflection), at)
+        return np.nan_to_num(within_limit(self.support, pressure, at))
 
     @cached_property
     def contact_area(self) -> float:

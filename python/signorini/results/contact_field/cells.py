@@ -19,15 +19,24 @@ from signorini.shapes.tessellation import grid_shapes, tessellate
 
 
 def bounds(support: Support) -> tuple[float, float]:
-    """Least and greatest pressure that the support can exert, positive up."""
+    """Least and greatest pressure that a support without a limit can exert, positive up."""
     return {"down": (0.0, np.inf), "up": (-np.inf, 0.0)}.get(support.resists or "both", (-np.inf, np.inf))
+
+
+def within_limit(support: Support, pressure: Floats, positions: Floats) -> Floats:
+    """Pressures (..., q) at positions (q, 2) up to the support's limit, either way."""
+    if support.limit is None:
+        return pressure
+    most = _known_values(support.limit, positions)
+    return np.asarray(np.clip(pressure, -most, most))
 
 
 def pressing(support: Support, deflection: Floats, positions: Floats) -> Floats:
     """Pressure (q,) of an elastic area for deflections (q,) at positions (q, 2), positive up, one-sided or not.
 
-    A one-sided support exerts the part of it within its `bounds`. The rest says how far the plate is from the support,
-    so the edge of contact is where this is zero. NaN where the input's expressions have no value.
+    A one-sided support exerts the part of it within its `bounds`, and not more than its limit. The rest says how far
+    the plate is from the support, so the edge of contact is where this is zero.
+    NaN where the input's expressions have no value.
 
     Examples
     --------
