@@ -46,6 +46,9 @@ def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -
             if values.max_tension:
                 pulled = cell(values.max_tension, widths, (*of_support, "max_tension"), pressure)
                 said += f", largest tension {pulled}{unit}"
+            if values.yielded_area:
+                said += f"; it yields on {cell(values.yielded_area, widths, (*of_support, 'yielded_area'), whole)}"
+                said += unit_of(units.length, 2)
             yield said
         elif values.place != "at" and can_let_go(support):
             touching = values.closed_part * whole

@@ -279,7 +279,7 @@ def _print_points(console: Console, result: Result, widths: Widths, largest: Map
         gap = cell(float(one.gaps[at]), widths, (*path, "gap"), largest["deflection"])
         reaction = cell(float(one.reactions[at]), widths, (*path, "reaction"), largest["reaction"])
         place = point(one.positions[at].tolist(), size)
-        shown.add(name, place, reaction, gap, "closed" if one.closed[at] else "open")
+        shown.add(name, place, reaction, gap, one.states[at])
     console.print()
     shown.show(console)
     if left := len(every) - len(most):

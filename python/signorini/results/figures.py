@@ -92,9 +92,9 @@ def total(support: SupportResult) -> dict[str, Any]:
 
 def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
     """Say what a support does at each of its points; of a held edge the consistent nodal forces."""
-    columns = (support.positions, support.reactions, support.gaps, support.closed)
-    for at, reaction, gap, closed in zip(*(column.tolist() for column in columns), strict=True):
-        yield {"at": at, "reaction": reaction, "gap": gap, "state": "closed" if closed else "open"}
+    columns = (support.positions.tolist(), support.reactions.tolist(), support.gaps.tolist(), support.states)
+    for at, reaction, gap, state in zip(*columns, strict=True):
+        yield {"at": at, "reaction": reaction, "gap": gap, "state": state}
 
 
 def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> dict[str, Any]:

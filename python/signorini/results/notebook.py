@@ -59,7 +59,7 @@ def _points(one: SupportResult, widths: Mapping[str, Any] | None, size: float) -
         gap = "" if one.closed[at] else _written(float(one.gaps[at]), width, "gap")
         where = f"{at + 1} at {point(one.positions[at].tolist())}"
         reaction = _written(float(one.reactions[at]), width, "reaction", size)
-        yield ["", where, "closed" if one.closed[at] else "open"], [reaction, gap]
+        yield ["", where, one.states[at]], [reaction, gap]
     if left := len(one.reactions) - len(shown):
         yield ["", f"and {left} of smaller reactions", ""], []
 

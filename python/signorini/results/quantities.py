@@ -264,6 +264,7 @@ OF_AREAS = (
     Quantity("contact_area", "area"),
     Quantity("max_tension", "pressure", tabled=False, along_paths=False),
 )
+OF_LIMITED_AREAS = (Quantity("yielded_area", "area", tabled=False, along_paths=False),)
 OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
 THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("shear", "force"))
 """Forces through sections."""
@@ -351,6 +352,7 @@ class Catalogue:
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             own = OF_SUPPORTS + OF_AREAS * (support.area is not None)
+            own += OF_LIMITED_AREAS * (support.area is not None and support.limit is not None)
             for one in own:
                 # How many nodes are closed is the mesh's.
                 told = one.kind != "count" or support.place == "at"

@@ -42,7 +42,17 @@ from signorini.results.local_results import (
 )
 from signorini.results.marks import panel, support_marks
 from signorini.results.notebook import supports_table
-from signorini.results.quantities import FIELDS, LINEAR, OF_AREAS, SIDES, TOLD, Catalogue, Home, derived
+from signorini.results.quantities import (
+    FIELDS,
+    LINEAR,
+    OF_AREAS,
+    OF_LIMITED_AREAS,
+    SIDES,
+    TOLD,
+    Catalogue,
+    Home,
+    derived,
+)
 from signorini.results.support_points import catalogue_of
 from signorini.results.support_result import SupportResult, support_result
 from signorini.results.warnings import model_warnings, result_warnings
@@ -289,6 +299,8 @@ class Result(Remade):
         areas = [one for one in self.supports if one.area is not None]
         put("support", self.supports, "reaction", "closed_part")
         put("support", areas, *(one.name for one in OF_AREAS))
+        limited = [one for one in areas if one.yielded_area is not None]
+        put("support", limited, *(one.name for one in OF_LIMITED_AREAS))
         put("section", self.sections, "moment", "twist", "shear")
         put("station", [station for strip in self.strips for station in strip.stations], "moment", "twist", "shear")
         result[at("support", "closed", "open")] = [(one.closed_count, one.open_count) for one in self.supports]

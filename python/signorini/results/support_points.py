@@ -115,6 +115,15 @@ class SupportPoints:
         always = np.ones((*touching.shape[:-1], self.fixed), np.bool_)
         return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
 
+    def yielded(self, discretisation: Discretisation, reaction: Floats) -> Bools:
+        """Whether every point (p,) gives all that it can, from the reactions of all points (m + r,)."""
+        least, most = discretisation.points.limits
+        at_end = ((least < 0.0) & (reaction <= least * _ALL)) | (reaction >= most * _ALL)
+        which = np.asarray(at_end[self.rows].any(axis=0))
+        if self.shares is not None:
+            which = np.logical_or.reduceat(which[self.shares.indices], self.shares.indptr[:-1])
+        return np.concatenate([np.zeros(self.fixed, np.bool_), which])[self.order]
+
 
 def _with(values: Floats | Bools, rows: Ints, repeated: float) -> Any:
     """Values (..., m) of contact points, and behind them one for those that repeat them, as far as ``rows`` go."""
@@ -152,6 +161,8 @@ def catalogue_of(discretisation: Discretisation, fields: Sequence[str]) -> Catal
     return known[key]
 
 
+_ALL = 1.0 - 1e-9
+"""Part of a limit from which on a point yields: the rest is rounding."""
 _INWARD = 3e-10
 """Part of the plate's size by which an element's point is kept within the element: corners are of several."""
 _KNOWN: WeakKeyDictionary[Discretisation, dict[int, SupportPoints]] = WeakKeyDictionary()

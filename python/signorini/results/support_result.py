@@ -57,6 +57,8 @@ def describe(support: Support) -> str:
     parts = [where, MEANINGS[support.resists or "both"], "rigid" if support.stiffness is None else "elastic"]
     if not (support.gap.is_constant and support.gap.value == 0):
         parts.append("with gap")
+    if support.limit is not None:
+        parts.append("with limit")
     return ", ".join(parts)
 
 
@@ -82,6 +84,8 @@ class SupportResult(Remade):
         Of an area, its contact as a field.
     edge : EdgeCouples or None
         Of edges that hold the slope, their couples per length.
+    yielded : (k,) array
+        Whether it gives its limit there.
     """
 
     name: str
@@ -96,6 +100,13 @@ class SupportResult(Remade):
     closed_part: float
     area: AreaContact | None
     edge: EdgeCouples | None
+    yielded: Bools
+
+    @property
+    def states(self) -> list[str]:
+        """State of every point: "open", "closed" or "yields"."""
+        columns = zip(self.closed.tolist(), self.yielded.tolist(), strict=True)
+        return ["yields" if yields else "closed" if closed else "open" for closed, yields in columns]
 
     @property
     def closed_count(self) -> int:
@@ -111,6 +122,11 @@ class SupportResult(Remade):
     def contact_area(self) -> float | None:
         """Area in contact, from the deflection field where it is elastic; None if the support is not an area."""
         return None if self.area is None else self.area.contact_area
+
+    @property
+    def yielded_area(self) -> float | None:
+        """Area that gives its limit, from the deflection field where it is elastic; None of what has none."""
+        return None if self.area is None else self.area.yielding(self.yielded)
 
     @property
     def contact_boundary(self) -> tuple[Floats, ...]:
@@ -177,6 +193,7 @@ def support_result(
         closed_part(discretisation, index, answer, np.nan if area is None else area.contact_area),
         area,
         edge,
+        points.yielded(discretisation, answer.shared),
     )
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -174,6 +174,16 @@ class AreaContact(Remade):
         """
         return self._areas(closed, *self._crossed(deflection, closed)[:3])
 
+    def yielding(self, yielded: Bools) -> float | None:
+        """Area that gives its limit, given the points (q,) that do; None without a limit."""
+        if self.support.limit is None:
+            return None
+        if self.support.stiffness is None:
+            return float(self.weights[yielded].sum())
+        # It gives its limit where the plate would press on a support with so much more gap.
+        beyond = self.support.model_copy(update={"gap": partial(_travel_at_limit, self.support)})
+        return replace(self, support=beyond, closed=yielded).contact_area
+
     def _areas(self, closed: Bools, own: Ints, elements: Ints, parts: Floats) -> Floats:
         touching = (self.per_element @ (self.weights[:, None] * closed.T)).T
         measured = ~np.isnan(parts)
@@ -256,6 +266,11 @@ class AreaContact(Remade):
         chain = np.hstack([triples[:, :1], inner, triples[:, 2:]])
         pairs = np.stack([chain[:, :-1], chain[:, 1:]], axis=-1).reshape(-1, 2)
         return Segments(np.concatenate([self.mesh.points, between.reshape(-1, 2)]), pairs)
+
+
+def _travel_at_limit(support: Support, x: Floats, y: Floats) -> Floats:
+    assert support.limit is not None and support.stiffness is not None
+    return np.asarray(support.gap(x, y) + support.limit(x, y) / support.stiffness(x, y))
 
 
 _STEP = 1e-6
