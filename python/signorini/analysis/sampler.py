@@ -286,17 +286,23 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
     force, length = _nothing(result, sampler.path.at(other.t), second.reaction, second.hi)
     least_change, least_way = _nothing(result, span * add, change, moved)
     may = ~contacts.two_sided
-    pressed = may & (np.maximum(first.reaction, second.reaction) > force)
-    apart = may & (np.maximum(first.gap, second.gap) > length)
+    least, most = contacts.limits
+    within = [np.minimum(one.reaction - least, most - one.reaction) for one in (first, second)]
+    pressed = may & (np.maximum(*within) > force)
+    apart = may & (np.maximum(np.abs(first.gap), np.abs(second.gap)) > length)
     if (pressed & apart).any():
         return None
     # Of gaps that are far larger than what closes them the difference is rounding.
     opening = -(result.contact_rows @ moved)
     presses_otherwise = (np.abs(change) > least_change) | (contacts.compliance * np.abs(change) > least_way)
     begin, end = 0.0, math.inf
+    # Beyond a limit that pushes the way apart is the travel.
+    beyond = np.where(first.reaction > 0.0, -opening, opening)
+    ends = pressed & presses_otherwise
     for counts, value, rate in (
-        (pressed & presses_otherwise, first.reaction, change / span),
-        (apart & (np.abs(opening) > least_way), first.gap, opening / span),
+        (ends, first.reaction - least, change / span),
+        (ends & np.isfinite(most), most - first.reaction, -change / span),
+        (apart & (np.abs(opening) > least_way), np.abs(first.gap), beyond / span),
     ):
         none_at = one.t - value[counts] / rate[counts]
         begin = max(begin, float(none_at[rate[counts] > 0].max(initial=0.0)))
