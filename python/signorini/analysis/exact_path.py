@@ -22,7 +22,7 @@ from signorini.errors import NoEquilibriumError, NotCertifiedError
 from signorini.results.exact_path import ExactPath, ahead
 from signorini.results.load_path import AT_LIMIT, Ending, beside
 from signorini.results.path_events import Threshold, events_of_stops, first_reached
-from signorini.results.path_stop import PathStop, path_stops
+from signorini.results.path_stop import PathStop, Switched, path_stops
 
 _SAME = 1e-6
 """Difference of deflections, over the largest, and of works, over the work, that is none."""
@@ -67,8 +67,7 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
     tried = answered(problem, load, steps_of(f"t = {stop.t:.6g}, solved anew", watcher))
     if not tried.passed:
         return True
-    none = [stop.points[:0]]
-    (direct,) = path_stops(result, [stop.t], [load], none, none, [tried.answer])
+    (direct,) = path_stops(result, [stop.t], [load], [stop.points[:0]], [Switched()], [tried.answer])
     shown, wanted = (np.array([s.largest, s.smallest, *s.deflections]) for s in (stop, direct))
     apart = np.abs(shown - wanted).max() > _SAME * max(np.abs(wanted).max(), least_deflection(result, load))
     parts = sum(float(np.abs(part.nodal).max()) for part in beside(loads, stop.t))
@@ -171,8 +170,8 @@ class PathJudge:
         # Of points that repeat each other all open or close, not only the one that the path is followed with.
         switched = []
         for row, one in enumerate(least):
-            changed = None if self._shown is None else np.flatnonzero(one.piece != self._shown)
-            switched.append(points[row] if changed is None else changed)
+            changed = points[row] if self._shown is None else np.flatnonzero(one.piece != self._shown)
+            switched.append(Switched(changed, (one.piece if self._shown is None else self._shown)[changed]))
             self._shown = one.piece
         doubted = np.flatnonzero(doubts[: count + (count < passed)])
         self.doubts += (len(self.stops) + doubted - 1).tolist()

@@ -14,7 +14,7 @@ from signorini.contact.certificate import Certificate
 from signorini.contact.problem import ContactProblem
 from signorini.errors import NotCertifiedError
 from signorini.results.load_path import AT_LIMIT, Ending, LoadPath
-from signorini.results.path_events import PathEvent, Threshold, event_of, first_place
+from signorini.results.path_events import PathEvent, Threshold, closing_margins, event_of, first_place
 from signorini.results.path_stop import PathStop
 from signorini.results.support_points import SupportPoints
 
@@ -88,17 +88,19 @@ class SampledPath:
     def _event(self, hit: Hit, index: int) -> PathEvent:
         result, state = self.sampler.problem.discretisation, hit.state
         support, own = result.model.support[index], state.margins[index]
-        change, closed = event_of(support, hit.watch.number, hit.opening)
-        at = None
+        change, closed = event_of(support, hit.watch.number, hit.opening, len(own))
+        at, count = None, closing_margins(support, len(own))
         if support.place == "at":
+            own = own[:count]
             rest = _AT_ROOT * np.abs(own).max()
             closed = float(np.mean(own > rest if hit.opening else own >= -rest))
-            x, y = SupportPoints.of(result, index).positions[hit.watch.number].tolist()
+            x, y = SupportPoints.of(result, index).positions[hit.watch.number % count].tolist()
             at = x, y
             # From there on so much of the support is closed, not what the stop's rounding says.
-            self.stops[state.t] = self.stops[state.t].with_part(index, closed, len(own))
-        elif change in ("begins to open", "begins to close"):
-            at = first_place(result, index, state.answer, hit.opening)
+            self.stops[state.t] = self.stops[state.t].with_part(index, closed, count)
+        elif change in ("begins to open", "begins to close", "yields", "stops yielding"):
+            at = first_place(result, index, state.answer, change)
+            closed = float(state.stop.parts[index]) if closed is None else closed
         return PathEvent(0, state.t, support.name, at, change, closed or 0.0, hit.opening, hit.watch.number)
 
     def result(self, ending: Ending, interrupted: bool) -> LoadPath:

@@ -31,7 +31,7 @@ from signorini.equilibrium.imbalance import (
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, unknown
 from signorini.results.load_path import beside
 from signorini.results.path_events import LEVELS, Threshold, margins
-from signorini.results.path_stop import PathStop, path_stops
+from signorini.results.path_stop import PathStop, Switched, path_stops
 from signorini.results.support_points import Scales
 
 _NAMED = 10_000
@@ -148,8 +148,7 @@ class Sampler:
         if self.scales is None or (near is not None and near.t == 0 and not self.path.loads[0].nodal.any()):
             # Without load there is nothing to compare with.
             self.scales = Scales.of(answer)
-        none = [np.zeros(0, np.int64)]
-        (stop,) = path_stops(result, [t], [load], none, none, [answer])
+        (stop,) = path_stops(result, [t], [load], [np.zeros(0, np.int64)], [Switched()], [answer])
         of_supports = [
             margins(result, index, answer, self.scales, float(stop.parts[index])) if watched else np.ones(0)
             for index, watched in enumerate(self.watched)
@@ -169,7 +168,7 @@ class Sampler:
         if watch.support is None:
             return self.asked[watch.number].linear
         support = self.problem.discretisation.model.support[watch.support]
-        return support.area is None or LEVELS[watch.number] in (0.0, 1.0)
+        return support.area is None or watch.number not in range(1, len(LEVELS) - 1)
 
     def changed(self, before: State, after: State) -> list[Watch]:
         """Which functions have another sign at the end of a stretch than at its beginning."""

@@ -32,8 +32,31 @@ _TOUCHING = 1e-9
 def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
     """How far a support is from each of its events: not negative where it, or that part of it, is closed.
 
-    Of a support at points (p,) one a point; of a line or area (5,) one a level. Continuous in t along a load path.
+    Of a support at points (p,) one a point; of a line or area (5,) one a level. Behind them, where it has a limit, how
+    far it is from that, of every point or of all. Continuous in t along a load path.
     """
+    closing = _closing(discretisation, index, answer, scales, part)
+    support = discretisation.model.support[index]
+    if support.limit is None:
+        return closing
+    room = _to_limit(discretisation, SupportPoints.of(discretisation, index), answer, scales)
+    return np.append(closing, room if support.place == "at" else room.min(initial=np.inf))
+
+
+def _to_limit(discretisation: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
+    """How far points (p,) are from their limits, negative where they yield."""
+    contacts, (least, most) = discretisation.contacts, discretisation.contacts.limits
+    force = np.minimum(most - answer.reaction, np.where(least < 0.0, answer.reaction - least, np.inf))
+    soft = contacts.compliance > 0
+    rows = np.where(soft, contacts.compliance * force / scales.length, force / scales.force)
+    rows = np.where(answer.gap < 0.0, answer.gap / scales.length, rows)
+    own = rows[points.rows].min(axis=0, initial=np.inf)
+    if points.shares is not None:
+        own = np.minimum.reduceat(own[points.shares.indices], points.shares.indptr[:-1])
+    return np.asarray(np.concatenate([np.full(points.fixed, np.inf), own])[points.order])
+
+
+def _closing(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
     support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
     own = closed_by_point(discretisation, points, answer, scales)
     if support.place == "at":
@@ -63,7 +86,11 @@ def _of_parts(own: Floats, weights: Floats, between: bool) -> Floats:
     return np.array([own.min(), *amid, own.max()])
 
 
-Change = Literal["opens", "closes", "begins to open", "begins to close", "open", "closed", "part closed"]
+Change = Literal[
+    "opens", "closes", "yields", "stops yielding", "begins to open", "begins to close", "open", "closed", "part closed"
+]
+"""Of points "opens", "closes"; of lines and areas "begins to open", "begins to close", "open", "closed", and "part
+closed" as a quarter is passed; of all that have a limit "yields" as a first point does, and "stops yielding"."""
 
 _MOST_POINTS = 3
 """Points of one support named at a stop."""
@@ -71,24 +98,31 @@ _MOST_POINTS = 3
 
 @dataclass(frozen=True)
 class PathEvent:
-    """A point of a support opens or closes; or a line or area begins to, has done so, or passes a quarter."""
+    """A point of a support opens, closes or yields; or a line or area begins to, has done so, or passes a quarter."""
 
     row: int  # number of the stop, from 0
     t: float
     support: str
     at: tuple[float, float] | None  # the point; of a line or area that begins to open or close where it does so first
-    # of points "opens", "closes"; of lines and areas "begins to open", "begins to close", "open", "closed", and "part
-    # closed" as a quarter is passed
     change: Change
     # part of the support that is closed there, by points, length or contact area; of "part closed" the quarter
     closed: float
     opening: bool  # whether less is closed than before
-    # which point of the support it is, or which of the levels 1, 0.75, 0.5, 0.25, 0 of a line or area, from 0
+    # of its margins: which point of the support it is, or which of the levels 1, 0.75, 0.5, 0.25, 0 of a line or area
     number: int = 0
 
 
-def event_of(support: Support, number: int, opening: bool) -> tuple[Change, float | None]:
+def closing_margins(support: Support, margins: int) -> int:
+    """How many of a support's margins are of its opening and closing; those behind are of its limit."""
+    if support.place != "at":
+        return len(LEVELS)
+    return margins if support.limit is None else margins // 2
+
+
+def event_of(support: Support, number: int, opening: bool, margins: int) -> tuple[Change, float | None]:
     """What happens as the margin of that number changes its sign, and the part that is closed there, if it tells."""
+    if number >= closing_margins(support, margins):
+        return "yields" if opening else "stops yielding", None
     if support.place == "at":
         return "opens" if opening else "closes", None
     level = LEVELS[number]
@@ -100,14 +134,20 @@ def event_of(support: Support, number: int, opening: bool) -> tuple[Change, floa
 
 
 def first_place(
-    discretisation: Discretisation, index: int, answer: Answer, opening: bool
+    discretisation: Discretisation, index: int, answer: Answer, change: Change
 ) -> tuple[float, float] | None:
-    """Where a line or area begins to open: its point that is closed least; or to close: the one that is least open."""
-    points = SupportPoints.of(discretisation, index)
-    own = closed_by_point(discretisation, points, answer, Scales.of(answer))
+    """Where a line or area begins to open: its point that is closed least; or to close: the one that is least open.
+
+    Or where it is nearest to its limit.
+    """
+    points, scales = SupportPoints.of(discretisation, index), Scales.of(answer)
+    if "yield" in change:
+        own = _to_limit(discretisation, points, answer, scales)
+    else:
+        own = closed_by_point(discretisation, points, answer, scales)
     if not len(own):
         return None
-    x, y = points.positions[int(own.argmin() if opening else own.argmax())].tolist()
+    x, y = points.positions[int(own.argmax() if change == "begins to close" else own.argmin())].tolist()
     return x, y
 
 
@@ -120,14 +160,16 @@ def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> t
             stop, before, now = stops[row], parts[row - 1], parts[row]
             own = [switch for switch in stop.switched if switch.support == support.name]
             if support.place == "at":
-                result += [PathEvent(row, stop.t, support.name, one.at, one.change, now, not one.closes) for one in own]
+                result += [PathEvent(row, stop.t, support.name, one.at, one.change, now, one.opens) for one in own]
                 continue
+            yielding = [one for one in own if "yield" in one.change]
+            result += [PathEvent(row, stop.t, support.name, one.at, one.change, now, one.opens) for one in yielding]
             opening = now < before
             for number, level in enumerate(LEVELS):
                 beyond = 1 - WHOLE if level == 1.0 else WHOLE if level == 0.0 else level
                 if (before >= beyond) == (now >= beyond):
                     continue
-                change, part = event_of(support, number, opening)
+                change, part = event_of(support, number, opening, len(LEVELS))
                 at = own[0].at if own and change in ("begins to open", "begins to close") else None
                 result.append(PathEvent(row, stop.t, support.name, at, change, part or 0.0, opening, number))
     return tuple(sorted(result, key=lambda event: event.row))

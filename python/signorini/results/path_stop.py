@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -24,16 +24,16 @@ _MOST_POINTS = 100
 
 @dataclass(frozen=True)
 class Switch:
-    """A contact point that opens or closes."""
+    """A contact point that opens, closes, yields or stops to."""
 
     support: str
     at: tuple[float, float]
-    closes: bool
+    change: Literal["opens", "closes", "yields", "stops yielding"]
 
     @property
-    def change(self) -> Literal["opens", "closes"]:
-        """What it does."""
-        return "closes" if self.closes else "opens"
+    def opens(self) -> bool:
+        """Whether it bears no more than before: it opens or yields."""
+        return self.change in ("opens", "yields")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,17 +104,21 @@ class PathStop(Brief):
         return np.asarray(self.values[self.catalogue.at(home, name)])
 
 
-def switches(discretisation: Discretisation, points: Ints, answer: Answer) -> tuple[Switch, ...]:
-    """Say which contact points open or close, and where."""
-    contacts, closed = discretisation.contacts, answer.closed
-    return tuple(
-        Switch(
-            discretisation.model.support[contacts.support[i]].name,
-            (float(contacts.positions[i, 0]), float(contacts.positions[i, 1])),
-            bool(closed[i]),
-        )
-        for i in points
-    )
+@dataclass(frozen=True, eq=False)
+class Switched:
+    """Contact points (k,) that come onto other pieces of their laws, and those that they come from."""
+
+    points: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    before: Pieces = field(default_factory=lambda: np.zeros(0, np.uint8))
+
+    def as_switches(self, discretisation: Discretisation, answer: Answer) -> tuple[Switch, ...]:
+        """Say what they do, and where."""
+        contacts, points = discretisation.contacts.pick(self.points), self.points
+        yielded, yields = contacts.yield_on(self.before), contacts.yield_on(answer.piece[points])
+        changes = np.select([yields, yielded, answer.closed[points]], ["yields", "stops yielding", "closes"], "opens")
+        names = [discretisation.model.support[index].name for index in contacts.support.tolist()]
+        places = [(x, y) for x, y in contacts.positions.tolist()]
+        return tuple(map(Switch, names, places, changes.tolist()))
 
 
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
@@ -129,7 +133,7 @@ def path_stops(
     at: Sequence[float],
     loads: Sequence[CaseLoad],
     points: Sequence[Ints],
-    switched: Sequence[Ints],
+    switched: Sequence[Switched],
     answers: Sequence[Answer],
     imbalance: Floats | None = None,
 ) -> list[PathStop]:
@@ -161,7 +165,7 @@ def path_stops(
         stops.append(
             PathStop(
                 t,
-                switches(discretisation, switched[row], answer),
+                switched[row].as_switches(discretisation, answer),
                 points[row],
                 answer.piece[points[row]],
                 catalogue,
