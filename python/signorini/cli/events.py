@@ -75,7 +75,8 @@ def _ending(path: LoadPath) -> str:
         return f"Followed to t = {path.end:.9g}, where it was interrupted."
     match path.ending:
         case "no_equilibrium":
-            return f"Equilibrium ends at t = {path.limit:.9g}: for a larger t no reactions balance the load."
+            how = f", and the plate {path.mechanism}" if path.mechanism else ""
+            return f"Equilibrium ends at t = {path.limit:.9g}: for a larger t no reactions balance the load{how}."
         case "no_more_events":
             return "After the last event nothing opens or closes any more, however large t is."
         case "until":

@@ -167,6 +167,10 @@ def with_rows(
     made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
     result = csr_array(G) if issparse(G) else csr_array(array(G, "G", 2))
     count, size = result.shape[0], problem.discretisation.dof_count
+    if np.isfinite(problem.limits[1]).any():
+        raise InputError(
+            "found supports with a limit; rows of one's own go with supports that have none.", place="problem"
+        )
     if result.shape[1] != size:
         raise InputError(f"found an array of shape {result.shape}; it must have {size} columns, one a dof.", place="G")
     bounds = _one_a_row(gaps, count, "gaps")

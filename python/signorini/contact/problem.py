@@ -81,6 +81,11 @@ class Statement:
         return self.discretisation.contacts.compliance
 
     @property
+    def limits(self) -> tuple[Floats, Floats]:
+        """Least and largest reaction (m,) of every contact point; infinite where there is no end to it."""
+        return self.discretisation.contacts.limits
+
+    @property
     def positions(self) -> Floats:
         """Where every contact point is (m, 2)."""
         return self.discretisation.contacts.positions

@@ -270,16 +270,20 @@ def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
     """Say why no reactions balance a load, what would, or nothing where they exist."""
     if why is None:
         return ""
-    force = discretisation.model.units.force
+    force, arm = discretisation.model.units.force, discretisation.model.units.length if why.axis else ""
     unit = f" {force}" if force else ""
-    if why.carried is not None:
-        text = _limits_in_words(discretisation, why, why.carried, unit)
-    elif why.axis is None:
-        verb, resultant = "lifts off" if why.way == "up" else "drops away from", f"{abs(why.resultant):.6g}{unit}"
-        text = f"The plate {verb} its supports: the load's resultant is {resultant} {why.way}, and no support resists "
-        text += "that way."
+    of_moment = f"{unit} {arm}".rstrip() if unit else ""
+    text = f"The plate {mechanism(discretisation, why)}"
+    if why.carried is not None and len(why.supports):
+        most = f"{'a moment of ' if why.axis else ''}{why.most:.6g}{of_moment}"
+        text += (
+            f". That is {most} at most, short by {why.moment:.6g}{of_moment}; {why.carried:.4g} times the load can be "
+        )
+        text += "carried."
+    elif why.axis:
+        text += f", short by a moment of {why.moment:.6g}{of_moment}."
     else:
-        text = _tipping_in_words(discretisation, why, why.axis, unit)
+        text += f": the load's resultant is {abs(why.resultant):.6g}{unit} {why.way}, and no support resists that way."
     if why.holding is not None:
         at = point(why.holding.at, discretisation.mesh.size)
         text += f" An extra {why.holding.force:.6g}{unit} {why.holding.way} at {at} would just hold it."
@@ -289,34 +293,31 @@ def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
     return text
 
 
-def _tipping_in_words(discretisation: Discretisation, why: Imbalance, axis: Axis, unit: str) -> str:
+def mechanism(discretisation: Discretisation, why: Imbalance) -> str:
+    """Say how the plate moves as no reactions balance its load, as "tips about the line x = 2"."""
+    if why.carried is not None and len(why.supports):
+        names = " and ".join(discretisation.model.support[index].name for index in why.supports.tolist())
+        limits = f"{names} {'give their limits' if len(why.supports) > 1 else 'gives its limit'}"
+        return f"{_about(discretisation, why.axis) or f'moves {why.way}'} as {limits}"
+    if why.axis is None:
+        return f"{'lifts off' if why.way == 'up' else 'drops away from'} its supports"
     size, owners = discretisation.mesh.size, dict[str, dict[str, None]]()
     for at, support in zip(why.hinges, why.supports, strict=True):
         owners.setdefault(point(at, size), {})[discretisation.model.support[support].name] = None
     alike: dict[str, list[str]] = {}
-    for spot, names in owners.items():
-        alike.setdefault(" and ".join(names), []).append(spot)
+    for spot, whose in owners.items():
+        alike.setdefault(" and ".join(whose), []).append(spot)
     through = ", ".join(
         f"{', '.join(spots[:_MOST_HINGES])}{', ...' if len(spots) > _MOST_HINGES else ''} of {names}"
         for names, spots in alike.items()
     )
-    hinges = f" through {through}" if through else ""
-    moment_unit = f"{unit} {discretisation.model.units.length}".rstrip() if unit else ""
-    line = line_in_words(axis.normal, axis.offset, size)
-    return f"The plate tips about the line {line}{hinges}, short by a moment of {why.moment:.6g}{moment_unit}."
+    return _about(discretisation, why.axis) + (f" through {through}" if through else "")
 
 
-def _limits_in_words(discretisation: Discretisation, why: Imbalance, carried: float, unit: str) -> str:
-    names = " and ".join(discretisation.model.support[index].name for index in why.supports.tolist())
-    text, of = f"The plate moves {why.way}: {names} can give no more than", f"{why.most:.6g}{unit}"
-    if why.axis is not None:
-        unit = f"{unit} {discretisation.model.units.length}".rstrip() if unit else ""
-        line = line_in_words(why.axis.normal, why.axis.offset, discretisation.mesh.size)
-        text, of = (
-            f"The plate turns about the line {line}: {names} can give no more than",
-            f"a moment of {why.most:.6g}{unit}",
-        )
-    return f"{text} {of}, short by {why.moment:.6g}{unit}. They can carry {carried:.4g} times the load."
+def _about(discretisation: Discretisation, axis: Axis | None) -> str:
+    if axis is None:
+        return ""
+    return f"tips about the line {line_in_words(axis.normal, axis.offset, discretisation.mesh.size)}"
 
 
 def line_in_words(normal: Floats, offset: float, size: float) -> str:

@@ -56,6 +56,7 @@ def path_json(path: LoadPath, estimate: PathEstimate | None = None) -> dict[str,
         "ending": path.ending,
         "end": path.end,
         "limit": None if np.isinf(path.limit) else path.limit,
+        "mechanism": path.mechanism or None,
         "certificate": {**asdict(path.certificate), "passed": path.certificate.passed},
         "not_unique": [{"begin": begin, "end": end, **asdict(one)} for begin, end, one in path.not_unique],
         "events": [

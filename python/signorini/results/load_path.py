@@ -17,6 +17,7 @@ from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import NotUnique
 from signorini.contact.strategy import answered, refusal, uncertain
 from signorini.discretise import CaseLoad
+from signorini.equilibrium.imbalance import imbalance, mechanism
 from signorini.errors import InputError, NotCertifiedError, point
 from signorini.mesh import Mesh
 from signorini.model import Combination
@@ -120,6 +121,16 @@ class LoadPath(States[float]):
             for far in too_far(discretisation, self.at(stop.t).deflection) if abs(stop.utmost) > thinnest else ():
                 return (*model_warnings(discretisation), f"At t = {stop.t:.6g}: {far}")
         return model_warnings(discretisation)
+
+    @cached_property
+    def mechanism(self) -> str:
+        """How the plate moves where equilibrium ends, as "tips about the line x = 2"; empty where it does not end."""
+        if self.ending != "no_equilibrium":
+            return ""
+        discretisation, freedom = self.discretisation, self.problem.freedom
+        beyond = self._loads[0] + (1.0 + AT_LIMIT) * self.limit * self._loads[1]
+        why = imbalance(discretisation, freedom, beyond.weighing)
+        return "" if why is None else mechanism(discretisation, why)
 
     @property
     def events(self) -> tuple[PathStop, ...]:
