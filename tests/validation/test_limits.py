@@ -1,0 +1,236 @@
+"""Supports with a limit: closed forms of rigid blocks and of piles, a bounded quadratic program, statics at the limit."""
+
+import itertools
+import re
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import linprog, lsq_linear
+
+import signorini
+from signorini import Model, contact_problem
+from signorini.discretise.laws import Law
+from signorini.errors import InputError, NoEquilibriumError
+
+WIDTH, CRUSHES = 2.0, 200e3
+METHODS = ("lemke", "active_set", "interior_point")
+
+
+def block(n, force, eccentricity=0.0, method="auto", stiffness=1e8, **soil):
+    """A square block, as good as rigid, on soil that crushes, and a force beside its middle."""
+    return Model(
+        material={"E": 30e12, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [WIDTH, WIDTH], "thickness": 0.5},
+        mesh={"divisions": [n, 4]},
+        support=[{"name": "soil", "area": "all", "resists": "down", "stiffness": stiffness, "limit": CRUSHES} | soil],
+        load=[{"force": force, "at": [WIDTH / 2 + eccentricity, WIDTH / 2]}],
+        solver={"method": method},
+    )
+
+
+def pressures_under_a_block(force, eccentricity):
+    """Widths of the soil that crushes and of the rest in contact: a trapezium with the force at its centroid."""
+    mean, arm = force / WIDTH / CRUSHES, WIDTH / 2 - eccentricity
+    # a + c/2 = N/p, and a²/2 + c/2 (a + c/3) = N/p · arm.
+    c = np.sqrt(24 * (mean * arm - mean**2 / 2))
+    return mean - c / 2, c
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("eccentricity", [0.3, 0.5])
+def test_soil_crushes_under_the_edge_of_a_rigid_block_and_opens_at_the_other(method, eccentricity):
+    force = 0.95 * CRUSHES * WIDTH * (WIDTH - 2 * eccentricity)
+    result = signorini.solve(block(40, force, eccentricity, method))["all"]
+    crushed, rest = pressures_under_a_block(force, eccentricity)
+    soil = result.supports[0]
+    assert soil.reaction == pytest.approx(force, rel=1e-9)
+    assert soil.yielded_area == pytest.approx(crushed * WIDTH, rel=2e-3)
+    assert soil.contact_area == pytest.approx((crushed + rest) * WIDTH, rel=2e-3)
+    assert soil.max_pressure == pytest.approx(CRUSHES, rel=1e-12)
+    assert result.pressure([(WIDTH, 1.0), (0.0, 1.0)]).tolist() == pytest.approx([CRUSHES, 0.0])
+
+
+def test_the_limit_load_of_a_rigid_block_is_the_strength_under_twice_the_shorter_side():
+    eccentricity, bound = 0.3, CRUSHES * WIDTH * (WIDTH - 2 * 0.3)
+    carried = []
+    for n in (10, 20, 40):
+        with pytest.raises(NoEquilibriumError, match=r"tips about the line x = .* as soil gives its limit") as refused:
+            signorini.solve(block(n, 2 * bound, eccentricity))
+        carried.append(float(re.search(r"([\d.]+) times the load", str(refused.value))[1]))
+    assert carried[-1] == pytest.approx(0.5, rel=1e-3)
+    path = signorini.path(block(20, bound, eccentricity), None, "load")
+    assert path.ending == "no_equilibrium"
+    assert path.limit == pytest.approx(2 * carried[1], rel=1e-3)
+    assert path.mechanism.startswith("tips about the line x = ")
+    at_limit = path.at(path.limit * (1 - 1e-6))
+    assert at_limit.certificate.passed
+    assert at_limit.supports[0].yielded_area + 1e-3 > 0.98 * at_limit.supports[0].contact_area
+
+
+def test_a_block_sinks_where_all_soil_crushes():
+    with pytest.raises(NoEquilibriumError) as refused:
+        signorini.solve(block(4, 1e6))
+    assert "moves down as soil gives its limit. That is 800000 at most, short by 200000; 0.8 times" in str(
+        refused.value
+    )
+    assert signorini.solve(block(4, 0.9999 * 800e3))["all"].supports[0].max_pressure == pytest.approx(
+        199980.0, rel=1e-4
+    )
+
+
+PILES = [[0.5, 0.5], [5.5, 0.5], [5.5, 3.5], [0.5, 3.5], [3.0, 2.0]]
+
+
+def raft(force=100e3, at=(4.5, 1.0), method="auto", **cases):
+    return Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [6, 4], "thickness": 0.25},
+        mesh={"divisions": [6, 4]},
+        support=[
+            {"name": "piles", "at": PILES, "resists": "down", "stiffness": 5e7, "limit": 200e3},
+            {"name": "wall", "edge": ["left"], "resists": "down", "stiffness": 1e8, "limit": 80e3},
+            {"name": "tie", "at": [3.0, 0.3], "stiffness": 1e7, "limit": 20e3},
+        ],
+        load=[{"case": "G", "pressure": 10e3}, {"case": "Q", "force": force, "at": at}],
+        solver={"method": method},
+        **cases,
+    )
+
+
+def test_a_sampled_path_and_one_that_follows_every_point_yield_at_the_same_loads():
+    sampled = signorini.path(raft(), "G", "Q")
+    exact = signorini.path(raft(), "G", "Q", events="all")
+    discrete = [
+        [(e.support, e.change, e.at) for e in path.support_events if e.change in ("yields", "opens")]
+        for path in (sampled, exact)
+    ]
+    assert discrete[0] == discrete[1]
+    assert {change for _, change, _ in discrete[0]} == {"yields", "opens"}
+    times = [[e.t for e in path.support_events if e.change == "yields"] for path in (sampled, exact)]
+    assert times[0] == pytest.approx(times[1], rel=1e-8)
+    assert sampled.limit == pytest.approx(exact.end, rel=1e-6)
+    piles = sampled.at(0.9999 * sampled.limit).supports[0]
+    assert piles.states[1] == "yields"
+    assert piles.gaps[1] == 0.0
+    assert piles.reactions[1] == pytest.approx(200e3, rel=1e-12)
+
+
+def test_the_path_ends_at_the_limit_load_of_a_linear_program():
+    path, problem = signorini.path(raft(), "G", "Q"), contact_problem(raft())
+    rows = problem.G @ problem.discretisation.rigid_motions
+    least, most = problem.limits
+    weight, force = (problem.discretisation.rigid_motions.T @ problem.discretisation.cases[case].nodal for case in "GQ")
+    best = linprog(
+        np.append(np.zeros(len(least)), -1.0),
+        A_eq=np.column_stack([rows.T, -force]),
+        b_eq=weight,
+        bounds=[*zip(least, most, strict=True), (0, None)],
+    )
+    assert path.limit == pytest.approx(best.x[-1], rel=1e-7)
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+def test_rows_of_a_table_yield_as_combinations_by_themselves_do(method):
+    factors = [[1.0, q] for q in np.linspace(-0.9, 3.1, 25).round(3).tolist()]
+    rows = {f"c{number}": row for number, row in enumerate(factors)}
+    table = {"generate": "table", "columns": ["G", "Q"], "rows": rows}
+    results = signorini.solve(raft(method=method, combination=[table], output={"combinations": "table"}))
+    frame, yielded = results.to_dataframe(), 0
+    for name in list(rows)[::4]:
+        piles = results[name].supports[0]
+        own = [frame.loc[name, f"reaction_at:piles[{number}]"] for number in range(1, 6)]
+        gaps = [frame.loc[name, f"gap_at:piles[{number}]"] for number in range(1, 6)]
+        assert own == pytest.approx(piles.reactions.tolist(), abs=1e-6 * 200e3)
+        assert gaps == pytest.approx(piles.gaps.tolist(), abs=1e-10)
+        yielded += int(piles.yielded.sum())
+    assert yielded
+
+
+@st.composite
+def models(draw):
+    """Plates on corner springs, so that K is regular, and a few supports with limits, or none, each its way."""
+    coordinate = st.integers(1, 15).map(lambda i: i / 8)
+    supports = [
+        {"at": list(map(list, itertools.product((0, 2), (0, 2)))), "stiffness": draw(st.sampled_from([1e3, 1e6]))}
+    ]
+    for _ in range(draw(st.integers(1, 4))):
+        kind = draw(st.sampled_from(["at", "line", "area"]))
+        x, y = draw(coordinate), draw(coordinate)
+        place = {"at": [x, y], "line": [[x, 0.1], [2 - x / 2, 1.9]], "area": {"rectangle": [0, 0, max(x, 0.5), 2]}}[
+            kind
+        ]
+        support = {kind: place, "resists": draw(st.sampled_from(["down", "up", "both"]))}
+        support["stiffness"] = draw(st.sampled_from([1e4, 1e5, "1e4 + 1e4*x"]))
+        support["limit"] = draw(st.sampled_from([5.0, 50.0, "20 + 30*y"]))
+        if draw(st.booleans()):
+            support["gap"] = draw(st.sampled_from([1e-4, 1e-3]))
+        if draw(st.booleans()):
+            support["settlement"] = draw(st.sampled_from([1e-3, -1e-3]))
+        supports.append(support)
+    loads = [{"pressure": draw(st.sampled_from([-60.0, 30.0, 100.0]))}]
+    loads += [{"force": draw(st.sampled_from([-100.0, 200.0])), "at": [draw(coordinate), draw(coordinate)]}]
+    return Model(
+        material={"E": 1e6, "nu": 0.3},
+        plate={"shape": "rectangle", "size": [2, 2], "thickness": 0.1},
+        mesh={"divisions": [3, 2]},
+        support=supports,
+        load=loads,
+        solver={"method": draw(st.sampled_from(METHODS))},
+    )
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
+@given(model=models())
+def test_random_models_with_limits_solve_a_bounded_least_squares_problem(model):
+    result, problem = signorini.solve(model)["all"], contact_problem(model)
+    matrix, s = problem.dual(problem.load("all"))
+    # min ½ rᵀPr − sᵀr within limits is the least ‖Lᵀr − L⁻¹s‖ of P = LLᵀ.
+    root = cholesky(matrix, lower=True)
+    reference = lsq_linear(
+        root.T, solve_triangular(root, s, lower=True), problem.limits, method="bvls", tol=1e-14, max_iter=500
+    )
+    given_up = problem.discretisation.contacts
+    totals = [
+        float((given_up.direction * reference.x)[given_up.support == index].sum())
+        for index in range(1, len(model.support))
+    ]
+    size = np.abs(reference.x).sum() + np.abs(problem.load("all")[::3]).sum()
+    assert result.certificate.passed
+    assert [one.reaction for one in result.supports[1:]] == pytest.approx(totals, abs=1e-8 * size)
+
+
+def test_a_graph_and_its_inverse_agree():
+    law = Law(((-1.0, -2.0), (0.0, 0.0), (0.5, 3.0)), (0.0, 1.0))
+    force = np.array([-2.0, -1.0, 0.0, 1.5, 3.0, 4.0])
+    low, high = law.travels(force)
+    assert low.tolist() == [-np.inf, -0.5, 0.0, 0.25, 0.5, 1.5]
+    assert high.tolist() == [-1.0, -0.5, 0.0, 0.25, 0.5, 1.5]
+
+
+@pytest.mark.parametrize(
+    ("limit", "said"),
+    [
+        ({"limit": 0}, "support[1].limit: found 0; it must be greater than 0."),
+        ({"limit": "x - 1"}, "support[1].limit: 'x - 1' is -1 at [0, "),
+        ({"limit": 1e3, "fix": "simple", "resists": None}, "support[1].limit: a limit does not go with fix"),
+    ],
+)
+def test_a_limit_that_is_none_is_refused(limit, said):
+    support = {"edge": ["left"], "resists": "down"} | limit
+    with pytest.raises(InputError) as refused:
+        signorini.solve(
+            Model(
+                material={"E": 1e9, "nu": 0.2},
+                plate={"shape": "rectangle", "size": [2, 2], "thickness": 0.1},
+                mesh={"divisions": [2, 2]},
+                support=[
+                    {key: value for key, value in support.items() if value is not None},
+                    {"area": "all", "stiffness": 1e6},
+                ],
+                load=[{"pressure": 1.0}],
+            )
+        )
+    assert said in str(refused.value)
