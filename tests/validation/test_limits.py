@@ -1,4 +1,4 @@
-"""Supports with a limit: closed forms of rigid blocks and of piles, a bounded quadratic program, statics at the limit."""
+"""Supports with a limit: closed forms of rigid blocks, a bounded quadratic program, statics at the limit load."""
 
 import itertools
 import re

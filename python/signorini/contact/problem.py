@@ -289,7 +289,7 @@ class ContactProblem(Statement, Remade):
         whatever stiffness that has; C is `compliance` on the diagonal. Where held dofs have values, K⁻¹ f is the
         displacement under the load with these values. Two-sided points are among the rows: their gap is 0 and their
         reaction has either sign, so where there are any, P and −s are not yet an LCP. That of `lcp` has eliminated
-        them.
+        them. A point that gives its `limits` has a gap below 0, by what it has yielded.
 
         Raises
         ------
@@ -338,7 +338,8 @@ class ContactProblem(Statement, Remade):
         which it exceeds the plate's.
         """
         result, points = self.discretisation, self.discretisation.contacts
-        if not points.two_sided.any() and not regularization(result, self.freedom).any():
+        pushing = not points.two_sided.any() and np.isinf(points.limits[1]).all()
+        if pushing and not regularization(result, self.freedom).any():
             return self.condensed.core
         if "dual" not in self._cores:
             one_sided = replace(points, laws=tuple(law.pushing for law in points.laws))
