@@ -266,8 +266,9 @@ def holds_deflection(support: Support) -> bool:
     """Whether a support holds the deflection both ways, rigidly and without a gap."""
     no_gap = support.gap.is_constant and support.gap.value == 0
     return (
-        support.stiffness is None
+        support.modulus is None
         and support.limit is None
+        and support.law is None
         and ("w" in support.fixed or (support.resists == "both" and no_gap))
     )
 

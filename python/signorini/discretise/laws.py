@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,20 @@ class Law:
 
     vertices: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
     ends: tuple[float, float] = (0.0, 1.0)
+
+    @classmethod
+    def drawn(cls, points: Sequence[tuple[float, float]], both: bool) -> Law:
+        """Take force over travel from no travel on, and before it none; or, if ``both``, alike or as it is drawn.
+
+        Examples
+        --------
+        >>> Law.drawn([(0.0, 0.0), (0.5, 2.0), (1.0, 2.0)], both=True)
+        Law(vertices=((-1.0, -2.0), (-0.5, -2.0), (0.0, 0.0), (0.5, 2.0), (1.0, 2.0)), ends=(0.0, 0.0))
+        """
+        alike = both and points[0][0] == 0.0
+        vertices = (*((-t, -f) for t, f in reversed(points[1:])), *points) if alike else tuple(points)
+        slopes = cls(vertices).slopes
+        return cls(vertices, (float(slopes[1]) if both else 0.0, float(slopes[-2])))
 
     @property
     def slopes(self) -> Floats:
@@ -53,6 +68,20 @@ class Law:
         """The least and the largest force that it can give."""
         (first, last), (before, beyond) = (self.vertices[0][1], self.vertices[-1][1]), self.ends
         return -np.inf if before > 0.0 else first, np.inf if beyond > 0.0 else last
+
+    def force_at(self, travel: ArrayLike) -> Floats:
+        """Force at travels, as if it were elastic before its first vertex too where it pushes only.
+
+        Examples
+        --------
+        >>> Law.drawn([(0.0, 0.0), (0.5, 2.0), (1.0, 2.0)], both=False).force_at([-0.5, 0.25, 3.0]).tolist()
+        [-2.0, 1.0, 2.0]
+        """
+        at, (travels, forces) = np.asarray(travel, dtype=np.float64), np.array(self.vertices).T
+        before, beyond = self.slopes[1], self.ends[1]
+        inside = np.interp(at, travels, forces)
+        outside = np.minimum(at - travels[0], 0.0) * before + np.maximum(at - travels[-1], 0.0) * beyond
+        return np.asarray(inside + outside)
 
     def pieces_at(self, force: Floats, nothing: Floats, flat: bool = True) -> Ints:
         """Pieces (..., k) on which it has forces (..., k), but for so much; at a vertex one that is flat, or is not."""

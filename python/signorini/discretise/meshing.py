@@ -343,9 +343,9 @@ def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
     items: list[tuple[Support | Load | Zone | None, Expression | None]] = [(None, model.plate.thickness)]
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
-        if support.area is None and (support.stiffness is None or support.at is not None):
+        if support.area is None and (support.modulus is None or support.at is not None):
             continue  # it acts at nodes, or at points of its own
-        items += [(support, value) for value in (support.stiffness, support.gap, support.settlement)]
+        items += [(support, value) for value in (support.stiffness, support.limit, support.gap, support.settlement)]
     for load in model.load:
         items += [(load, value) for value in (load.pressure, load.line_load)]
     for item, formula in items:

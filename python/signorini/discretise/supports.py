@@ -28,7 +28,7 @@ from signorini.discretise.quadrature import LineQuadrature, Quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Pieces, Rows, Table
 from signorini.discretise.thickness import PlateStiffness
-from signorini.errors import Place, Problems
+from signorini.errors import InputError, Place, Problems
 from signorini.expression.levels import Level
 from signorini.mesh import Mesh
 from signorini.model import Plate, Support
@@ -252,6 +252,7 @@ def can_let_go(support: Support) -> bool:
         return False
     return (
         support.limit is not None
+        or support.law is not None
         or support.resists != "both"
         or not (support.gap.is_constant and support.gap.value == 0)
     )
@@ -282,7 +283,7 @@ def _along_line(on: _Ground, placed: Placed) -> list[_Acting]:
     """Points along an edge, a line or a circle; where a mesh follows it, those of nodes that are not held."""
     support, mesh = placed.support, on.mesh
     in_means, turned = False, None
-    if support.stiffness is not None:
+    if support.modulus is not None:
         at_ends = _GAUSS + 1 if can_let_go(support) else 0
         line = (mesh, on.shape, support, placed.place, placed.sides)
         points = along_curve(*line, _GAUSS, at_ends, _steps(support))
@@ -320,15 +321,15 @@ def _along_line(on: _Ground, placed: Placed) -> list[_Acting]:
 
 def _steps(support: Support) -> list[Level]:
     """Where an elastic support's stiffness, limit, gap or settlement jumps; a rigid one's points are what they are."""
-    if support.stiffness is None:
+    if support.modulus is None:
         return []
-    formulas = support.stiffness, support.limit, support.gap, support.settlement
+    formulas = support.modulus, support.limit, support.gap, support.settlement
     return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
 
 
 def _on_area(on: _Ground, support: Support, place: Place) -> _Acting:
     """Points of an area, or means of elements where it is as good as rigid; if it lets go, they reach its outline."""
-    mesh, elastic, one_sided = on.mesh, support.stiffness is not None, can_let_go(support)
+    mesh, elastic, one_sided = on.mesh, support.modulus is not None, can_let_go(support)
     # Where nodes hold the plate a point of the outline could do nothing.
     free_corners = np.asarray(~on.held.dofs[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
@@ -341,8 +342,8 @@ def _on_area(on: _Ground, support: Support, place: Place) -> _Acting:
     covered = np.bincount(points.elements, minlength=len(mesh.elements)) > 0
     if elastic and not one_sided:
         return through
-    if support.stiffness is not None:
-        stiffness = support.stiffness(*within.T, above=0.0, place=(*place, "stiffness"))
+    if support.modulus is not None:
+        stiffness = support.modulus(*within.T, above=0.0, place=(*place, "stiffness"))
         if (stiffness < _STIFF * on.stiffness.in_waves[points.elements]).all():
             return _with(on, through, missing_corners(mesh, on.shape, support, covered, through.positions))
     return _with(on, _means(through), outline_points(mesh, on.shape, support, covered))
@@ -359,18 +360,28 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
     two_way = support.fix is not None or support.resists == "both"
     equation = two_way and not gap.any()
     elastic, stiffness = np.zeros(count, np.bool_), np.ones(count)
-    if support.stiffness is not None:
+    if support.modulus is not None:
         shear = on.stiffness.in_shear[acting.rows.elements]
-        stiffness = weights * support.stiffness(*at.T, above=0.0, place=(*place, "stiffness"))
-        if equation and support.limit is None:
+        stiffness = weights * support.modulus(*at.T, above=0.0, place=(*place, "stiffness"))
+        if support.law is not None and (stiffness >= STIFFEST_SPRING * shear).any():
+            raise InputError(
+                f"found a part that rises by {support.modulus.value:.4g} for a travel of 1, which is as good as rigid. "
+                "Draw it without travel, or less steep.",
+                place=(*place, "law"),
+            )
+        if equation and support.law is None and support.limit is None:
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return [Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers)]
         elastic = stiffness < STIFFEST_SPRING * shear
+    laws: tuple[Law, ...] = LAWS
     law = np.where(elastic, *(LAWS.index(law) for law in laws_of(both=equation, limited=support.limit is not None)))
     scale, unit = np.where(elastic, stiffness, 1.0), np.ones(count)
     if support.limit is not None:
         scale = weights * support.limit(*at.T, above=0.0, place=(*place, "limit"))
         unit = np.where(elastic, scale / stiffness, 1.0)
+    if support.law is not None:
+        laws, law = (Law.drawn(support.law, both=equation),), np.zeros(count, np.int64)
+        scale, unit = weights, np.ones(count)
     ways = [1.0] * (equation or support.resists != "up") + [-1.0] * (not equation and support.resists != "down")
     of_points = slope, positions, weights, who, acting.shared, numbers
     return [
@@ -383,7 +394,7 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
             unit,
             np.full(count, way),
             *of_points,
-            LAWS,
+            laws,
         )
         for way in ways
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -66,6 +67,11 @@ Fix = Annotated[
 ]
 
 
+_MOST_OF_LAW = 100
+"""Points of a law: its pieces, both ways, are numbered by a byte."""
+Law = Annotated[tuple[base.Point, ...], Field(min_length=2, max_length=_MOST_OF_LAW)]
+
+
 class Support(base.Table):
     """A support: where (exactly one of at, nodes, edge, line, circle, area) and how (fix, or resists)."""
 
@@ -112,6 +118,12 @@ class Support(base.Table):
         default=None,
         description="Largest reaction; beyond it the support yields. Per point, per length (edge, line, circle), per "
         "area: a number or an expression.",
+    )
+    law: Law | None = Field(
+        default=None,
+        description="In place of stiffness and limit: [[travel, force], ...], not falling, from [0, 0] on; the last slope "
+        "goes on. Per point, per length (edge, line, circle), per area. With both it is alike both ways, or begins at a "
+        "negative travel.",
     )
     settlement: base.Scalar = Field(
         default=Expression(0.0), description="The base moves down by this: a number or an expression; default 0."
@@ -168,7 +180,20 @@ class Support(base.Table):
     @property
     def is_rigid(self) -> bool:
         """Whether it holds the deflection without giving way, but for a limit."""
-        return self.stiffness is None and self.holds_w
+        return self.modulus is None and self.holds_w
+
+    @property
+    def modulus(self) -> Expression | None:
+        """Stiffness, of a law that of its steepest part; None where it is rigid, or a law rises without travel."""
+        if self.law is None:
+            return self.stiffness
+        steps = [(t - s, f - g) for (s, g), (t, f) in pairwise(self.law)]
+        return Expression(max(rise / run for run, rise in steps)) if all(run for run, _ in steps) else None
+
+    @property
+    def can_yield(self) -> bool:
+        """Whether there is an end to what it can give."""
+        return self.limit is not None or (self.law is not None and self.law[-1][1] == self.law[-2][1])
 
     def _complaints(self) -> Iterator[base.Complaint]:
         places = self.given(_PLACES)
@@ -183,12 +208,37 @@ class Support(base.Table):
         yield from footprint_complaints(self)
         if self.fix is not None:
             yield from self._fix_complaints()
+        if self.law is not None:
+            yield from self._law_complaints(self.law)
         if self.rotation is not None and not self.turns_held:
             yield (
                 ("rotation",),
                 f"{describe(self.fix or self.resists)} does not hold a slope, so none is prescribed; use fix = "
                 "clamped, hard or symmetry, or a list with slope or twist.",
             )
+
+    def _law_complaints(self, law: Law) -> Iterator[base.Complaint]:
+        for key in self.given(("fix", "stiffness", "limit")):
+            yield (key,), f"found both law and {key}; a law says all of how the force grows."
+        for at, (one, other) in enumerate(pairwise(law), start=1):
+            if one == other or one[0] > other[0] or one[1] > other[1]:
+                said = "falls" if one[0] < other[0] else "goes back"
+                yield ("law", at), f"found {list(other)} after {list(one)}, where the law {said}; it must rise."
+        at_rest = [force for travel, force in law if travel == 0.0]
+        if self.resists != "both" or law[0][0] >= 0.0:
+            if law[0] != (0.0, 0.0) or law[1][1] <= 0.0:
+                yield (
+                    ("law",),
+                    f"found a law from {list(law[0])} to {list(law[1])}; it must begin at [0, 0] and rise. Give free "
+                    "travel as gap.",
+                )
+        elif not (min(at_rest, default=1.0) <= 0.0 <= max(at_rest, default=-1.0)):
+            yield (
+                ("law",),
+                "found a law without [0, 0]; one that begins at a negative travel must have it among its points.",
+            )
+        elif self.gap != Expression(0.0):
+            yield ("gap",), "a gap does not go with a law that begins at a negative travel; draw it in the law."
 
     def _fix_complaints(self) -> Iterator[base.Complaint]:
         fixed = self.fixed

@@ -76,7 +76,7 @@ def support_mark(
         states,
         style,
         boundary,
-        support.stiffness is not None,
+        support.modulus is not None,
         not (support.gap.is_constant and support.gap.value == 0),
         describe(support),
         counts,

@@ -37,7 +37,7 @@ def margins(discretisation: Discretisation, index: int, answer: Answer, scales: 
     """
     closing = _closing(discretisation, index, answer, scales, part)
     support = discretisation.model.support[index]
-    if support.limit is None:
+    if not support.can_yield:
         return closing
     room = _to_limit(discretisation, SupportPoints.of(discretisation, index), answer, scales)
     return np.append(closing, room if support.place == "at" else room.min(initial=np.inf))
@@ -116,7 +116,7 @@ def closing_margins(support: Support, margins: int) -> int:
     """How many of a support's margins are of its opening and closing; those behind are of its limit."""
     if support.place != "at":
         return len(LEVELS)
-    return margins if support.limit is None else margins // 2
+    return margins if not support.can_yield else margins // 2
 
 
 def event_of(support: Support, number: int, opening: bool, margins: int) -> tuple[Change, float | None]:

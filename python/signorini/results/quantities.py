@@ -352,7 +352,7 @@ class Catalogue:
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             own = OF_SUPPORTS + OF_AREAS * (support.area is not None)
-            own += OF_LIMITED_AREAS * (support.area is not None and support.limit is not None)
+            own += OF_LIMITED_AREAS * (support.area is not None and support.can_yield)
             for one in own:
                 # How many nodes are closed is the mesh's.
                 told = one.kind != "count" or support.place == "at"

@@ -135,7 +135,7 @@ class Layout:
     @cached_property
     def around_areas(self) -> Ints:
         """Nodes (k,) of the elements that elastic areas are in; what these do follows from the deflections there."""
-        elastic = [area for area in self.at_rest.values() if area.support.stiffness is not None]
+        elastic = [area for area in self.at_rest.values() if area.support.modulus is not None]
         nodes = [area.mesh.elements[area.covered > 0].ravel() for area in elastic]
         return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
 
@@ -253,7 +253,7 @@ class Block:
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
         """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""
-        if area.support.stiffness is None:
+        if area.support.modulus is None:
             return np.zeros((len(rows), 0))
         own = np.searchsorted(layout.around_areas, np.flatnonzero(area.on_nodes))
         return self.on_areas[np.ix_(rows, own)]

@@ -32,7 +32,7 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 def kinds(support: Support) -> list[str]:
     """Give the kinds of a support, keys of `MEANINGS` and `SYMBOLS`: how it acts, and whether it is elastic."""
     how = "fixed" if support.fix is not None else support.resists or "both"
-    return [how] if support.stiffness is None else [how, "elastic"]
+    return [how] if support.modulus is None else [how, "elastic"]
 
 
 def symbol(support: Support) -> str:
@@ -53,11 +53,11 @@ def describe(support: Support) -> str:
     where = {"at": "points"}.get(support.place, support.place)
     if support.fix is not None:
         how = support.fix if isinstance(support.fix, str) else " ".join(support.fix) + " held"
-        return f"{where}, {how}" + (", elastic" if support.stiffness is not None else "")
-    parts = [where, MEANINGS[support.resists or "both"], "rigid" if support.stiffness is None else "elastic"]
+        return f"{where}, {how}" + (", elastic" if support.modulus is not None else "")
+    parts = [where, MEANINGS[support.resists or "both"], "rigid" if support.modulus is None else "elastic"]
     if not (support.gap.is_constant and support.gap.value == 0):
         parts.append("with gap")
-    if support.limit is not None:
+    if support.can_yield:
         parts.append("with limit")
     return ", ".join(parts)
 
@@ -202,7 +202,7 @@ def area_contact(
 ) -> AreaContact:
     """Contact of an area, from the deflection (n,) and what its points (q,) do."""
     support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
-    on_means = points.shares is not None or support.stiffness is None
+    on_means = points.shares is not None or support.modulus is None
     stiff = on_means | _stiff(discretisation, support, points)
     return AreaContact(
         *(discretisation.mesh, support, deflection, positions, points.elements, points.weights),
@@ -225,9 +225,9 @@ def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
 def _stiff(discretisation: Discretisation, support: Support, points: SupportPoints) -> Bools:
     """Elements (ne,) in which an area is stiffer than the plate, or, if it never lets go, as good as rigid."""
     stiff = np.zeros(len(discretisation.mesh.elements), np.bool_)
-    if support.stiffness is not None:
+    if support.modulus is not None:
         at, of_plate = points.elements, discretisation.plate_stiffness
-        stiffness = support.stiffness(*points.positions.T)
+        stiffness = support.modulus(*points.positions.T)
         limit = (
             of_plate.in_waves[at] if can_let_go(support) else STIFFEST_SPRING * of_plate.in_shear[at] / points.weights
         )

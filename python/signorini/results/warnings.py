@@ -289,7 +289,7 @@ def _one_across(discretisation: Discretisation) -> Iterator[str]:
     """Name elastic strips and rings that are one element wide, such as gaskets: every node of theirs is on the rim."""
     mesh = discretisation.mesh
     for index, support in enumerate(discretisation.model.support):
-        if support.area is None or support.stiffness is None:
+        if support.area is None or support.modulus is None:
             continue
         mine = np.isin(np.arange(len(mesh.elements)), SupportPoints.of(discretisation, index).elements)
         rim = np.isin(
@@ -304,7 +304,7 @@ def _one_across(discretisation: Discretisation) -> Iterator[str]:
 
 def _one_place(discretisation: Discretisation) -> Iterator[str]:
     model = discretisation.model
-    rigid = [i for i, s in enumerate(model.support) if s.place == "at" and s.stiffness is None]
+    rigid = [i for i, s in enumerate(model.support) if s.place == "at" and s.modulus is None]
     places = [SupportPoints.of(discretisation, index).positions for index in rigid]
     within = discretisation.mesh.near.place
     for (one, here), (other, there) in combinations(zip(rigid, places, strict=True), 2):
@@ -340,7 +340,7 @@ def _couples(discretisation: Discretisation) -> Iterator[str]:
 
 def _overlaps(discretisation: Discretisation) -> Iterator[str]:
     model = discretisation.model
-    elastic = [i for i, s in enumerate(model.support) if s.area is not None and s.stiffness is not None]
+    elastic = [i for i, s in enumerate(model.support) if s.area is not None and s.modulus is not None]
     for one, other in combinations(elastic, 2):
         if _alike(model.support[one], model.support[other]) and (
             _reaches(discretisation, one, other) or _reaches(discretisation, other, one)

@@ -152,7 +152,7 @@ class Boundary:
         sheared = np.zeros((len(sides), 2), np.bool_)
         for support in discretisation.model.support:
             on = np.isin(sides[:, 1], middles(mesh, support))
-            if support.stiffness is None:
+            if support.modulus is None:
                 held |= on & support.holds_w
                 always |= on & (not can_let_go(support)) & held
             slope |= on & ("slope" in support.fixed)

@@ -127,7 +127,7 @@ def _on_rigid_areas(
 ) -> Iterator[Singularity]:
     """What acts at points on rigid areas, which take it within a thickness."""
     for support in discretisation.model.support:
-        if support.area is None or not support.is_rigid or support.limit is not None:
+        if support.area is None or not support.is_rigid or support.can_yield:
             continue
         shape, points = region(support.area), np.array(at).reshape(-1, 2)
         on = np.ones(len(points), np.bool_) if shape is None else shape.contains(points)
@@ -171,7 +171,7 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
         return
     if shape is not None:
         yield from _unresolved_shape(discretisation, shape, support.name, support.name)
-    if not rigid or support.limit is not None:
+    if not rigid or support.can_yield:
         return
     advice = "Give the area a stiffness."
     if shape is None or shape.contains(discretisation.mesh.points).all():

@@ -128,14 +128,14 @@ class AreaContact(Remade):
     @cached_property
     def pressure_places(self) -> Floats:
         """Where its pressure is looked at (p, 2): at the points that it acts at and, of an elastic area, its nodes."""
-        if self.support.stiffness is None:
+        if self.support.modulus is None:
             return self.positions
         return np.concatenate([self.positions, self.mesh.points[self.on_nodes]])
 
     def measured(self, deflection: Floats, forces: Floats) -> Floats:
         """Pressures (..., p) there, from deflections (..., k) of its nodes and forces (..., q) of its points."""
         own = forces / self.weights
-        if self.support.stiffness is None:
+        if self.support.modulus is None:
             return np.asarray(own)
         return np.concatenate([own, self.nodal(np.flatnonzero(self.on_nodes), deflection, forces)], axis=-1)
 
@@ -176,9 +176,9 @@ class AreaContact(Remade):
 
     def yielding(self, yielded: Bools) -> float | None:
         """Area that gives its limit, given the points (q,) that do; None without a limit."""
-        if self.support.limit is None:
+        if not self.support.can_yield:
             return None
-        if self.support.stiffness is None:
+        if self.support.modulus is None:
             return float(self.weights[yielded].sum())
         # It gives its limit where the plate would press on a support with so much more gap.
         beyond = self.support.model_copy(update={"gap": partial(_travel_at_limit, self.support)})
@@ -269,8 +269,11 @@ class AreaContact(Remade):
 
 
 def _travel_at_limit(support: Support, x: Floats, y: Floats) -> Floats:
+    gap = support.gap(x, y)
+    if support.law is not None:
+        return np.asarray(gap + next(travel for travel, force in support.law if force == support.law[-1][1]))
     assert support.limit is not None and support.stiffness is not None
-    return np.asarray(support.gap(x, y) + support.limit(x, y) / support.stiffness(x, y))
+    return np.asarray(gap + support.limit(x, y) / support.stiffness(x, y))
 
 
 _STEP = 1e-6
@@ -342,11 +345,11 @@ class Pressures:
 
     @property
     def _elastic(self) -> list[AreaContact]:
-        return [area for area in self.areas if area.support.stiffness is not None]
+        return [area for area in self.areas if area.support.modulus is not None]
 
     @property
     def _rigid(self) -> list[AreaContact]:
-        return [area for area in self.areas if area.support.stiffness is None]
+        return [area for area in self.areas if area.support.modulus is None]
 
     @cached_property
     def _acting(self) -> Bools:

@@ -8,6 +8,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from signorini.discretise.laws import Law
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError
 from signorini.expression import Expression
@@ -44,9 +45,12 @@ def pressing(support: Support, deflection: Floats, positions: Floats) -> Floats:
     >>> pressing(soil, np.array([1.0, 0.0]), np.zeros((2, 2)))
     array([ 750., -250.])
     """
-    assert support.stiffness is not None
     down, up = _beyond_gap(deflection, free_travel(support, positions))
     both = np.maximum(down, 0.0) - np.maximum(up, 0.0)
+    if support.law is not None:
+        law = Law.drawn(support.law, both=support.resists == "both")
+        return {"down": law.force_at(down), "up": -law.force_at(up)}.get(support.resists or "both", law.force_at(both))
+    assert support.stiffness is not None
     travel = {"down": down, "up": -up}.get(support.resists or "both", both)
     return np.asarray(_known_values(support.stiffness, positions) * travel)
 
