@@ -11,8 +11,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Rigidity, Zones
 from signorini.errors import point
 from signorini.mesh import Mesh
-from signorini.model import Load, Model, Support
-from signorini.model.places import footprints
+from signorini.model import Model
 from signorini.results.quantities import KINDS, LINEAR, Number
 from signorini.results.result import Result
 from signorini.shapes.distances import distances
@@ -160,8 +159,7 @@ def _group(one: Number) -> tuple[object, ...]:
 
 def acts_at_points(model: Model) -> bool:
     """Whether a force, a couple or a support acts at a point, not on a footprint."""
-    items: tuple[Load | Support, ...] = (*model.load, *model.support)
-    points = any(item.at is not None and not footprints(item) for item in items)
+    points = any(item.at is not None and not item.has_footprint for item in (*model.load, *model.support))
     return points or any(moving.patch is None for moving in model.moving)
 
 

@@ -20,8 +20,8 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.mesh.sides import onto
-from signorini.model import Load, Support
-from signorini.model.places import curve
+from signorini.model import Support
+from signorini.model.where import Where
 
 Complexes = npt.NDArray[np.complex128]
 Slopes = Literal["free", "slope", "twist", "clamped"]
@@ -151,7 +151,7 @@ class Boundary:
         held, always, slope, twist = np.tile(rigid, (4, 1))
         sheared = np.zeros((len(sides), 2), np.bool_)
         for support in discretisation.model.support:
-            on = np.isin(sides[:, 1], middles(mesh, support))
+            on = np.isin(sides[:, 1], middles(mesh, support.where))
             if support.stiffness is None:
                 held |= on & support.holds_w
                 always |= on & (not can_let_go(support)) & held
@@ -239,12 +239,11 @@ class Boundary:
         return result
 
 
-def middles(mesh: Mesh, item: Load | Support) -> Ints:
+def middles(mesh: Mesh, where: Where) -> Ints:
     """Nodes in the middles of the sides along an edge, a line or a circle; none where the mesh does not follow."""
-    if item.edge is not None:
-        return np.concatenate([mesh.edges[name] for name in item.edge])[:, 1]
-    along = curve(item)
-    sides = None if along is None else mesh.edges_along(along)
+    if where.edges:
+        return np.concatenate([mesh.edges[name] for name in where.edges])[:, 1]
+    sides = None if where.curve is None else mesh.edges_along(where.curve)
     return np.zeros(0, np.int64) if sides is None else sides[:, 1]
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini.base.remade import Remade
-from signorini.discretise.places import region
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
@@ -195,7 +194,7 @@ class AreaContact(Remade):
 
     @cached_property
     def _region(self) -> Region | None:
-        return region(self.support.area)
+        return self.support.where.region
 
     @cached_property
     def _whole(self) -> Bools:
