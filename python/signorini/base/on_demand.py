@@ -1,15 +1,45 @@
-"""Mappings whose values are computed when they are asked for."""
+"""What is computed when it is first asked for, and kept."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import wraps
 from itertools import islice
-from typing import TypeVar
+from typing import Concatenate, ParamSpec, TypeVar
+from weakref import WeakKeyDictionary
 
 from signorini.base.arguments import key_of
 from signorini.base.brief import FEW
 
+_K = TypeVar("_K")
+_P = ParamSpec("_P")
 _V = TypeVar("_V")
+
+
+def kept(compute: Callable[Concatenate[_K, _P], _V]) -> Callable[Concatenate[_K, _P], _V]:
+    """Compute once what follows from an immutable object and names or numbers beside it, and keep it with the object.
+
+    Examples
+    --------
+    >>> @kept
+    ... def length(word: frozenset, times: int) -> int:
+    ...     print("computed")
+    ...     return len(word) * times
+    >>> word = frozenset("abc")
+    >>> length(word, 2), length(word, 2)
+    computed
+    (6, 6)
+    """
+    known: WeakKeyDictionary[_K, dict[object, _V]] = WeakKeyDictionary()
+
+    @wraps(compute)
+    def get(of: _K, /, *beside: _P.args, **named: _P.kwargs) -> _V:
+        values, key = known.setdefault(of, {}), (beside, *named.values())
+        if key not in values:
+            values[key] = compute(of, *beside, **named)
+        return values[key]
+
+    return get
 
 
 class OnDemand(Mapping[str, _V]):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from signorini.base.on_demand import kept
 from signorini.base.remade import Remade
 from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
@@ -193,16 +193,12 @@ def area_contact(
     )
 
 
+@kept
 def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
     """Contact of an area that nothing presses yet, built once: where it is, and its law."""
-    known = _AT_REST.setdefault(discretisation, {})
-    if index not in known:
-        positions = SupportPoints.of(discretisation, index).positions
-        nothing = np.zeros(len(positions))
-        known[index] = area_contact(
-            discretisation, index, np.zeros(discretisation.mesh.node_count), positions, nothing > 0, nothing
-        )
-    return known[index]
+    positions, flat = SupportPoints.of(discretisation, index).positions, np.zeros(discretisation.mesh.node_count)
+    nothing = np.zeros(len(positions))
+    return area_contact(discretisation, index, flat, positions, nothing > 0, nothing)
 
 
 def _stiff(discretisation: Discretisation, support: Support, points: SupportPoints) -> Bools:
@@ -216,6 +212,3 @@ def _stiff(discretisation: Discretisation, support: Support, points: SupportPoin
         )
         stiff[at[stiffness >= limit]] = True
     return stiff
-
-
-_AT_REST: WeakKeyDictionary[Discretisation, dict[int, AreaContact]] = WeakKeyDictionary()

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import combinations
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from signorini.base.on_demand import kept
 from signorini.contact.selection import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.meshing import to_follow
@@ -47,13 +47,12 @@ _MOST = 0.75
 Covers of flanges, thick and on many bolts, have half."""
 
 
+@kept
 def model_warnings(discretisation: Discretisation) -> tuple[str, ...]:
     """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place."""
-    if discretisation not in _KNOWN:
-        of_plate = unit_slips, _one_element, _one_across, _unrefined, _unfollowed, _zones, _left_out
-        of_supports = _one_place, _overlaps, _never_act, _beds_both_ways, _couples, _wheels_off
-        _KNOWN[discretisation] = tuple(said for check in (*of_plate, *of_supports) for said in check(discretisation))
-    return _KNOWN[discretisation]
+    of_plate = unit_slips, _one_element, _one_across, _unrefined, _unfollowed, _zones, _left_out
+    of_supports = _one_place, _overlaps, _never_act, _beds_both_ways, _couples, _wheels_off
+    return tuple(said for check in (*of_plate, *of_supports) for said in check(discretisation))
 
 
 def result_warnings(
@@ -362,6 +361,3 @@ def _reaches(discretisation: Discretisation, one: int, other: int) -> bool:
     if of_other is None or not len(positions):
         return len(positions) > 0
     return bool((depth(of_other, positions) > _INSIDE * discretisation.mesh.size).any())
-
-
-_KNOWN: WeakKeyDictionary[Discretisation, tuple[str, ...]] = WeakKeyDictionary()

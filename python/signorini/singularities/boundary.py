@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
 
+from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
 from signorini.discretise.places import quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -247,11 +247,10 @@ def middles(mesh: Mesh, where: Where) -> Ints:
     return np.zeros(0, np.int64) if sides is None else sides[:, 1]
 
 
+@kept
 def boundary_of(discretisation: Discretisation) -> Boundary:
     """The boundary of the plate, found once."""
-    if discretisation not in _BOUNDARIES:
-        _BOUNDARIES[discretisation] = Boundary.of(discretisation)
-    return _BOUNDARIES[discretisation]
+    return Boundary.of(discretisation)
 
 
 def shears_along(support: Support, at: Floats, tangents: Floats, size: float) -> Bools:
@@ -268,6 +267,3 @@ def shears_along(support: Support, at: Floats, tangents: Floats, size: float) ->
 def _turn(a: Floats, b: Floats) -> Floats:
     """Angles (k,) from directions (k, 2) to others, to the left."""
     return np.asarray(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
-
-
-_BOUNDARIES: WeakKeyDictionary[Discretisation, Boundary] = WeakKeyDictionary()

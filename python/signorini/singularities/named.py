@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.errors import point
@@ -42,17 +42,14 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
     )
 
 
+@kept
 def singularities_of(discretisation: Discretisation, case: str | None = None) -> tuple[Singularity, ...]:
     """Name those of one load case alone; of none those that are always there."""
-    known = _KNOWN.setdefault(discretisation, {})
-    if case not in known:
-        if case is None:
-            always = *_of_supports(discretisation), *_of_corners(discretisation), *_of_zones(discretisation)
-            within = *of_cut_elements(discretisation), *of_held_slopes(discretisation)
-            known[case] = (*_measured(discretisation, always), *within)
-        else:
-            known[case] = _measured(discretisation, _of_loads(discretisation, case))
-    return known[case]
+    if case is not None:
+        return _measured(discretisation, _of_loads(discretisation, case))
+    always = *_of_supports(discretisation), *_of_corners(discretisation), *_of_zones(discretisation)
+    within = *of_cut_elements(discretisation), *of_held_slopes(discretisation)
+    return *_measured(discretisation, always), *within
 
 
 def _measured(discretisation: Discretisation, named: Iterable[Singularity]) -> tuple[Singularity, ...]:
@@ -244,6 +241,3 @@ def _determinate(discretisation: Discretisation) -> bool:
     holding = [support for support in discretisation.model.support if support.holds_w]
     slopes = any(support.turns_held for support in discretisation.model.support)
     return not slopes and all(s.at is not None for s in holding) and sum(len(s.where.points) for s in holding) == 3
-
-
-_KNOWN: WeakKeyDictionary[Discretisation, dict[str | None, tuple[Singularity, ...]]] = WeakKeyDictionary()
