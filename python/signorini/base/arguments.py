@@ -129,13 +129,7 @@ def known(value: object, allowed: Collection[str], kind: str, place: str, owner:
 
 
 def key_of(value: object, allowed: Collection[str], kind: str, owner: str) -> str:
-    """One of the names of a mapping.
-
-    Raises
-    ------
-    UnknownNameError
-        Which is a KeyError too, where there is none of that name.
-    """
+    """One of the names of a mapping; others are refused by an error that is a KeyError too."""
     try:
         return known(value, allowed, kind, kind, owner)
     except InputError as error:

@@ -9,13 +9,7 @@ from signorini.errors import SignoriniError
 
 
 def package(name: str) -> Any:
-    """Import a package.
-
-    Raises
-    ------
-    SignoriniError
-        If it is not installed.
-    """
+    """Import a package; one that is not installed is refused with the way to install it."""
     try:
         return import_module(name)
     except ImportError:

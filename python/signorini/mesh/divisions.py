@@ -27,24 +27,12 @@ def subdivide(
     *,
     first: int = 1,
 ) -> Floats:
-    """Divide an interval into `count` parts with joints at wanted lines.
+    """Divide an interval into ``count`` parts with joints (count + 1,) at wanted lines, exactly at their numbers.
 
-    The joints (count + 1,) have the two ends among them; those at lines are the lines' numbers exactly.
-
-    Parameters
-    ----------
-    start, stop : float
-        The interval.
-    count : int
-        Number of parts; it is kept.
-    lines : sequence of float
-        Wanted joints. If equal parts have them all, the parts are equal. Else each piece between lines has equal parts,
-        and the pieces share the count so that the largest part is smallest. A line is left out when there are not
-        enough parts, or when parts on its two sides would differ in size by more than 3 to 1.
-    lesser : sequence of float
-        Others, of which those that keep one of `lines` from being followed are left out first.
-    first : int
-        Least number of parts before the first joint at a line.
+    If equal parts have all lines, the parts are equal. Else each piece between lines has equal parts, and the pieces
+    share the count so that the largest part is smallest. A line is left out when there are not enough parts, or when
+    parts on its two sides would differ in size by more than 3 to 1; lesser ones that keep another from being followed
+    are left out first. Before the first joint at a line there are at least ``first`` parts.
 
     Examples
     --------

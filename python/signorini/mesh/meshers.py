@@ -285,39 +285,18 @@ def outlined(
     most: int = MOST,
     axes: Axes = ALONG_X,
 ) -> Mesh:
-    """Mesh what lies within a contour and outside the holes in it.
+    """Mesh what lies within the first of some contours and outside the others, which are holes in it.
 
-    The outline comes first among the contours, and ``size`` is the largest side of an element, were they all squares.
-    Its edges are those that the contours name; nodes on arcs are on them. Units, place and the order of corners, holes
-    and lines of a group make no difference along the same axes (`axes_of`).
+    ``size`` is the largest side of an element, were they all squares; of elements there are about ``most`` at most.
+    Edges are those that the contours name; nodes on arcs are on them. Units, place and the order of corners, holes and
+    lines of a group make no difference along the same axes (`axes_of`). What crosses, touches or nearly touches is
+    refused.
 
-    Parameters
-    ----------
-    refinements : (r, 5) float array
-        Straight pieces with smaller elements: x, y to x, y, and the size there. From there sizes grow by a quarter of
-        the distance.
-    lines : sequence of (float array, bool)
-        Groups of lines for sides of elements to follow, those that matter most first: straight pieces (l, 4), x, y to
-        x, y, or arcs (a, 6) from x, y through x, y to x, y, with all nodes on them. They are followed but where they
-        leave the plate, and not if they come nearer to the outline or to earlier ones than about half an element: or
-        the parts that do not, if the group is followed in part.
-    points : (p, 2) float array
-        Points for nodes, where that is too near to nothing.
-    most : int
-        Elements at most, about.
-
-    Raises
-    ------
-    OutlineError
-        If contours cross, touch or nearly touch, a hole is outside, or the elements would be too many.
-
-    Examples
-    --------
-    >>> from signorini.shapes.outlines import circle, straight
-    >>> square = straight(((0, 0), (4, 0), (4, 4), (0, 4)), ("south", "east", "north", "west"))
-    >>> mesh = outlined([square, circle((2.0, 2.0), 1.0, "hole 1")], 0.5)
-    >>> sorted(mesh.edges), round(float(mesh.element_area.sum()), 2)
-    (['east', 'hole 1', 'north', 'south', 'west'], 12.86)
+    ``refinements`` (r, 5) are straight pieces, x, y to x, y, and the size there, from which sizes grow by a quarter of
+    the distance. ``lines`` are groups for sides of elements to follow, those that matter most first: straight pieces
+    (l, 4), or arcs (a, 6) from x, y through x, y to x, y, with all nodes on them. A line is not followed off the plate,
+    nor if it comes nearer to the outline or to earlier ones than about half an element; but if its group is followed in
+    part, the parts that do not are. ``points`` (p, 2) get nodes, where that is too near to nothing.
     """
     none = np.nan, np.nan
     loops = [

@@ -28,22 +28,7 @@ SCHEMA = 1
 
 
 def path_json(path: LoadPath, estimate: PathEstimate | None = None) -> dict[str, Any]:
-    """Give a load path in the form of ``path.json``; docs/results.md describes every key.
-
-    Examples
-    --------
-    >>> import signorini
-    >>> model = signorini.Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     mesh={"divisions": [4, 4]},
-    ...     support=[{"name": "feet", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
-    ...     load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e3, "at": [4, 2]}],
-    ... )
-    >>> result = path_json(signorini.path(model, start="G", add="Q"))
-    >>> result["ending"], round(result["end"], 3), result["events"]
-    ('no_equilibrium', 16.0, [])
-    """
+    """Give a load path in the form of ``path.json``; docs/results.md describes every key."""
     model = path.model
     return {
         "schema": SCHEMA,
@@ -147,17 +132,7 @@ def write_path(
 ) -> list[FilePath]:
     """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
 
-    Those of an earlier path there are replaced.
-
-    Returns
-    -------
-    list of Path
-        What was written.
-
-    Raises
-    ------
-    InputError
-        If the directory cannot be made or written to, or has files of these names that no earlier path wrote.
+    Those of an earlier path there are replaced. Files of these names that no earlier path wrote are refused.
     """
     # Only this function needs matplotlib.
     from signorini.plot.files import save

@@ -33,34 +33,10 @@ _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure")
 
 
 def results_json(results: Results, estimates: Estimates | None = None, pictures: Pictures = None) -> dict[str, Any]:
-    """Give the results in the form of ``results.json``.
+    """Give the results in the form of ``results.json``; docs/results.md describes every key.
 
     Numbers of a combination without equilibrium are absent: its lists are empty, its tables None, and ``message``
     says why. No number is NaN or infinite.
-
-    Parameters
-    ----------
-    results : Results
-    estimates : Estimates, optional
-        Half-widths, as `signorini.estimate` gives them.
-
-    Returns
-    -------
-    dict
-        Of what JSON can hold; docs/results.md describes every key.
-
-    Examples
-    --------
-    >>> import signorini
-    >>> model = signorini.Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-    ...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [1, 9], [9, 9]], "resists": "down"}],
-    ...     load=[{"pressure": 2e3}],
-    ... )
-    >>> result = results_json(signorini.solve(model))["combinations"][0]
-    >>> result["name"], result["status"], [point["state"] for point in result["supports"][0]["points"]]
-    ('all', 'solved', ['closed', 'closed', 'closed', 'closed'])
     """
     discretisation = results.discretisation
     of_table: dict[str, Any] = {}
@@ -94,15 +70,6 @@ def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
 
     A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node. Names that a
     spreadsheet would compute have an apostrophe before them.
-
-    Parameters
-    ----------
-    results : Results
-    estimates : Estimates, optional
-
-    Returns
-    -------
-    str
     """
     text = io.StringIO()
     table = csv.DictWriter(text, _COLUMNS, lineterminator="\n")

@@ -18,14 +18,10 @@ _CORNER = np.cos(np.radians(15.0))
 
 @dataclass(frozen=True, eq=False)
 class EdgeCouples:
-    """Mean couple per length with which a support holds every side of an element along its edges.
+    """Mean couple per length (k,) with which a support holds sides of elements (k, 2, 2) along its edges.
 
-    Parameters
-    ----------
-    sides : (k, 2, 2) array
-        Where each side begins and ends, the plate on its left. None is within a rigid zone or inside the plate.
-    couples : (k,) array
-        Across the edge, positive where the plate sags.
+    Each side has the plate on its left. None is within a rigid zone or inside the plate. A couple acts across the edge,
+    positive where the plate sags.
     """
 
     sides: Floats
