@@ -48,23 +48,6 @@ def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
 
     ``sizes`` are the sides of elements on the finest meshes. What the layer changes between these is told by them, and
     so is what it is then expected to change on finer ones; the rest is not.
-
-    Examples
-    --------
-    >>> from signorini.discretise import discretise
-    >>> def square(fix, thickness):
-    ...     return Model(
-    ...         material={"E": 30e9, "nu": 0.2},
-    ...         plate={"shape": "rectangle", "size": [4, 4], "thickness": thickness},
-    ...         support=[{"edge": ["left", "right", "bottom", "top"], "fix": fix}],
-    ...         load=[{"pressure": 5e3}],
-    ...     )
-    >>> for fix, thickness in (("simple", 0.004), ("simple", 0.1), ("clamped", 0.004)):
-    ...     mesh = discretise(square(fix, thickness)).mesh
-    ...     print(f"{unseen_layer(square(fix, thickness), mesh, (0.1, 0.2)):.1e}")
-    1.1e-03
-    0.0e+00
-    0.0e+00
     """
     ends = mesh.points[_sides(model, mesh)[:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())

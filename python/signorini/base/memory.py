@@ -104,13 +104,7 @@ def _address_space() -> float:
 
 
 def elements_that_fit(most: int) -> int:
-    """Estimate how many elements, up to so many, there is the memory for, to two digits.
-
-    Examples
-    --------
-    >>> elements_that_fit(1000)
-    1000
-    """
+    """Estimate how many elements, up to so many, there is the memory for, to two digits."""
     return int(float(f"{_fitting(needed, most, available()):.2g}"))
 
 

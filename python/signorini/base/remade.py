@@ -15,22 +15,6 @@ class Remade(Brief):
 
     Fields in ``_made`` are left behind too. They are made again from the others when they are first asked for, with the
     same numbers to the last bit. A copy shares them, also a deep one: nothing changes them.
-
-    Examples
-    --------
-    >>> import pickle
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     support=[{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> result = discretise(model)
-    >>> again = pickle.loads(pickle.dumps(result))
-    >>> "plate" in again.__dict__, again.plate.dof_count == result.plate.dof_count, "plate" in again.__dict__
-    (False, True, True)
     """
 
     _made: ClassVar[Mapping[str, Callable[[Any], object]]] = {}

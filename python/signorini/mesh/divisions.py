@@ -33,17 +33,6 @@ def subdivide(
     share the count so that the largest part is smallest. A line is left out when there are not enough parts, or when
     parts on its two sides would differ in size by more than 3 to 1; lesser ones that keep another from being followed
     are left out first. Before the first joint at a line there are at least ``first`` parts.
-
-    Examples
-    --------
-    >>> subdivide(0.0, 4.0, 4, [3.0])
-    array([0., 1., 2., 3., 4.])
-    >>> subdivide(0.0, 4.0, 4, [1.2])
-    array([0.        , 1.2       , 2.13333333, 3.06666667, 4.        ])
-    >>> subdivide(0.0, 4.0, 4, [0.1])
-    array([0., 1., 2., 3., 4.])
-    >>> subdivide(0.0, 4.0, 4, [1.2], [1.3])
-    array([0.        , 1.2       , 2.13333333, 3.06666667, 4.        ])
     """
     even = np.linspace(start, stop, count + 1)
     same = _SAME * (stop - start)
@@ -136,11 +125,6 @@ def graded(
 
     Away from a cap the size grows by the distance times ln 1.3, so that neighbours differ by 1.3 at most. Between
     lines the joints share ∫ dx/size equally; a piece whose elements come out smaller is a cap to the others.
-
-    Examples
-    --------
-    >>> graded(0.0, 10.0, 2.0, [(0.0, 0.0, 0.5)]).round(2)
-    array([ 0.  ,  0.53,  1.2 ,  2.05,  3.14,  4.53,  6.29,  8.14, 10.  ])
     """
     wanted = list(caps)
     knots = _kept(start, stop, (lines, lesser), size, wanted)

@@ -63,19 +63,7 @@ def shears_grow(angle: float, held: bool, other_held: bool, along: bool) -> bool
 
 
 def moments_grow(angle: float, one: Slopes, other: Slopes, poisson: float) -> bool:
-    """Whether moments have no limit at a corner between edges that hold these slopes.
-
-    Examples
-    --------
-    A corner inwards, one of a cantilever's root, and an obtuse one of a hard simple support.
-
-    >>> moments_grow(np.radians(270), "free", "free", 0.2), moments_grow(np.radians(90), "free", "free", 0.2)
-    (True, False)
-    >>> moments_grow(np.radians(90), "clamped", "free", 0.3), moments_grow(np.radians(50), "clamped", "free", 0.3)
-    (True, False)
-    >>> moments_grow(np.radians(120), "twist", "twist", 0.3), moments_grow(np.radians(90), "twist", "twist", 0.3)
-    (True, False)
-    """
+    """Whether moments have no limit at a corner between edges that hold these slopes."""
     if abs(angle - np.pi) <= STRAIGHT and one == other:
         return False
     return exponents_below_one(angle, one, other, poisson) > 0
