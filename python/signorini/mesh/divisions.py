@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from signorini.shapes.arrays import Floats
 
 _SAME = 1e-9
 _STEEPEST = 3.0

@@ -19,14 +19,12 @@ from signorini.mesh import checks as mesh_checks
 from signorini.mesh import isoparametric as maps
 from signorini.mesh.sides import edges_on_polyline, edges_on_ring, holes, sides_mostly_on
 from signorini.shapes import Curve, Ring
+from signorini.shapes.arrays import Bools, Floats, Ints
 from signorini.shapes.extent import Tolerances, diameter
 
 if TYPE_CHECKING:
     import meshio  # type: ignore[import-untyped]
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
 
 _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])

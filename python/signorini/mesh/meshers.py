@@ -6,17 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini._core import mesh_outline
 from signorini.base.memory import require_memory
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.divisions import ALONG_X, Axes, graded, subdivide
+from signorini.shapes.arrays import Floats, Ints
 from signorini.shapes.outlines import Box, Contour, Point, directions
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 Refined = tuple[Box, float]
 

@@ -15,7 +15,8 @@ from signorini.model.base import Complaint, Named, Point, Polyline, Positive, St
 from signorini.model.places import Circle
 from signorini.model.problems import as_list, describe
 from signorini.model.where import curve_of
-from signorini.shapes import Floats, Ring
+from signorini.shapes import Ring
+from signorini.shapes.arrays import Floats
 from signorini.shapes.regions import meeting
 
 FEW = 12

@@ -13,7 +13,8 @@ from signorini import shapes
 from signorini.model import base
 from signorini.model.places import AnyArea, Area, Circle
 from signorini.shapes import Curve, Polyline, Region, Ring, Whole
-from signorini.shapes.outlines import Bools, Floats, Outline, Point, directions
+from signorini.shapes.arrays import Bools, Floats
+from signorini.shapes.outlines import Outline, Point, directions
 
 PlaceKey = Literal["at", "edge", "line", "circle", "area"]
 

@@ -7,14 +7,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
+from signorini.shapes.arrays import Bools, Floats, Ints
 from signorini.shapes.outlines import Box, Outline, Point
 from signorini.shapes.regions import Polyline, Region
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
 
 LEFT, RIGHT = -1, 1
 _APART = 1e-12
