@@ -12,10 +12,9 @@ from signorini.accuracy.meshes import Refined
 from signorini.analysis.combinations import Combined, Sink, combine
 from signorini.analysis.single import rows_of, solve_one, solve_rows
 from signorini.base.arguments import key_of, watching
-from signorini.base.brief import short
-from signorini.base.named import Named
-from signorini.base.on_demand import OnDemand
+from signorini.base.on_demand import Named, OnDemand
 from signorini.base.packages import package
+from signorini.base.remade import short
 from signorini.contact.problem import ContactProblem
 from signorini.equilibrium.imbalance import nearest_limit
 from signorini.model import Combination

@@ -1,4 +1,4 @@
-"""What is computed when it is first asked for, and kept."""
+"""What is computed when it is first asked for, and kept; mappings that say what they have."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
 
 from signorini.base.arguments import key_of
-from signorini.base.brief import FEW
+from signorini.base.remade import FEW
 
 _K = TypeVar("_K")
 _P = ParamSpec("_P")
@@ -90,3 +90,25 @@ class OnDemand(Mapping[str, _V]):
     def __len__(self) -> int:
         """Count the names."""
         return len(self._names)
+
+
+class Named(dict[str, _V]):
+    """A dict whose keys are names of some kind of thing.
+
+    Examples
+    --------
+    >>> reactions = Named({"soil": 3.0}, "support", "This result")
+    >>> reactions, reactions.get("soill")
+    ({'soil': 3.0}, None)
+    >>> reactions["soill"]
+    Traceback (most recent call last):
+    signorini.errors.UnknownNameError: support: Unknown support 'soill'. This result has: soil. Did you mean 'soil'?
+    """
+
+    def __init__(self, values: dict[str, _V], kind: str, owner: str) -> None:
+        super().__init__(values)
+        self._words = kind, owner
+
+    def __missing__(self, name: object) -> _V:
+        """Say that there is nothing of that name."""
+        return self[key_of(name, self, *self._words)]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from signorini import _core
-from signorini.base.brief import Brief
+from signorini.base.remade import Brief
 from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
 from signorini.discretise.placed import Placed, mean_deflections
 from signorini.discretise.places import (

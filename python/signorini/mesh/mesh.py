@@ -12,8 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from signorini._core import map_points, nodal_forces, serendipity, shape_values, triangular
-from signorini.base.brief import Brief
-from signorini.base.remade import Remade
+from signorini.base.remade import Brief, Remade
 from signorini.errors import InputError
 from signorini.mesh import checks as mesh_checks
 from signorini.mesh import isoparametric as maps

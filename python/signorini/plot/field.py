@@ -17,7 +17,7 @@ from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from signorini.base.plain import POWERS, plain
+from signorini.base.numbers import POWERS, plain
 from signorini.plot.picture import Panel, PressureLayer
 from signorini.plot.plan import (
     INK,

@@ -7,8 +7,7 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from signorini.base.numbers import estimated
-from signorini.base.plain import plain
+from signorini.base.numbers import estimated, plain
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes

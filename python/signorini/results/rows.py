@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.base.named import Named
+from signorini.base.on_demand import Named
 from signorini.base.packages import package
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation

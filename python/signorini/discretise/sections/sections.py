@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from signorini import _core
-from signorini.base.brief import Brief
+from signorini.base.remade import Brief
 from signorini.discretise.held import Held
 from signorini.discretise.quadrature import Quadrature, area_quadrature, curve_quadrature
 from signorini.discretise.quadrature.stepped import Levels
