@@ -104,10 +104,7 @@ class Results(States[str], Mapping[str, Result]):
 
     @cached_property
     def _others(self) -> Mapping[str, Result]:
-        return OnDemand(self._numbers, self._solved, _KEPT)
-
-    def _solved(self, name: str) -> Result:
-        return solve_one(self.problem, self._combination(name))
+        return OnDemand(self._numbers, lambda name: solve_one(self.problem, self._combination(name)), _KEPT)
 
     def _combination(self, name: str) -> Combination:
         return self.model.effective_combinations[self._numbers[name]]

@@ -43,18 +43,7 @@ def kept(compute: Callable[Concatenate[_K, _P], _V]) -> Callable[Concatenate[_K,
 
 
 class OnDemand(Mapping[str, _V]):
-    """Values by name, each computed when it is first asked for; ``most`` of them, the latest, are kept.
-
-    Examples
-    --------
-    >>> squares = OnDemand(["2", "3"], lambda name: int(name) ** 2)
-    >>> squares["3"], list(squares), dict(squares)
-    (9, ['2', '3'], {'2': 4, '3': 9})
-    >>> squares
-    {'2': 4, '3': 9}
-    >>> OnDemand("abcdef", str.upper)
-    {'a': ..., 'b': ..., 'c': ..., 'd': ..., ... 6 in all}
-    """
+    """Values by name, each computed when it is first asked for; ``most`` of them, the latest, are kept."""
 
     def __init__(
         self,
@@ -93,17 +82,7 @@ class OnDemand(Mapping[str, _V]):
 
 
 class Named(dict[str, _V]):
-    """A dict whose keys are names of some kind of thing.
-
-    Examples
-    --------
-    >>> reactions = Named({"soil": 3.0}, "support", "This result")
-    >>> reactions, reactions.get("soill")
-    ({'soil': 3.0}, None)
-    >>> reactions["soill"]
-    Traceback (most recent call last):
-    signorini.errors.UnknownNameError: support: Unknown support 'soill'. This result has: soil. Did you mean 'soil'?
-    """
+    """A dict whose keys are names of some kind of thing."""
 
     def __init__(self, values: dict[str, _V], kind: str, owner: str) -> None:
         super().__init__(values)

@@ -38,12 +38,6 @@ def rectangle(
     give way, where `subdivide` can. In boxes (x0, y0, x1, y1) of ``refined`` elements are of a size of their own; one
     that reaches from side to side asks for it across alone. Then there are more elements than the divisions say
     (`graded`). Pieces between lines that are alike get their elements from where the axes begin (`axes_of`).
-
-    Examples
-    --------
-    >>> mesh = rectangle((0.0, 0.0), (4.0, 2.0), (4, 2), x_lines=[1.2])
-    >>> mesh.node_count, len(mesh.elements), sorted(mesh.edges)
-    (37, 8, ['bottom', 'left', 'right', 'top'])
     """
     x = _with_middles(_joints(0, origin, size, divisions, (x_lines, x_lesser), refined, axes))
     y = _with_middles(_joints(1, origin, size, divisions, (y_lines, y_lesser), refined, axes))
@@ -107,12 +101,6 @@ def annulus(
     The numbers of elements along a radius and along the circumference are kept. Circles of the radii are followed where
     `subdivide` can. Its edges are inner and outer, of a sector start (at angle 0) and end too. Nodes on circles are on
     them exactly.
-
-    Examples
-    --------
-    >>> mesh = annulus((0.0, 0.0), 1.0, 2.0, (2, 12))
-    >>> len(mesh.elements), sorted(mesh.edges)
-    (24, ['inner', 'outer'])
     """
     radial, around = divisions
     closed = sector == 360.0
@@ -143,12 +131,6 @@ def disc(
     a half disc with 4m, 2m × m; of a quarter with 2m, m × m. A radius takes at least those of the core and a quarter as
     many again, over which the core's outline turns into a circle, and one for each of `radii`. Its edges are the rim,
     of a sector start (at angle 0) and end too. Nodes on circles are on them exactly.
-
-    Examples
-    --------
-    >>> mesh = disc((0.0, 0.0), 1.0, (4, 16))
-    >>> len(mesh.elements), sorted(mesh.edges)
-    (48, ['rim'])
     """
     quarters = int(sector) // 90
     cells = -(-divisions[1] // (2 if quarters == 1 else 4))

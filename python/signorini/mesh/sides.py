@@ -19,15 +19,7 @@ _STEPS = 8
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Sides (k, 3, 2) by corner, midside and corner, and how far from them anything is looked for.
-
-    Examples
-    --------
-    >>> sides = Sides(np.array([[[-2.0, 0.0], [0.0, 0.1], [2.0, 0.0]], [[2.0, 0.0], [2.0, 1.0], [2.0, 2.0]]]), 0.5)
-    >>> places, apart = sides.nearest(np.array([[0.0, 0.3], [2.1, 1.5], [5.0, 1.0]]))
-    >>> places[:2].round(12).tolist(), apart.round(12).tolist()
-    ([[0.0, 0.1], [2.0, 1.5]], [0.2, 0.1, inf])
-    """
+    """Sides (k, 3, 2) by corner, midside and corner, and how far from them anything is looked for."""
 
     nodes: Floats
     within: float

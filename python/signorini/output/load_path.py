@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
 from dataclasses import asdict
@@ -15,7 +13,7 @@ import numpy as np
 from signorini.accuracy.comparison import PathEstimate
 from signorini.base.files import replacing_together
 from signorini.output.directory import cannot_write, former_path
-from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE, name_cell
+from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE, csv_text, name_cell
 from signorini.output.tables import snapped_json
 from signorini.results.figures import line_places, put
 from signorini.results.load_path import LoadPath
@@ -106,18 +104,16 @@ def path_csv(path: LoadPath, estimate: PathEstimate | None = None) -> str:
 
     Those of areas are columns of every support, empty of others.
     """
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
     numbers = {one.column: one for one in path.stops[0].catalogue}
     of_supports = [one.name for one in (*OF_SUPPORTS, *OF_AREAS) if one.along_paths]
     columns = [f"{what}:{support.name}" for support in path.model.support for what in of_supports]
     columns += [of for of, one in numbers.items() if one.home not in ("support", "field") and one.what != "gap"]
-    table.writerow(["t", "t_plus_minus", "event", "deflection_max", "deflection_min", *columns])
+    rows = []
     for index, stop in enumerate(path.stops):
         width = None if estimate is None else estimate.half_width(path, index)
         row = [stop.t, width, name_cell(path.words(index)), stop.largest, stop.smallest]
-        table.writerow([*row, *(_cell(stop, numbers.get(of)) for of in columns)])
-    return text.getvalue()
+        rows.append([*row, *(_cell(stop, numbers.get(of)) for of in columns)])
+    return csv_text(["t", "t_plus_minus", "event", "deflection_max", "deflection_min", *columns], rows)
 
 
 def _cell(stop: PathStop, one: Number | None) -> float | None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
@@ -15,7 +13,7 @@ from signorini.analysis.results import Results
 from signorini.discretise.snapping import Snapped
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
-from signorini.output.names import Pictures, files, name_cell
+from signorini.output.names import Pictures, csv_text, files, name_cell
 from signorini.results.figures import figures, point_figures, total
 from signorini.results.result import Result
 from signorini.singularities.singularity import Singularity
@@ -71,12 +69,8 @@ def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
     A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node. Names that a
     spreadsheet would compute have an apostrophe before them.
     """
-    text = io.StringIO()
-    table = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
-    table.writeheader()
-    for result in results.full.values():
-        table.writerows(_rows(result, None if estimates is None else estimates[result.name].plus_minus))
-    return text.getvalue()
+    told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
+    return csv_text(_COLUMNS, (row for one, plus_minus in told for row in _rows(one, plus_minus)))
 
 
 def _combination(results: Results, result: Result, estimates: Estimates | None) -> dict[str, Any]:

@@ -394,9 +394,6 @@ class Hollow(outlines.Drawn):
 Region: TypeAlias = Whole | Hollow
 
 
-"""Crossings of sides with stations that are looked at together."""
-
-
 def overlap(one: Floats, other: Floats) -> float:
     """Area that two simple polygons, corners (n, 2) and (m, 2) in either sense, have in common.
 

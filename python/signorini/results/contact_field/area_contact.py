@@ -18,7 +18,6 @@ from signorini.model import Support
 from signorini.results.contact_field.cells import Cells, bounds, edge_of_contact, free_travel, overlap, pressing
 from signorini.results.contact_field.lines import Segments, chained, clipped, thinned
 from signorini.results.extremes import peak
-from signorini.shapes import Region
 from signorini.shapes.distances import depth
 from signorini.shapes.tessellation import Tessellation
 
@@ -188,13 +187,10 @@ class AreaContact(Remade):
 
     def depth(self, positions: Floats) -> Floats:
         """How deep positions (q, 2) are in the support; 0 or more on its outline too."""
-        if self._region is None:
+        region = self.support.where.region
+        if region is None:
             return np.full(len(positions), self.mesh.size)
-        return depth(self._region, positions) + _ON_OUTLINE * self.mesh.size
-
-    @cached_property
-    def _region(self) -> Region | None:
-        return self.support.where.region
+        return depth(region, positions) + _ON_OUTLINE * self.mesh.size
 
     @cached_property
     def _whole(self) -> Bools:
