@@ -12,6 +12,7 @@ from signorini.discretise.zones import Rigidity, Zones
 from signorini.errors import point
 from signorini.mesh import Mesh
 from signorini.model import Model
+from signorini.model.whole import acting_on
 from signorini.results.quantities import KINDS, LINEAR, Number
 from signorini.results.result import Result
 from signorini.shapes.distances import distances
@@ -146,7 +147,7 @@ def _group(one: Number) -> tuple[object, ...]:
 
 def acts_at_points(model: Model) -> bool:
     """Whether a force, a couple or a support acts at a point, not on a footprint."""
-    points = any(item.at is not None and not item.has_footprint for item in (*model.load, *model.support))
+    points = any(item.at is not None and not item.has_footprint for item in acting_on(model))
     return points or any(moving.patch is None for moving in model.moving)
 
 

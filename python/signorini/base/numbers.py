@@ -74,6 +74,11 @@ def estimated(value: float, width: float | None, largest: float = 0.0, digits: i
     return f"{round(value, -finest) + 0.0:.{max(0, -finest)}f} ± {short}"
 
 
+def in_unit(unit: str) -> str:
+    """Write a unit behind a title."""
+    return f" [{unit}]" if unit else ""
+
+
 def compared(elements: Sequence[int], asked: bool) -> str:
     """Where half-widths come from, or why there are none.
 

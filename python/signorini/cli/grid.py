@@ -11,7 +11,7 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
-from signorini.base.numbers import estimated, number
+from signorini.base.numbers import estimated, in_unit, number
 from signorini.model import Units
 from signorini.results.quantities import Quantity
 
@@ -196,11 +196,6 @@ def in_contact(name: str, part: str, value: float, whole: float, what: str, unit
     if not whole:
         return f"{name}: others hold the plate all over it"
     return f"{name}: in contact on {min(100.0, 100.0 * value / whole):.3g} % of its {what}, {part} of {whole:.6g}{unit}"
-
-
-def in_unit(unit: str) -> str:
-    """Write a unit behind a title."""
-    return f" [{unit}]" if unit else ""
 
 
 def in_title(one: Quantity, units: Units) -> str:

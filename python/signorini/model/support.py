@@ -166,7 +166,7 @@ class Support(Acting, base.Named):
             yield ("resists",), "found both fix and resists; give one. fix holds both ways."
         if self.area is not None:
             yield ("fix",), "fix does not go with area; use resists."
-        if self.given(("at", "nodes")) and ("slope" in fixed) != ("twist" in fixed):
+        if self.place == "at" and ("slope" in fixed) != ("twist" in fixed):
             yield (
                 ("fix",),
                 f"found {describe(self.fix)}; a point has no direction, so slope and twist go together there: "

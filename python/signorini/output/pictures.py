@@ -8,6 +8,7 @@ from pathlib import Path
 from signorini.accuracy.meshes import ORDER
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
+from signorini.base.numbers import in_unit
 from signorini.output.names import (
     REFINEMENT,
     Pictures,
@@ -129,5 +130,5 @@ def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) 
             PICTURED[name].label(units): {key: one.values[name] for key, one in curves.items()} for name in _PROFILED
         }
         distance = next(iter(curves.values())).distance
-        along = f"{profile.name} [{units.length}]" if units.length else profile.name
+        along = f"{profile.name}{in_unit(units.length)}"
         save(profile_picture(distance, panels, along, results.model.title), directory / file)
