@@ -8,8 +8,10 @@ from hypothesis import strategies as st
 from models import rectangular, tables
 from pydantic import ValidationError
 
+from signorini import shapes
 from signorini.errors import InputError
 from signorini.model import Area, Combination, DiscPlate, Load, MeshOptions, Model, Support, validate
+from signorini.model.where import Where
 
 
 def slab(**changes):
@@ -153,8 +155,8 @@ def test_a_model_made_in_python_is_refused_in_the_words_of_an_input_file():
             make()
         assert str(caught.value).splitlines()[1:] == [
             "  plate.thickness: found -0.1; it must be greater than 0.",
-            "  support[1].stifness: unknown key 'stifness'. Did you mean 'stiffness'? Allowed here: name, at, nodes, "
-            "patch, angle, radius, edge, line, circle, area, fix, resists, gap, stiffness, settlement, rotation.",
+            "  support[1].stifness: unknown key 'stifness'. Did you mean 'stiffness'? Allowed here: name, at, edge, "
+            "line, circle, area, nodes, patch, angle, radius, fix, resists, gap, stiffness, limit, settlement, rotation.",
         ]
     with pytest.raises(InputError, match=r"^stiffness: found 0; it must be greater than 0.$"):
         Support(at=[1, 1], stiffness=0)
@@ -251,3 +253,33 @@ def test_the_least_size_that_a_message_names_is_allowed() -> None:
     held = [{"edge": "left", "fix": "clamped"}]
     model = rectangular(material={"E": 1e-60, "nu": 0.3}, support=held, load=[{"pressure": 1.0}])
     assert model.material.E == 1e-60
+
+
+@pytest.mark.parametrize(
+    ("said", "expected"),
+    [
+        ({"at": [[1, 2], [3, 4]]}, Where("at", points=((1.0, 2.0), (3.0, 4.0)))),
+        (
+            {"at": [1, 2], "radius": 0.5},
+            Where("at", points=((1.0, 2.0),), footprints=(shapes.Circle((1.0, 2.0), 0.5),)),
+        ),
+        (
+            {"at": [1, 2], "patch": [2, 4]},
+            Where("at", ((1.0, 2.0),), footprints=(shapes.Rectangle(0.0, 0.0, 2.0, 4.0),)),
+        ),
+        ({"nodes": 7}, Where("at")),
+        ({"edge": "left"}, Where("edge", edges=("left",))),
+        ({"line": [[0, 0], [1, 1]]}, Where("line", curve=shapes.Polyline(((0.0, 0.0), (1.0, 1.0))))),
+        ({"circle": {"radius": 2}}, Where("circle", curve=shapes.Ring((0.0, 0.0), 2.0))),
+        ({"area": "all"}, Where("area")),
+        ({"area": {"rectangle": [0, 0, 1, 2]}}, Where("area", region=shapes.Rectangle(0.0, 0.0, 1.0, 2.0))),
+    ],
+)
+def test_a_support_says_where_it_is(said, expected):
+    assert Support(**said).where == expected
+
+
+def test_a_load_without_a_place_is_all_over_the_plate():
+    for load in (Load(pressure=1), Load(self_weight=True), Load(curvature=[1, 0, 0])):
+        assert load.where == Where("area")
+        assert load.where.covers(np.array([[0.0, 0.0], [9.0, 9.0]])).all()

@@ -5,9 +5,8 @@ import pytest
 from models import rectangular
 
 from signorini import InputError, Model
-from signorini.analysis.check import check
+from signorini.analysis.check import Quality, check
 from signorini.mesh.meshers import outlined
-from signorini.mesh.quality import Quality
 from signorini.shapes import Polyline
 from signorini.shapes.outlines import circle, straight
 

@@ -18,8 +18,7 @@ from models import rectangular
 from typer.testing import CliRunner
 
 import signorini
-from signorini.base.numbers import estimated
-from signorini.base.plain import plain
+from signorini.base.numbers import estimated, plain
 from signorini.cli import app
 from signorini.errors import InputError
 from signorini.output import path_csv, reactions_csv, results_json, unique_slugs, write, write_path

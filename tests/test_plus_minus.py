@@ -15,8 +15,7 @@ from signorini import Estimate, Model, Result, estimate, solve
 from signorini.accuracy.meshes import meshes_beside
 from signorini.analysis import other_meshes
 from signorini.analysis.estimate import estimates_of
-from signorini.base.numbers import estimated
-from signorini.base.plain import plain
+from signorini.base.numbers import estimated, plain
 from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import disc

@@ -89,18 +89,6 @@ class Problems:
     """Collects what is wrong, so that all of it is told together.
 
     Of one place the first problem counts: what comes later there follows from it. What has no place is the plate's.
-
-    Examples
-    --------
-    >>> problems = Problems()
-    >>> for index in range(2):
-    ...     with problems.collected():
-    ...         raise InputError("not on the plate.", place=("load", index, "at"))
-    >>> problems.tell()
-    Traceback (most recent call last):
-    signorini.errors.InputError: 2 problems:
-      load[1].at: not on the plate.
-      load[2].at: not on the plate.
     """
 
     def __init__(self) -> None:
@@ -139,13 +127,7 @@ class NotCertifiedError(SignoriniError):
 
 
 def path_in_words(path: Place) -> str:
-    """Write where something stands in the model; positions count from 1.
-
-    Examples
-    --------
-    >>> path_in_words(("support", 1, "at", 0))
-    'support[2].at[1]'
-    """
+    """Write where something stands in the model; positions count from 1."""
     return "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in path).removeprefix(".")
 
 

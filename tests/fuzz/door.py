@@ -11,9 +11,7 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from signorini import InputError, Model
-from signorini.discretise.places import region
 from signorini.model import MeshPlate, Support
-from signorini.model.places import curve
 from signorini.shapes.outlines import along_arc
 
 Floats = npt.NDArray[np.float64]
@@ -83,7 +81,7 @@ def _samples(model: Model, support: Support) -> Iterator[Floats]:
                 yield np.concatenate([a + t * (b - a) for a, b in pairwise(points)])
                 if len(contour.edges[name]) == len(contour.sides):
                     yield points[-1] + t * (points[0] - points[-1])
-    elif (shape := curve(support) or region(support.area)) is not None:
+    elif (shape := support.where.shape) is not None:
         drawn = shape.outline
         sides = [a + t * (b - a) for a, b in drawn.segments]
         sides += [np.concatenate([a + t[::40] * (b - a) for a, b in pairwise(along_arc(*arc))]) for arc in drawn.arcs]

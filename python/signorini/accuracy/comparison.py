@@ -27,7 +27,7 @@ from signorini.accuracy.half_width import named as named_numbers
 from signorini.accuracy.layers import KINDS as TOUCHED
 from signorini.accuracy.layers import unseen_at_edges, unseen_layer
 from signorini.base import numbers as words
-from signorini.base.brief import Brief
+from signorini.base.remade import Brief
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.model import Model

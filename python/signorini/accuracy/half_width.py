@@ -11,8 +11,8 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Rigidity, Zones
 from signorini.errors import point
 from signorini.mesh import Mesh
-from signorini.model import Load, Model, Support
-from signorini.model.places import footprints
+from signorini.model import Model
+from signorini.model.whole import acting_on
 from signorini.results.quantities import KINDS, LINEAR, Number
 from signorini.results.result import Result
 from signorini.shapes.distances import distances
@@ -56,27 +56,14 @@ def half_widths(
 
     Of three meshes of sizes h₀ < h₁ < h₂ the changes d₁ = v₀ − v₁ and d₂ = v₁ − v₂ show the order p = ln|d₂/d₁| / ln r,
     r the ratio of sizes. What the finest mesh leaves is a geometric series, |d₁| / (r^p − 1), with p between an order
-    that is not trusted to be more and one that is assumed at least; a half-width is that and the distance from the
-    finest mesh. What grows on every finer mesh by as much as on the one before has no limit.
+    that is not trusted to be more, ``fastest``, and one that is assumed at least; a half-width is that and the distance
+    from the finest mesh. What grows on every finer mesh by as much as on the one before has no limit.
 
-    Parameters
-    ----------
-    values : (m, ...) array
-        Of m = 2 or 3 meshes, the finest first; NaN where a mesh does not tell.
-    sizes : m floats
-        Mean sides of elements.
-    own : int
-        Which of the meshes the half-widths are for.
-    fastest : float or (...) array
-        The order that is trusted at most.
-    beside : (...) array
-        A change that each counts as at least, because of others that were found with it: one may vanish by chance.
-    largest : (...) array
-        The largest value of each number's field.
-    limited : (...) array
-        Numbers that cannot grow for ever.
-    fringe : (...) array
-        Extremes beside nodes that are left out: they hop between what nodes are left, so that little is trusted.
+    Values (m, n) are those of two or three meshes, the finest first, NaN where a mesh does not tell; the half-widths
+    are for mesh ``own``. Each change counts as ``beside`` at least, that of others found with it: one may vanish by
+    chance. ``largest`` are the largest values of each number's field. Numbers that are ``limited`` cannot grow for
+    ever. Extremes on the ``fringe``, beside nodes that are left out, hop between the nodes that are left: little is
+    trusted of them.
 
     Examples
     --------
@@ -160,8 +147,7 @@ def _group(one: Number) -> tuple[object, ...]:
 
 def acts_at_points(model: Model) -> bool:
     """Whether a force, a couple or a support acts at a point, not on a footprint."""
-    items: tuple[Load | Support, ...] = (*model.load, *model.support)
-    points = any(item.at is not None and not footprints(item) for item in items)
+    points = any(item.at is not None and not item.has_footprint for item in acting_on(model))
     return points or any(moving.patch is None for moving in model.moving)
 
 

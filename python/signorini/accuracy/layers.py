@@ -18,7 +18,8 @@ from signorini.accuracy.half_width import FASTEST, sections_at
 from signorini.discretise.held import sides_that_hold_turns
 from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
-from signorini.model import Load, Model, Support
+from signorini.model import Model
+from signorini.model.whole import acting_on
 from signorini.results.quantities import Path
 from signorini.shapes.distances import distances
 from signorini.singularities.boundary import middles
@@ -48,23 +49,6 @@ def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
 
     ``sizes`` are the sides of elements on the finest meshes. What the layer changes between these is told by them, and
     so is what it is then expected to change on finer ones; the rest is not.
-
-    Examples
-    --------
-    >>> from signorini.discretise import discretise
-    >>> def square(fix, thickness):
-    ...     return Model(
-    ...         material={"E": 30e9, "nu": 0.2},
-    ...         plate={"shape": "rectangle", "size": [4, 4], "thickness": thickness},
-    ...         support=[{"edge": ["left", "right", "bottom", "top"], "fix": fix}],
-    ...         load=[{"pressure": 5e3}],
-    ...     )
-    >>> for fix, thickness in (("simple", 0.004), ("simple", 0.1), ("clamped", 0.004)):
-    ...     mesh = discretise(square(fix, thickness)).mesh
-    ...     print(f"{unseen_layer(square(fix, thickness), mesh, (0.1, 0.2)):.1e}")
-    1.1e-03
-    0.0e+00
-    0.0e+00
     """
     ends = mesh.points[_sides(model, mesh)[:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
@@ -105,8 +89,7 @@ def unseen_at_edges(
     parts = len(_CHORDS) - 1
     size = finer * np.repeat(mesh.element_area[mesh.find_sides(sides)[0]], parts) / (parts * length)
     unseen = 1.0 / (1.0 + _TWIST_SEEN * (width / size) ** 2)
-    items: tuple[Load | Support, ...] = (*model.support, *model.load)
-    lines = [middles(mesh, item) for item in items]
+    lines = [middles(mesh, item.where) for item in acting_on(model)]
     free = np.repeat(~np.isin(sides[:, 1], np.concatenate(lines)), parts)
 
     peaks = [np.abs(numbers[path]) for path in _ends("mxy") if path in numbers]

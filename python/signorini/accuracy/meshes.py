@@ -15,10 +15,11 @@ from signorini.base.memory import fits, needed
 from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import divided
-from signorini.model import Area, Load, MeshOptions, MeshPlate, Model, RectanglePlate, Refinement, Support
+from signorini.model import Area, MeshOptions, MeshPlate, Model, RectanglePlate, Refinement
+from signorini.model.whole import acting_on
 from signorini.results.quantities import Number
 from signorini.results.result import Result
-from signorini.shapes.distances import distances
+from signorini.shapes.distances import Targets, distances
 from signorini.shapes.outlines import Point
 
 _LEAST_ALONG, _LEAST = 16, 2500
@@ -233,16 +234,9 @@ def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
 def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
     """Which points are on a line that supports or loads the plate, where shears jump."""
     at, result = np.array(points).reshape(-1, 2), np.zeros(len(points), np.bool_)
-    items: tuple[Support | Load, ...] = (*model.support, *model.load)
-    for item in items:
-        if item.circle is not None:
-            away = np.abs(np.hypot(*(at - item.circle.center).T) - item.circle.radius)
-        elif item.line is not None:
-            chain = np.array(item.line)
-            away = distances(at, chain[:-1], chain[1:]).min(axis=1)
-        else:
-            continue
-        result |= away <= mesh.near.written
+    for item in acting_on(model):
+        if item.where.curve is not None:
+            result |= Targets.along(item.where.outline).nearest(at)[1] <= mesh.near.written
     return result
 
 

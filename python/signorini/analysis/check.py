@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 
@@ -16,12 +17,38 @@ from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import NO_FORCE, RigidFreedom, allowed_motions, rigid_freedom
 from signorini.equilibrium.imbalance import WORK, Imbalance, explain, imbalance_of, nearest_limit, on_the_brink
 from signorini.errors import InputError
-from signorini.mesh.quality import Quality
+from signorini.mesh.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results import marks
 from signorini.results.warnings import idle_cases, model_warnings, no_resultant
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
+
+
+@dataclass(frozen=True)
+class Quality:
+    """The smallest angle at a corner of an element, its corner, and the share of the area in quadrilaterals."""
+
+    angle: float
+    corner: tuple[float, float]
+    quadrilaterals: float
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> Self:
+        """Measure a mesh, by the straight lines between corners; angles in degrees."""
+        at = mesh.nodes[:, :4]
+        onward, back = np.roll(at, -1, axis=1) - at, np.roll(at, 1, axis=1) - at
+        # A triangle has its third corner twice; each has a side without length.
+        third = mesh.triangles
+        onward[third, 2], back[third, 3] = onward[third, 3], back[third, 2]
+        area = onward[..., 0] * back[..., 1] - onward[..., 1] * back[..., 0]
+        angle = np.degrees(np.arctan2(area, (onward * back).sum(axis=-1))) % 360.0
+        # Rounding must not choose among right angles.
+        element, corner = np.unravel_index(np.argmin(angle.round(9)), angle.shape)
+        x, y = at[element, corner].tolist()
+        share = float(mesh.element_area[~third].sum() / mesh.element_area.sum())
+        return cls(float(angle.round(9)[element, corner]), (x, y), share)
+
 
 _FORMATS = (".png", ".svg", ".pdf")
 _HEAD = 1000

@@ -18,8 +18,8 @@ from signorini.analysis.results import Results
 from signorini.analysis.sampler import LINEAR, SMOOTH, PathLoads, Sampler, State, Watch, root
 from signorini.analysis.single import solve_one
 from signorini.base.arguments import index, key_of, watching
-from signorini.base.brief import Brief
 from signorini.base.progress import Progress, Watcher
+from signorini.base.remade import Brief
 from signorini.contact.problem import ContactProblem
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError, SignoriniError

@@ -12,10 +12,9 @@ from signorini.accuracy.meshes import Refined
 from signorini.analysis.combinations import Combined, Sink, combine
 from signorini.analysis.single import rows_of, solve_one, solve_rows
 from signorini.base.arguments import key_of, watching
-from signorini.base.brief import short
-from signorini.base.named import Named
-from signorini.base.on_demand import OnDemand
+from signorini.base.on_demand import Named, OnDemand
 from signorini.base.packages import package
+from signorini.base.remade import short
 from signorini.contact.problem import ContactProblem
 from signorini.equilibrium.imbalance import nearest_limit
 from signorini.model import Combination
@@ -105,10 +104,7 @@ class Results(States[str], Mapping[str, Result]):
 
     @cached_property
     def _others(self) -> Mapping[str, Result]:
-        return OnDemand(self._numbers, self._solved, _KEPT)
-
-    def _solved(self, name: str) -> Result:
-        return solve_one(self.problem, self._combination(name))
+        return OnDemand(self._numbers, lambda name: solve_one(self.problem, self._combination(name)), _KEPT)
 
     def _combination(self, name: str) -> Combination:
         return self.model.effective_combinations[self._numbers[name]]

@@ -17,14 +17,7 @@ _T = TypeVar("_T")
 
 
 def number(value: object, place: str) -> float:
-    """A real number as a float, infinite or NaN too.
-
-    Examples
-    --------
-    >>> number("3", "until")
-    Traceback (most recent call last):
-    signorini.errors.InputError: until: found '3'; it must be a number.
-    """
+    """A real number as a float, infinite or NaN too."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
@@ -36,14 +29,7 @@ def number(value: object, place: str) -> float:
 
 
 def interval(value: object, place: str) -> tuple[float, float]:
-    """A lower and an upper limit.
-
-    Examples
-    --------
-    >>> interval([2, 1], "limits")
-    Traceback (most recent call last):
-    signorini.errors.InputError: limits: found [2, 1]; it must be two finite numbers, the lower one first.
-    """
+    """A lower and an upper limit."""
     result = _array(value)
     if result is None or result.shape != (2,) or not np.isfinite(result).all() or result[0] >= result[1]:
         raise InputError(
@@ -53,27 +39,14 @@ def interval(value: object, place: str) -> tuple[float, float]:
 
 
 def path(value: object, what: str, place: str) -> str:
-    """The path of something.
-
-    Examples
-    --------
-    >>> path(None, "a directory", "directory")
-    Traceback (most recent call last):
-    signorini.errors.InputError: directory: found None; it must be the path of a directory.
-    """
+    """The path of something."""
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"found {reprlib.repr(value)}; it must be the path of {what}.", place=place)
     return os.fspath(value)
 
 
 def points(value: object, place: str = "points") -> NDArray[np.float64]:
-    """Positions (q, 2) of a point, or of any number of them.
-
-    Examples
-    --------
-    >>> points((1, 2)).shape, points([]).shape
-    ((1, 2), (0, 2))
-    """
+    """Positions (q, 2) of a point, or of any number of them."""
     result = _array(value)
     if result is not None and result.shape in ((0,), (2,)):
         result = result.reshape(-1, 2)
@@ -97,14 +70,7 @@ def vector(value: object, length: int, place: str) -> NDArray[np.float64]:
 
 
 def array(value: object, place: str, dimensions: int) -> NDArray[np.float64]:
-    """Numbers in so many dimensions.
-
-    Examples
-    --------
-    >>> array([[1, 2]], "q", 1)
-    Traceback (most recent call last):
-    signorini.errors.InputError: q: found an array of shape (1, 2); it must be one of numbers in 1 dimension.
-    """
+    """Numbers in so many dimensions."""
     result = _array(value)
     if result is None or result.ndim != dimensions:
         what = reprlib.repr(value) if result is None else f"an array of shape {result.shape}"
@@ -129,13 +95,7 @@ def known(value: object, allowed: Collection[str], kind: str, place: str, owner:
 
 
 def key_of(value: object, allowed: Collection[str], kind: str, owner: str) -> str:
-    """One of the names of a mapping.
-
-    Raises
-    ------
-    UnknownNameError
-        Which is a KeyError too, where there is none of that name.
-    """
+    """One of the names of a mapping; others are refused by an error that is a KeyError too."""
     try:
         return known(value, allowed, kind, kind, owner)
     except InputError as error:
@@ -143,14 +103,7 @@ def key_of(value: object, allowed: Collection[str], kind: str, owner: str) -> st
 
 
 def index(value: object, count: int, kind: str, place: str) -> int:
-    """The number of one of so many things, from 0.
-
-    Examples
-    --------
-    >>> index(3, 3, "stop", "index")
-    Traceback (most recent call last):
-    signorini.errors.InputError: index: found 3; it must be the number of a stop, 0 to 2.
-    """
+    """The number of one of so many things, from 0."""
     if isinstance(value, int | np.integer) and not isinstance(value, bool) and 0 <= value < count:
         return int(value)
     allowed = f"0 to {count - 1}"

@@ -25,32 +25,10 @@ _NEW, _OLD = "new", "replaced"
 
 @contextmanager
 def hidden_directory(beside: str | os.PathLike[str], name: str) -> Iterator[Path]:
-    """Give a hidden directory, empty but for its mark, for as long as the context lasts.
+    """Give a hidden directory in an existing one, empty but for its mark, for as long as the context lasts.
 
-    If the context ends well, those for the same name that killed processes left are removed with it.
-
-    Parameters
-    ----------
-    beside : path-like
-        An existing directory.
-    name : str
-        The directory is named ``.name-``, cut short when long, and eight random digits.
-
-    Raises
-    ------
-    OSError
-        The directory does not exist or cannot be written to.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     pathlib.Path(place, ".results-20240115").mkdir()
-    ...     with hidden_directory(place, "results") as made:
-    ...         len(os.listdir(place)), made.is_dir()
-    ...     os.listdir(place)
-    (2, True)
-    ['.results-20240115']
+    It is named ``.name-``, cut short when long, and eight random digits. If the context ends well, those for the same
+    name that killed processes left are removed with it.
     """
     made = Path(beside) / f".{name[:_LONGEST_NAME]}-{secrets.token_hex(4)}"
     made.mkdir()
@@ -84,35 +62,10 @@ def left_by_killed(beside: Path | str | os.PathLike[str], name: str) -> Iterator
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a path to write to, beside ``path``, and put it in the place of ``path`` once it is written.
+    """Give a path to write to, in a new directory, and put it in the place of ``path`` once it is written.
 
-    A reader sees the old file or the new one, never half of one. If the body raises, ``path`` is as it was
-    and nothing is left beside it.
-
-    Parameters
-    ----------
-    path : path-like
-        The file to create or to replace; of a link, the file that it leads to. Its directory must exist.
-
-    Yields
-    ------
-    Path
-        The same name in a new directory beside it.
-
-    Raises
-    ------
-    OSError
-        The directory does not exist or cannot be written to, or the path leads to a device or the like.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as directory:
-    ...     target = pathlib.Path(directory, "reactions.csv")
-    ...     with replacing(target) as beside:
-    ...         _ = beside.write_text("support,reaction")
-    ...     [entry.name for entry in pathlib.Path(directory).iterdir()]
-    ['reactions.csv']
+    A reader sees the old file or the new one, never half of one. If the body raises, ``path`` is as it was and nothing
+    is left beside it. Of a link the file that it leads to is replaced. Its directory must exist.
     """
     target = Path(os.path.realpath(arguments.path(path, "a file", "path")))
     if target.exists() and not target.is_file():
@@ -129,38 +82,11 @@ def replacing_together(
 ) -> Iterator[Path]:
     """Give an empty directory to write files to, and put them all into ``directory`` once they are written.
 
-    The directory is made if need be. The former set of files in it is replaced; others stay, and one that has the name
-    of a new file is refused. If anything fails, everything is as it was. Of several processes one after the other puts
-    its files there, so that the directory holds the set of the last one and nothing of the others.
-
-    Parameters
-    ----------
-    directory : path-like
-    former : callable
-        Reads from the seal in a directory the names of its set.
-    seal : str
-        Name of the file that goes first and comes last, so that whoever finds it finds its set whole.
-
-    Yields
-    ------
-    Path
-        A new directory on the same file system.
-
-    Raises
-    ------
-    OSError
-        The directory cannot be made or written to, or a name is taken by a directory or by a file of none of the sets.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     target = pathlib.Path(place, "results")
-    ...     for name in "ab":
-    ...         with replacing_together(target, lambda place: ["a"], "a") as beside:
-    ...             _ = (beside / name).write_text("")
-    ...     [entry.name for entry in target.iterdir()]
-    ['b']
+    The directory is made if need be. The former set of files in it is replaced, whose names ``former`` reads from the
+    file ``seal``; others stay, and one that has the name of a new file is refused. If anything fails, everything is as
+    it was. Of several processes one after the other puts its files there, so that the directory holds the set of the
+    last one and nothing of the others. The seal goes first and comes last, so that whoever finds it finds its set
+    whole.
     """
     target = Path(directory).absolute()
     if target.exists() and not target.is_dir():
@@ -189,25 +115,10 @@ def replacing_together(
 
 
 def require_free(target: Path, names: Iterable[str], former: Callable[[Path], Iterable[str]]) -> set[str]:
-    """Refuse names that files of none of ours have in a directory.
+    """Refuse names that files of none of ours have in a directory, and return the files there that are ours.
 
-    Parameters
-    ----------
-    target : Path
-    names : iterable of str
-        Of files to be put there.
-    former : callable
-        As for `replacing_together`.
-
-    Returns
-    -------
-    set of str
-        The files there that are ours: former ones, and those that a process was moving when it was killed.
-
-    Raises
-    ------
-    OSError
-        A directory or a file of somebody else's has one of the names.
+    These are ``former`` ones, as `replacing_together` knows them, and those that a process was moving when it was
+    killed.
     """
     left = [
         left / part

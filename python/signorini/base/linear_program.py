@@ -24,26 +24,10 @@ def minimise(
     bounds: tuple[_Floats | float, _Floats | float],
     tolerance: float = _FEASIBLE,
 ) -> _Floats | None:
-    """Minimise c·x with l ≤ A x ≤ u and x between bounds; `minimise_with_prices` gives the rows' multipliers too.
+    """Minimise c·x with l ≤ A x ≤ u and x between bounds; None if nothing satisfies the rows, or c·x has no minimum.
 
-    Parameters
-    ----------
-    cost : (n,) array
-    rows : (m, n) array or sparse array
-    row_bounds, bounds : pairs of arrays (m,), (n,), or of numbers for all
-        Least and greatest; ±inf where there is none.
-    tolerance : float
-        What rows and bounds may be missed by.
-
-    Returns
-    -------
-    (n,) array or None
-        None if nothing satisfies the rows, or the cost has no least value.
-
-    Raises
-    ------
-    RuntimeError
-        If the program could not be solved, which is none of these.
+    Bounds are pairs of arrays, or of numbers for all, ±inf where there is none. Rows and bounds may be missed by a
+    tolerance. A program that could not be solved raises a RuntimeError.
 
     Examples
     --------

@@ -104,35 +104,17 @@ def _address_space() -> float:
 
 
 def elements_that_fit(most: int) -> int:
-    """Estimate how many elements, up to so many, there is the memory for, to two digits.
-
-    Examples
-    --------
-    >>> elements_that_fit(1000)
-    1000
-    """
+    """Estimate how many elements, up to so many, there is the memory for, to two digits."""
     return int(float(f"{_fitting(needed, most, available()):.2g}"))
 
 
 def require_memory(elements: int, place: Place) -> None:
-    """Refuse a mesh that cannot fit, before the system ends the process for trying.
-
-    Raises
-    ------
-    InputError
-        If the plate would take more memory than there is; the message says how many elements fit.
-    """
+    """Refuse a mesh that cannot fit, before the system ends the process for trying."""
     _require(needed, elements, f"A mesh of {elements:,} elements", "Take larger elements.", place)
 
 
 def require_memory_for_points(points: int, advice: str, place: Place) -> None:
-    """Refuse contact points whose condensed problem cannot fit, with advice.
-
-    Raises
-    ------
-    InputError
-        If it would take more memory than there is; the message says how many points fit.
-    """
+    """Refuse contact points whose condensed problem cannot fit, with advice."""
     _require(needed_by_points, points, f"The problem of {points:,} contact points that need condensing", advice, place)
 
 
@@ -148,25 +130,13 @@ def needed_by_footprints(footprints: int, dofs: int) -> float:
 
 
 def require_memory_for_footprints(footprints: int, dofs: int, place: Place) -> None:
-    """Refuse footprints that cannot fit.
-
-    Raises
-    ------
-    InputError
-        If they would take more memory than there is; the message says how many fit.
-    """
+    """Refuse footprints that cannot fit."""
     what = f"The problem of {footprints:,} supports with footprints"
     _require(lambda count: needed_by_footprints(count, dofs), footprints, what, "Take fewer of them.", place)
 
 
 def require_memory_for_interior_point(dofs: int, points: int) -> None:
-    """Refuse the interior point method where it cannot fit.
-
-    Raises
-    ------
-    InputError
-        If it would take more memory than there is; the message says how many dofs fit.
-    """
+    """Refuse the interior point method where it cannot fit."""
     what, advice = f"Solving {dofs:,} dofs by the interior point method", 'Leave solver.method at "auto".'
     _require(lambda count: needed_by_interior_point(count, points), dofs, what, advice, ("solver", "method"))
 

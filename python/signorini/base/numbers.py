@@ -1,4 +1,4 @@
-"""Numbers short enough to be read, with their half-widths."""
+"""Numbers short enough to be read, with their half-widths, and as pictures show them."""
 
 from __future__ import annotations
 
@@ -74,6 +74,11 @@ def estimated(value: float, width: float | None, largest: float = 0.0, digits: i
     return f"{round(value, -finest) + 0.0:.{max(0, -finest)}f} ± {short}"
 
 
+def in_unit(unit: str) -> str:
+    """Write a unit behind a title."""
+    return f" [{unit}]" if unit else ""
+
+
 def compared(elements: Sequence[int], asked: bool) -> str:
     """Where half-widths come from, or why there are none.
 
@@ -85,3 +90,23 @@ def compared(elements: Sequence[int], asked: bool) -> str:
     if not elements:
         return "not known, no ±" if asked else "not asked, no ± (mesh.error)"
     return f"± by {', '.join(map(str, elements[:-1]))} and {elements[-1]} elements"
+
+
+POWERS = -4, 5
+"""Numbers between these powers of ten are written without one: those of five digits still fit beside the colours."""
+
+
+def plain(value: float, digits: int) -> str:
+    """Write a number of so many digits as short as it can be read, with a power of ten only where it is far from one.
+
+    Examples
+    --------
+    >>> plain(-17524.0, 4), plain(0.00015, 4), plain(2.5e6, 2), plain(1.2345e-7, 3)
+    ('−17520', '0.00015', '2.5e6', '1.23e−7')
+    """
+    rounded = f"{value:.{digits}g}"
+    if 10.0 ** POWERS[0] <= abs(value) < 10.0 ** POWERS[1]:
+        text = np.format_float_positional(float(rounded), trim="-")
+    else:
+        text = rounded.replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
+    return text.replace("-", "−")

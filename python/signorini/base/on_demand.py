@@ -1,30 +1,49 @@
-"""Mappings whose values are computed when they are asked for."""
+"""What is computed when it is first asked for, and kept; mappings that say what they have."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import wraps
 from itertools import islice
-from typing import TypeVar
+from typing import Concatenate, ParamSpec, TypeVar
+from weakref import WeakKeyDictionary
 
 from signorini.base.arguments import key_of
-from signorini.base.brief import FEW
+from signorini.base.remade import FEW
 
+_K = TypeVar("_K")
+_P = ParamSpec("_P")
 _V = TypeVar("_V")
 
 
-class OnDemand(Mapping[str, _V]):
-    """Values by name, each computed when it is first asked for; ``most`` of them, the latest, are kept.
+def kept(compute: Callable[Concatenate[_K, _P], _V]) -> Callable[Concatenate[_K, _P], _V]:
+    """Compute once what follows from an immutable object and names or numbers beside it, and keep it with the object.
 
     Examples
     --------
-    >>> squares = OnDemand(["2", "3"], lambda name: int(name) ** 2)
-    >>> squares["3"], list(squares), dict(squares)
-    (9, ['2', '3'], {'2': 4, '3': 9})
-    >>> squares
-    {'2': 4, '3': 9}
-    >>> OnDemand("abcdef", str.upper)
-    {'a': ..., 'b': ..., 'c': ..., 'd': ..., ... 6 in all}
+    >>> @kept
+    ... def length(word: frozenset, times: int) -> int:
+    ...     print("computed")
+    ...     return len(word) * times
+    >>> word = frozenset("abc")
+    >>> length(word, 2), length(word, 2)
+    computed
+    (6, 6)
     """
+    known: WeakKeyDictionary[_K, dict[object, _V]] = WeakKeyDictionary()
+
+    @wraps(compute)
+    def get(of: _K, /, *beside: _P.args, **named: _P.kwargs) -> _V:
+        values, key = known.setdefault(of, {}), (beside, *named.values())
+        if key not in values:
+            values[key] = compute(of, *beside, **named)
+        return values[key]
+
+    return get
+
+
+class OnDemand(Mapping[str, _V]):
+    """Values by name, each computed when it is first asked for; ``most`` of them, the latest, are kept."""
 
     def __init__(
         self,
@@ -60,3 +79,15 @@ class OnDemand(Mapping[str, _V]):
     def __len__(self) -> int:
         """Count the names."""
         return len(self._names)
+
+
+class Named(dict[str, _V]):
+    """A dict whose keys are names of some kind of thing."""
+
+    def __init__(self, values: dict[str, _V], kind: str, owner: str) -> None:
+        super().__init__(values)
+        self._words = kind, owner
+
+    def __missing__(self, name: object) -> _V:
+        """Say that there is nothing of that name."""
+        return self[key_of(name, self, *self._words)]

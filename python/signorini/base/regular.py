@@ -22,31 +22,9 @@ _BLOCK = 1 << 20
 
 @contextmanager
 def open_regular(path: str | os.PathLike[str], largest: int) -> Iterator[BinaryIO]:
-    """Open a regular file, or a link to one, for reading; pipes, devices and directories may be read without end.
+    """Open a regular file, or a link to one, of at most so many bytes; pipes and devices may be read without end.
 
-    Parameters
-    ----------
-    path : path-like
-    largest : int
-        Bytes that the file may have.
-
-    Yields
-    ------
-    binary file
-
-    Raises
-    ------
-    OSError
-        The file cannot be opened, is larger, or is none; ``strerror`` says in words what was found and what is allowed.
-    ValueError
-        The path has a null character.
-
-    Examples
-    --------
-    >>> with open_regular(os.devnull, 100):
-    ...     pass
-    Traceback (most recent call last):
-    OSError: [Errno 22] it is a device; only regular files are read: '/dev/null'
+    An OSError says in ``strerror`` what was found and what is allowed.
     """
     file = os.open(path, os.O_RDONLY | sum(getattr(os, flag, 0) for flag in _FLAGS))
     try:
@@ -69,18 +47,7 @@ def _require_regular(path: str | os.PathLike[str], result: os.stat_result, large
 
 
 def read_regular(path: str | os.PathLike[str], largest: int) -> bytes:
-    """Read a regular file, or a link to one, as `open_regular` opens it.
-
-    Parameters
-    ----------
-    path : path-like
-    largest : int
-        Bytes that the file may have, also where it grows or does not tell its size.
-
-    Returns
-    -------
-    bytes
-    """
+    """Read a regular file of at most so many bytes, also where it grows or does not tell its size."""
     content = bytearray()
     with open_regular(path, largest) as file:
         # Bit by bit: to read up to a size takes memory of that size.

@@ -1,13 +1,76 @@
-"""Pickling without what can be made again: native objects, and what was computed on demand."""
+"""What objects full of arrays have in common: a short repr, arrays nobody writes into, and how they are pickled."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sized
 from copy import deepcopy
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from signorini.base.brief import Brief
+import numpy as np
+
+FEW = 4
+"""Entries up to which they are written out."""
+
+
+class Brief:
+    """Base of frozen dataclasses with ``repr=False``, whose own would write out every array; theirs are read only.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> import numpy as np
+    >>> @dataclass(frozen=True, repr=False)
+    ... class Field(Brief):
+    ...     name: str
+    ...     values: np.ndarray
+    ...     extremes: tuple[float, float]
+    ...     by_name: dict[str, float]
+    >>> Field("moment", np.ones((400, 3)), (0.0, 1 / 3), dict.fromkeys("abcdef", 1.0))
+    Field(name='moment', values=array(400, 3), extremes=(0, 0.333333), by_name={'a', 'b', 'c', 'd', ... 6 in all})
+    """
+
+    def __post_init__(self) -> None:
+        """Close the arrays to writing."""
+        self._close_arrays()
+
+    def _close_arrays(self) -> None:
+        """Let nobody write into arrays that others have been computed from."""
+        for value in self.__dict__.values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+    def __repr__(self) -> str:
+        """Name every public field but those with ``repr=False``."""
+        named = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]  # its heirs are dataclasses
+        shown = ", ".join(f"{name}={short(getattr(self, name))}" for name in named if name[0] != "_")
+        return f"{type(self).__name__}({shown})"
+
+
+def short(value: Any) -> str:
+    """Write a value in few words: of arrays the shape, of mappings the first names."""
+    match value:
+        case np.ndarray():
+            return f"array{value.shape}" if value.size > FEW else f"array({value.tolist()})"
+        case bool() | int() | str() | None:
+            return repr(value)
+        case float() | np.number():
+            return f"{value:.6g}"
+        case Mapping():
+            named = [repr(name) for name in list(value)[:FEW]]
+            more = f", ... {len(value)} in all" if len(value) > FEW else ""
+            return f"{{{', '.join(named)}{more}}}"
+        case tuple() | list() if len(value) <= FEW and all(isinstance(one, int | float | str) for one in value):
+            return f"({', '.join(map(short, value))})"
+        case tuple() | list():
+            return f"{len(value)} {type(value[0]).__name__}" if value else "()"
+        case Sized() if hasattr(value, "shape"):
+            # Sparse: its length is not told.
+            return f"{type(value).__name__}{value.shape}"
+        case Sized() if not hasattr(value, "__dataclass_fields__"):
+            return f"{type(value).__name__} of {len(value)}"
+        case _:
+            return f"{type(value).__name__}(...)"
 
 
 class Remade(Brief):
@@ -15,22 +78,6 @@ class Remade(Brief):
 
     Fields in ``_made`` are left behind too. They are made again from the others when they are first asked for, with the
     same numbers to the last bit. A copy shares them, also a deep one: nothing changes them.
-
-    Examples
-    --------
-    >>> import pickle
-    >>> from signorini import Model
-    >>> from signorini.discretise import discretise
-    >>> model = Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     support=[{"at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
-    ...     load=[{"pressure": 5e3}],
-    ... )
-    >>> result = discretise(model)
-    >>> again = pickle.loads(pickle.dumps(result))
-    >>> "plate" in again.__dict__, again.plate.dof_count == result.plate.dof_count, "plate" in again.__dict__
-    (False, True, True)
     """
 
     _made: ClassVar[Mapping[str, Callable[[Any], object]]] = {}

@@ -8,8 +8,8 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.accuracy.comparison import PathEstimate
-from signorini.base.numbers import compared, number, size_of
-from signorini.cli.grid import UNKNOWN, Column, Grid, in_unit, numbers, say
+from signorini.base.numbers import compared, in_unit, number, size_of
+from signorini.cli.grid import UNKNOWN, Column, Grid, numbers, say
 from signorini.results.load_path import LoadPath
 
 _UNSETTLED = f"{UNKNOWN}: on the next mesh it happens not at all, or at quite another t"

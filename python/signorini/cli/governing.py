@@ -11,7 +11,7 @@ from rich.text import Text
 
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
-from signorini.base.numbers import compared, estimated, number, size_of
+from signorini.base.numbers import compared, estimated, in_unit, number, size_of
 from signorini.cli.grid import (
     UNSETTLED,
     Column,
@@ -19,7 +19,6 @@ from signorini.cli.grid import (
     cell,
     in_contact,
     in_title,
-    in_unit,
     numbers,
     say,
     unit_of,

@@ -11,7 +11,7 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
-from signorini.base.numbers import estimated, number
+from signorini.base.numbers import estimated, in_unit, number
 from signorini.model import Units
 from signorini.results.quantities import Quantity
 
@@ -192,26 +192,10 @@ def cell(
 
 
 def in_contact(name: str, part: str, value: float, whole: float, what: str, unit: str) -> str:
-    """Say on which part of its length or area a support holds.
-
-    Examples
-    --------
-    >>> in_contact("soil", "209.021 ± 0.026", 209.021, 216.0, "area", " m²")
-    'soil: in contact on 96.8 % of its area, 209.021 ± 0.026 of 216 m²'
-
-    Where others hold the plate all over a support, it has no points of its own:
-
-    >>> in_contact("ring", "0", 0.0, 0.0, "length", " m")
-    'ring: others hold the plate all over it'
-    """
+    """Say on which part of its length or area a support holds."""
     if not whole:
         return f"{name}: others hold the plate all over it"
     return f"{name}: in contact on {min(100.0, 100.0 * value / whole):.3g} % of its {what}, {part} of {whole:.6g}{unit}"
-
-
-def in_unit(unit: str) -> str:
-    """Write a unit behind a title."""
-    return f" [{unit}]" if unit else ""
 
 
 def in_title(one: Quantity, units: Units) -> str:

@@ -16,7 +16,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.supports import can_let_go
 from signorini.errors import point
-from signorini.model import Area, MeshPlate, Support
+from signorini.model import MeshPlate, Support
 from signorini.output.envelope_json import envelope_json
 from signorini.results.figures import figures
 from signorini.results.quantities import FIELDS, RESULTANTS, SIDES
@@ -84,9 +84,8 @@ def _corners(result: Result) -> list[int]:
 def _holds(result: Result, support: Support, values: SupportResult, at: Floats) -> Bools:
     """Which places (k, 2) are on a support."""
     if support.place == "area":
-        on = support.area.region.contains(at) if isinstance(support.area, Area) else np.ones(len(at), np.bool_)
-        return np.asarray(on)
-    places = [result.mesh.points[result.mesh.edges[name][:, (0, 2)].ravel()] for name in support.edge or ()]
+        return support.where.covers(at)
+    places = [result.mesh.points[result.mesh.edges[name][:, (0, 2)].ravel()] for name in support.where.edges]
     every = np.concatenate([values.positions, *places])
     away = np.hypot(*(at[:, None] - every).transpose(2, 0, 1))
     return np.asarray((away <= _SAME * result.mesh.size).any(axis=1))

@@ -15,9 +15,9 @@ from signorini.accuracy.half_width import largest_of
 from signorini.analysis.check import ASKED, Check
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
-from signorini.base.numbers import compared, number, size_of
+from signorini.base.numbers import compared, in_unit, number, size_of
 from signorini.cli.governing import print_combined, print_governing
-from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, in_unit, numbers, say, unit_of
+from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers, say, unit_of
 from signorini.cli.sentences import lifted, resting, too_wide
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, issparse, sparray, vstack
 
 from signorini.base.arguments import array, made_by
-from signorini.base.brief import Brief
+from signorini.base.remade import Brief
 from signorini.contact.lcp import lemke
 from signorini.contact.problem import ContactProblem
 from signorini.discretise.rows import Bools, Floats

@@ -252,8 +252,8 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     held = hold(mesh, supports, bodies, problems)
     stress_nodes = StressNodes.of_mesh(mesh)
     with problems.collected():
-        along = [sides_beside(mesh, one.support, one.sides) for one in supports]
-        along += [sides_beside(mesh, model.load[index], sides) for index, sides in loaded.items()]
+        along = [sides_beside(mesh, one.support.where, one.sides) for one in supports]
+        along += [sides_beside(mesh, model.load[index].where, sides) for index, sides in loaded.items()]
         thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along, bodies.rigid)
     plate = _plate(mesh, zones, thickness, stress_nodes, held)
     stiffness = PlateStiffness.of(mesh, zones, thickness.at_points)

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini.discretise.held import Held
-from signorini.discretise.places import region
 from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.supports import ContactPoints, Springs
@@ -21,12 +20,10 @@ from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import BoxTree
 from signorini.mesh.sides import Sides
 from signorini.model import Model, OutlinedPlate, Support
-from signorini.model.places import curve
 from signorini.model.plate import SLIMMEST
 from signorini.shapes import Region
 from signorini.shapes.distances import Targets, edges_of
 from signorini.shapes.extent import Tolerances
-from signorini.shapes.outlines import Outline
 
 LONGEST = 1000.0
 """Long side of an element over its short side, or over its thickness if that is more: bending across is stiffer than
@@ -297,15 +294,14 @@ def _limit(mesh: Mesh, at: Floats, least: Floats) -> Floats:
 
 def _drawn(model: Model, mesh: Mesh, index: int, within: float) -> _Rigid | None:
     """The edges, line, circle or outline of an area that a support has."""
-    support = model.support[index]
-    if support.edge is not None:
+    where = model.support[index].where
+    if where.edges:
         if isinstance(model.plate, OutlinedPlate):
-            drawn = edges_of(model.plate.contours, set(support.edge))
+            drawn = edges_of(model.plate.contours, set(where.edges))
             return _Rigid(index, Targets.join(list(drawn.values())), drawn)
-        meshed = {name: Sides(mesh.points[mesh.edges[name]], within) for name in support.edge}
+        meshed = {name: Sides(mesh.points[mesh.edges[name]], within) for name in where.edges}
         return _Rigid(index, Sides(np.concatenate([one.nodes for one in meshed.values()]), within), meshed)
-    outline = _outline(support)
-    return None if outline is None else _Rigid(index, Targets.along(outline), {}, region(support.area))
+    return None if where.shape is None else _Rigid(index, Targets.along(where.outline), {}, where.region)
 
 
 def _name(support: Support, drawn: _Rigid, at: Floats) -> str:
@@ -317,25 +313,20 @@ def _name(support: Support, drawn: _Rigid, at: Floats) -> str:
 
 def _reached(support: Support, boxes: Floats) -> list[int]:
     """Which of some boxes (k, 4) a support may reach; those on edges are looked at from the other side."""
-    outline = _outline(support)
-    if support.at is None and outline is None:
+    where = support.where
+    if not where.points and where.shape is None:
         return []
-    x0, y0, x1, y1 = Targets.of(support.at or ()).bounds if outline is None else Targets.along(outline).bounds
+    x0, y0, x1, y1 = Targets.join([Targets.of(where.points), Targets.along(where.outline)]).bounds
     return np.flatnonzero(((boxes[:, :2] <= [x1, y1]) & (boxes[:, 2:] >= [x0, y0])).all(axis=1)).tolist()
-
-
-def _outline(support: Support) -> Outline | None:
-    """What the line or circle of a support is drawn with, or the outline of its area."""
-    shape = curve(support) or region(support.area)
-    return None if shape is None else shape.outline
 
 
 def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterator[tuple[Floats, bool]]:
     """Places of a support by themselves, such as points and ends; then those along its lines."""
     if support.at is not None:
         yield np.array(support.at), False
-    if (outline := _outline(support)) is None:
+    if support.where.shape is None:
         return
+    outline = support.where.outline
     yield np.concatenate([outline.segments.reshape(-1, 2), outline.arcs[:, ::2].reshape(-1, 2)]), False
     # A circle is nearest on the ray from its centre to the nearest place.
     to, far = beside.nearest(outline.circles[:, :2])
@@ -365,9 +356,8 @@ def _nearest(
         return None
     near &= apart < _limit(mesh, at, least)
     near &= ~other.has(at)
-    covered = region(support.area)
-    if covered is not None:
-        near[near] &= ~covered.contains(to[near])
+    if support.where.region is not None:
+        near[near] &= ~support.where.region.contains(to[near])
     if not near.any():
         return None
     chosen = int(np.where(near, apart, np.inf).argmin())

@@ -10,8 +10,8 @@ from typing import Self
 import numpy as np
 from scipy.sparse import csr_array
 
-from signorini.base.brief import Brief
 from signorini.base.components import components
+from signorini.base.remade import Brief
 from signorini.discretise.meshing import to_follow
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents

@@ -10,7 +10,7 @@ import numpy as np
 from signorini import _core
 from signorini.discretise.held import Held
 from signorini.discretise.placed import Footprints
-from signorini.discretise.places import along_curve, in_area, located, mesh_edges, region
+from signorini.discretise.places import along_curve, in_area, located, mesh_edges
 from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, among, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
@@ -21,7 +21,6 @@ from signorini.errors import Place, Problems
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Moving
 from signorini.model.load import Wheel
-from signorini.model.places import footprints as shapes_of
 from signorini.shapes import Polygon
 
 _GAUSS = 3
@@ -95,7 +94,9 @@ def loaded_sides(model: Model, mesh: Mesh, problems: Problems) -> dict[int, Ints
     result = {}
     for index, load in enumerate(model.load):
         with problems.collected():
-            result[index] = mesh_edges(mesh, model.plate, load, ("load", index)) if load.kind == "line_load" else None
+            result[index] = (
+                mesh_edges(mesh, model.plate, load.where, ("load", index)) if load.kind == "line_load" else None
+            )
     return result
 
 
@@ -138,41 +139,41 @@ def _load(
     sides: Ints | None,
     place: Place,
 ) -> CaseLoad:
-    model, mesh = zones.model, onto.mesh
+    model, mesh, where = zones.model, onto.mesh, load.where
     match load.kind:
         case "pressure":
             assert load.pressure is not None
             order = _GAUSS if load.pressure.is_constant else _GAUSS_VARYING
-            over = in_area(mesh, model.plate, load.area, place, order, levels=load.pressure.levels)
             formula, key = load.pressure, (*place, "pressure")
-            onto.spread(over, Spread(region(load.area), order, formula.levels, lambda _, at: formula(*at.T, place=key)))
+            over = in_area(mesh, model.plate, where.region, place, order, levels=formula.levels)
+            onto.spread(over, Spread(where.region, order, formula.levels, lambda _, at: formula(*at.T, place=key)))
         case "self_weight":
             _weigh(zones, onto)
         case "line_load":
             assert load.line_load is not None
-            order = _GAUSS if load.line_load.is_constant and load.circle is None else _GAUSS_VARYING
+            order = _GAUSS if load.line_load.is_constant and where.key != "circle" else _GAUSS_VARYING
             formula = load.line_load
 
             def along(levels: Levels) -> Quadrature:
                 levels = (*formula.levels, *levels)
-                points = along_curve(mesh, model.plate, load, place, sides, order, levels=levels)
+                points = along_curve(mesh, model.plate, where, place, sides, order, levels=levels)
                 return points.times(formula(*points.positions.T, place=(*place, "line_load")))
 
             onto.draw(along)
         case "force":
-            assert load.force is not None and load.at is not None
+            assert load.force is not None
             spread = footprints.of(load, place)
-            for over, shape in zip(spread, shapes_of(load) if spread else (), strict=True):
+            for over, shape in zip(spread, where.footprints, strict=True):
                 onto.spread(over, Spread.even(shape, load.force / over.total))
             if not spread:
-                onto.push(located(mesh, load.at, (*place, "at")).times(load.force))
+                onto.push(located(mesh, where.points, (*place, "at")).times(load.force))
         case "moment" | "couple_about":
-            assert load.couple is not None and load.at is not None
+            assert load.couple is not None
             spread = footprints.of(load, place)
-            for over, shape in zip(spread, shapes_of(load) if spread else (), strict=True):
+            for over, shape in zip(spread, where.footprints, strict=True):
                 onto.spread(over, Spread(shape, _GAUSS, (), _turning(over, load.couple)))
             if not spread:
-                onto.twist(plate, located(mesh, load.at, (*place, "at")), load.couple)
+                onto.twist(plate, located(mesh, where.points, (*place, "at")), load.couple)
         case "curvature":
             assert load.curvature is not None
             nodal, couples = plate.curvature_load(load.curvature)

@@ -9,7 +9,6 @@ from typing import TypeAlias
 import numpy as np
 
 from signorini.base.memory import elements_that_fit, require_memory
-from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.discretise.snapping import Snapped, snapped
 from signorini.errors import InputError, Place, Problems
@@ -34,7 +33,8 @@ from signorini.model import (
     Support,
     Zone,
 )
-from signorini.model.places import curve, footprints, worth_following
+from signorini.model.where import Acting, Located, Where, worth_following
+from signorini.model.whole import acting_on
 from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.distances import distances
 from signorini.shapes.extent import diameter
@@ -119,7 +119,7 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
     place = ("plate", "file")
     points: Mapping[int, Point] = {}
     try:
-        if any(item.nodes is not None for item in _acting(model)):
+        if any(item.nodes is not None for item in acting_on(model)):
             in_file, points = read_numbered(plate.file)
             mesh = in_file if mesh is None else mesh
         elif mesh is None:
@@ -194,7 +194,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     """A mesh along the outline, holes, borders of zones, circles, and straight lines of supports, loads and jumps."""
     size = plate.element_size(model.mesh)
     borders = [*(zone.region for zone in model.zone), *_rings(model, size)]
-    walls = [along for item in _acting(model) if isinstance(along := curve(item), Polyline)]
+    walls = [along for item in acting_on(model) if isinstance(along := item.where.curve, Polyline)]
     lines = [(np.array(list(arcs_of(border))).reshape(-1, 6), False) for border in borders]
     lines += [(_straight(wall), True) for wall in walls]
     lines += [(_straight(border), False) for border in borders]
@@ -205,7 +205,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     refined = [rows for number, part in enumerate(model.mesh.refine) for rows in _refined(plate, part, number)]
     if _area(plate) <= MOST * size**2:
         refined += [room(borders, plate.contours, size, _stood_on(model))]
-    points = [at for part in model.mesh.refine for at in part.at or ()]
+    points = [at for part in model.mesh.refine for at in part.where.points]
     try:
         return outlined(
             plate.contours,
@@ -229,19 +229,21 @@ def _axes(model: Model, plate: OutlinedPlate) -> Axes:
     around = [contour.points() for contour in plate.contours]
     sides = [0.5 * (points + np.roll(points, 1, axis=0)) for points in around]
     zones = [_marks(zone.region) for zone in model.zone]
-    acting: list[Refinement | Support | Load] = [*model.mesh.refine, *model.support, *model.load]
-    items = [_marks_of(item, plate) for item in acting]
+    placed: list[Located] = [*model.mesh.refine, *acting_on(model)]
+    items = [_marks_of(item.where, plate) for item in placed]
     drawn: list[Section | Strip | Moving] = [*model.section, *model.strip, *model.moving]
     lines = [np.array(one.line) for one in drawn]
     probes = [np.array(probe.at) for probe in model.probe]
     return axes_of([np.concatenate([*around, *sides]), *zones, *items, *lines, *probes])
 
 
-def _marks_of(item: Refinement | Support | Load, plate: OutlinedPlate) -> Floats:
-    prints = () if isinstance(item, Refinement) else footprints(item)
-    shapes = [shape for shape in (region(item.area), curve(item), *prints) if shape is not None]
-    edges = [contour.points(name) for name in item.edge or () for contour in plate.contours if name in contour.edges]
-    return np.concatenate([np.array(item.at or ()).reshape(-1, 2), *map(_marks, shapes), *edges])
+def _marks_of(where: Where, plate: OutlinedPlate) -> Floats:
+    points = np.array(where.points).reshape(-1, 2)
+    return np.concatenate([points, *map(_marks, where.shapes), *_edges(where, plate)])
+
+
+def _edges(where: Where, plate: OutlinedPlate) -> list[Floats]:
+    return [contour.points(name) for name in where.edges for contour in plate.contours if name in contour.edges]
 
 
 def _marks(shape: Region | Curve) -> Floats:
@@ -272,19 +274,15 @@ def _place_of(plate: OutlinedPlate, error: OutlineError) -> Place:
 
 def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Floats]:
     """Straight pieces (k, 5) with the size that is asked for at a place."""
-    chains = [np.array([at, at]) for at in part.at or ()]
-    chains += [contour.points(name) for name in part.edge or () for contour in plate.contours if name in contour.edges]
-    for shape in (curve(part), region(part.area)):
-        if shape is None:
-            continue
-        chains += list(shape.outline.segments)
-        for x, y, radius in shape.outline.circles.tolist():
-            ring = circle((x, y), radius, "").points()
-            chains.append(np.vstack([ring, ring[:1]]))
-        chains += [along_arc(*arc) for arc in shape.outline.arcs.tolist()]
+    where = part.where
+    chains = [np.array([at, at]) for at in where.points] + _edges(where, plate) + list(where.outline.segments)
+    for x, y, radius in where.outline.circles.tolist():
+        ring = circle((x, y), radius, "").points()
+        chains.append(np.vstack([ring, ring[:1]]))
+    chains += [along_arc(*arc) for arc in where.outline.arcs.tolist()]
     for chain in chains:
         yield np.column_stack([chain[:-1], chain[1:], np.full(len(chain) - 1, part.size)])
-    if (inside := region(part.area)) is not None:
+    if (inside := where.region) is not None:
         x0, y0, x1, y1 = inside.bounds
         if inside.area > MOST * part.size**2:
             message = f"found {part.size:g}; there would be more than {MOST:g} elements in this area. Take larger ones."
@@ -302,13 +300,9 @@ def _spread(low: float, high: float, step: float) -> Floats:
     return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
 
 
-def _acting(model: Model) -> list[Support | Load]:
-    return [*model.support, *model.load]
-
-
 def _rings(model: Model, size: float) -> tuple[Ring, ...]:
     """Circles along which supports and loads are, each once, but for those that are small beside elements."""
-    rings = [curve(item) for item in _acting(model)]
+    rings = [item.where.curve for item in acting_on(model)]
     return tuple(dict.fromkeys(one for one in rings if isinstance(one, Ring) and worth_following(one, size)))
 
 
@@ -318,17 +312,14 @@ def _sections(model: Model) -> list[Polyline]:
 
 def _acted_on(model: Model) -> list[Region | Curve]:
     """Outlines and lines of supports and loads."""
-    every = [shape for item in _acting(model) for shape in (region(item.area), curve(item), *footprints(item))]
-    return [shape for shape in every if shape is not None]
+    return [shape for item in acting_on(model) for shape in item.where.shapes]
 
 
 def _stood_on(model: Model) -> list[Region | Curve]:
     """What is followed beside other things by smaller elements: lines, and areas and footprints of supports."""
-    shapes: list[Region | Curve | None] = []
-    for support in model.support:
-        shapes += [curve(support), region(support.area), *footprints(support)]
-    shapes += [curve(load) for load in model.load]
-    return [shape for shape in shapes if shape is not None]
+    lines = [load.where.curve for load in model.load]
+    of_supports = [shape for support in model.support for shape in support.where.shapes]
+    return [*of_supports, *(line for line in lines if line is not None)]
 
 
 def _radii(model: Model, center: Point, outer: float) -> list[float]:
@@ -340,7 +331,7 @@ def _radii(model: Model, center: Point, outer: float) -> list[float]:
 
 def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
     """Where expressions jump, as far as a mesh may follow it, within a box and that of what each acts on."""
-    items: list[tuple[Support | Load | Zone | None, Expression | None]] = [(None, model.plate.thickness)]
+    items: list[tuple[Acting | Zone | None, Expression | None]] = [(None, model.plate.thickness)]
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
         if support.area is None and (support.modulus is None or support.at is not None):
@@ -354,8 +345,8 @@ def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
             yield level.drawing(within), within
 
 
-def _within(item: Support | Load | Zone | None, box: Box) -> Box:
-    shape = None if item is None else region(item.area) or (None if isinstance(item, Zone) else curve(item))
+def _within(item: Acting | Zone | None, box: Box) -> Box:
+    shape = None if item is None else item.where.shape
     if shape is None:
         return box
     return tuple(f(a, b) for f, a, b in zip((max, max, min, min), box, shape.bounds, strict=True))  # type: ignore[return-value]

@@ -15,9 +15,9 @@ from signorini.discretise.rows import Floats, Further, Ints, Rows
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import BoxTree
-from signorini.model import Load, Model, Support
-from signorini.model.places import footprints
-from signorini.shapes import Circle, Polygon, Rectangle
+from signorini.model import Model, Support
+from signorini.model.where import Acting
+from signorini.shapes import Circle, Whole
 
 _GAUSS = 3
 _LEAST = 1e-9
@@ -37,12 +37,12 @@ class Footprints:
         self._mesh = mesh
         self._supports = supports
 
-    def of(self, item: Support | Load, place: Place) -> list[Quadrature]:
+    def of(self, item: Acting, place: Place) -> list[Quadrature]:
         """Quadrature over the footprint of every point, all on the plate; none where points are points."""
-        shapes = footprints(item)
-        if not shapes or item.at is None:
+        points, shapes = item.where.points, item.where.footprints
+        if not shapes:
             return []
-        mesh, across = self._mesh, 2.0 * item.radius if item.radius is not None else min(item.patch or ())
+        mesh, (across, _) = self._mesh, item.width
         if across < _LEAST * mesh.size:
             key = "patch" if item.radius is None else "radius"
             raise InputError(
@@ -52,10 +52,10 @@ class Footprints:
             )
         result, problems = [], Problems()
         with problems.collected():
-            located(mesh, item.at, (*place, "at"))
-        inside = mesh.locate(np.array(item.at)).inside
+            located(mesh, points, (*place, "at"))
+        inside = mesh.locate(np.array(points)).inside
         for index in np.flatnonzero(inside).tolist():
-            at, shape = item.at[index], shapes[index]
+            at, shape = points[index], shapes[index]
             result.append(area_quadrature(mesh, shape, _GAUSS))
             missing = off_plate(mesh, shape, result[-1], self._on_plate(at, shape))
             if missing > 0:
@@ -64,12 +64,12 @@ class Footprints:
                         f"The footprint of the point {point(at, mesh.size)} has {100 * missing / shape.area:.3g} % of "
                         "its area off the plate. Move the point or make the footprint smaller; only an edge of "
                         "symmetry may cut it, through its middle.",
-                        place=(*place, "at", index) if len(item.at) > 1 else (*place, "at"),
+                        place=(*place, "at", index) if len(points) > 1 else (*place, "at"),
                     )
         problems.tell()
         return result
 
-    def _on_plate(self, at: tuple[float, float], shape: Rectangle | Circle | Polygon) -> float:
+    def _on_plate(self, at: tuple[float, float], shape: Whole) -> float:
         """Part of a footprint that has to be on the plate: all, unless edges of symmetry cut it through its middle."""
         begin, ahead = self._axes[:, 0], self._axes[:, 1] - self._axes[:, 0]
         length = np.hypot(*ahead.T)
@@ -158,7 +158,7 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
                 taken = np.concatenate([taken, points.positions])
                 both = np.append(both, np.full(len(points.positions), holds))
             result.append(
-                Placed(place, support, points, nodes, mesh_edges(mesh, model.plate, support, place), footprints)
+                Placed(place, support, points, nodes, mesh_edges(mesh, model.plate, support.where, place), footprints)
             )
     return result
 

@@ -28,8 +28,8 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, Problems, length, point, unknown
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import BoxTree
-from signorini.model import AnnulusPlate, Area, DiscPlate, Load, MeshPlate, Plate, Support
-from signorini.model.places import curve
+from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Plate
+from signorini.model.where import Where
 from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring, Rounded
 from signorini.shapes.distances import distances
 from signorini.shapes.extent import hull
@@ -53,11 +53,6 @@ _FOUR = 4
 _NUDGE = 1e-4
 """Distance, over an element's size, at which to look for the elements around a point."""
 _ROUND = np.radians(22.5 + 45.0 * np.arange(8))
-
-
-def region(area: Area | str | None) -> Region | None:
-    """The region of the plane that an area names; None for the whole plate."""
-    return area.region if isinstance(area, Area) else None
 
 
 def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> LineQuadrature:
@@ -99,11 +94,11 @@ def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
     return sides
 
 
-def mesh_edges(mesh: Mesh, plate: Plate, item: Support | Load, place: Place) -> Ints | None:
-    """Sides of elements (k, 3) that make up the item's edge, line or circle; None if the mesh does not follow it."""
-    if item.edge is not None:
-        return edge_sides(mesh, item.edge, place)
-    along = curve(item)
+def mesh_edges(mesh: Mesh, plate: Plate, where: Where, place: Place) -> Ints | None:
+    """Sides of elements (k, 3) that make up edges, a line or a circle; None if the mesh does not follow it."""
+    if where.edges:
+        return edge_sides(mesh, where.edges, place)
+    along = where.curve
     sides = None if along is None else mesh.edges_along(along)
     if sides is not None and sides[0, 0] != sides[-1, 2] and isinstance(along, Ring):
         on_plate = curve_quadrature(mesh, along, order=1)
@@ -111,46 +106,43 @@ def mesh_edges(mesh: Mesh, plate: Plate, item: Support | Load, place: Place) -> 
     return sides
 
 
-def sides_beside(mesh: Mesh, item: Support | Load, followed: Ints | None) -> Ints:
-    """Sides (k, 3) that the item's line or circle parts: all of those that follow it, else those it covers by half.
+def sides_beside(mesh: Mesh, where: Where, followed: Ints | None) -> Ints:
+    """Sides (k, 3) that a line or circle parts: all of those that follow it, else those it covers by half.
 
     A line that ends a little beside a node is not followed, but parts the sides that it covers all the same.
     """
     if followed is not None:
         return followed
-    along = curve(item)
-    return np.zeros((0, 3), np.int64) if along is None else mesh.sides_on(along)
+    return np.zeros((0, 3), np.int64) if where.curve is None else mesh.sides_on(where.curve)
 
 
 def along_curve(
     mesh: Mesh,
     plate: Plate,
-    item: Support | Load,
+    where: Where,
     place: Place,
     sides: Ints | None,
     order: int,
     at_ends: int = 0,
     levels: Levels = (),
 ) -> LineQuadrature:
-    """Gauss points of the item's edge, line or circle, divided where levels change sign; weights are lengths.
+    """Gauss points of edges, a line or a circle, divided where levels change sign; weights are lengths.
 
     ``sides`` are those of `mesh_edges`. If ``at_ends`` is not 0, so many points of Lobatto's rule on pieces at ends and
     corners.
     """
     if sides is not None:
         return edge_quadrature(mesh, sides, order, at_ends > 0, levels)
-    along = curve(item)
-    assert along is not None  # an item on a curve has an edge, a line or a circle
-    points = curve_quadrature(mesh, along, order, at_ends, levels)
-    key = "line" if item.line is not None else "circle"
-    _require_on_plate(mesh, plate, along, points, f"The {key}", (*place, key))
+    assert where.curve is not None  # what is on no edge is on a line or a circle
+    points = curve_quadrature(mesh, where.curve, order, at_ends, levels)
+    _require_on_plate(mesh, plate, where.curve, points, f"The {where.key}", (*place, where.key))
     return points
 
 
 def in_area(
     mesh: Mesh,
     plate: Plate,
-    area: Area | str | None,
+    wanted: Region | None,
     place: Place,
     order: int,
     to_outline: Bools | None = None,
@@ -158,11 +150,10 @@ def in_area(
     off: float = OFF,
     follow: bool = False,
 ) -> Quadrature:
-    """Quadrature of an area of the plate, whose elements are cut where levels change sign; weights are areas.
+    """Quadrature of a region, or all of the plate, whose elements are cut where levels change sign; weights are areas.
 
     Elements (ne,) marked have points on its outline. Arcs that the mesh follows may be the sides that stand for them.
     """
-    wanted = region(area)
     points = area_quadrature(mesh, wanted, order, to_outline, levels, off, follow)
     if wanted is not None:
         _require_on_plate(mesh, plate, wanted, points, "The area", (*place, "area"))
@@ -233,19 +224,17 @@ def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:
     return np.asarray(slopes / np.linalg.norm(slopes, axis=2, keepdims=True))
 
 
-def outline(mesh: Mesh, plate: Plate, support: Support) -> Floats:
-    """Points (k, 2) whose hull is that of the support: its corners in order or ends, and points of circles.
+def outline(mesh: Mesh, plate: Plate, where: Where) -> Floats:
+    """Points (k, 2) whose hull is that of a place: its corners in order or ends, and points of circles.
 
     They are those of the input, whatever the mesh; only of a plate that is a mesh they are the mesh's.
     """
-    if support.at is not None:
-        return np.array(support.at, dtype=np.float64)
-    shape = curve(support) or region(support.area)
-    if shape is not None:
-        points = _of_shape(plate, shape)
+    if where.points:
+        return np.array(where.points, dtype=np.float64)
+    if where.shape is not None:
+        points = _of_shape(plate, where.shape)
     else:
-        names = support.edge if support.edge is not None else (None,)
-        points = np.concatenate([_edge(mesh, plate, name) for name in names])
+        points = np.concatenate([_edge(mesh, plate, name) for name in where.edges or (None,)])
     return np.asarray(points[hull(points)])
 
 
@@ -288,10 +277,10 @@ class OutlinePoints:
     shared: Ints
 
 
-def outline_points(mesh: Mesh, plate: Plate, support: Support, covered: Bools) -> OutlinePoints:
+def outline_points(mesh: Mesh, plate: Plate, where: Where, covered: Bools) -> OutlinePoints:
     """Corners of an area that covers elements (ne,), and of elements on its outline, as far as they are on its hull."""
     size = float(np.sqrt(mesh.element_area[covered].mean()))
-    corners, all_of_them = outline(mesh, plate, support), _candidates(mesh, support)
+    corners, all_of_them = outline(mesh, plate, where), _candidates(mesh, where.region)
     candidates = _spread(all_of_them, _APART * size)
     if len(candidates) < _FOUR:
         # Within an element or two: a mean and fewer points may hold one of two slopes, by which corner comes first.
@@ -299,11 +288,10 @@ def outline_points(mesh: Mesh, plate: Plate, support: Support, covered: Bools) -
     return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.diameter], size, covered)
 
 
-def missing_corners(mesh: Mesh, plate: Plate, support: Support, covered: Bools, reached: Floats) -> OutlinePoints:
+def missing_corners(mesh: Mesh, plate: Plate, where: Where, covered: Bools, reached: Floats) -> OutlinePoints:
     """Corners of an area's hull at which none of its points (q, 2) is: tips, where a quadrature has no weight."""
-    shape = region(support.area)
-    corners = np.zeros((0, 2)) if shape is None else _corners(shape)
-    corners = corners[_off_hull(outline(mesh, plate, support), corners) <= _ON_OUTLINE * mesh.diameter]
+    corners = np.zeros((0, 2)) if where.region is None else _corners(where.region)
+    corners = corners[_off_hull(outline(mesh, plate, where), corners) <= _ON_OUTLINE * mesh.diameter]
     near = mesh.near.place
     along = np.sort(corners[:, 0])
     beside = np.searchsorted(along, reached[:, 0] - near) < np.searchsorted(along, reached[:, 0] + near, "right")
@@ -326,9 +314,8 @@ def _around(mesh: Mesh, points: Floats, size: float, covered: Bools) -> OutlineP
     return OutlinePoints(points[some], shared[some])
 
 
-def _candidates(mesh: Mesh, support: Support) -> Floats:
-    """Corners (v, 2) of the area, then those of elements on its outline and where sides of elements cross it."""
-    shape = region(support.area)
+def _candidates(mesh: Mesh, shape: Region | None) -> Floats:
+    """Corners (v, 2) of an area, then those of elements on its outline and where sides of elements cross it."""
     if shape is None:
         return np.asarray(mesh.points[np.unique(mesh.boundary[:, [0, 2]])])
     along = _rim(shape)

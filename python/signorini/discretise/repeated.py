@@ -9,7 +9,6 @@ from scipy.sparse import csr_array, vstack
 
 from signorini.base.components import components
 from signorini.discretise.held import Held, contradiction, rounding_of
-from signorini.discretise.places import region
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.supports import ContactPoints
 from signorini.errors import InputError
@@ -320,8 +319,7 @@ def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: 
         support, place = model.support[index], ("support", index)
         if support.area is None:
             continue
-        covered = region(support.area)
-        (inside,) = np.nonzero(np.ones(len(at), np.bool_) if covered is None else covered.contains(at))
+        (inside,) = np.nonzero(support.where.covers(at))
         settlement = support.settlement(*at[inside].T, place=(*place, "settlement"))
         gap = support.gap(*at[inside].T, at_least=0.0, place=(*place, "gap"))
         most = np.where(support.resists == "up", np.inf, settlement + gap)

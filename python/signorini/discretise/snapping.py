@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
-from signorini.discretise.places import region
 from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError, Place, path_in_words
 from signorini.mesh import Mesh
 from signorini.mesh.sides import Sides
 from signorini.model import Area, Load, Model, OutlinedPlate, Support, Zone
-from signorini.model.places import Annulus, Arc, Box, Circle, Form, curve
+from signorini.model.places import Annulus, Arc, Box, Circle, Form
 from signorini.shapes.distances import Targets, edges_of
 from signorini.shapes.extent import Tolerances, diameter
-from signorini.shapes.outlines import Outline, Point
+from signorini.shapes.outlines import Point
 
 _PASSES = 8
 """What moves onto something that moves itself follows it; a pass leaves about the square of what the last one did."""
@@ -99,10 +98,12 @@ def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
 
 def _target(path: Place, item: _Item) -> _Target:
     """What of an item others move onto; what stands on an edge adds nothing to the plate."""
-    points = () if isinstance(item, Zone) else item.at or ()
-    drawn = region(item.area) or (None if isinstance(item, Zone) else curve(item))
-    outline = Outline() if drawn is None else drawn.outline
-    corners = [*points, *outline.segments.reshape(-1, 2).tolist(), *outline.arcs[:, ::2].reshape(-1, 2).tolist()]
+    outline = item.where.outline
+    corners = [
+        *item.where.points,
+        *outline.segments.reshape(-1, 2).tolist(),
+        *outline.arcs[:, ::2].reshape(-1, 2).tolist(),
+    ]
     return _Target(path_in_words(path), Targets.of((x, y) for x, y in corners), Targets.along(outline), outline.circles)
 
 
@@ -131,18 +132,14 @@ class _Onto:
 
     def item(self, path: Place, item: _Item) -> _Item:
         """The item where it then is."""
-        update: dict[str, object] = {}
-        if not isinstance(item, Zone):
-            if item.at is not None:
-                update["at"] = self._points((*path, "at"), item.at)
-            if item.line is not None:
-                update["line"] = line = self._line((*path, "line"), item.line)
-                if len(line) < 2:
-                    raise self._comes_to_nothing((*path, "line"))
-            if item.circle is not None:
-                update["circle"] = self._circle((*path, "circle"), item.circle)
-        if isinstance(item.area, Area):
-            update["area"] = self._area((*path, "area"), item.area)
+        moves: dict[str, Callable[[Place, Any], object]] = {
+            "at": self._points,
+            "line": self._line,
+            "circle": self._circle,
+            "area": self._area,
+        }
+        given = {key: getattr(item, key, None) for key in moves}
+        update = {key: moves[key]((*path, key), it) for key, it in given.items() if it is not None and it != "all"}
         return item.model_copy(update=update)
 
     def _points(self, path: Place, points: Sequence[Point]) -> tuple[Point, ...]:
@@ -150,7 +147,10 @@ class _Onto:
 
     def _line(self, path: Place, points: Sequence[Point]) -> tuple[Point, ...]:
         ends = self._points(path, points)
-        return (ends[0], *(b for a, b in pairwise(ends) if a != b))
+        line = (ends[0], *(b for a, b in pairwise(ends) if a != b))
+        if len(line) < 2:
+            raise self._comes_to_nothing(path)
+        return line
 
     def _area(self, path: Place, area: Area) -> Area:
         known = len(self.moved)

@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from signorini import _core
-from signorini.base.brief import Brief
+from signorini.base.remade import Brief
 from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
 from signorini.discretise.laws import LAWS, Law, laws_of
 from signorini.discretise.placed import Placed, mean_deflections
@@ -285,11 +285,11 @@ def _along_line(on: _Ground, placed: Placed) -> list[_Acting]:
     in_means, turned = False, None
     if support.modulus is not None:
         at_ends = _GAUSS + 1 if can_let_go(support) else 0
-        line = (mesh, on.shape, support, placed.place, placed.sides)
+        line = (mesh, on.shape, support.where, placed.place, placed.sides)
         points = along_curve(*line, _GAUSS, at_ends, _steps(support))
     elif placed.sides is None:
         at_ends = _GAUSS_RIGID if can_let_go(support) else 0
-        points = _once(mesh, along_curve(mesh, on.shape, support, placed.place, None, _GAUSS_RIGID, at_ends))
+        points = _once(mesh, along_curve(mesh, on.shape, support.where, placed.place, None, _GAUSS_RIGID, at_ends))
         in_means = not can_let_go(support) and len(np.unique(points.elements)) >= _ROW
     else:
         nodes, lengths = edge_nodes(mesh, placed.sides)
@@ -333,7 +333,7 @@ def _on_area(on: _Ground, support: Support, place: Place) -> _Acting:
     # Where nodes hold the plate a point of the outline could do nothing.
     free_corners = np.asarray(~on.held.dofs[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
-    over = in_area(mesh, on.shape, support.area, place, _GAUSS, to_outline, _steps(support), _OFF, follow=True)
+    over = in_area(mesh, on.shape, support.where.region, place, _GAUSS, to_outline, _steps(support), _OFF, follow=True)
     within = over.positions
     if _steps(support):
         within = mesh.map(over.elements, mesh.inward(over.elements, over.xi, INSIDE))
@@ -345,8 +345,8 @@ def _on_area(on: _Ground, support: Support, place: Place) -> _Acting:
     if support.modulus is not None:
         stiffness = support.modulus(*within.T, above=0.0, place=(*place, "stiffness"))
         if (stiffness < _STIFF * on.stiffness.in_waves[points.elements]).all():
-            return _with(on, through, missing_corners(mesh, on.shape, support, covered, through.positions))
-    return _with(on, _means(through), outline_points(mesh, on.shape, support, covered))
+            return _with(on, through, missing_corners(mesh, on.shape, support.where, covered, through.positions))
+    return _with(on, _means(through), outline_points(mesh, on.shape, support.where, covered))
 
 
 def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[Springs | ContactPoints]:

@@ -160,7 +160,7 @@ class Zones:
         points = []
         for index, zone in enumerate(model.zone):
             with problems.collected():
-                points.append(in_area(mesh, model.plate, zone.area, ("zone", index), 3))
+                points.append(in_area(mesh, model.plate, zone.region, ("zone", index), 3))
         if len(points) < len(model.zone):
             return result
         sliver = np.where(result._in_strips(mesh), _ROUNDING, _SLIVER)

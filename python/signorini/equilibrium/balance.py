@@ -118,7 +118,7 @@ def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
     ways = (2 * contacts.support + (contacts.direction > 0))[~contacts.two_sided]
     positions, directions, supports = [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0, np.int64)]
     for index, up in zip(*np.divmod(np.unique(ways), 2), strict=True):
-        reach = outline(discretisation.mesh, discretisation.model.plate, discretisation.model.support[index])
+        reach = outline(discretisation.mesh, discretisation.model.plate, discretisation.model.support[index].where)
         positions.append(reach)
         directions.append(np.full(len(reach), 2.0 * up - 1.0))
         supports.append(np.full(len(reach), index))

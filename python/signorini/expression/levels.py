@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import combinations, pairwise
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,72 +30,46 @@ _MOST_LINES = 200
 Box = tuple[float, float, float, float]
 
 
-@dataclass(frozen=True)
-class Polynomial:
-    """The sum of c xⁱyʲ, with c for (i, j)."""
+Polynomial: TypeAlias = NDArray[np.float64]
+"""Coefficients (3, 3) of xⁱyʲ, of degree two at most."""
+_DEGREE = np.add.outer(np.arange(3), np.arange(3))
 
-    terms: dict[tuple[int, int], float]
 
-    @classmethod
-    def constant(cls, value: float) -> Polynomial:
-        """Make a constant."""
-        return cls({(0, 0): value})
+def _constant(value: float) -> Polynomial:
+    return np.where(_DEGREE == 0, float(value), 0.0)
 
-    def __call__(self, x: float, y: float) -> float:
-        """Evaluate at a point."""
-        return sum(c * x**i * y**j for (i, j), c in self.terms.items())
 
-    def __add__(self, other: Polynomial) -> Polynomial:
-        """Add."""
-        terms = dict(self.terms)
-        for power, c in other.terms.items():
-            terms[power] = terms.get(power, 0.0) + c
-        return Polynomial(terms)
+def _times(a: Polynomial, b: Polynomial) -> Polynomial | None:
+    """The product; None if its degree exceeds two."""
+    whole = np.zeros((5, 5))
+    for i, j in np.argwhere(a):
+        whole[i : i + 3, j : j + 3] += a[i, j] * b
+    product = np.where(_DEGREE <= 2, whole[:3, :3], 0.0)
+    return product if np.count_nonzero(product) == np.count_nonzero(whole) else None
 
-    def __sub__(self, other: Polynomial) -> Polynomial:
-        """Subtract."""
-        return self + Polynomial({power: -c for power, c in other.terms.items()})
 
-    def __mul__(self, other: Polynomial) -> Polynomial | None:
-        """Multiply; None if the degree exceeds two."""
-        terms: dict[tuple[int, int], float] = {}
-        for (i, j), c in self.terms.items():
-            for (k, m), d in other.terms.items():
-                if c * d != 0.0:
-                    terms[i + k, j + m] = terms.get((i + k, j + m), 0.0) + c * d
-        if any(i + j > 2 for i, j in terms):
-            return None
-        return Polynomial(terms)
+def _cleaned(a: Polynomial) -> Polynomial:
+    """The coefficients without what is rounding beside others of its degree."""
+    largest = [np.abs(a[degree == _DEGREE]).max() for degree in range(5)]
+    return np.where(np.abs(a) > _ZERO * np.array(largest)[_DEGREE], a, 0.0)
 
-    def _of(self, i: int, j: int) -> float:
-        """Coefficient, without what is rounding beside others of its degree."""
-        c = self.terms.get((i, j), 0.0)
-        largest = max((abs(d) for (k, m), d in self.terms.items() if k + m == i + j), default=0.0)
-        return c if abs(c) > _ZERO * largest else 0.0
 
-    @property
-    def is_constant(self) -> bool:
-        """Whether it depends on neither x nor y."""
-        return not any(self._of(i, j) for i, j in self.terms if i + j > 0)
+def _is_constant(a: Polynomial) -> bool:
+    return not _cleaned(a)[_DEGREE > 0].any()
 
-    @property
-    def is_linear(self) -> bool:
-        """Whether it has no term of degree two."""
-        return not any(self._of(i, j) for i, j in self.terms if i + j > 1)
 
-    def zeros(self) -> tuple[tuple[float, ...], tuple[float, ...], tuple[tuple[float, float, float], ...]]:
-        """Lines x = c, lines y = c and circles (x, y, radius) on which it is zero; none if that is another curve."""
-        xx, xy, yy = self._of(2, 0), self._of(1, 1), self._of(0, 2)
-        x, y, one = self._of(1, 0), self._of(0, 1), self._of(0, 0)
-        if not (xy or yy or y):
-            return _roots(xx, x, one), (), ()
-        if not (xy or xx or x):
-            return (), _roots(yy, y, one), ()
-        if xy or not xx or abs(xx - yy) > _ZERO * abs(xx):
-            return (), (), ()
-        center = (-0.5 * x / xx, -0.5 * y / xx)
-        square = center[0] ** 2 + center[1] ** 2 - one / xx
-        return (), (), ((*center, math.sqrt(square)),) if square > 0.0 else ()
+def _zeros(a: Polynomial) -> Drawing:
+    """Lines x = c, lines y = c and circles on which a polynomial is zero; none if that is another curve."""
+    (one, y, yy), (x, xy, _), (xx, _, _) = _cleaned(a).tolist()
+    if not (xy or yy or y):
+        return Drawing(x_lines=_roots(xx, x, one))
+    if not (xy or xx or x):
+        return Drawing(y_lines=_roots(yy, y, one))
+    if xy or not xx or abs(xx - yy) > _ZERO * abs(xx):
+        return Drawing()
+    center = (-0.5 * x / xx, -0.5 * y / xx)
+    square = center[0] ** 2 + center[1] ** 2 - one / xx
+    return Drawing(circles=((*center, math.sqrt(square)),) if square > 0.0 else ())
 
 
 def _roots(square: float, linear: float, one: float) -> tuple[float, ...]:
@@ -109,16 +84,16 @@ def polynomial(node: ast.expr) -> Polynomial | None:
     """The polynomial that a checked syntax tree is, if it is one of degree two at most."""
     match node:
         case ast.Constant():
-            return Polynomial.constant(float(node.value))  # type: ignore[arg-type]
+            return _constant(float(node.value))  # type: ignore[arg-type]
         case ast.Name(id="x"):
-            return Polynomial({(1, 0): 1.0})
+            return np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
         case ast.Name(id="y"):
-            return Polynomial({(0, 1): 1.0})
+            return np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
         case ast.Name(id=name) if name in _NAMED:
-            return Polynomial.constant(_NAMED[name])
+            return _constant(_NAMED[name])
         case ast.UnaryOp(op=ast.UAdd() | ast.USub() as op, operand=inner):
             value = polynomial(inner)
-            return value if value is None or isinstance(op, ast.UAdd) else Polynomial({}) - value
+            return value if value is None or isinstance(op, ast.UAdd) else -value
         case ast.BinOp(left=left, op=op, right=right):
             a, b = polynomial(left), polynomial(right)
             return None if a is None or b is None else _joined(a, op, b)
@@ -126,21 +101,21 @@ def polynomial(node: ast.expr) -> Polynomial | None:
 
 
 def _joined(a: Polynomial, op: ast.operator, b: Polynomial) -> Polynomial | None:
-    value = b(0.0, 0.0)
+    base, value = float(a[0, 0]), float(b[0, 0])
     match op:
         case ast.Add():
             return a + b
         case ast.Sub():
             return a - b
         case ast.Mult():
-            return a * b
-        case ast.Div() if b.is_constant and value != 0.0:
-            return a * Polynomial.constant(1.0 / value)
-        case ast.Pow() if b.is_constant and value in (1.0, 2.0):
-            return a if value == 1.0 else a * a
-        case ast.Pow() if b.is_constant and a.is_constant and a(0.0, 0.0) > 0.0:
+            return _times(a, b)
+        case ast.Div() if _is_constant(b) and value != 0.0:
+            return _times(a, _constant(1.0 / value))
+        case ast.Pow() if _is_constant(b) and value in (1.0, 2.0):
+            return a if value == 1.0 else _times(a, a)
+        case ast.Pow() if _is_constant(b) and _is_constant(a) and base > 0.0:
             try:
-                return Polynomial.constant(a(0.0, 0.0) ** value)
+                return _constant(base**value)
             except OverflowError:
                 return None
     return None
@@ -182,10 +157,10 @@ class Level:
     def drawing(self, box: Box) -> Drawing:
         """Straight lines along the axes, and circles, among the jumps in a box xmin, ymin, xmax, ymax."""
         result = Drawing()
-        if self.jumps:
-            for curve in self._curves:
+        with np.errstate(all="ignore"):
+            for curve in self._curves if self.jumps else ():
                 for shifted in _steps(curve, box) if self._whole else (curve,):
-                    result += Drawing(*shifted.zeros())
+                    result += _zeros(shifted)
         x0, y0, x1, y1 = box
         x_lines = tuple(x for x in result.x_lines if x0 <= x <= x1)
         return Drawing(x_lines, tuple(y for y in result.y_lines if y0 <= y <= y1), result.circles)
@@ -193,19 +168,20 @@ class Level:
 
 def _steps(inner: Polynomial, box: Box) -> Iterator[Polynomial]:
     """Yield what is zero where a linear function of x or y alone is a whole number."""
-    ends = [inner(x, y) for x in box[::2] for y in box[1::2]]
-    if inner.is_linear and max(ends) - min(ends) < _MOST_LINES:
+    ends = [float(np.polynomial.polynomial.polyval2d(x, y, inner)) for x in box[::2] for y in box[1::2]]
+    if not _cleaned(inner)[_DEGREE > 1].any() and max(ends) - min(ends) < _MOST_LINES:
         for whole in range(math.ceil(min(ends)), math.floor(max(ends)) + 1):
-            yield inner - Polynomial.constant(whole)
+            yield inner - _constant(whole)
 
 
 def levels(tree: ast.expr) -> tuple[Level, ...]:
     """Every such function of a checked tree, each once, those that jump first."""
     result: dict[str, Level] = {}
-    for level in _levels(tree):
-        key = ast.dump(level._tree)
-        if key not in result or level.jumps:
-            result[key] = level
+    with np.errstate(all="ignore"):
+        for level in _levels(tree):
+            key = ast.dump(level._tree)
+            if key not in result or level.jumps:
+                result[key] = level
     return tuple(sorted(result.values(), key=lambda level: not level.jumps))
 
 
@@ -218,7 +194,9 @@ def _levels(node: ast.expr) -> Iterator[Level]:
             wave = ast.Call(ast.Name("sin"), [ast.BinOp(ast.Name("pi"), ast.Mult(), inner)], [])
             curve = polynomial(inner)
             # Straight where it is zero, so that straight steps are cut exactly.
-            yield from _level(ast.Call(ast.Name("asin"), [wave], []), True, [curve] if curve else [], whole=True)
+            yield from _level(
+                ast.Call(ast.Name("asin"), [wave], []), True, [] if curve is None else [curve], whole=True
+            )
         case ast.Call(func=ast.Name(id="sign"), args=[inner]):
             yield from _level(inner, True, _equal(inner, ast.Constant(0)))
         case ast.Call(func=ast.Name(id="abs"), args=[inner]):
@@ -250,7 +228,7 @@ def _equal(left: ast.expr, right: ast.expr) -> list[Polynomial]:
             case ast.BinOp(op=ast.Mult(), left=a, right=b) if _is_zero(other):
                 return _equal(a, other) + _equal(b, other)
         bound = polynomial(other)
-        if bound is None or not bound.is_constant:
+        if bound is None or not _is_constant(bound):
             continue
         match one:
             case ast.Call(func=ast.Name(id="abs"), args=[inner]):
@@ -260,16 +238,16 @@ def _equal(left: ast.expr, right: ast.expr) -> list[Polynomial]:
                 ast.Call(func=ast.Name(id="sqrt"), args=[inner])
                 | ast.BinOp(left=inner, op=ast.Pow(), right=ast.Constant(value=0.5))
             ):
-                value, square = polynomial(inner), bound * bound
+                value, square = polynomial(inner), _times(bound, bound)
                 return [] if value is None or square is None else [value - square]
             case ast.Call(func=ast.Name(id="hypot"), args=[a, b]):
                 p, q = polynomial(a), polynomial(b)
-                squares = [v * v if v else None for v in (p, q, bound)]
-                return [] if None in squares else [squares[0] + squares[1] - squares[2]]  # type: ignore[operator]
+                squares = [None if v is None else _times(v, v) for v in (p, q, bound)]
+                return [] if any(v is None for v in squares) else [squares[0] + squares[1] - squares[2]]  # type: ignore[operator]
     first, second = polynomial(left), polynomial(right)
     return [] if first is None or second is None else [first - second]
 
 
 def _is_zero(node: ast.expr) -> bool:
     value = polynomial(node)
-    return value is not None and value.is_constant and value(0.0, 0.0) == 0.0
+    return value is not None and _is_constant(value) and value[0, 0] == 0.0

@@ -14,8 +14,9 @@ import numpy as np
 
 from signorini.errors import InputError, point
 from signorini.shapes import Polygon
+from signorini.shapes.arrays import Bools, Floats
 from signorini.shapes.distances import distances
-from signorini.shapes.outlines import Bools, Floats, closed
+from signorini.shapes.outlines import closed
 from signorini.shapes.regions import inside
 
 GAP = 1e-3

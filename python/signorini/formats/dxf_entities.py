@@ -268,17 +268,15 @@ def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
 
 def _closed(corners: tuple[Corner, ...]) -> Loop:
     """Leave out the last corner if it is the first again; arcs of one circle are that."""
+    from ezdxf.math import bulge_center, bulge_radius
+
     again = len(corners) > 1 and corners[0].is_at(corners[-1])
     loop = Loop(corners[:-1] if again else corners)
     bulges = [corner.bulge for corner in loop.corners]
     if len(bulges) < 2 or not (all(bulge > 0 for bulge in bulges) or all(bulge < 0 for bulge in bulges)):
         return loop
-    circles = []
-    for a, b in loop:
-        # From the middle of the chord to the centre, in half chords to the left.
-        rise = (1.0 - a.bulge**2) / (2.0 * a.bulge)
-        centre = (a.x + b.x - rise * (b.y - a.y)) / 2, (a.y + b.y + rise * (b.x - a.x)) / 2
-        circles.append((*centre, math.dist(centre, a[:2])))
+    arcs = [(a[:2], b[:2], a.bulge) for a, b in loop]
+    circles = [(*bulge_center(*arc), bulge_radius(*arc)) for arc in arcs]
     turned = sum(4 * math.atan(abs(bulge)) for bulge in bulges)
     if abs(turned - math.tau) > 0.1 or any(math.dist(one, circles[0]) > GAP for one in circles):
         return loop
@@ -298,33 +296,32 @@ def _rings(entity: Any, off: float) -> Iterator[Any]:
 def _in_arcs(entity: Any, off: float) -> Any:
     """A spline or an ellipse as a polyline of arcs that leave it by little."""
     from ezdxf.entities.lwpolyline import LWPolyline
+    from ezdxf.math import Vec2
 
     curve = entity.construction_tool()
     if entity.dxftype() == "ELLIPSE":
         begin, end = entity.dxf.start_param, entity.dxf.end_param
         end += 0.0 if end > begin else math.tau
 
-        def at(t: float) -> complex:
-            (v,) = curve.vertices([begin + t * (end - begin)])
-            return complex(v.x, v.y)
+        def at(t: float) -> Vec2:
+            return Vec2(*curve.vertices([begin + t * (end - begin)]))
     else:
 
-        def at(t: float) -> complex:
-            v = curve.point(t * curve.max_t)
-            return complex(v.x, v.y)
+        def at(t: float) -> Vec2:
+            return Vec2(curve.point(t * curve.max_t))
 
     made = LWPolyline.new(dxfattribs={"layer": entity.dxf.layer})
     # A closed curve has no chord from end to end.
     parts = [part for i in range(4) for part in _arcs(at, 0.25 * i, 0.25 * (i + 1), off)]
     last = at(1.0)
-    made.set_points([*((p.real, p.imag, bulge) for p, bulge in parts), (last.real, last.imag, 0.0)], format="xyb")
-    made.closed = abs(last - parts[0][0]) <= off
+    made.set_points([*((p.x, p.y, bulge) for p, bulge in parts), (last.x, last.y, 0.0)], format="xyb")
+    made.closed = last.distance(parts[0][0]) <= off
     return made
 
 
 def _arcs(
-    at: Callable[[float], complex], begin: float, end: float, off: float, depth: int = 0
-) -> list[tuple[complex, float]]:
+    at: Callable[[float], Vec2], begin: float, end: float, off: float, depth: int = 0
+) -> list[tuple[Vec2, float]]:
     """Where arcs along a part of a curve begin, with their bulges."""
     p, q, half = at(begin), at(end), (begin + end) / 2
     bulge = _bulge(p, at(half), q)
@@ -334,28 +331,26 @@ def _arcs(
     return _arcs(at, begin, half, off, depth + 1) + _arcs(at, half, end, off, depth + 1)
 
 
-def _bulge(p: complex, middle: complex, q: complex) -> float:
+def _bulge(p: Vec2, middle: Vec2, q: Vec2) -> float:
     """Bulge of the arc through three points; 0 where they are on a line, or two of them are one."""
-    if abs(q - p) <= _FLAT * abs(middle - p):
+    from ezdxf.math import bulge_3_points
+
+    half = 0.5 * p.distance(q)
+    if min(half, middle.distance(p), middle.distance(q)) <= _FLAT * max(half, middle.distance(p)):
         return 0.0
-    # Where the chord reaches from −1 to 1, the centre is above 0.
-    m = (middle - (p + q) / 2) / ((q - p) / 2)
-    if abs(m.imag) < _FLAT:
-        return 0.0
-    height = (abs(m) ** 2 - 1) / (2 * m.imag)
-    return -height - math.copysign(math.hypot(1.0, height), m.imag)
+    bulge = bulge_3_points(p, q, middle)
+    return bulge if abs(bulge) >= _FLAT else 0.0
 
 
-def _off_arc(z: complex, p: complex, q: complex, bulge: float) -> float:
+def _off_arc(z: Vec2, p: Vec2, q: Vec2, bulge: float) -> float:
     """Distance of a point from the circle, or line, of an arc."""
-    half = (q - p) / 2
-    if not half:
-        return abs(z - p)
-    local = (z - (p + q) / 2) / half
+    from ezdxf.math import bulge_center, bulge_radius, distance_point_line_2d
+
+    if p.isclose(q):
+        return float(z.distance(p))
     if not bulge:
-        return abs(local.imag) * abs(half)
-    height = (1.0 - bulge * bulge) / (2.0 * bulge)
-    return abs(abs(local - 1j * height) - math.hypot(1.0, height)) * abs(half)
+        return distance_point_line_2d(z, p, q)
+    return float(abs(bulge_center(p, q, bulge).distance(z) - bulge_radius(p, q, bulge)))
 
 
 def _vertices(entity: Any) -> Iterator[tuple[float, float, float]]:

@@ -20,18 +20,9 @@ _SCALAR = re.compile(r"[^,\]}\n#]*")
 
 
 class Lines:
-    r"""Line numbers, from 1, of the tables, keys and list items of a valid TOML text.
-
-    Examples
-    --------
-    >>> lines = Lines("[plate]\nsize = [1,\n  2]\n[[load]]\nforce = 3\n")
-    >>> lines.of(("plate", "size", 1)), lines.of(("load", 0, "force"))
-    (3, 5)
+    """Line numbers, from 1, of the tables, keys and list items of a valid TOML text.
 
     A path that is not in the text gets the line of the table it would be in.
-
-    >>> lines.of(("load", 0, "at"))
-    4
     """
 
     def __init__(self, text: str) -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from signorini.base.components import components
@@ -16,13 +15,11 @@ from signorini.errors import InputError, point
 from signorini.expression import LARGEST, LEAST
 from signorini.mesh.checks import loops, on_boundary
 from signorini.mesh.isoparametric import SIDES, are_triangles, real_sides
+from signorini.shapes.arrays import Bools, Floats, Ints
 
 if TYPE_CHECKING:
     import meshio  # type: ignore[import-untyped]
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
 
 OUTLINE = "boundary"
 """Name of the whole outline, as an edge of plates from files."""

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini.base.components import components
 from signorini.errors import InputError, point
 from signorini.mesh import isoparametric as maps
 from signorini.mesh.sides import onto
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
+from signorini.shapes.arrays import Bools, Floats, Ints
 
 _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])

@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from signorini.shapes.arrays import Floats
 
 _SAME = 1e-9
 _STEEPEST = 3.0
@@ -27,35 +27,12 @@ def subdivide(
     *,
     first: int = 1,
 ) -> Floats:
-    """Divide an interval into `count` parts with joints at wanted lines.
+    """Divide an interval into ``count`` parts with joints (count + 1,) at wanted lines, exactly at their numbers.
 
-    The joints (count + 1,) have the two ends among them; those at lines are the lines' numbers exactly.
-
-    Parameters
-    ----------
-    start, stop : float
-        The interval.
-    count : int
-        Number of parts; it is kept.
-    lines : sequence of float
-        Wanted joints. If equal parts have them all, the parts are equal. Else each piece between lines has equal parts,
-        and the pieces share the count so that the largest part is smallest. A line is left out when there are not
-        enough parts, or when parts on its two sides would differ in size by more than 3 to 1.
-    lesser : sequence of float
-        Others, of which those that keep one of `lines` from being followed are left out first.
-    first : int
-        Least number of parts before the first joint at a line.
-
-    Examples
-    --------
-    >>> subdivide(0.0, 4.0, 4, [3.0])
-    array([0., 1., 2., 3., 4.])
-    >>> subdivide(0.0, 4.0, 4, [1.2])
-    array([0.        , 1.2       , 2.13333333, 3.06666667, 4.        ])
-    >>> subdivide(0.0, 4.0, 4, [0.1])
-    array([0., 1., 2., 3., 4.])
-    >>> subdivide(0.0, 4.0, 4, [1.2], [1.3])
-    array([0.        , 1.2       , 2.13333333, 3.06666667, 4.        ])
+    If equal parts have all lines, the parts are equal. Else each piece between lines has equal parts, and the pieces
+    share the count so that the largest part is smallest. A line is left out when there are not enough parts, or when
+    parts on its two sides would differ in size by more than 3 to 1; lesser ones that keep another from being followed
+    are left out first. Before the first joint at a line there are at least ``first`` parts.
     """
     even = np.linspace(start, stop, count + 1)
     same = _SAME * (stop - start)
@@ -148,11 +125,6 @@ def graded(
 
     Away from a cap the size grows by the distance times ln 1.3, so that neighbours differ by 1.3 at most. Between
     lines the joints share ∫ dx/size equally; a piece whose elements come out smaller is a cap to the others.
-
-    Examples
-    --------
-    >>> graded(0.0, 10.0, 2.0, [(0.0, 0.0, 0.5)]).round(2)
-    array([ 0.  ,  0.53,  1.2 ,  2.05,  3.14,  4.53,  6.29,  8.14, 10.  ])
     """
     wanted = list(caps)
     knots = _kept(start, stop, (lines, lesser), size, wanted)

@@ -11,13 +11,9 @@ from functools import reduce
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini._core import serendipity, triangular
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
+from signorini.shapes.arrays import Bools, Floats, Ints
 
 REACH: Final = 1.5
 ITERATIONS: Final = 20

@@ -12,21 +12,18 @@ import numpy as np
 import numpy.typing as npt
 
 from signorini._core import map_points, nodal_forces, serendipity, shape_values, triangular
-from signorini.base.brief import Brief
-from signorini.base.remade import Remade
+from signorini.base.remade import Brief, Remade
 from signorini.errors import InputError
 from signorini.mesh import checks as mesh_checks
 from signorini.mesh import isoparametric as maps
 from signorini.mesh.sides import edges_on_polyline, edges_on_ring, holes, sides_mostly_on
 from signorini.shapes import Curve, Ring
+from signorini.shapes.arrays import Bools, Floats, Ints
 from signorini.shapes.extent import Tolerances, diameter
 
 if TYPE_CHECKING:
     import meshio  # type: ignore[import-untyped]
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
 
 _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])

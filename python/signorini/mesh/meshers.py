@@ -6,17 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini._core import mesh_outline
 from signorini.base.memory import require_memory
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.divisions import ALONG_X, Axes, graded, subdivide
+from signorini.shapes.arrays import Floats, Ints
 from signorini.shapes.outlines import Box, Contour, Point, directions
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 Refined = tuple[Box, float]
 
@@ -41,12 +38,6 @@ def rectangle(
     give way, where `subdivide` can. In boxes (x0, y0, x1, y1) of ``refined`` elements are of a size of their own; one
     that reaches from side to side asks for it across alone. Then there are more elements than the divisions say
     (`graded`). Pieces between lines that are alike get their elements from where the axes begin (`axes_of`).
-
-    Examples
-    --------
-    >>> mesh = rectangle((0.0, 0.0), (4.0, 2.0), (4, 2), x_lines=[1.2])
-    >>> mesh.node_count, len(mesh.elements), sorted(mesh.edges)
-    (37, 8, ['bottom', 'left', 'right', 'top'])
     """
     x = _with_middles(_joints(0, origin, size, divisions, (x_lines, x_lesser), refined, axes))
     y = _with_middles(_joints(1, origin, size, divisions, (y_lines, y_lesser), refined, axes))
@@ -110,12 +101,6 @@ def annulus(
     The numbers of elements along a radius and along the circumference are kept. Circles of the radii are followed where
     `subdivide` can. Its edges are inner and outer, of a sector start (at angle 0) and end too. Nodes on circles are on
     them exactly.
-
-    Examples
-    --------
-    >>> mesh = annulus((0.0, 0.0), 1.0, 2.0, (2, 12))
-    >>> len(mesh.elements), sorted(mesh.edges)
-    (24, ['inner', 'outer'])
     """
     radial, around = divisions
     closed = sector == 360.0
@@ -146,12 +131,6 @@ def disc(
     a half disc with 4m, 2m × m; of a quarter with 2m, m × m. A radius takes at least those of the core and a quarter as
     many again, over which the core's outline turns into a circle, and one for each of `radii`. Its edges are the rim,
     of a sector start (at angle 0) and end too. Nodes on circles are on them exactly.
-
-    Examples
-    --------
-    >>> mesh = disc((0.0, 0.0), 1.0, (4, 16))
-    >>> len(mesh.elements), sorted(mesh.edges)
-    (48, ['rim'])
     """
     quarters = int(sector) // 90
     cells = -(-divisions[1] // (2 if quarters == 1 else 4))
@@ -285,39 +264,18 @@ def outlined(
     most: int = MOST,
     axes: Axes = ALONG_X,
 ) -> Mesh:
-    """Mesh what lies within a contour and outside the holes in it.
+    """Mesh what lies within the first of some contours and outside the others, which are holes in it.
 
-    The outline comes first among the contours, and ``size`` is the largest side of an element, were they all squares.
-    Its edges are those that the contours name; nodes on arcs are on them. Units, place and the order of corners, holes
-    and lines of a group make no difference along the same axes (`axes_of`).
+    ``size`` is the largest side of an element, were they all squares; of elements there are about ``most`` at most.
+    Edges are those that the contours name; nodes on arcs are on them. Units, place and the order of corners, holes and
+    lines of a group make no difference along the same axes (`axes_of`). What crosses, touches or nearly touches is
+    refused.
 
-    Parameters
-    ----------
-    refinements : (r, 5) float array
-        Straight pieces with smaller elements: x, y to x, y, and the size there. From there sizes grow by a quarter of
-        the distance.
-    lines : sequence of (float array, bool)
-        Groups of lines for sides of elements to follow, those that matter most first: straight pieces (l, 4), x, y to
-        x, y, or arcs (a, 6) from x, y through x, y to x, y, with all nodes on them. They are followed but where they
-        leave the plate, and not if they come nearer to the outline or to earlier ones than about half an element: or
-        the parts that do not, if the group is followed in part.
-    points : (p, 2) float array
-        Points for nodes, where that is too near to nothing.
-    most : int
-        Elements at most, about.
-
-    Raises
-    ------
-    OutlineError
-        If contours cross, touch or nearly touch, a hole is outside, or the elements would be too many.
-
-    Examples
-    --------
-    >>> from signorini.shapes.outlines import circle, straight
-    >>> square = straight(((0, 0), (4, 0), (4, 4), (0, 4)), ("south", "east", "north", "west"))
-    >>> mesh = outlined([square, circle((2.0, 2.0), 1.0, "hole 1")], 0.5)
-    >>> sorted(mesh.edges), round(float(mesh.element_area.sum()), 2)
-    (['east', 'hole 1', 'north', 'south', 'west'], 12.86)
+    ``refinements`` (r, 5) are straight pieces, x, y to x, y, and the size there, from which sizes grow by a quarter of
+    the distance. ``lines`` are groups for sides of elements to follow, those that matter most first: straight pieces
+    (l, 4), or arcs (a, 6) from x, y through x, y to x, y, with all nodes on them. A line is not followed off the plate,
+    nor if it comes nearer to the outline or to earlier ones than about half an element; but if its group is followed in
+    part, the parts that do not are. ``points`` (p, 2) get nodes, where that is too near to nothing.
     """
     none = np.nan, np.nan
     loops = [

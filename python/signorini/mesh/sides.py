@@ -7,13 +7,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini.mesh.isoparametric import BoxTree, side_boxes
 from signorini.shapes import Ring
+from signorini.shapes.arrays import Bools, Floats, Ints
 from signorini.shapes.outlines import Box, Side
-
-Floats = npt.NDArray[np.float64]
 
 _STEPS = 8
 """Steps of Gauss and Newton to the nearest point of a side, of which straight ones take one."""
@@ -21,15 +19,7 @@ _STEPS = 8
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Sides (k, 3, 2) by corner, midside and corner, and how far from them anything is looked for.
-
-    Examples
-    --------
-    >>> sides = Sides(np.array([[[-2.0, 0.0], [0.0, 0.1], [2.0, 0.0]], [[2.0, 0.0], [2.0, 1.0], [2.0, 2.0]]]), 0.5)
-    >>> places, apart = sides.nearest(np.array([[0.0, 0.3], [2.1, 1.5], [5.0, 1.0]]))
-    >>> places[:2].round(12).tolist(), apart.round(12).tolist()
-    ([[0.0, 0.1], [2.0, 1.5]], [0.2, 0.1, inf])
-    """
+    """Sides (k, 3, 2) by corner, midside and corner, and how far from them anything is looked for."""
 
     nodes: Floats
     within: float
@@ -72,9 +62,6 @@ def onto(sides: Floats, points: Floats) -> Floats:
         t = np.clip(t + (off * along).sum(axis=1, keepdims=True) / (along**2).sum(axis=1, keepdims=True), -1.0, 1.0)
     return np.asarray(middle + t * (slope + t * bend))
 
-
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
 
 _KINK = 0.1
 """Angle from which a line has a corner."""

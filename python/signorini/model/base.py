@@ -273,3 +273,9 @@ Edges = Annotated[
         }
     ),
 ]
+
+
+class Named(Table):
+    """A table with a name of its own."""
+
+    name: Text = Field(default="", description='Name, each once; default the kind and the position, "support 1".')

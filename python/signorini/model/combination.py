@@ -16,7 +16,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainSe
 
 from signorini.base.regular import read_regular
 from signorini.expression import LARGEST
-from signorini.model.base import Complaint, Number, Table, Text, twice
+from signorini.model.base import Complaint, Named, Number, Text, twice
 from signorini.model.problems import as_list, describe
 
 _LARGEST_FILE = 200_000_000
@@ -197,7 +197,7 @@ Row = Annotated[tuple[Number, ...], BeforeValidator(_row)]
 Rows = Annotated[Mapping[Text, Row], Field(min_length=1), AfterValidator(FrozenMapping), PlainSerializer(dict)]
 
 
-class Combination(Table):
+class Combination(Named):
     """A combination of load cases, each with its factor; or, where ``generate`` says how, many combinations."""
 
     model_config = ConfigDict(

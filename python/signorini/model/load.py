@@ -11,8 +11,6 @@ from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from signorini.model.base import (
     Complaint,
-    Edges,
-    Nodes,
     NonNegative,
     Number,
     Points,
@@ -23,8 +21,8 @@ from signorini.model.base import (
     Text,
     vector,
 )
-from signorini.model.places import FOOTPRINT, Angle, AnyArea, Circle, Patch, Radius, footprint_complaints
 from signorini.model.problems import as_list, describe
+from signorini.model.where import FOOTPRINT, Acting, one_of
 
 Kind = Literal["pressure", "force", "line_load", "moment", "couple_about", "self_weight", "curvature"]
 
@@ -40,8 +38,7 @@ _PLACES: dict[Kind, tuple[str, ...]] = {
 
 
 _KINDS: list[Any] = [
-    {"required": [kind]} | ({"oneOf": [{"required": [place]} for place in places]} if len(places) > 1 else {})
-    for kind, places in _PLACES.items()
+    {"required": [kind]} | ({"oneOf": one_of(places)} if len(places) > 1 else {}) for kind, places in _PLACES.items()
 ]
 
 
@@ -64,7 +61,7 @@ class Axes(Table):
             yield (), "found neither x nor y; give the couple about at least one of them."
 
 
-class Load(Table):
+class Load(Acting):
     """A load: exactly one of pressure, force, line_load, moment, couple_about, self_weight, curvature, in a case."""
 
     model_config = ConfigDict(
@@ -97,19 +94,6 @@ class Load(Table):
     curvature: Annotated[tuple[Number, Number, Number], *vector(3, "three curvatures [kx, ky, kxy]")] | None = Field(
         default=None, description="Stress-free curvatures [kx, ky, kxy], as by a temperature gradient."
     )
-    at: Points | None = Field(default=None, description="A point [x, y] or a list of points; they need not be nodes.")
-    nodes: Nodes | None = Field(
-        default=None, description="A node of the mesh file by its number, or a list of numbers."
-    )
-    patch: Patch = None
-    angle: Angle = None
-    radius: Radius = None
-    edge: Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
-    line: Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
-    circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
-    area: AnyArea | None = Field(
-        default=None, description='For pressure: "all" (default), or a table with one of rectangle, circle, polygon.'
-    )
 
     @model_validator(mode="before")
     @classmethod
@@ -137,8 +121,7 @@ class Load(Table):
             yield (), f"found {' and '.join(kinds) or 'none'}; a load is exactly one of {', '.join(_PLACES)}."
             return
         allowed = _PLACES[self.kind]
-        everywhere = {key for places in _PLACES.values() for key in places}
-        places = self.given(sorted(everywhere))
+        places = self.given(sorted(self.places))
         for key in places:
             if key not in allowed:
                 goes = f"with {' or '.join(allowed)}" if allowed else "alone"
@@ -147,11 +130,10 @@ class Load(Table):
         if allowed and len(here) != 1 and len(here) == len(places):
             needs = f"exactly one of {', '.join(allowed)}" if len(allowed) > 1 else allowed[0]
             yield (), f"found {' and '.join(here) or 'no place'}; {self.kind} needs {needs} to say where it acts."
-        footprint = self.given(FOOTPRINT)
-        if footprint and "at" not in allowed:
+        if (footprint := self.given(FOOTPRINT)) and "at" not in allowed:
             yield (footprint[0],), f"{footprint[0]} does not go with {self.kind}; it is the footprint of points."
         else:
-            yield from footprint_complaints(self)
+            yield from self._footprint_complaints()
 
 
 class Probe(Table):

@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, ConfigDict, Field
 from signorini.expression import Expression
 from signorini.model.base import Complaint, NonNegative, Number, Positive, PositiveScalar, Table, number
 from signorini.model.places import AnyArea, Area
+from signorini.model.where import Where
 from signorini.shapes import Region
 
 _ISOTROPIC = ("E", "nu")
@@ -209,6 +210,11 @@ class Zone(Table):
         """The region of the plane."""
         assert isinstance(self.area, Area)  # "all" is refused
         return self.area.region
+
+    @property
+    def where(self) -> Where:
+        """Where it is."""
+        return Where("area", region=self.region)
 
     def _complaints(self) -> Iterator[Complaint]:
         if self.area == "all":

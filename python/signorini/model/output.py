@@ -11,10 +11,12 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
 
 from signorini.errors import point
-from signorini.model.base import Complaint, Point, Polyline, Positive, Stations, Table, Text, twice
-from signorini.model.places import Circle, curve
+from signorini.model.base import Complaint, Named, Point, Polyline, Positive, Stations, Table, Text, twice
+from signorini.model.places import Circle
 from signorini.model.problems import as_list, describe
-from signorini.shapes import Floats, Ring
+from signorini.model.where import curve_of
+from signorini.shapes import Ring
+from signorini.shapes.arrays import Floats
 from signorini.shapes.regions import meeting
 
 FEW = 12
@@ -98,10 +100,9 @@ def _pieces(line: tuple[Point, ...]) -> Floats:
     return np.array(list(pairwise(line)))
 
 
-class Section(Table):
+class Section(Named):
     """A line through the plate: the force and the moments that one part of the plate gives the other along it."""
 
-    name: Text = Field(default="", description='Name, each once; default "section 1", "section 2", ...')
     line: Annotated[Polyline, AfterValidator(_closing)] = Field(
         description="The line [[x, y], [x, y], ...]; it begins and ends on the plate."
     )
@@ -117,10 +118,9 @@ class Section(Table):
             )
 
 
-class Strip(Table):
+class Strip(Named):
     """A strip of the plate, such as a column strip: mean moments over its width at stations along its middle line."""
 
-    name: Text = Field(default="", description='Name, each once; default "strip 1", "strip 2", ...')
     line: Polyline = Field(description="Its middle line [[x, y], [x, y], ...].")
     width: Positive = Field(description="Its width, half on either side of the line.")
     stations: Stations = Field(
@@ -158,10 +158,9 @@ _OF_PROFILE = 101
 """A hundred steps meet halves, quarters, fifths and tenths of a line, and draw its curves smoothly."""
 
 
-class Profile(Table):
+class Profile(Named):
     """A line or a circle with stations, evenly from its beginning to its end."""
 
-    name: Text = Field(default="", description='Name, each once; default "profile 1", "profile 2", ...')
     line: Polyline | None = Field(default=None, description="The line [[x, y], [x, y], ...].")
     circle: Circle | None = Field(default=None, description="{ center = [x, y], radius = r }, from x towards y.")
     stations: Stations = Field(
@@ -175,7 +174,7 @@ class Profile(Table):
     @property
     def places(self) -> tuple[Floats, Floats]:
         """How far along (k,) the stations are, and where (k, 2)."""
-        result = curve(self)
+        result = curve_of(self.line, self.circle)
         assert result is not None  # it has a line or a circle
         if isinstance(result, Ring):
             along = np.linspace(0.0, result.length, self.stations)

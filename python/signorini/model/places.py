@@ -1,22 +1,21 @@
-"""Places that the input names: outlines, areas, holes, lines, and footprints of points."""
+"""Shapes that the input names: outlines, areas and holes."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Literal, Protocol, TypeAlias
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
-import numpy as np
 from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from signorini import shapes
 from signorini.errors import InputError
 from signorini.model import base
 from signorini.model.problems import BRANCHES, as_list, describe
-from signorini.shapes import Curve, Polyline, Region, Ring, Whole
-from signorini.shapes.outlines import Contour, circle, directions, straight
+from signorini.shapes import Region, Whole
+from signorini.shapes.outlines import Contour, circle, straight
 
 MOST_CORNERS = 2000
 _SAME = 1e-9
@@ -226,85 +225,3 @@ class Hole(Outline):
 
 
 Holes: TypeAlias = Annotated[tuple[Hole, ...], Field(max_length=MOST_CORNERS)]
-
-
-_LEAST_RADIUS = 0.5
-"""Part of the element size from which on a circle is worth following: twelve elements around it are half as large."""
-
-
-class _Along(Protocol):
-    """A support, load or refinement, as far as it may be on a line."""
-
-    @property
-    def line(self) -> tuple[tuple[float, float], ...] | None: ...
-    @property
-    def circle(self) -> Circle | None: ...
-
-
-def curve(item: _Along) -> Curve | None:
-    """The curve that a line or circle names, or None for other places."""
-    if item.line is not None:
-        return Polyline(item.line)
-    if item.circle is not None:
-        return Ring(item.circle.center, item.circle.radius)
-    return None
-
-
-def worth_following(along: Curve, size: float) -> bool:
-    """Whether elements of some size are to follow a curve: around a small circle they would be too many."""
-    return not isinstance(along, Ring) or along.radius >= _LEAST_RADIUS * size
-
-
-FOOTPRINT = ("patch", "radius")
-
-Patch = Annotated[
-    Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "a patch [length along x, width along y]")] | None,
-    Field(description="Footprint of each point of at or nodes: a rectangle [length along x, width along y] about it."),
-]
-Angle = Annotated[
-    Annotated[float, BeforeValidator(base.number)] | None,
-    Field(description="Turns the patch: degrees from x to its first side, towards y; default 0."),
-]
-Radius = Annotated[base.Positive | None, Field(description="Footprint of each point of at or nodes: a disc about it.")]
-
-
-class _AtPoints(Protocol):
-    """A support or load, as far as it may be at points."""
-
-    @property
-    def at(self) -> tuple[tuple[float, float], ...] | None: ...
-    @property
-    def patch(self) -> tuple[float, float] | None: ...
-    @property
-    def angle(self) -> float | None: ...
-    @property
-    def radius(self) -> float | None: ...
-    def given(self, keys: Iterable[str]) -> list[str]: ...
-
-
-def footprint_complaints(item: _AtPoints) -> Iterator[base.Complaint]:
-    """Yield what is wrong with the footprint of a support or load."""
-    keys = item.given(FOOTPRINT)
-    if len(keys) > 1:
-        yield ("radius",), "found both patch and radius; give one."
-    elif keys and not item.given(("at", "nodes")):
-        yield (keys[0],), f"{keys[0]} is the footprint of points; it goes with at or nodes."
-    if item.angle is not None and item.patch is None:
-        yield ("angle",), "angle turns a patch, and there is none."
-
-
-def footprints(item: _AtPoints) -> tuple[shapes.Rectangle | shapes.Circle | shapes.Polygon, ...]:
-    """The footprint of every point; none where points are points."""
-    points = item.at or ()
-    if item.radius is not None:
-        return tuple(shapes.Circle(at, item.radius) for at in points)
-    if item.patch is None:
-        return ()
-    a, b = item.patch
-    if item.angle:
-        ((c, s),) = directions(np.array([item.angle])).tolist()
-        around = [(0.5 * u * a, 0.5 * v * b) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-        return tuple(
-            shapes.Polygon(tuple((x + c * u - s * v, y + s * u + c * v) for u, v in around)) for x, y in points
-        )
-    return tuple(shapes.Rectangle(x - 0.5 * a, y - 0.5 * b, x + 0.5 * a, y + 0.5 * b) for x, y in points)

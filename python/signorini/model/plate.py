@@ -13,12 +13,11 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, StrictB
 
 from signorini.model import base
 from signorini.model.material import Modifiers, Stiffness
-from signorini.model.places import AnyArea, Area, Box, Circle, Corners, Holes, contour
+from signorini.model.places import Box, Corners, Holes, contour
 from signorini.model.problems import BRANCHES, describe
+from signorini.model.where import Located, one_of
 from signorini.shapes import Curve, Region, Ring
-from signorini.shapes.outlines import Contour, bounds_of, circle, sector, straight
-
-_PLACES = ("at", "edge", "line", "circle", "area")
+from signorini.shapes.outlines import Contour, circle, sector, straight
 
 Divisions = Annotated[
     tuple[base.Count, base.Count],
@@ -27,23 +26,15 @@ Divisions = Annotated[
 ]
 
 
-class Refinement(base.Table):
+class Refinement(Located):
     """Smaller elements at a place, and around it in so far as sizes grow from there."""
 
-    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [place]} for place in _PLACES]})
+    model_config = ConfigDict(json_schema_extra={"oneOf": one_of(Located.places)})
 
-    at: base.Points | None = Field(default=None, description="A point [x, y] or a list of points.")
-    edge: base.Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
-    line: base.Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
-    circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
-    area: AnyArea | None = Field(default=None, description="A table with one of rectangle, circle, polygon.")
     size: base.Positive = Field(description="Largest side of an element there.")
 
     def _complaints(self) -> Iterator[base.Complaint]:
-        places = self.given(_PLACES)
-        if len(places) != 1:
-            result = " and ".join(places) or "none"
-            yield (), f"found {result}; exactly one of {', '.join(_PLACES)} says where elements are smaller."
+        yield from self._place_complaints("where elements are smaller")
         if self.area == "all":
             yield ("area",), 'found "all"; that is what the size of [mesh] is for.'
 
@@ -52,15 +43,9 @@ class Refinement(base.Table):
         x0, y0, x1, y1 = plate
         sides = {"left": (x0, y0, x0, y1), "right": (x1, y0, x1, y1), "bottom": (x0, y0, x1, y0)}
         sides["top"] = (x0, y1, x1, y1)
-        result = [sides[name] for name in self.edge or ()] + [(x, y, x, y) for x, y in self.at or ()]
-        if self.line is not None:
-            result.append(bounds_of(self.line))
-        if self.circle is not None:
-            (x, y), radius = self.circle.center, self.circle.radius
-            result.append((x - radius, y - radius, x + radius, y + radius))
-        if isinstance(self.area, Area):
-            result.append(self.area.region.bounds)
-        return result
+        where = self.where
+        boxes = [*(sides[name] for name in where.edges), *((x, y, x, y) for x, y in where.points)]
+        return [*boxes, *(shape.bounds for shape in where.shapes)]
 
 
 class MeshOptions(base.Table):

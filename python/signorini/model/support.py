@@ -19,13 +19,11 @@ from pydantic import (
 
 from signorini.expression import Expression
 from signorini.model import base
-from signorini.model.places import FOOTPRINT, Angle, AnyArea, Circle, Patch, Radius, footprint_complaints
 from signorini.model.problems import as_list, describe
+from signorini.model.where import Acting, one_of
 
-Place = Literal["at", "edge", "line", "circle", "area"]
 Component = Literal["w", "slope", "twist"]
 
-_PLACES = ("at", "nodes", "edge", "line", "circle", "area")
 _COMPONENTS: tuple[Component, ...] = ("w", "slope", "twist")
 _KINDS: dict[str, tuple[Component, ...]] = {
     "clamped": ("w", "slope", "twist"),
@@ -72,30 +70,16 @@ _MOST_OF_LAW = 100
 Law = Annotated[tuple[base.Point, ...], Field(min_length=2, max_length=_MOST_OF_LAW)]
 
 
-class Support(base.Table):
+class Support(Acting, base.Named):
     """A support: where (exactly one of at, nodes, edge, line, circle, area) and how (fix, or resists)."""
 
     model_config = ConfigDict(
         json_schema_extra={
-            "oneOf": [{"required": [place]} for place in _PLACES],
+            "oneOf": one_of(Acting.places),
             "not": {"anyOf": [{"required": ["fix", "resists"]}, {"required": ["patch", "radius"]}]},
         }
     )
 
-    name: base.Text = Field(default="", description='Name, each once; default "support 1", "support 2", ...')
-    at: base.Points | None = Field(
-        default=None, description="A point [x, y] or a list of points; they need not be nodes."
-    )
-    nodes: base.Nodes | None = Field(
-        default=None, description="A node of the mesh file by its number, or a list of numbers."
-    )
-    patch: Patch = None
-    angle: Angle = None
-    radius: Radius = None
-    edge: base.Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
-    line: base.Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
-    circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
-    area: AnyArea | None = Field(default=None, description='"all", or a table with one of rectangle, circle, polygon.')
     fix: Fix | None = Field(
         default=None,
         description="Holds both ways: clamped (w, slope, twist), hard (w, twist), simple (w), symmetry (slope), "
@@ -144,12 +128,6 @@ class Support(base.Table):
         return made
 
     @property
-    def place(self) -> Place:
-        """Where the support is; nodes are points."""
-        places: tuple[Place, ...] = ("edge", "line", "circle", "area")
-        return next((place for place in places if getattr(self, place) is not None), "at")
-
-    @property
     def fixed(self) -> tuple[Component, ...]:
         """What ``fix`` holds, in the order w, slope, twist; empty where ``resists`` says how."""
         if self.fix is None:
@@ -165,7 +143,7 @@ class Support(base.Table):
     @property
     def on_nodes(self) -> bool:
         """Whether its reactions are forces on nodes: not spread over an area or a footprint."""
-        return self.area is None and not self.given(FOOTPRINT)
+        return self.area is None and not self.has_footprint
 
     @property
     def holds_w(self) -> bool:
@@ -196,16 +174,13 @@ class Support(base.Table):
         return self.limit is not None or (self.law is not None and self.law[-1][1] == self.law[-2][1])
 
     def _complaints(self) -> Iterator[base.Complaint]:
-        places = self.given(_PLACES)
-        if len(places) != 1:
-            result = " and ".join(places) or "none"
-            yield (), f"found {result}; exactly one of {', '.join(_PLACES)} says where a support is."
+        yield from self._place_complaints("where a support is")
         if self.at is not None:
             seen: dict[tuple[float, float], int] = {}
             for index, point in enumerate(self.at):
                 if seen.setdefault(point, index) != index:
                     yield ("at", index), f"point {index + 1} repeats point {seen[point] + 1}."
-        yield from footprint_complaints(self)
+        yield from self._footprint_complaints()
         if self.fix is not None:
             yield from self._fix_complaints()
         if self.law is not None:
@@ -246,13 +221,13 @@ class Support(base.Table):
             yield ("resists",), "found both fix and resists; give one. fix holds both ways."
         if self.area is not None:
             yield ("fix",), "fix does not go with area; use resists."
-        if self.given(("at", "nodes")) and ("slope" in fixed) != ("twist" in fixed):
+        if self.place == "at" and ("slope" in fixed) != ("twist" in fixed):
             yield (
                 ("fix",),
                 f"found {describe(self.fix)}; a point has no direction, so slope and twist go together there: "
                 "simple holds the deflection, clamped all.",
             )
-        if self.given(FOOTPRINT) and fixed != ("w",):
+        if self.has_footprint and fixed != ("w",):
             yield ("fix",), f"{describe(self.fix)} holds slopes, and a footprint its mean deflection; use simple."
         if self.gap != Expression(0.0):
             yield ("gap",), "a gap does not go with fix; use resists."

@@ -9,21 +9,21 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import AfterValidator, Field, ValidationError
 
 from signorini.errors import Place, unknown
-from signorini.model.base import Complaint, Table, Text
+from signorini.model.base import Complaint, Named, Table, Text
 from signorini.model.combination import Choice, Combination, Combinations, Positions, Product, products
 from signorini.model.load import Load, Moving, Probe
 from signorini.model.material import Material, Zone, constant_thickness
 from signorini.model.output import FEW, Output, Profile, Section, Strip
-from signorini.model.places import curve, worth_following
-from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate, Refinement
+from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, explained, tables_of
 from signorini.model.support import Support
+from signorini.model.where import Acting, Located, worth_following
 
 _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
 _MOST_POSITIONS = 2000
 
-_HasName = TypeVar("_HasName", Support, Combination, Section, Strip, Profile)
+_HasName = TypeVar("_HasName", bound=Named)
 
 
 class Units(Table):
@@ -117,9 +117,12 @@ class Model(Table):
         plate, rows = self.plate, self.mesh.divisions is not None
         if isinstance(plate, MeshPlate):
             return None
-        items: list[Support | Load] = [*self.support, *self.load]
         size = plate.element_size(self.mesh)
-        lines = (along for item in items if (along := curve(item)) is not None and worth_following(along, size))
+        lines = (
+            along
+            for item in acting_on(self)
+            if (along := item.where.curve) is not None and worth_following(along, size)
+        )
         followed = *(zone.region for zone in self.zone), *lines
         rows |= plate.element == "q8r" or all(map(plate.follows, followed))
         return plate.divisions(self.mesh) if rows else None
@@ -289,29 +292,30 @@ class Model(Table):
         names = self.plate.edge_names
         if names is None:
             return
-        tables: tuple[tuple[Place, tuple[Support | Load | Refinement, ...]], ...] = (
-            (("support",), self.support),
-            (("load",), self.load),
-            (("mesh", "refine"), self.mesh.refine),
-        )
-        listings = (((*place, index), item.edge or ()) for place, items in tables for index, item in enumerate(items))
-        for place, listed in listings:
-            for position, edge in enumerate(listed):
+        for place, item in self._located():
+            for position, edge in enumerate(item.edge or ()):
                 if edge not in names:
                     yield (*place, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
-                elif whole := next((other for other in listed if edge.startswith(f"{other} ")), None):
+                elif whole := next((other for other in item.edge or () if edge.startswith(f"{other} ")), None):
                     why = f'"{edge}" is part of "{whole}", which is listed too. Leave it out.'
                     yield (*place, "edge", position), why
 
     def _node_complaints(self) -> Iterator[Complaint]:
-        if isinstance(self.plate, MeshPlate):
-            return
-        tables: tuple[tuple[str, tuple[Support | Load, ...]], ...] = (("support", self.support), ("load", self.load))
-        for key, items in tables:
-            for index, item in enumerate(items):
-                if item.nodes is not None:
-                    why = f"nodes are those of a mesh file, and this {self.plate.shape} has none. Give points with at."
-                    yield (key, index, "nodes"), why
+        for place, item in () if isinstance(self.plate, MeshPlate) else self._located():
+            if isinstance(item, Acting) and item.nodes is not None:
+                why = f"nodes are those of a mesh file, and this {self.plate.shape} has none. Give points with at."
+                yield (*place, "nodes"), why
+
+    def _located(self) -> Iterator[tuple[Place, Located]]:
+        """Yield what says where it is, with its place in the input."""
+        yield from ((("support", index), one) for index, one in enumerate(self.support))
+        yield from ((("load", index), one) for index, one in enumerate(self.load))
+        yield from ((("mesh", "refine", index), one) for index, one in enumerate(self.mesh.refine))
+
+
+def acting_on(model: Model) -> tuple[Acting, ...]:
+    """Supports and loads."""
+    return (*model.support, *model.load)
 
 
 def _repeated(table: str, names: list[str], key: str = "name") -> Iterator[Complaint]:

@@ -55,18 +55,8 @@ def _account(file: Path, keys: set[str]) -> dict[str, Any]:
 def room_for(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
     """Give a hidden directory, for as long as the context lasts, on the file system where results will be written.
 
-    A directory that cannot be written to, or has files of others with the names that those of the results will have, is
-    refused before the time to compute them is spent.
-
-    Yields
-    ------
-    Path
-
-    Raises
-    ------
-    InputError
-        If the directory, or where it does not exist yet the nearest that does, cannot be written to; if a name is
-        taken.
+    A directory that cannot be made or written to, or has files of others with the names that those of the results will
+    have, is refused before the time to compute them is spent.
     """
     with _room(Path(directory), former_results, expected_names(model)) as room:
         yield room

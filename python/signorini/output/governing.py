@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 from typing import Any
 
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
-from signorini.output.names import name_cell
+from signorini.output.names import csv_text, name_cell
 from signorini.results.rows import Bearing
 
 
@@ -59,11 +57,9 @@ def governing_csv(results: Results, estimates: Estimates | None) -> str:
     A row an extreme: the number, its half-width, the combination it is of, and the reactions of all bearings in it with
     theirs. Gaps have a row of the widest where one opens.
     """
-    text, model = io.StringIO(), results.model
+    model, rows = results.model, []
     columns = [bearing.column(model) for bearing in results.combined.layout.bearings]
     own = ("group", "support", "point", "x", "y", "what", "extreme", "value", "value:plus_minus", "combination")
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow([*own, *columns, *(f"{column}:plus_minus" for column in columns)])
     for group in ("", *model.effective_combinations.groups):
         for one in governing(results, estimates, group):
             if one.what == "gap" and not (one.largest and one.own > 0.0):
@@ -71,8 +67,8 @@ def governing_csv(results: Results, estimates: Estimates | None) -> str:
             support, (x, y) = model.support[one.bearing.support].name, one.bearing.at or ("", "")
             where = (name_cell(group), name_cell(support), one.bearing.point, x, y)
             extreme = (one.what, "max" if one.largest else "min", one.own, one.own_width, name_cell(one.combination))
-            table.writerow([*where, *extreme, *one.reactions, *one.widths])
-    return text.getvalue()
+            rows.append([*where, *extreme, *one.reactions, *one.widths])
+    return csv_text([*own, *columns, *(f"{column}:plus_minus" for column in columns)], rows)
 
 
 def governing_json(results: Results, estimates: Estimates | None, group: str = "") -> list[dict[str, Any]]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
 from dataclasses import asdict
@@ -15,7 +13,7 @@ import numpy as np
 from signorini.accuracy.comparison import PathEstimate
 from signorini.base.files import replacing_together
 from signorini.output.directory import cannot_write, former_path
-from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE, name_cell
+from signorini.output.names import PATH_CSV, PATH_JSON, PATH_PICTURE, csv_text, name_cell
 from signorini.output.tables import snapped_json
 from signorini.results.figures import line_places, put
 from signorini.results.load_path import LoadPath
@@ -28,22 +26,7 @@ SCHEMA = 1
 
 
 def path_json(path: LoadPath, estimate: PathEstimate | None = None) -> dict[str, Any]:
-    """Give a load path in the form of ``path.json``; docs/results.md describes every key.
-
-    Examples
-    --------
-    >>> import signorini
-    >>> model = signorini.Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
-    ...     mesh={"divisions": [4, 4]},
-    ...     support=[{"name": "feet", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}],
-    ...     load=[{"case": "G", "pressure": 1e3}, {"case": "Q", "force": 1e3, "at": [4, 2]}],
-    ... )
-    >>> result = path_json(signorini.path(model, start="G", add="Q"))
-    >>> result["ending"], round(result["end"], 3), result["events"]
-    ('no_equilibrium', 16.0, [])
-    """
+    """Give a load path in the form of ``path.json``; docs/results.md describes every key."""
     model = path.model
     return {
         "schema": SCHEMA,
@@ -122,18 +105,16 @@ def path_csv(path: LoadPath, estimate: PathEstimate | None = None) -> str:
 
     Those of areas are columns of every support, empty of others.
     """
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
     numbers = {one.column: one for one in path.stops[0].catalogue}
     of_supports = [one.name for one in (*OF_SUPPORTS, *OF_AREAS) if one.along_paths]
     columns = [f"{what}:{support.name}" for support in path.model.support for what in of_supports]
     columns += [of for of, one in numbers.items() if one.home not in ("support", "field") and one.what != "gap"]
-    table.writerow(["t", "t_plus_minus", "event", "deflection_max", "deflection_min", *columns])
+    rows = []
     for index, stop in enumerate(path.stops):
         width = None if estimate is None else estimate.half_width(path, index)
         row = [stop.t, width, name_cell(path.words(index)), stop.largest, stop.smallest]
-        table.writerow([*row, *(_cell(stop, numbers.get(of)) for of in columns)])
-    return text.getvalue()
+        rows.append([*row, *(_cell(stop, numbers.get(of)) for of in columns)])
+    return csv_text(["t", "t_plus_minus", "event", "deflection_max", "deflection_min", *columns], rows)
 
 
 def _cell(stop: PathStop, one: Number | None) -> float | None:
@@ -148,17 +129,7 @@ def write_path(
 ) -> list[FilePath]:
     """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
 
-    Those of an earlier path there are replaced.
-
-    Returns
-    -------
-    list of Path
-        What was written.
-
-    Raises
-    ------
-    InputError
-        If the directory cannot be made or written to, or has files of these names that no earlier path wrote.
+    Those of an earlier path there are replaced. Files of these names that no earlier path wrote are refused.
     """
     # Only this function needs matplotlib.
     from signorini.plot.files import save

@@ -1,12 +1,14 @@
-"""Names of the files of results, and names in cells of tables."""
+"""Names of the files of results, what a table is as text, and names in its cells."""
 
 from __future__ import annotations
 
+import csv
+import io
 import re
 import unicodedata
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from signorini.analysis.results import Results
 from signorini.model import Model
@@ -183,6 +185,15 @@ def unique_slugs(names: Iterable[str]) -> list[str]:
         taken |= {slug + ending for ending in PICTURES}
         result.append(slug)
     return result
+
+
+def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any] | Mapping[str, Any]]) -> str:
+    """Write a table of comma-separated values, its rows in the order of the columns or by their names."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(columns)
+    table.writerows([row.get(of) for of in columns] if isinstance(row, Mapping) else row for row in rows)
+    return text.getvalue()
 
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "＝", "＋", "－", "＠", "'")

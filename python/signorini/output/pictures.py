@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from signorini.accuracy.meshes import ORDER
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
+from signorini.base.numbers import in_unit
 from signorini.output.names import (
     REFINEMENT,
     Pictures,
+    csv_text,
     envelope_files,
     envelope_pictures,
     enveloped,
@@ -108,15 +108,13 @@ _PROFILED = ("deflection", *RESULTANTS, "pressure")
 
 def profiles_csv(results: Results) -> str:
     """Give the profiles as comma-separated values, a row a combination, profile and station."""
-    text = io.StringIO()
+    named = (
+        ({"combination": name_cell(result.name), "profile": name_cell(one.name)}, one)
+        for result in results.full.values()
+        for one in result.profiles.values()
+    )
     columns = ("combination", "profile", "distance", "x", "y", *PICTURED)
-    table = csv.DictWriter(text, columns, lineterminator="\n")
-    table.writeheader()
-    for result in results.full.values():
-        for one in result.profiles.values():
-            names = {"combination": name_cell(result.name), "profile": name_cell(one.name)}
-            table.writerows(names | row for row in one.rows())
-    return text.getvalue()
+    return csv_text(columns, (names | row for names, one in named for row in one.rows()))
 
 
 def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) -> None:
@@ -132,5 +130,5 @@ def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) 
             PICTURED[name].label(units): {key: one.values[name] for key, one in curves.items()} for name in _PROFILED
         }
         distance = next(iter(curves.values())).distance
-        along = f"{profile.name} [{units.length}]" if units.length else profile.name
+        along = f"{profile.name}{in_unit(units.length)}"
         save(profile_picture(distance, panels, along, results.model.title), directory / file)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
@@ -15,7 +13,7 @@ from signorini.analysis.results import Results
 from signorini.discretise.snapping import Snapped
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
-from signorini.output.names import Pictures, files, name_cell
+from signorini.output.names import Pictures, csv_text, files, name_cell
 from signorini.results.figures import figures, point_figures, total
 from signorini.results.result import Result
 from signorini.singularities.singularity import Singularity
@@ -33,34 +31,10 @@ _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure")
 
 
 def results_json(results: Results, estimates: Estimates | None = None, pictures: Pictures = None) -> dict[str, Any]:
-    """Give the results in the form of ``results.json``.
+    """Give the results in the form of ``results.json``; docs/results.md describes every key.
 
     Numbers of a combination without equilibrium are absent: its lists are empty, its tables None, and ``message``
     says why. No number is NaN or infinite.
-
-    Parameters
-    ----------
-    results : Results
-    estimates : Estimates, optional
-        Half-widths, as `signorini.estimate` gives them.
-
-    Returns
-    -------
-    dict
-        Of what JSON can hold; docs/results.md describes every key.
-
-    Examples
-    --------
-    >>> import signorini
-    >>> model = signorini.Model(
-    ...     material={"E": 30e9, "nu": 0.2},
-    ...     plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},
-    ...     support=[{"name": "bearings", "at": [[1, 1], [9, 1], [1, 9], [9, 9]], "resists": "down"}],
-    ...     load=[{"pressure": 2e3}],
-    ... )
-    >>> result = results_json(signorini.solve(model))["combinations"][0]
-    >>> result["name"], result["status"], [point["state"] for point in result["supports"][0]["points"]]
-    ('all', 'solved', ['closed', 'closed', 'closed', 'closed'])
     """
     discretisation = results.discretisation
     of_table: dict[str, Any] = {}
@@ -94,22 +68,9 @@ def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
 
     A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node. Names that a
     spreadsheet would compute have an apostrophe before them.
-
-    Parameters
-    ----------
-    results : Results
-    estimates : Estimates, optional
-
-    Returns
-    -------
-    str
     """
-    text = io.StringIO()
-    table = csv.DictWriter(text, _COLUMNS, lineterminator="\n")
-    table.writeheader()
-    for result in results.full.values():
-        table.writerows(_rows(result, None if estimates is None else estimates[result.name].plus_minus))
-    return text.getvalue()
+    told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
+    return csv_text(_COLUMNS, (row for one, plus_minus in told for row in _rows(one, plus_minus)))
 
 
 def _combination(results: Results, result: Result, estimates: Estimates | None) -> dict[str, Any]:

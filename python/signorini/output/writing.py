@@ -108,35 +108,11 @@ def write_results(
 
     Of several combinations ``governing.csv`` comes with them. Where combinations are rows of a table, these are of the
     combinations in ``results``; the table and, unless no field is enveloped, ``envelope.vtu`` and its pictures come
-    with them.
+    with them. A ``table`` that `signorini.solve` has written, on the same file system, is moved there.
 
     All of them, or none: they are written elsewhere and moved into place when complete. The files of an earlier run in
     the directory are replaced as a set; other files in it stay, and one that has a name of ours is refused. Of several
-    runs at once the last one leaves its files, whole, and none of the others'.
-
-    Parameters
-    ----------
-    results : Results
-    directory : path-like
-        Made if need be.
-    estimates : Estimates or None
-    table : path-like, optional
-        The table that `signorini.solve` has written, on the same file system; it is moved. Without it, where
-        combinations are rows of a table, this is written here.
-    pictures : {"all", "governing", "none"}, optional
-        As for `write`.
-    draw : callable, optional
-        Who draws (`signorini.plot.artist.Artist.drawn`); by default this process does.
-
-    Returns
-    -------
-    list of Path
-        What was written.
-
-    Raises
-    ------
-    InputError
-        If the directory cannot be made or written to, or has a file of somebody else's with the name of one of ours.
+    runs at once the last one leaves its files, whole, and none of the others'. This process draws, or ``draw``.
     """
     target = Path(directory)
     named = list(slugs(results))

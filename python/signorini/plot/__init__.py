@@ -4,7 +4,7 @@ Takes arrays and returns matplotlib axes or figures that no global state knows o
 read when a function that draws is first asked for.
 """
 
-from signorini.base.lazy import lazily
+from signorini.base.packages import lazily
 
 _PICTURE = (
     *("BalanceMark", "CutMark", "EdgeMark", "LoadMark", "SingularMark", "SupportMark", "ZoneMark"),

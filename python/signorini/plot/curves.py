@@ -13,8 +13,8 @@ from matplotlib.figure import Figure as Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
-from signorini.plot.picture import Floats
 from signorini.plot.plan import INK, literal
+from signorini.shapes.arrays import Floats
 
 _CURVES = ("#1f5fa8", "#d95f02", "#1b6e53", "#7a3e9d", "#8c6d1f", "#b3261e")
 _STYLES: tuple[Literal["solid", "dashed", "dotted"], ...] = ("solid", "dashed", "dotted")

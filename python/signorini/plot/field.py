@@ -17,8 +17,8 @@ from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from signorini.base.plain import POWERS, plain
-from signorini.plot.picture import Floats, Panel, PressureLayer
+from signorini.base.numbers import POWERS, plain
+from signorini.plot.picture import Panel, PressureLayer
 from signorini.plot.plan import (
     INK,
     Labels,
@@ -32,6 +32,7 @@ from signorini.plot.plan import (
     put_label,
     triangulation,
 )
+from signorini.shapes.arrays import Floats
 
 _NOISE = 1e-9
 _BANDS = 14

@@ -15,10 +15,10 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import Normal, TickedStroke, withStroke
 from matplotlib.transforms import ScaledTranslation
-from numpy.typing import NDArray
 
-from signorini.plot.picture import Floats, SupportMark, ZoneMark
+from signorini.plot.picture import SupportMark, ZoneMark
 from signorini.plot.plan import INK, Labels, enclosed, figure_of, inches_per_unit, literal, pieces, runs
+from signorini.shapes.arrays import Bools, Floats
 
 _EDGE = "#d95f02"
 _ZONE = "#3f6f8f"
@@ -52,7 +52,6 @@ _DETAILED = 5.0
 _WAVY = Path(np.column_stack([np.linspace(-1, 1, 9), [0, 0.22, -0.22, 0.22, -0.22, 0.22, -0.22, 0.22, 0]]))
 _BOX = Path(np.array([[-1, -0.55], [1, -0.55], [1, 0.55], [-1, 0.55], [-1, -0.55]]))
 
-Bools = NDArray[np.bool_]
 Entry = tuple[str, tuple[Artist, ...]]
 """A line of the legend: its words and its samples."""
 

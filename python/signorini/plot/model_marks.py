@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from signorini.errors import point
 from signorini.plot.marks import Entry
-from signorini.plot.picture import BalanceMark, CutMark, EdgeMark, Floats, LoadMark, SingularMark
+from signorini.plot.picture import BalanceMark, CutMark, EdgeMark, LoadMark, SingularMark
 from signorini.plot.plan import Labels, enclosed, inches_per_unit, pieces
+from signorini.shapes.arrays import Floats
 
 _COLOURS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
 """Those of load cases, one after the other."""

@@ -12,9 +12,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from signorini.shapes.arrays import Floats
 from signorini.shapes.tessellation import Tessellation
 
-Floats = NDArray[np.float64]
 Place = tuple[float, float]
 Style = Literal["points", "line", "area"]
 Kind = Literal["down", "up", "both", "clamped", "hinged", "symmetry"]

@@ -19,7 +19,7 @@ from matplotlib.transforms import ScaledTranslation
 from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
-from signorini.plot.picture import Floats
+from signorini.shapes.arrays import Floats
 from signorini.shapes.tessellation import Tessellation, tessellate
 
 INK = "#1c2733"

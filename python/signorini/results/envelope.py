@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from signorini import _core
-from signorini.base.brief import Brief
-from signorini.base.remade import Remade
+from signorini.base.remade import Brief, Remade
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints

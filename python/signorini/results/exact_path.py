@@ -9,7 +9,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from signorini import _core
-from signorini.base.brief import Brief
+from signorini.base.remade import Brief
 from signorini.contact.certificate import certified
 from signorini.contact.factoring import Method
 from signorini.contact.problem import ContactProblem

@@ -7,16 +7,14 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from signorini import shapes
-from signorini.base.numbers import estimated
-from signorini.base.plain import plain
+from signorini.base.numbers import estimated, plain
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.mesh import Mesh
-from signorini.model import Area, Circle, Load, Model, Support
-from signorini.model.places import footprints
+from signorini.model import Load, Model, Support
+from signorini.model.where import Where
 from signorini.model.whole import Units
 from signorini.plot.picture import (
     CutMark,
@@ -33,7 +31,7 @@ from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.extremes import FieldExtremes
 from signorini.results.quantities import KINDS, PICTURED, PRESSURE
 from signorini.results.support_result import SupportResult, describe
-from signorini.shapes import Region
+from signorini.shapes import Polyline, Region, Ring
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.singularity import Singularity
 
@@ -45,6 +43,8 @@ _SAME = 1e-9
 _ALONG = 200
 """Pieces of the longest part of a line, each as open or closed as the nearest contact point."""
 _BREAK = np.full((1, 2), np.nan)
+_Style = Literal["points", "line", "area"]
+_STYLES: dict[str, _Style] = {"at": "points", "area": "area"}
 
 
 def support_mark(
@@ -55,16 +55,13 @@ def support_mark(
     boundary: Sequence[Floats] = (),
 ) -> SupportMark:
     """Draw a support that acts at positions (k, 2), of which some are closed; None: not known yet."""
-    style: Literal["points", "line", "area"] = "points"
+    style = _STYLES.get(support.place, "line")
     if support.fix is not None:
         closed = None  # it never lets go
     counts = None if closed is None else (int(closed.sum()), int((~closed).sum()))
     places, states = positions, closed
     if support.place != "at":
-        style, drawn = "line", path(mesh, support) if support.place != "area" else np.zeros((0, 2))
-        if support.place == "area":
-            style, drawn = "area", _drawn(support.area.region) if isinstance(support.area, Area) else _around(mesh)
-        places, states = _divided(drawn), None
+        places, states = _divided(drawn(mesh, support.where)), None
         if closed is not None and len(positions):
             from scipy.spatial import cKDTree
 
@@ -96,7 +93,8 @@ def pressure_layer(area: AreaContact) -> PressureLayer:
     """Draw the pressure of an area support."""
     on = area.covered > 0
     cut = tessellate(area.mesh.elements[on])
-    outline = _drawn(area.support.area.region) if isinstance(area.support.area, Area) else None
+    covered = area.support.where.region
+    outline = None if covered is None else _loops(covered)
     values = area.element_pressure[on] if area.stiff[on].all() else area.pressing(cut)
     return PressureLayer(cut, values, area.bounds, outline)
 
@@ -124,8 +122,7 @@ def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
             parts.append(f"Dx = {zone.stiffness.Dx:.4g}, Dy = {zone.stiffness.Dy:.4g}")
         if zone.modifiers is not None:
             parts += [f"{key} × {value:.4g}" for key, value in zone.modifiers if value != 1.0]
-        assert isinstance(zone.area, Area)  # "all" is refused
-        marks.append(ZoneMark(", ".join(parts) or "as the plate", _drawn(zone.area.region)))
+        marks.append(ZoneMark(", ".join(parts) or "as the plate", _loops(zone.region)))
     return marks
 
 
@@ -149,15 +146,10 @@ def load_marks(discretisation: Discretisation) -> list[LoadMark]:
         upward = bool(sizes.max() <= 0.0 and sizes.min() < 0.0)
         kind = "couple" if load.couple_about is not None else load.kind.replace("_", " ")
         name = kind + (" by its formula" if varies else "") + (", upward" if upward else "")
-        style: Literal["points", "line", "area"] = "area"
-        if load.at is not None:
-            style, places = "points", np.array(load.at)
-        elif load.kind == "line_load":
-            style, places = "line", path(discretisation.mesh, load)
-        elif isinstance(load.area, Area):
-            places = _drawn(load.area.region)
-        else:
-            places, name = np.zeros((0, 2)), name if varies else f"{name} everywhere"
+        everywhere = load.place == "area" and load.where.region is None
+        style = _STYLES.get(load.place, "line")
+        places = np.zeros((0, 2)) if everywhere else drawn(discretisation.mesh, load.where)
+        name += " everywhere" if everywhere and not varies else ""
         words = _value(load, sizes, discretisation.model.units)
         marks.append(LoadMark(load.case, name, places, style, upward, load.couple, words, _prints(load)))
     for moving in discretisation.model.moving:
@@ -175,13 +167,11 @@ def _under(mesh: Mesh, load: Load) -> Floats:
     """Places (k, 2) on the plate at which a load acts, its ends among them; of points those."""
     if load.at is not None:
         return np.array(load.at)
-    if load.kind == "line_load":
-        places = _divided(path(mesh, load))
-    elif isinstance(load.area, Area):
-        nodes = mesh.points[load.area.region.contains(mesh.points)]
-        places = np.concatenate([nodes, _divided(_drawn(load.area.region))])
-    else:
+    if load.place == "area" and load.where.region is None:
         return mesh.points
+    places = _divided(drawn(mesh, load.where))
+    if load.place == "area":
+        places = np.concatenate([mesh.points[load.where.covers(mesh.points)], places])
     places = places[np.isfinite(places[:, 0])]
     return places[mesh.locate(places).inside]
 
@@ -241,7 +231,7 @@ def singular_marks(named: Sequence[Singularity]) -> list[SingularMark]:
 
 def _prints(item: Support | Load) -> Floats:
     """Outlines (k, 2) of the footprints of points; a row of NaN between them."""
-    outlines = [part for shape in footprints(item) for part in (_BREAK, _drawn(shape))]
+    outlines = [part for shape in item.where.footprints for part in (_BREAK, _loops(shape))]
     return np.concatenate(outlines or [np.zeros((0, 2))])
 
 
@@ -252,14 +242,20 @@ def _print(at: tuple[float, float], along: tuple[float, float], patch: tuple[flo
     return np.asarray(at + corners @ np.array([[tx, ty], [-ty, tx]]))
 
 
-def path(mesh: Mesh, item: Support | Load) -> Floats:
-    """Vertices (k, 2) of the item's edge, line or circle; a row of NaN between pieces."""
-    if item.line is not None:
-        return np.array(item.line, dtype=np.float64)
-    if item.circle is not None:
-        points = _round(item.circle)
-        return np.where(mesh.locate(points).inside[:, None], points, np.nan)
-    return np.concatenate([_chained(mesh, name) for name in item.edge or ()])
+def drawn(mesh: Mesh, where: Where) -> Floats:
+    """Points, or vertices (k, 2) of edges, of a line or circle, or of an area's outline; NaN between pieces."""
+    if where.points:
+        return np.array(where.points)
+    if where.edges:
+        return np.concatenate([_chained(mesh, name) for name in where.edges])
+    match where.curve:
+        case Polyline(points):
+            return np.array(points)
+        case Ring(center, radius):
+            angle = np.linspace(0.0, 2.0 * np.pi, _AROUND + 1)
+            around = center + radius * np.column_stack([np.cos(angle), np.sin(angle)])
+            return np.where(mesh.locate(around).inside[:, None], around, np.nan)
+    return _around(mesh) if where.region is None else _loops(where.region)
 
 
 def _divided(line: Floats) -> Floats:
@@ -294,15 +290,10 @@ def _chained(mesh: Mesh, name: str) -> Floats:
     return np.concatenate(pieces)
 
 
-def _drawn(shape: Region) -> Floats:
+def _loops(shape: Region) -> Floats:
     """Vertices (k, 2) of a region's outlines, the first one of each again at its end, and NaN between them."""
     first, *others = (np.concatenate([loop, loop[:1]]) for loop in shape.loops)
     return np.concatenate([first, *(part for loop in others for part in (_BREAK, loop))])
-
-
-def _round(circle: Circle | shapes.Circle) -> Floats:
-    angle = np.linspace(0.0, 2.0 * np.pi, _AROUND + 1)
-    return np.array(circle.center) + circle.radius * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 class Shown(Protocol):

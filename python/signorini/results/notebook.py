@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.base.numbers import estimated, number, size_of
+from signorini.base.numbers import estimated, in_unit, number, size_of
 from signorini.errors import point
 from signorini.model import Support, Units
 from signorini.results.support_result import SupportResult, symbol
@@ -33,10 +33,10 @@ def supports_table(
     """
     areas = any(one.area is not None for one in result)
     gapped = any(support.place == "at" and not one.closed.all() for support, one in zip(supports, result, strict=True))
-    titles = [f"reaction{_in(units.force)}", *[f"gap{_in(units.length)}"] * gapped, "closed", "open"]
+    titles = [f"reaction{in_unit(units.force)}", *[f"gap{in_unit(units.length)}"] * gapped, "closed", "open"]
     if areas:
-        titles += [f"largest pressure{_in(units.force_by_length(-2))}"]
-        titles += [f"in contact{_in(units.length and units.length + '²')}"]
+        titles += [f"largest pressure{in_unit(units.force_by_length(-2))}"]
+        titles += [f"in contact{in_unit(units.length and units.length + '²')}"]
     size = size_of([one.reaction for one in result] + [size_of(one.reactions) for one in result])
     rows: list[_Row] = []
     for index, (support, one) in enumerate(zip(supports, result, strict=True)):
@@ -79,12 +79,8 @@ def _written(value: float, widths: Mapping[str, Any] | None, key: str, size: flo
     return number(value, size) if widths is None else estimated(value, widths[key], size)
 
 
-def _in(unit: str) -> str:
-    return f" [{unit}]" if unit else ""
-
-
 def path_table(supports: Sequence[str], stops: Iterable[tuple[str, str, float, list[float]]], units: Units) -> str:
     """Write the stops of a load path in HTML: t, what happens, the largest deflection, reactions of supports."""
-    titles = [f"largest deflection{_in(units.length)}", *(f"{name}{_in(units.force)}" for name in supports)]
+    titles = [f"largest deflection{in_unit(units.length)}", *(f"{name}{in_unit(units.force)}" for name in supports)]
     rows = (([t, event], [f"{value:.6g}" for value in (most, *reactions)]) for t, event, most, reactions in stops)
     return _table(["t", "event"], titles, rows)

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from signorini.base.brief import Brief
+from signorini.base.remade import Brief
 from signorini.contact.certificate import imbalances
 from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation

@@ -14,9 +14,8 @@ import numpy as np
 
 from signorini.base import arguments
 from signorini.base.arguments import known
-from signorini.base.named import Named
 from signorini.base.numbers import estimated, number, size_of
-from signorini.base.on_demand import OnDemand
+from signorini.base.on_demand import Named, OnDemand
 from signorini.base.packages import package
 from signorini.base.remade import Remade
 from signorini.contact.certificate import Certificate

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.base.named import Named
+from signorini.base.on_demand import Named
 from signorini.base.packages import package
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
@@ -111,7 +111,7 @@ class Layout:
     def of(cls, discretisation: Discretisation) -> Layout:
         """Lay out the rows of a model, with extremes of the fields that it asks for (``output.envelope``)."""
         asked: Sequence[str] = discretisation.model.output.envelope
-        fields = [name for name in FIELDS if name in asked]
+        fields = tuple(name for name in FIELDS if name in asked)
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
         areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
         at_rest = {index: area_at_rest(discretisation, index) for index in areas}
@@ -120,7 +120,7 @@ class Layout:
         hidden = {name: by_number[number] for name, number in number_of.items()}
         catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
         probes = discretisation.probe_positions, discretisation.probe_thickness
-        return cls(discretisation.model, catalogue, points, at_rest, tuple(fields), *probes, nodes, hidden)
+        return cls(discretisation.model, catalogue, points, at_rest, fields, *probes, nodes, hidden)
 
     @property
     def point_count(self) -> int:

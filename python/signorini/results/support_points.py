@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from scipy.sparse import csr_array
 
+from signorini.base.on_demand import kept
 from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.discretise.places import STRIP
@@ -33,16 +32,10 @@ class SupportPoints:
     elements: Ints  # (p,): the element that a point is in; of held nodes −1
     shares: csr_array | None  # (c', c): of an averaged area, each element's share of what its contact points do
 
-    @classmethod
-    def of(cls, discretisation: Discretisation, index: int) -> SupportPoints:
+    @staticmethod
+    @kept
+    def of(discretisation: Discretisation, index: int) -> SupportPoints:
         """Points of the support at that place in the model, found once."""
-        known = _KNOWN.setdefault(discretisation, {})
-        if index not in known:
-            known[index] = cls._found(discretisation, index)
-        return known[index]
-
-    @classmethod
-    def _found(cls, discretisation: Discretisation, index: int) -> SupportPoints:
         contacts, parts = discretisation.points, discretisation.parts[index]
         nodes, springs, rows = parts.nodes, parts.springs, parts.rows
         share = 1.0 / np.bincount(discretisation.held.holders[:, 0], minlength=discretisation.mesh.node_count)[nodes]
@@ -63,7 +56,8 @@ class SupportPoints:
         elements = np.concatenate([np.full(len(nodes), -1), of_springs, elements])
         order = parts.order if shares is None else np.arange(len(positions))
         direction, weights = contacts.direction[rows], weights[order]
-        return cls(nodes, springs, share, rows, direction, order, positions[order], weights, elements[order], shares)
+        located = positions[order], weights, elements[order]
+        return SupportPoints(nodes, springs, share, rows, direction, order, *located, shares)
 
     @property
     def fixed(self) -> int:
@@ -150,23 +144,18 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
     return elements, csr_array((share[order], point[order], start), shape=(len(elements), len(shared)))
 
 
-def catalogue_of(discretisation: Discretisation, fields: Sequence[str]) -> Catalogue:
-    """List the numbers of a model's results."""
-    key = tuple(fields)
-    known = _CATALOGUES.setdefault(discretisation, {})
-    if key not in known:
-        points = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
-        counts, opens = [len(of.positions) for of in points], [of.rows.size > 0 for of in points]
-        known[key] = Catalogue.of(discretisation.model, counts, opens, len(discretisation.probe_positions), key)
-    return known[key]
+@kept
+def catalogue_of(discretisation: Discretisation, fields: tuple[str, ...]) -> Catalogue:
+    """List the numbers of a model's results, found once."""
+    points = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
+    counts, opens = [len(of.positions) for of in points], [of.rows.size > 0 for of in points]
+    return Catalogue.of(discretisation.model, counts, opens, len(discretisation.probe_positions), fields)
 
 
 _ALL = 1.0 - 1e-9
 """Part of a limit from which on a point yields: the rest is rounding."""
 _INWARD = 3e-10
 """Part of the plate's size by which an element's point is kept within the element: corners are of several."""
-_KNOWN: WeakKeyDictionary[Discretisation, dict[int, SupportPoints]] = WeakKeyDictionary()
-_CATALOGUES: WeakKeyDictionary[Discretisation, dict[tuple[str, ...], Catalogue]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True)

@@ -2,22 +2,81 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
-from weakref import WeakKeyDictionary
+from typing import Literal, Self
 
 import numpy as np
 
+from signorini.base.on_demand import kept
 from signorini.base.remade import Remade
 from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.discretise.held import sides_that_hold_turns
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.places import quadratic_tangents, side_lengths
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
+from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.results.contact_field.area_contact import AreaContact
-from signorini.results.edge_couples import EdgeCouples
 from signorini.results.support_points import SupportPoints, closed_part
+
+_CORNER = np.cos(np.radians(15.0))
+"""Where an edge turns by more it has a corner: sides of a circle, which are parabolas, turn by less than 1°."""
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeCouples:
+    """Mean couple per length (k,) with which a support holds sides of elements (k, 2, 2) along its edges.
+
+    Each side has the plate on its left. None is within a rigid zone or inside the plate. A couple acts across the edge,
+    positive where the plate sags.
+    """
+
+    sides: Floats
+    couples: Floats
+
+    @classmethod
+    def of(cls, mesh: Mesh, edges: Sequence[str], nodal: Floats, held: Ints, rigid: Bools) -> Self:
+        """Spread couples (n, 2) that hold nodes over the lengths that these stand for, as consistent nodal forces do.
+
+        What holds a node at a corner of two ``held`` sides (h, 3), or one of a rigid zone (n,), is not of one side
+        alone: there the other nodes of the side tell its mean.
+
+        Examples
+        --------
+        >>> from signorini.mesh.meshers import rectangle
+        >>> mesh = rectangle((0.0, 0.0), (4.0, 2.0), (1, 2))
+        >>> nodal, none = np.zeros((mesh.node_count, 2)), np.zeros(mesh.node_count, np.bool_)
+        >>> nodal[mesh.edges["right"].ravel(), 0] = [1 / 6, 4 / 6, 1 / 6, 1 / 6, 4 / 6, 1 / 6]
+        >>> nodal[mesh.edges["right"][0, 2], 0] *= 2
+        >>> EdgeCouples.of(mesh, ["right"], nodal, mesh.edges["right"], none).couples.round(12).tolist()
+        [1.0, 1.0]
+        """
+        sides = np.concatenate([mesh.edges[name] for name in edges])
+        sides = sides[np.sort(np.unique(sides[:, 1], return_index=True)[1])]
+        outer = mesh.sides[mesh.on_boundary][:, 1]
+        sides = sides[np.isin(sides[:, 1], outer) & ~rigid[sides].all(axis=1)]
+        length = side_lengths(mesh, sides)
+        whole = np.bincount(sides.ravel(), length.ravel(), mesh.node_count)
+        tangents = quadratic_tangents(mesh, sides)
+        across = tangents[..., 1] * nodal[sides, 0] - tangents[..., 0] * nodal[sides, 1]
+        own = np.where(_of_the_edge_alone(sides, tangents, held, rigid), length, 0.0)
+        couples = (own * across / whole[sides]).sum(axis=1) / own.sum(axis=1)
+        return cls(mesh.points[sides[:, [0, 2]]], couples)
+
+
+def _of_the_edge_alone(sides: Ints, tangents: Floats, held: Ints, rigid: Bools) -> Bools:
+    """Whether no other held side meets sides (k, 3) at their nodes, but for one in which they go on."""
+    _, once = np.unique(held[:, 1], return_index=True)
+    meeting = np.bincount(held[once][:, [0, 2]].ravel(), minlength=len(rigid))
+    begin, end = (np.zeros((len(rigid), 2)) for _ in range(2))
+    begin[sides[:, 0]], end[sides[:, 2]] = tangents[:, 0], tangents[:, 2]
+    goes_on = (begin * end).sum(axis=1) > _CORNER
+    result = ((meeting < 2) | ((meeting == 2) & goes_on)) & ~rigid
+    result[sides[:, 1]] = True
+    return np.asarray(result[sides])
+
 
 MEANINGS = {
     "down": "pushes up only",
@@ -210,16 +269,12 @@ def area_contact(
     )
 
 
+@kept
 def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
     """Contact of an area that nothing presses yet, built once: where it is, and its law."""
-    known = _AT_REST.setdefault(discretisation, {})
-    if index not in known:
-        positions = SupportPoints.of(discretisation, index).positions
-        nothing = np.zeros(len(positions))
-        known[index] = area_contact(
-            discretisation, index, np.zeros(discretisation.mesh.node_count), positions, nothing > 0, nothing
-        )
-    return known[index]
+    positions, flat = SupportPoints.of(discretisation, index).positions, np.zeros(discretisation.mesh.node_count)
+    nothing = np.zeros(len(positions))
+    return area_contact(discretisation, index, flat, positions, nothing > 0, nothing)
 
 
 def _stiff(discretisation: Discretisation, support: Support, points: SupportPoints) -> Bools:
@@ -233,6 +288,3 @@ def _stiff(discretisation: Discretisation, support: Support, points: SupportPoin
         )
         stiff[at[stiffness >= limit]] = True
     return stiff
-
-
-_AT_REST: WeakKeyDictionary[Discretisation, dict[int, AreaContact]] = WeakKeyDictionary()

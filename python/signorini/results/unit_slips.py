@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from signorini.base.plain import plain
+from signorini.base.numbers import plain
 from signorini.base.units import METRES
 from signorini.discretise import Discretisation
 from signorini.model.problems import describe

@@ -5,21 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import combinations
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from signorini.base.on_demand import kept
 from signorini.contact.selection import NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.meshing import to_follow
-from signorini.discretise.places import region
 from signorini.discretise.quadrature import area_quadrature, curve_quadrature
 from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.errors import point
 from signorini.model import Load, MeshPlate, Model, Support
 from signorini.model.material import ZONE_KEYS
-from signorini.model.places import FOOTPRINT, curve
+from signorini.model.where import Acting
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult
 from signorini.results.unit_slips import unit_slips
@@ -48,13 +47,12 @@ _MOST = 0.75
 Covers of flanges, thick and on many bolts, have half."""
 
 
+@kept
 def model_warnings(discretisation: Discretisation) -> tuple[str, ...]:
     """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place."""
-    if discretisation not in _KNOWN:
-        of_plate = unit_slips, _one_element, _one_across, _unrefined, _unfollowed, _zones, _left_out
-        of_supports = _one_place, _overlaps, _never_act, _beds_both_ways, _couples, _wheels_off
-        _KNOWN[discretisation] = tuple(said for check in (*of_plate, *of_supports) for said in check(discretisation))
-    return _KNOWN[discretisation]
+    of_plate = unit_slips, _one_element, _one_across, _unrefined, _unfollowed, _zones, _left_out
+    of_supports = _one_place, _overlaps, _never_act, _beds_both_ways, _couples, _wheels_off
+    return tuple(said for check in (*of_plate, *of_supports) for said in check(discretisation))
 
 
 def result_warnings(
@@ -90,7 +88,7 @@ def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())
     cancel = total and abs(forces.sum()) <= NO_FORCE * total
-    if cancel and not any(one.couple is not None and one.given(FOOTPRINT) for one in discretisation.model.load):
+    if cancel and not any(one.couple is not None and one.has_footprint for one in discretisation.model.load):
         yield "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
     elif not load.nodal.any() and not _some_base_moves(discretisation):
         yield "No load acts."
@@ -152,7 +150,7 @@ def _zones(discretisation: Discretisation) -> Iterator[str]:
 def _never_act(discretisation: Discretisation) -> Iterator[str]:
     """Points of a support at points that others hold at every dof: they can neither press nor let go."""
     for index, support in enumerate(discretisation.model.support):
-        count = len(support.at or ())
+        count = len(support.where.points)
         listed = len(SupportPoints.of(discretisation, index).positions)
         if listed < count and support.holds_w:
             which = f"{count - listed} of its {count} points are" if count > 1 else "its point is"
@@ -219,12 +217,12 @@ def _unrefined(discretisation: Discretisation) -> Iterator[str]:
     """Places at which smaller elements are asked for, and there is no plate."""
     mesh = discretisation.mesh
     for index, part in enumerate(discretisation.model.mesh.refine, 1):
-        off = [f"point {point(at)}" for at in part.at or () if not mesh.locate(np.array([at])).inside.all()]
-        along, area = curve(part), region(part.area)
-        if along is not None and not curve_quadrature(mesh, along, order=1).total:
-            off.append("line" if part.circle is None else "circle")
-        if area is not None and not area_quadrature(mesh, area, order=1).total:
-            off.append("area")
+        off = [f"point {point(at)}" for at in part.where.points if not mesh.locate(np.array([at])).inside.all()]
+        along, area = part.where.curve, part.where.region
+        if (along is not None and not curve_quadrature(mesh, along, order=1).total) or (
+            area is not None and not area_quadrature(mesh, area, order=1).total
+        ):
+            off.append(part.place)
         for what in off:
             yield f"The {what} of refinement {index} is not on the plate, and nothing is refined for it."
 
@@ -232,10 +230,10 @@ def _unrefined(discretisation: Discretisation) -> Iterator[str]:
 def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
     """Lines and circles of supports and loads that go through elements."""
     model, mesh = discretisation.model, discretisation.mesh
-    named: list[tuple[str, Support | Load]] = [(support.name, support) for support in model.support]
+    named: list[tuple[str, Acting]] = [(support.name, support) for support in model.support]
     named += [(_name(index, load), load) for index, load in enumerate(model.load) if load.line_load is not None]
     for name, item in named:
-        if (along := curve(item)) is None:
+        if (along := item.where.curve) is None:
             continue
         begin, _, end = mesh.points[mesh.sides_on(along)].transpose(1, 0, 2)
         points = curve_quadrature(mesh, along, order=1)
@@ -244,12 +242,11 @@ def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
             first = int(np.argmax(beside))
             size = _SMALLER * math.sqrt(mesh.element_area[points.elements[first]])
             where = f"along it, such as at {point(points.positions[first], mesh.size)}"
-            what = "circle" if item.line is None else "line"
             shared = isinstance(item, Support) and item.is_rigid
             near = ", and near other supports its reaction may miss by more than its ±" if shared else ""
             yield (
-                f"The mesh does not follow the {what} of {name}: in the elements that it cuts, moments and shears are "
-                f"means of both sides{near}. {to_follow(model, where, size)}"
+                f"The mesh does not follow the {item.place} of {name}: in the elements that it cuts, moments and "
+                f"shears are means of both sides{near}. {to_follow(model, where, size)}"
             )
 
 
@@ -322,10 +319,10 @@ def _couples(discretisation: Discretisation) -> Iterator[str]:
     """Couples that an edge of symmetry takes."""
     model, mesh = discretisation.model, discretisation.mesh
     for holding in model.support:
-        for name in holding.edge or ():
+        for name in holding.where.edges:
             begin, end = mesh.points[mesh.edges[name][:, [0, 2]]].transpose(1, 0, 2)
             for index, load in enumerate(model.load) if "slope" in holding.fixed else ():
-                if load.couple is None or load.at is None or load.given(FOOTPRINT):
+                if load.couple is None or load.at is None or load.has_footprint:
                     continue
                 apart = distances(np.array(load.at), begin, end)
                 side = apart.argmin(axis=1)
@@ -360,10 +357,7 @@ def _reaches(discretisation: Discretisation, one: int, other: int) -> bool:
     """Whether an area has points inside another."""
     points, others = SupportPoints.of(discretisation, one), SupportPoints.of(discretisation, other)
     positions = points.positions[np.isin(points.elements, others.elements)]
-    of_other = region(discretisation.model.support[other].area)
+    of_other = discretisation.model.support[other].where.region
     if of_other is None or not len(positions):
         return len(positions) > 0
     return bool((depth(of_other, positions) > _INSIDE * discretisation.mesh.size).any())
-
-
-_KNOWN: WeakKeyDictionary[Discretisation, tuple[str, ...]] = WeakKeyDictionary()

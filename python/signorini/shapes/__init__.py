@@ -3,7 +3,6 @@
 from signorini.shapes.regions import (
     Circle,
     Curve,
-    Floats,
     Hollow,
     Polygon,
     Polyline,
@@ -17,7 +16,6 @@ from signorini.shapes.regions import (
 __all__ = [
     "Circle",
     "Curve",
-    "Floats",
     "Hollow",
     "Polygon",
     "Polyline",

@@ -7,14 +7,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
+from signorini.shapes.arrays import Bools, Floats, Ints
 from signorini.shapes.outlines import Box, Outline, Point
 from signorini.shapes.regions import Polyline, Region
-
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
 
 LEFT, RIGHT = -1, 1
 _APART = 1e-12
@@ -42,13 +38,6 @@ class CutLine:
 
     Points on the line may be ``touching`` from it. ``ways`` (2,) are the directions in which it goes on at its ends,
     None straight; only what is left and right depends on these.
-
-    Examples
-    --------
-    >>> line = CutLine([(0, 0), (0, 4), (3, 4)], 1e-9)
-    >>> near = line.near(np.array([[1.0, 2.0], [0.0, 9.0], [2.0, 4.0]]))
-    >>> near.side.tolist(), near.piece.tolist(), float(near.off[0, 0])
-    ([1, -1, 0], [0, 0, 1], 1.0)
     """
 
     def __init__(

@@ -7,12 +7,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from signorini.shapes.arrays import Floats
 from signorini.shapes.outlines import Box, Contour, Outline, Point, Side, arc_through, bounds_of
 from signorini.shapes.regions import Circle, Hollow, Polygon, Rectangle, Region, Rounded
-
-Floats = npt.NDArray[np.float64]
 
 
 def distances(points: Floats, begin: Floats, end: Floats) -> Floats:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from signorini.shapes.arrays import Floats
 
 _ON_LINE = 1e-12
 """Breadth over length below which points are on one line."""

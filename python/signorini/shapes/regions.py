@@ -9,12 +9,10 @@ from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from signorini.errors import InputError
 from signorini.shapes import outlines
-
-Floats = npt.NDArray[np.float64]
+from signorini.shapes.arrays import Bools, Floats
 
 _CHUNK = 4_000_000
 _PAIRS = 200_000
@@ -58,7 +56,7 @@ class Rectangle(outlines.Straight):
         """Bounding box xmin, ymin, xmax, ymax."""
         return (self.x0, self.y0, self.x1, self.y1)
 
-    def contains(self, points: Floats) -> outlines.Bools:
+    def contains(self, points: Floats) -> Bools:
         """Whether each of the points (q, 2) is inside or on the outline."""
         inside = (points >= (self.x0, self.y0)) & (points <= (self.x1, self.y1))
         return np.asarray(inside.all(axis=1))
@@ -83,7 +81,7 @@ class Circle(outlines.Round):
         """Corners (c, 2): none."""
         return np.zeros((0, 2))
 
-    def contains(self, points: Floats) -> outlines.Bools:
+    def contains(self, points: Floats) -> Bools:
         """Whether each of the points (q, 2) is inside or on the outline."""
         return np.asarray(np.hypot(*(points - self.center).T) <= self.radius)
 
@@ -117,7 +115,7 @@ class Polygon(outlines.Straight):
         """Bounding box xmin, ymin, xmax, ymax."""
         return outlines.bounds_of(self.points)
 
-    def contains(self, points: Floats) -> outlines.Bools:
+    def contains(self, points: Floats) -> Bools:
         """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
         return inside(points, self.outline.segments)
 
@@ -173,7 +171,7 @@ class Rounded(outlines.Straight):
         """Bounding box xmin, ymin, xmax, ymax."""
         return outlines.bounds_of(np.concatenate([np.array(self.contour.corners), *self._farthest]).tolist())
 
-    def contains(self, points: Floats) -> outlines.Bools:
+    def contains(self, points: Floats) -> Bools:
         """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
         (x, y), count = points.T, np.zeros(len(points), np.int64)
         for (ax, ay), (bx, by) in self.outline.segments:
@@ -264,7 +262,7 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def inside(points: Floats, segments: Floats) -> outlines.Bools:
+def inside(points: Floats, segments: Floats) -> Bools:
     """Whether points (q, 2) are within closed segments (k, 2, 2), by counting crossings."""
     result = np.empty(len(points), dtype=bool)
     (ax, ay), (bx, by) = segments.transpose(1, 2, 0)
@@ -385,7 +383,7 @@ class Hollow(outlines.Drawn):
         """Bounding box xmin, ymin, xmax, ymax."""
         return self.around.bounds
 
-    def contains(self, points: Floats) -> outlines.Bools:
+    def contains(self, points: Floats) -> Bools:
         """Whether each of the points (q, 2) is inside; on the outline of a hole either answer may come."""
         inside = self.around.contains(points)
         for hole in self.holes:
@@ -394,9 +392,6 @@ class Hollow(outlines.Drawn):
 
 
 Region: TypeAlias = Whole | Hollow
-
-
-"""Crossings of sides with stations that are looked at together."""
 
 
 def overlap(one: Floats, other: Floats) -> float:

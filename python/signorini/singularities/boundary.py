@@ -9,19 +9,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
 
+from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
 from signorini.discretise.places import quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.mesh.sides import onto
-from signorini.model import Load, Support
-from signorini.model.places import curve
+from signorini.model import Support
+from signorini.model.where import Where
 
 Complexes = npt.NDArray[np.complex128]
 Slopes = Literal["free", "slope", "twist", "clamped"]
@@ -63,19 +63,7 @@ def shears_grow(angle: float, held: bool, other_held: bool, along: bool) -> bool
 
 
 def moments_grow(angle: float, one: Slopes, other: Slopes, poisson: float) -> bool:
-    """Whether moments have no limit at a corner between edges that hold these slopes.
-
-    Examples
-    --------
-    A corner inwards, one of a cantilever's root, and an obtuse one of a hard simple support.
-
-    >>> moments_grow(np.radians(270), "free", "free", 0.2), moments_grow(np.radians(90), "free", "free", 0.2)
-    (True, False)
-    >>> moments_grow(np.radians(90), "clamped", "free", 0.3), moments_grow(np.radians(50), "clamped", "free", 0.3)
-    (True, False)
-    >>> moments_grow(np.radians(120), "twist", "twist", 0.3), moments_grow(np.radians(90), "twist", "twist", 0.3)
-    (True, False)
-    """
+    """Whether moments have no limit at a corner between edges that hold these slopes."""
     if abs(angle - np.pi) <= STRAIGHT and one == other:
         return False
     return exponents_below_one(angle, one, other, poisson) > 0
@@ -151,7 +139,7 @@ class Boundary:
         held, always, slope, twist = np.tile(rigid, (4, 1))
         sheared = np.zeros((len(sides), 2), np.bool_)
         for support in discretisation.model.support:
-            on = np.isin(sides[:, 1], middles(mesh, support))
+            on = np.isin(sides[:, 1], middles(mesh, support.where))
             if support.modulus is None:
                 held |= on & support.holds_w
                 always |= on & (not can_let_go(support)) & held
@@ -239,20 +227,18 @@ class Boundary:
         return result
 
 
-def middles(mesh: Mesh, item: Load | Support) -> Ints:
+def middles(mesh: Mesh, where: Where) -> Ints:
     """Nodes in the middles of the sides along an edge, a line or a circle; none where the mesh does not follow."""
-    if item.edge is not None:
-        return np.concatenate([mesh.edges[name] for name in item.edge])[:, 1]
-    along = curve(item)
-    sides = None if along is None else mesh.edges_along(along)
+    if where.edges:
+        return np.concatenate([mesh.edges[name] for name in where.edges])[:, 1]
+    sides = None if where.curve is None else mesh.edges_along(where.curve)
     return np.zeros(0, np.int64) if sides is None else sides[:, 1]
 
 
+@kept
 def boundary_of(discretisation: Discretisation) -> Boundary:
     """The boundary of the plate, found once."""
-    if discretisation not in _BOUNDARIES:
-        _BOUNDARIES[discretisation] = Boundary.of(discretisation)
-    return _BOUNDARIES[discretisation]
+    return Boundary.of(discretisation)
 
 
 def shears_along(support: Support, at: Floats, tangents: Floats, size: float) -> Bools:
@@ -269,6 +255,3 @@ def shears_along(support: Support, at: Floats, tangents: Floats, size: float) ->
 def _turn(a: Floats, b: Floats) -> Floats:
     """Angles (k,) from directions (k, 2) to others, to the left."""
     return np.asarray(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))
-
-
-_BOUNDARIES: WeakKeyDictionary[Discretisation, Boundary] = WeakKeyDictionary()

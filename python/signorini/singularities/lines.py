@@ -13,7 +13,6 @@ from signorini.discretise.quadrature import curve_quadrature
 from signorini.discretise.quadrature.lines import arc_of
 from signorini.discretise.rows import Floats, Ints
 from signorini.model import AnnulusPlate, DiscPlate, Load, Support
-from signorini.model.places import curve
 from signorini.shapes import Curve, Polyline, Ring
 from signorini.singularities.boundary import STRAIGHT, Boundary, boundary_of, moments_grow, shears_along, slopes_held
 from signorini.singularities.singularity import Singularity, as_places
@@ -30,7 +29,7 @@ def ends_of_load(discretisation: Discretisation, load: Load) -> tuple[tuple[floa
     """Ends and corners of a line load at which shears grow as the logarithm of the distance."""
     assert load.line_load is not None
     edge = boundary_of(discretisation)
-    along = curve(load)
+    along = load.where.curve
     if along is None:
         return _ends_on_edges(discretisation, load)
     points, directions_of = _points_along(discretisation, along)
@@ -72,7 +71,7 @@ def _ends_on_edges(discretisation: Discretisation, load: Load) -> tuple[tuple[fl
     """Ends of a load on edges where the edge runs on straight, or into one that is held at a right angle."""
     assert load.line_load is not None
     edge, mesh = boundary_of(discretisation), discretisation.mesh
-    middles = np.concatenate([mesh.edges[name] for name in load.edge or ()])[:, 1]
+    middles = np.concatenate([mesh.edges[name] for name in load.where.edges])[:, 1]
     loaded = np.isin(edge.sides[:, 1], middles)
     other = edge.following
     ends = np.flatnonzero(loaded != loaded[other])
@@ -160,7 +159,7 @@ def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:
 def of_held_slopes(discretisation: Discretisation) -> Iterator[Singularity]:
     """Nodes of elements through which a line runs that holds slopes: moments jump there."""
     for support in discretisation.model.support:
-        along = curve(support)
+        along = support.where.curve
         if along is None or not support.turns_held:
             continue
         what = f"The {'circle' if isinstance(along, Ring) else 'line'} of {support.name}"

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
-from signorini.discretise.places import region
 from signorini.discretise.rows import Floats
 from signorini.errors import point
-from signorini.model import Load, Support
-from signorini.model.places import FOOTPRINT, curve
+from signorini.model import Support
 from signorini.shapes import Circle, Curve, Polyline, Region, Ring
 from signorini.singularities.boundary import boundary_of, shears_grow
 from signorini.singularities.lines import ends_of_line, ends_of_load, of_cut_elements, of_held_slopes
@@ -44,17 +42,14 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
     )
 
 
+@kept
 def singularities_of(discretisation: Discretisation, case: str | None = None) -> tuple[Singularity, ...]:
     """Name those of one load case alone; of none those that are always there."""
-    known = _KNOWN.setdefault(discretisation, {})
-    if case not in known:
-        if case is None:
-            always = *_of_supports(discretisation), *_of_corners(discretisation), *_of_zones(discretisation)
-            within = *of_cut_elements(discretisation), *of_held_slopes(discretisation)
-            known[case] = (*_measured(discretisation, always), *within)
-        else:
-            known[case] = _measured(discretisation, _of_loads(discretisation, case))
-    return known[case]
+    if case is not None:
+        return _measured(discretisation, _of_loads(discretisation, case))
+    always = *_of_supports(discretisation), *_of_corners(discretisation), *_of_zones(discretisation)
+    within = *of_cut_elements(discretisation), *of_held_slopes(discretisation)
+    return *_measured(discretisation, always), *within
 
 
 def _measured(discretisation: Discretisation, named: Iterable[Singularity]) -> tuple[Singularity, ...]:
@@ -69,17 +64,17 @@ def _of_loads(discretisation: Discretisation, case: str) -> Iterator[Singularity
         if load.case != case:
             continue
         place = f"load[{index + 1}]"
-        if load.at is not None and not load.given(FOOTPRINT):
+        if load.at is not None and not load.has_footprint:
             couple = load.couple is not None
-            if (any(load.couple or ()) if couple else load.force) and load.at:
+            if any(load.couple or ()) if couple else load.force:
                 kind = "Couple" if couple else "Force"
                 numbers = ("deflection", *(("rotation",) if couple else ()), "moment", "shear")
                 yield Singularity(load.at, f"{kind} at a point of {place}", numbers, _FOOTPRINT, case)
                 yield from _on_rigid_areas(discretisation, load.at, f"{kind} at a point of {place}")
         elif load.at is not None:
-            yield from _unresolved(discretisation, load.at, _width(load), f"footprint of {place}", case)
+            yield from _unresolved(discretisation, load.at, load.width[1], f"footprint of {place}", case)
         elif load.line_load is not None:
-            if (along := curve(load)) is not None:
+            if (along := load.where.curve) is not None:
                 yield from _unresolved_shape(discretisation, along, place, case)
             if ends := ends_of_load(discretisation, load):
                 what = f"End or corner of the line load of {place}"
@@ -103,7 +98,7 @@ def _of_supports(discretisation: Discretisation) -> Iterator[Singularity]:
     determinate = _determinate(discretisation)
     for support in discretisation.model.support:
         if support.at is not None:
-            if not support.given(FOOTPRINT):
+            if not support.has_footprint:
                 slopes = "slope" in support.fixed
                 numbers = ("deflection", *(("rotation",) if slopes else ()), "moment", "shear")
                 numbers += () if determinate else ("reaction",)
@@ -112,7 +107,7 @@ def _of_supports(discretisation: Discretisation) -> Iterator[Singularity]:
                 yield from _on_rigid_areas(discretisation, support.at, f"{support.name} at a point")
             else:
                 name = f"footprint of {support.name}"
-                yield from _unresolved(discretisation, support.at, _width(support), name, support.name)
+                yield from _unresolved(discretisation, support.at, support.width[1], name, support.name)
             continue
         yield from _of_outline(discretisation, support)
         steps = any(level.jumps for one in (support.settlement, support.gap) for level in one.levels)
@@ -129,8 +124,7 @@ def _on_rigid_areas(
     for support in discretisation.model.support:
         if support.area is None or not support.is_rigid or support.can_yield:
             continue
-        shape, points = region(support.area), np.array(at).reshape(-1, 2)
-        on = np.ones(len(points), np.bool_) if shape is None else shape.contains(points)
+        on = support.where.covers(np.array(at).reshape(-1, 2))
         if on.any():
             where = tuple(place for place, inside in zip(at, on.tolist(), strict=True) if inside)
             name = f"{what} on the rigid area of {support.name}"
@@ -160,18 +154,14 @@ def _unresolved_shape(
 
 def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Singularity]:
     """Ends and corners of lines, and outlines of rigid areas."""
-    rigid = support.is_rigid
-    along, shape = curve(support), region(support.area)
+    rigid, along, shape = support.is_rigid, support.where.curve, support.where.region
+    if support.where.shape is not None:
+        yield from _unresolved_shape(discretisation, support.where.shape, support.name, support.name)
     if along is not None:
-        yield from _unresolved_shape(discretisation, along, support.name, support.name)
         for numbers, ends in ends_of_line(discretisation, along, support).items():
             advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
-    if support.area is None:
-        return
-    if shape is not None:
-        yield from _unresolved_shape(discretisation, shape, support.name, support.name)
-    if not rigid or support.can_yield:
+    if support.area is None or not rigid or support.can_yield:
         return
     advice = "Give the area a stiffness."
     if shape is None or shape.contains(discretisation.mesh.points).all():
@@ -250,12 +240,4 @@ def _determinate(discretisation: Discretisation) -> bool:
     """Whether three points are all that holds the deflection, so that reactions follow from equilibrium."""
     holding = [support for support in discretisation.model.support if support.holds_w]
     slopes = any(support.turns_held for support in discretisation.model.support)
-    return not slopes and all(s.at is not None for s in holding) and sum(len(s.at or ()) for s in holding) == 3
-
-
-def _width(item: Load | Support) -> float:
-    """The longer side of an item's footprint."""
-    return 2.0 * item.radius if item.radius is not None else max(item.patch or (0.0,))
-
-
-_KNOWN: WeakKeyDictionary[Discretisation, dict[str | None, tuple[Singularity, ...]]] = WeakKeyDictionary()
+    return not slopes and all(s.at is not None for s in holding) and sum(len(s.where.points) for s in holding) == 3

@@ -12,7 +12,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.analysis.combinations.terms import Terms, terms_of
-from signorini.base.brief import Brief
+from signorini.base.remade import Brief
 from signorini.contact.certificate import FIGURES, TOLERANCE
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import doubtful

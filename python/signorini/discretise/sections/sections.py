@@ -11,9 +11,8 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from signorini import _core
-from signorini.base.brief import Brief
+from signorini.base.remade import Brief
 from signorini.discretise.held import Held
-from signorini.discretise.places import region
 from signorini.discretise.quadrature import Quadrature, area_quadrature, curve_quadrature
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -22,7 +21,6 @@ from signorini.discretise.supports import ContactPoints, Springs
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
-from signorini.model.places import footprints
 from signorini.shapes import Polyline
 from signorini.shapes.cuts import Part
 from signorini.shapes.outlines import Point
@@ -141,7 +139,7 @@ class Sections(Brief):
             return csr_array((3 * len(self.cuts), len(acting)))
         prints = {}
         for index, support in enumerate(supports):
-            shapes = footprints(support)
+            shapes = support.where.footprints
             for row in np.flatnonzero(acting.support == index).tolist() if shapes else ():
                 shape = shapes[acting.numbers[row]]
                 prints[row] = shape, area_quadrature(self.mesh, shape, _ORDER)
@@ -270,7 +268,7 @@ def _shares(
     cut: Cut, mesh: Mesh, support: Support, acting: ContactPoints | Springs, own: Ints
 ) -> Iterator[tuple[Ints, Floats]]:
     """Yield the work that reactions of an area's rows, spread over their elements, do on the left (k, 3)."""
-    covered = region(support.area)
+    covered = support.where.region
     left = cut.on_left(mesh, covered, _ORDER, ())
     over = area_quadrature(mesh.part(cut.elements), covered, _ORDER)
     rows = _deflections(mesh, replace(left, elements=cut.elements[left.elements]))

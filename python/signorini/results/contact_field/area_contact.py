@@ -10,7 +10,6 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini.base.remade import Remade
-from signorini.discretise.places import region
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
@@ -27,7 +26,6 @@ from signorini.results.contact_field.cells import (
 )
 from signorini.results.contact_field.lines import Segments, chained, clipped, thinned
 from signorini.results.extremes import peak
-from signorini.shapes import Region
 from signorini.shapes.distances import depth
 from signorini.shapes.tessellation import Tessellation
 
@@ -211,13 +209,10 @@ class AreaContact(Remade):
 
     def depth(self, positions: Floats) -> Floats:
         """How deep positions (q, 2) are in the support; 0 or more on its outline too."""
-        if self._region is None:
+        region = self.support.where.region
+        if region is None:
             return np.full(len(positions), self.mesh.size)
-        return depth(self._region, positions) + _ON_OUTLINE * self.mesh.size
-
-    @cached_property
-    def _region(self) -> Region | None:
-        return region(self.support.area)
+        return depth(region, positions) + _ON_OUTLINE * self.mesh.size
 
     @cached_property
     def _whole(self) -> Bools:

@@ -1,0 +1,175 @@
+"""Where things are: the keys that say it in the tables of supports, loads and refinements, and what they name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field, JsonValue
+
+from signorini import shapes
+from signorini.model import base
+from signorini.model.places import AnyArea, Area, Circle
+from signorini.shapes import Curve, Polyline, Region, Ring, Whole
+from signorini.shapes.arrays import Bools, Floats
+from signorini.shapes.outlines import Outline, Point, directions
+
+PlaceKey = Literal["at", "edge", "line", "circle", "area"]
+
+FOOTPRINT = ("patch", "radius")
+_LEAST_RADIUS = 0.5
+"""Part of the element size from which on a circle is worth following: twelve elements around it are half as large."""
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where something is: at points, along edges of the plate or a curve, or in an area: a region, or all of the plate.
+
+    ``key`` is what says so in the input; nodes of a mesh file are points. ``footprints`` are those of points, if any.
+    """
+
+    key: PlaceKey
+    points: tuple[Point, ...] = ()
+    edges: tuple[str, ...] = ()
+    curve: Curve | None = None
+    region: Region | None = None
+    footprints: tuple[Whole, ...] = ()
+
+    @property
+    def shape(self) -> Curve | Region | None:
+        """The curve or the region."""
+        return self.curve if self.curve is not None else self.region
+
+    @property
+    def shapes(self) -> tuple[Curve | Region, ...]:
+        """All that has an outline: the curve or the region, and the footprints."""
+        return (*(() if self.shape is None else (self.shape,)), *self.footprints)
+
+    @property
+    def outline(self) -> Outline:
+        """What the curve, or the region's outline, is drawn with."""
+        return Outline() if self.shape is None else self.shape.outline
+
+    def covers(self, points: Floats) -> Bools:
+        """Which points (q, 2) of the plate are in the area."""
+        return np.ones(len(points), np.bool_) if self.region is None else self.region.contains(points)
+
+
+def curve_of(line: tuple[Point, ...] | None, circle: Circle | None) -> Curve | None:
+    """The curve that a line or a circle names."""
+    if line is not None:
+        return Polyline(line)
+    return None if circle is None else Ring(circle.center, circle.radius)
+
+
+def worth_following(along: Curve, size: float) -> bool:
+    """Whether elements of some size are to follow a curve: around a small circle they would be too many."""
+    return not isinstance(along, Ring) or along.radius >= _LEAST_RADIUS * size
+
+
+def one_of(keys: tuple[str, ...]) -> list[JsonValue]:
+    """JSON Schemas of which a table that has one of some keys fulfils one."""
+    return [{"required": [key]} for key in keys]
+
+
+class Located(base.Table):
+    """A table that says where it is, by one of its places."""
+
+    places: ClassVar[tuple[str, ...]] = ("at", "edge", "line", "circle", "area")
+
+    at: base.Points | None = Field(
+        default=None, description="A point [x, y] or a list of points; they need not be nodes."
+    )
+    edge: base.Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
+    line: base.Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
+    circle: Circle | None = Field(default=None, description="The line of a circle: { center = [x, y], radius = r }.")
+    area: AnyArea | None = Field(default=None, description='"all", or a table with one of rectangle, circle, polygon.')
+
+    @property
+    def place(self) -> PlaceKey:
+        """The key that says where it is; what has none is all over the plate."""
+        keys: tuple[PlaceKey, ...] = ("at", "edge", "line", "circle")
+        return next((key for key in keys if getattr(self, key) is not None), "area")
+
+    @property
+    def where(self) -> Where:
+        """Where it is."""
+        region = self.area.region if isinstance(self.area, Area) else None
+        return Where(
+            self.place, self.at or (), self.edge or (), curve_of(self.line, self.circle), region, self._footprints()
+        )
+
+    def _footprints(self) -> tuple[Whole, ...]:
+        return ()
+
+    def _place_complaints(self, said: str) -> Iterator[base.Complaint]:
+        """Refuse all but one place; ``said`` is what a place says of the table."""
+        given = self.given(self.places)
+        if len(given) != 1:
+            found = " and ".join(given) or "none"
+            yield (), f"found {found}; exactly one of {', '.join(self.places)} says {said}."
+
+
+class Acting(Located):
+    """A support or a load: at points it may have a footprint."""
+
+    places: ClassVar[tuple[str, ...]] = ("at", "nodes", "edge", "line", "circle", "area")
+
+    nodes: base.Nodes | None = Field(
+        default=None, description="A node of the mesh file by its number, or a list of numbers."
+    )
+    patch: (
+        Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "a patch [length along x, width along y]")]
+        | None
+    ) = Field(
+        default=None,
+        description="Footprint of each point of at or nodes: a rectangle [length along x, width along y] about it.",
+    )
+    angle: Annotated[float, BeforeValidator(base.number)] | None = Field(
+        default=None, description="Turns the patch: degrees from x to its first side, towards y; default 0."
+    )
+    radius: base.Positive | None = Field(
+        default=None, description="Footprint of each point of at or nodes: a disc about it."
+    )
+
+    @property
+    def place(self) -> PlaceKey:
+        """The key that says where it is; nodes are points."""
+        return "at" if self.nodes is not None else super().place
+
+    @property
+    def has_footprint(self) -> bool:
+        """Whether what is at points is spread about them."""
+        return bool(self.given(FOOTPRINT))
+
+    @property
+    def width(self) -> tuple[float, float]:
+        """The shorter and the longer side of the footprint; 0 of a point."""
+        a, b = self.patch or (2.0 * (self.radius or 0.0),) * 2
+        return min(a, b), max(a, b)
+
+    def _footprints(self) -> tuple[Whole, ...]:
+        points = self.at or ()
+        if self.radius is not None:
+            return tuple(shapes.Circle(at, self.radius) for at in points)
+        if self.patch is None:
+            return ()
+        a, b = self.patch
+        if self.angle:
+            ((c, s),) = directions(np.array([self.angle])).tolist()
+            around = [(0.5 * u * a, 0.5 * v * b) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+            return tuple(
+                shapes.Polygon(tuple((x + c * u - s * v, y + s * u + c * v) for u, v in around)) for x, y in points
+            )
+        return tuple(shapes.Rectangle(x - 0.5 * a, y - 0.5 * b, x + 0.5 * a, y + 0.5 * b) for x, y in points)
+
+    def _footprint_complaints(self) -> Iterator[base.Complaint]:
+        keys = self.given(FOOTPRINT)
+        if len(keys) > 1:
+            yield ("radius",), "found both patch and radius; give one."
+        elif keys and not self.given(("at", "nodes")):
+            yield (keys[0],), f"{keys[0]} is the footprint of points; it goes with at or nodes."
+        if self.angle is not None and self.patch is None:
+            yield ("angle",), "angle turns a patch, and there is none."
