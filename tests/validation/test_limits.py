@@ -149,6 +149,52 @@ def test_rows_of_a_table_yield_as_combinations_by_themselves_do(method):
     assert yielded
 
 
+DRAWN = [
+    [[0, 0], [0.001, 20], [0.01, 30]],
+    [[0, 0], [0.001, 20], [0.003, 20]],
+    [[0, 0], [0.001, 10], [0.002, 10], [0.003, 40], [0.01, 50]],
+    [[0, 0], [0.002, 5], [0.003, 40]],
+    [[0, 0], [0, 15], [0.002, 25], [0.003, 25]],
+]
+BOTH_WAYS = [
+    *DRAWN[:-1],  # both ways of the last are one row, without compliance
+    [[-0.01, -5], [0, 0], [0.001, 20], [0.01, 30]],
+    [[-0.002, -30], [-0.001, -30], [0, 0], [0.002, 50]],
+]
+
+
+def reactions_by_least_squares(problem, load):
+    """Reactions (m,) from the least complementary energy, their parts on each piece within that piece's forces.
+
+    min ½ rᵀPr − sᵀr + Σ t x + x²/2c over r = r₀ + Σ x: on a piece of slope c from a travel t on the travel is t + x/c.
+    """
+    contacts, (matrix, s) = problem.discretisation.contacts, problem.dual(load)
+    plate = matrix - np.diag(problem.compliance)
+    point, travel, compliance, low, high, begin = [], [], [], [], [], np.zeros(len(s))
+    for i, number in enumerate(contacts.law):
+        law, scale, unit = contacts.laws[number], contacts.scale[i], contacts.unit[i]
+        at = np.array(law.vertices) * [unit, scale]
+        begin[i] = at[0, 1]
+        pieces = [(at[0, 0], law.ends[0], -np.inf, 0.0), (at[-1, 0], law.ends[1], 0.0, np.inf)]
+        inner = zip(at[:-1], at[1:], law.slopes[1:-1], strict=True)
+        pieces += [(one[0], slope, 0.0, other[1] - one[1]) for one, other, slope in inner]
+        for t, slope, least, most in pieces:
+            if slope > 0.0:
+                point.append(i)
+                travel.append(t)
+                compliance.append(unit / (slope * scale))
+                low.append(least)
+                high.append(most)
+    of = np.zeros((len(s), len(point)))
+    of[point, np.arange(len(point))] = 1.0
+    root = cholesky(of.T @ plate @ of + np.diag(compliance), lower=True)
+    wanted = of.T @ (s - plate @ begin) - travel
+    found = lsq_linear(
+        root.T, solve_triangular(root, wanted, lower=True), (low, high), method="bvls", tol=1e-14, max_iter=2000
+    )
+    return begin + of @ found.x
+
+
 @st.composite
 def models(draw):
     """Plates on corner springs, so that K is regular, and a few supports with limits, or none, each its way."""
@@ -163,9 +209,12 @@ def models(draw):
             kind
         ]
         support = {kind: place, "resists": draw(st.sampled_from(["down", "up", "both"]))}
-        support["stiffness"] = draw(st.sampled_from([1e4, 1e5, "1e4 + 1e4*x"]))
-        support["limit"] = draw(st.sampled_from([5.0, 50.0, "20 + 30*y"]))
         if draw(st.booleans()):
+            support["law"] = draw(st.sampled_from(BOTH_WAYS if support["resists"] == "both" else DRAWN))
+        else:
+            support["stiffness"] = draw(st.sampled_from([1e4, 1e5, "1e4 + 1e4*x"]))
+            support["limit"] = draw(st.sampled_from([5.0, 50.0, "20 + 30*y"]))
+        if support.get("law", [[0.0]])[0][0] >= 0 and draw(st.booleans()):
             support["gap"] = draw(st.sampled_from([1e-4, 1e-3]))
         if draw(st.booleans()):
             support["settlement"] = draw(st.sampled_from([1e-3, -1e-3]))
@@ -184,22 +233,29 @@ def models(draw):
 
 @settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
 @given(model=models())
-def test_random_models_with_limits_solve_a_bounded_least_squares_problem(model):
+def test_random_models_with_limits_and_laws_have_the_least_complementary_energy(model):
     result, problem = signorini.solve(model)["all"], contact_problem(model)
-    matrix, s = problem.dual(problem.load("all"))
-    # min ½ rᵀPr − sᵀr within limits is the least ‖Lᵀr − L⁻¹s‖ of P = LLᵀ.
-    root = cholesky(matrix, lower=True)
-    reference = lsq_linear(
-        root.T, solve_triangular(root, s, lower=True), problem.limits, method="bvls", tol=1e-14, max_iter=500
-    )
-    given_up = problem.discretisation.contacts
+    reference, contacts = reactions_by_least_squares(problem, problem.load("all")), problem.discretisation.contacts
     totals = [
-        float((given_up.direction * reference.x)[given_up.support == index].sum())
+        float((contacts.direction * reference)[contacts.support == index].sum())
         for index in range(1, len(model.support))
     ]
-    size = np.abs(reference.x).sum() + np.abs(problem.load("all")[::3]).sum()
+    size = np.abs(reference).sum() + np.abs(problem.load("all")[::3]).sum()
     assert result.certificate.passed
     assert [one.reaction for one in result.supports[1:]] == pytest.approx(totals, abs=1e-8 * size)
+
+
+@pytest.mark.parametrize("resists", ["down", "both"])
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("force", [100e3, 130e3, 200e3, 230e3])
+def test_a_block_sinks_along_the_law_of_its_soil(force, method, resists):
+    law = [[0, 0], [0.001, 30e3], [0.002, 30e3], [0.004, 50e3], [0.01, 60e3]]
+    model = block(4, force, method=method, stiffness=None, limit=None, law=law, resists=resists)
+    result = signorini.solve(model)["all"]
+    forces, travels = [f for _, f in law], [t for t, _ in law]
+    assert not result.unsettled
+    assert result.deflection.mean() == pytest.approx(np.interp(force / WIDTH**2, forces, travels), rel=1e-4)
+    assert result.pressure([(1.0, 1.0)])[0] == pytest.approx(force / WIDTH**2, rel=1e-4)
 
 
 def test_a_graph_and_its_inverse_agree():
@@ -216,6 +272,21 @@ def test_a_graph_and_its_inverse_agree():
         ({"limit": 0}, "support[1].limit: found 0; it must be greater than 0."),
         ({"limit": "x - 1"}, "support[1].limit: 'x - 1' is -1 at [0, "),
         ({"limit": 1e3, "fix": "simple", "resists": None}, "support[1].limit: a limit does not go with fix"),
+        (
+            {"law": [[0, 0], [0.1, 5], [0.2, 4]]},
+            "support[1].law[3]: found [0.2, 4.0] after [0.1, 5.0], where the law falls",
+        ),
+        (
+            {"law": [[0, 0], [0.1, 5], [0.05, 6]]},
+            "support[1].law[3]: found [0.05, 6.0] after [0.1, 5.0], where the law goes",
+        ),
+        (
+            {"law": [[0, 1], [0.1, 5]]},
+            "support[1].law: found a law from [0.0, 1.0] to [0.1, 5.0]; it must begin at [0, 0]",
+        ),
+        ({"law": [[0, 0], [0.1, 5]], "limit": 3}, "support[1].limit: found both law and limit"),
+        ({"law": [[0, 0]]}, "support[1].law: found 1 point; it must be a list of 2 to 100 points [travel, force]."),
+        ({"law": "soft"}, 'support[1].law: found "soft"; it must be a list of 2 to 100 points [travel, force].'),
     ],
 )
 def test_a_limit_that_is_none_is_refused(limit, said):

@@ -338,7 +338,7 @@ class ContactProblem(Statement, Remade):
         which it exceeds the plate's.
         """
         result, points = self.discretisation, self.discretisation.contacts
-        pushing = not points.two_sided.any() and np.isinf(points.limits[1]).all()
+        pushing = all(points.laws[number].only_pushes for number in np.unique(points.law))
         if pushing and not regularization(result, self.freedom).any():
             return self.condensed.core
         if "dual" not in self._cores:

@@ -59,6 +59,11 @@ class Law:
         return len(self.vertices) == 1 and self.ends[0] == self.ends[1]
 
     @property
+    def only_pushes(self) -> bool:
+        """Whether it pushes with one slope and without limit."""
+        return len(self.vertices) == 1 and self.ends[0] == 0.0
+
+    @property
     def pushing(self) -> Law:
         """One that pushes only, as stiff as this is at most."""
         return Law(ends=(0.0, float(self.slopes.max())))

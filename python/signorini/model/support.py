@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
+    BeforeValidator,
     ConfigDict,
     Field,
     ModelWrapValidatorHandler,
@@ -67,7 +68,21 @@ Fix = Annotated[
 
 _MOST_OF_LAW = 100
 """Points of a law: its pieces, both ways, are numbered by a byte."""
-Law = Annotated[tuple[base.Point, ...], Field(min_length=2, max_length=_MOST_OF_LAW)]
+
+
+def _law(value: object) -> object:
+    value = as_list(value)
+    if not isinstance(value, list | tuple) or not 2 <= len(value) <= _MOST_OF_LAW:
+        found = f"{len(value)} point{'s' * (len(value) != 1)}" if isinstance(value, list | tuple) else describe(value)
+        raise ValueError(f"found {found}; it must be a list of 2 to {_MOST_OF_LAW} points [travel, force].")
+    return value
+
+
+Law = Annotated[
+    tuple[base.Point, ...],
+    BeforeValidator(_law),
+    Field(json_schema_extra={"minItems": 2, "maxItems": _MOST_OF_LAW}),
+]
 
 
 class Support(Acting, base.Named):
@@ -105,9 +120,9 @@ class Support(Acting, base.Named):
     )
     law: Law | None = Field(
         default=None,
-        description="In place of stiffness and limit: [[travel, force], ...], not falling, from [0, 0] on; the last slope "
-        "goes on. Per point, per length (edge, line, circle), per area. With both it is alike both ways, or begins at a "
-        "negative travel.",
+        description="In place of stiffness and limit: [[travel, force], ...], not falling, from [0, 0] on; the last "
+        "slope goes on. Per point, per length (edge, line, circle), per area. With both it is alike both ways, or "
+        "begins at a negative travel.",
     )
     settlement: base.Scalar = Field(
         default=Expression(0.0), description="The base moves down by this: a number or an expression; default 0."

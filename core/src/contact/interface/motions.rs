@@ -137,7 +137,10 @@ impl Interface {
         }
         for &(row, earlier, _) in &motions.mirrored {
             (0..order).for_each(|c| lcp.matrix[row * order + c] = -lcp.matrix[earlier * order + c]);
-            (0..order).for_each(|r| lcp.matrix[r * order + row] = -lcp.matrix[r * order + earlier]);
+            // Vertices beyond say how long the piece that leads to them is, not where its base is.
+            for r in (0..order).filter(|&r| lcp.rows[r].is_next()) {
+                lcp.matrix[r * order + row] = -lcp.matrix[r * order + earlier];
+            }
         }
         Ok(motions)
     }

@@ -50,6 +50,11 @@ impl VertexRow {
         points.piece(self.point, if self.upward { self.vertex } else { self.vertex + 1 }).holds()
     }
 
+    /// Whether it is an end of the piece that its point begins on.
+    pub(super) fn is_next(&self) -> bool {
+        self.before.is_none()
+    }
+
     /// Whether z is a gap rather than a reaction.
     pub fn gap_is_z(&self) -> bool {
         self.kind == Kind::Gap
