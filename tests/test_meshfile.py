@@ -313,6 +313,13 @@ def test_a_point_at_a_collapsed_side_is_its_node(tmp_path):
     assert mesh.shape_functions(where.elements, where.xi).tolist() == [[1.0, 0, 0, 0, 0, 0, 0, 0]] * 100
 
 
+def test_an_element_whose_corners_are_one_node_is_refused(tmp_path):
+    cells = [("quad8", np.array([[4, 4, 4, 4, 0, 1, 2, 3]])), ("line3", lines(PLATE.edges["left"]))]
+    sets = {"left": [np.zeros(0, int), np.arange(len(PLATE.edges["left"]))]}
+    with pytest.raises(InputError, match="no side of an element"):
+        read(write(tmp_path / "plate.inp", meshio.Mesh(in_space(PLATE.points), cells, cell_sets=sets)))
+
+
 def test_an_element_that_repeats_a_node_elsewhere_is_refused():
     wrong = COLLAPSED.copy()
     wrong[0, 4] = 8

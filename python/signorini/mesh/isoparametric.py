@@ -45,8 +45,10 @@ def are_degenerate(elements: Ints) -> Bools:
 
 
 def real_sides(elements: Ints) -> Bools:
-    """Tell which sides (ne, 4) of elements (ne, 8) have a length: all but those between a corner and itself."""
-    return np.asarray(elements[:, :4] != np.roll(elements[:, :4], -1, axis=1))
+    """Tell which sides (ne, 4) have a length: all but the third of triangles and the first of degenerate elements."""
+    sides = np.arange(4)
+    none = are_triangles(elements)[:, None] & (sides == 2) | are_degenerate(elements)[:, None] & (sides == 0)
+    return np.asarray(~none)
 
 
 def shape_functions(triangles: Bools, xi: Floats) -> tuple[Floats, Floats]:
