@@ -17,6 +17,7 @@ from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import NO_FORCE, RigidFreedom, allowed_motions, rigid_freedom
 from signorini.equilibrium.imbalance import WORK, Imbalance, explain, imbalance_of, nearest_limit, on_the_brink
 from signorini.errors import InputError
+from signorini.mesh.isoparametric import are_degenerate
 from signorini.mesh.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results import marks

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from signorini.plot.picture import Floats
+from signorini.shapes.arrays import Floats
 from signorini.shapes.tessellation import tessellate
 
 _TURNED, _RAISED = np.radians(30.0), np.radians(35.0)
