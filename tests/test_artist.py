@@ -59,7 +59,7 @@ def test_pictures_are_the_same_whoever_draws_them(tmp_path: Path) -> None:
         assert "Glyph 33655" in errors
         assert output.endswith("\nTrue\n" if name == "alone" else "\nFalse\n")
     drawn = files(tmp_path / "drawn")
-    assert len(drawn) == 12 and all(content for content in drawn.values())
+    assert len(drawn) == 14 and all(content for content in drawn.values())
     assert files(tmp_path / "by several") == files(tmp_path / "alone") == drawn
 
 

@@ -162,7 +162,7 @@ def test_what_a_kill_amid_the_exchange_left_is_not_left_beside_other_results(sla
     slab.write_text(named)
     assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0
     assert {path.name for path in results.iterdir()} == {
-        *("mine.png", "other.png", "other-moments.png", "other-shears.png", "other.vtu"),
+        *("mine.png", "other.png", "other-deformed.png", "other-moments.png", "other-shears.png", "other.vtu"),
         *("reactions.csv", "results.json"),
     }
 

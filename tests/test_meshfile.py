@@ -12,6 +12,7 @@ from signorini import Model, load, solve
 from signorini.cli import app
 from signorini.discretise import discretise
 from signorini.errors import InputError
+from signorini.mesh import Mesh
 from signorini.mesh.cells import node_numbers
 from signorini.mesh.meshers import annulus, rectangle
 from signorini.mesh.meshfile import read
@@ -276,6 +277,54 @@ def test_a_group_of_two_node_lines_is_refused(tmp_path):
     )
     with pytest.raises(InputError, match="Group 'left' of the mesh consists of 2-node lines"):
         read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
+
+
+FAN = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2.4, 1], [1, 1], [1, 2.4], [0, 1]], float)
+"""Two elements, a side of each collapsed to the first node."""
+COLLAPSED = np.array([[0, 0, 1, 2, 0, 4, 5, 6], [0, 0, 2, 3, 0, 6, 7, 8]])
+
+
+@pytest.mark.parametrize("turn", range(4))
+@pytest.mark.parametrize("clockwise", [False, True])
+@pytest.mark.parametrize("apart", [False, True])
+def test_a_quadrilateral_with_a_collapsed_side_begins_with_it(tmp_path, turn, clockwise, apart):
+    around = (np.arange(4) + turn) % 4
+    points, cells = FAN, COLLAPSED[:, [*around, *(4 + around)]]
+    if clockwise:
+        cells = cells[:, [0, 3, 2, 1, 7, 6, 5, 4]]
+    if apart:
+        # Every place of a side has a node of its own, at the same point.
+        points, cells = FAN[cells.ravel()], np.arange(16).reshape(2, 8)
+    found = read(write(tmp_path / "fan.vtu", meshio.Mesh(in_space(points), [("quad8", cells)])))
+    assert (found.points[found.elements] == FAN[COLLAPSED]).all() and found.node_count == 9
+    assert not found.triangles.any() and len(found.edges["boundary"]) == 4
+    triangles = found.with_triangles()
+    assert triangles.triangles.all() and triangles.element_area == pytest.approx(found.element_area)
+
+
+def test_a_point_at_a_collapsed_side_is_its_node(tmp_path):
+    mesh = read(write(tmp_path / "fan.vtu", meshio.Mesh(in_space(FAN), [("quad8", COLLAPSED)])))
+    random = np.random.default_rng(3)
+    for size in (1.0, 1e-3, 1e-8, 1e-13, 0.0):
+        points = size * random.uniform(0, 1.9, (100, 2))
+        where = mesh.locate(points)
+        assert where.inside.all()
+        assert mesh.map(where.elements, where.xi) == pytest.approx(points, abs=1e-11)
+    assert mesh.shape_functions(where.elements, where.xi).tolist() == [[1.0, 0, 0, 0, 0, 0, 0, 0]] * 100
+
+
+def test_an_element_whose_corners_are_one_node_is_refused(tmp_path):
+    cells = [("quad8", np.array([[4, 4, 4, 4, 0, 1, 2, 3]])), ("line3", lines(PLATE.edges["left"]))]
+    sets = {"left": [np.zeros(0, int), np.arange(len(PLATE.edges["left"]))]}
+    with pytest.raises(InputError, match="no side of an element"):
+        read(write(tmp_path / "plate.inp", meshio.Mesh(in_space(PLATE.points), cells, cell_sets=sets)))
+
+
+def test_an_element_that_repeats_a_node_elsewhere_is_refused():
+    wrong = COLLAPSED.copy()
+    wrong[0, 4] = 8
+    with pytest.raises(InputError, match=r"uses a node twice; .* collapsed to the node c also six, as"):
+        Mesh(FAN, wrong, {})
 
 
 @pytest.mark.parametrize(

@@ -12,14 +12,19 @@ from matplotlib.text import Text
 from matplotlib.tri._tricontour import TriContourSet
 from models import rectangular
 
+import signorini
 from signorini import solve, write
+from signorini.base.plain import plain
 from signorini.discretise import discretise
 from signorini.errors import InputError
+from signorini.mesh.meshers import rectangle
+from signorini.output.pictures import job_of
 from signorini.plot.files import save
 from signorini.plot.marks import draw_support, legend_words
 from signorini.plot.picture import BalanceMark, EdgeMark, LoadMark, Panel, Picture, PressureLayer, SupportMark, ZoneMark
-from signorini.plot.pictures import check_picture, drawn_as_png, field_picture
+from signorini.plot.pictures import check_picture, drawn_as_png, field_picture, view_picture
 from signorini.plot.plan import Plan
+from signorini.plot.view import exaggeration, seen
 from signorini.results.marks import case_totals, edge_marks, load_marks, singular_marks, support_marks
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.named import singularities
@@ -73,6 +78,49 @@ def test_zero_is_the_middle_of_the_colours_of_both_signs_and_a_field_of_one_sign
 
 def test_rounding_below_zero_is_not_uplift() -> None:
     assert colour_limits(POINTS[:, 0] + 1 - 1e-15) == ("RdBu", -2.2, 2.2)
+
+
+def areas_in_view(points: np.ndarray, elements: np.ndarray, deflection: np.ndarray, factor: float) -> np.ndarray:
+    cut = tessellate(elements)
+    a, b, c = np.moveaxis(cut.interpolate(seen(points, deflection, factor))[cut.triangles], 1, 0)
+    (x, y), (u, v) = (b - a).T, (c - a).T
+    return np.asarray(x * v - y * u)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_part_of_a_deflected_plate_hides_another(seed: int) -> None:
+    mesh = rectangle((0.0, 0.0), (4.0, 2.0), (8, 4))
+    random = np.random.default_rng(seed)
+    smooth, rough = (random.uniform(-1, 1, 2) @ mesh.points.T, random.uniform(-1, 1, mesh.node_count))
+    tilted, folded = (exaggeration(mesh.points, mesh.elements, [one]) for one in (smooth, rough))
+    # Of a plate that is only tilted the largest deflection is 15 % of its size, as nearly as two digits say.
+    assert tilted * np.abs(smooth).max() == pytest.approx(0.15 * 4, rel=0.05)
+    assert folded * np.abs(rough).max() < 0.3 * 0.15 * 4
+    for deflection, factor in ((smooth, tilted), (rough, folded)):
+        assert (areas_in_view(mesh.points, mesh.elements, deflection, factor) > 0).all()
+    assert exaggeration(mesh.points, mesh.elements, [smooth, rough]) == min(tilted, folded)
+    assert exaggeration(mesh.points, mesh.elements, [0.0 * smooth]) == 1.0
+
+
+def test_views_of_the_first_example_of_the_paper_show_where_its_prop_holds() -> None:
+    """The deflected mesh, alike exaggerated in both steps, with every support on it: held is filled, open hollow."""
+    results = solve(signorini.load(Path(__file__).parents[1] / "examples" / "clamped_quarter.toml"))
+    job = job_of(results, None)
+    (sheet,) = (one for one in job.sheets if len(one.seen))
+    assert sheet.files == ["first-step-deformed.png", "unilateral-deformed.png"]
+    first, whole = results.values()
+    factor = exaggeration(first.mesh.points, first.mesh.elements, [first.deflection, whole.deflection])
+    for picture, places, result in zip(sheet.pictures, sheet.seen, (first, whole), strict=True):
+        assert picture.title.endswith(f"{result.name}, deflections × {plain(factor, 2)}")
+        assert np.array_equal(places, seen(job.points, result.stress_nodes.spread(result.deflection), factor))
+        clamped, _, prop = picture.marks
+        assert prop.positions == pytest.approx(places[(job.points == 100).all(axis=1)])
+        assert clamped.positions[np.isfinite(clamped.positions[:, 0])].min(axis=0) == pytest.approx([-50.0, 0.0])
+        assert prop.closed.tolist() == result.supports[2].closed.tolist()
+    drawn_in = view_picture(Plan(sheet.seen[1], job.elements), Plan(seen(job.points), job.elements), sheet.pictures[1])
+    words = [text.get_text() for text in drawn_in.axes[0].get_legend().get_texts()]
+    assert words[2:] == ["centre: points, pushes up only, rigid, with gap, 1 closed, 0 open", "without deflection"]
+    assert {"x", "y"} <= {text.get_text() for text in drawn_in.axes[0].texts}
 
 
 def test_contours_have_their_values_written_on_them() -> None:

@@ -115,7 +115,7 @@ fn each_point(
             }
         }
         let functions = if nodes[2] == nodes[3] { shape::triangular } else { shape::serendipity };
-        take(nodes, functions(at[0], at[1]).value);
+        take(nodes, shape::gathered(&nodes, functions(at[0], at[1]).value));
     }
     Ok(())
 }

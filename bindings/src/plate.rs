@@ -13,7 +13,8 @@ use signorini_core::residual::{internal_magnitudes, nodal_force, openings, resid
 use signorini_core::stress;
 use std::sync::Arc;
 
-/// A discretised plate: nodes (n, 2), 8-node elements (e, 8), of triangles [a, b, c, c, ab, bc, c, ca], thickness, material and element kind ("mitc9" or "q8r").
+/// A discretised plate: nodes (n, 2), 8-node elements (e, 8), of triangles [a, b, c, c, ab, bc, c, ca], thickness, material and element kind ("mitc9" or "q8r",
+/// whose quadrilaterals may have a collapsed side, [c, c, a, b, c, ca, ab, bc]).
 ///
 /// `thickness` is one number or that of every element (e, p) at its `section_points`. `layered`, if given, has the
 /// elements (k,), in increasing order, inside which the thickness jumps, and at their points the rigidities (k, p, 9):

@@ -1,4 +1,5 @@
-//! A discretised plate: nodes, 8-node elements (triangles repeat their third corner, `element::mitc7`), thickness, material, and the frames of its rotations.
+//! A discretised plate: nodes, 8-node elements (triangles repeat their third corner, `element::mitc7`, quadrilaterals with
+//! a collapsed side their first, `element::q8r`), thickness, material, and the frames of its rotations.
 //!
 //! Dofs are (w, θ1, θ2) node by node. θ1, θ2 are θx, θy, or, at a node with a frame (c, s), the slopes along
 //! (c, s) and (−s, c), so that one of them can be held alone.
@@ -6,7 +7,7 @@
 use crate::bodies::Bodies;
 use crate::double_double::DoubleDouble;
 use crate::element::thin::{self, Strains};
-use crate::element::{self, Centre, DOFS, Geometry, Kind, Material, Materials, PACKED, Sections, Thickness};
+use crate::element::{self, Centre, DOFS, Geometry, Kind, Material, Materials, PACKED, Sections, Thickness, shape};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -24,10 +25,12 @@ pub enum PlateError {
     Range { what: &'static str, index: usize },
     /// An element names a node that is not there.
     NoSuchNode { element: usize, node: usize },
-    /// An element names a node twice, and is not the triangle [a, b, c, c, ab, bc, c, ca].
+    /// An element names a node twice, and is neither [a, b, c, c, ab, bc, c, ca] nor [c, c, a, b, c, ca, ab, bc].
     Repeated { element: usize },
     /// A triangle of a kind that has none.
     Triangle { element: usize },
+    /// A quadrilateral with a collapsed side of a kind that has none.
+    Collapsed { element: usize },
     /// The map of an element turns over at one of its Gauss points.
     Inverted { element: usize },
 }
@@ -43,10 +46,16 @@ impl std::fmt::Display for PlateError {
             Self::Repeated { element } => {
                 write!(
                     f,
-                    "element {element} repeats a node and is no triangle, corners a, b, c, c, midsides ab, bc, c, ca"
+                    "element {element} repeats a node; of mitc9 a triangle may, [a, b, c, c, ab, bc, c, ca], of q8r a \
+                     quadrilateral with a collapsed side, [c, c, a, b, c, ca, ab, bc]"
                 )
             }
             Self::Triangle { element } => write!(f, "element {element} is a triangle, which q8r has not; take mitc9"),
+            Self::Collapsed { element } => write!(
+                f,
+                "element {element} has a collapsed side, which mitc9 has not; take q8r, or its triangle [a, b, c, c, ab, \
+                 bc, c, ca]"
+            ),
             Self::Inverted { element } => write!(f, "element {element} is turned over or degenerate"),
         }
     }
@@ -124,10 +133,12 @@ impl Plate {
                 return Err(PlateError::NoSuchNode { element, node });
             }
             let again = |i: usize| nodes[..i].contains(&nodes[i]);
-            match ((1..8).filter(|&i| again(i)).count(), is_triangle(nodes)) {
+            match ((1..8).filter(|&i| again(i)).count(), kind) {
                 (0, _) => {}
-                (2, true) if kind == Kind::Mitc9 => {}
-                (2, true) => return Err(PlateError::Triangle { element }),
+                (2, Kind::Mitc9) if is_triangle(nodes) => {}
+                (2, Kind::Q8r) if shape::is_collapsed(nodes) => {}
+                (2, Kind::Q8r) if is_triangle(nodes) => return Err(PlateError::Triangle { element }),
+                (2, Kind::Mitc9) if shape::is_collapsed(nodes) => return Err(PlateError::Collapsed { element }),
                 _ => return Err(PlateError::Repeated { element }),
             }
         }
@@ -416,12 +427,13 @@ impl Plate {
         let mut row = [0.0; DOFS];
         let mut centre = [0.0; 2];
         if field == 0 {
-            let value = self.geometry(e).jacobian(xi, eta).shape.value;
+            let value = shape::gathered(&self.elements[e], self.geometry(e).jacobian(xi, eta).shape.value);
             for i in 0..8 {
                 row[3 * i] = value[i];
             }
         } else {
             let values = element::rotation_functions(self.kind, self.is_triangle(e), xi, eta);
+            let values = shape::gathered(&self.elements[e], values);
             for i in 0..8 {
                 row[3 * i + field] = values[i];
             }

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import block_diag
+from scipy.sparse import csc_array
 
 from signorini import _core
 from signorini.discretise.zones import Rigidity
@@ -157,6 +158,59 @@ def test_a_free_element_has_three_zero_energy_modes_and_q8r_one_more(element, mo
     values = np.linalg.eigvalsh(core_matrix(element, nodes, np.full(8, 10**log_thickness)))
     assert (np.abs(values) < 1e-12 * values[-1]).sum() == modes
     assert values[modes] > 1e-8 * values[-1]
+
+
+COLLAPSED = np.array([[0, 0, 1, 2, 0, 3, 4, 5]])
+
+
+@st.composite
+def collapsed_shapes(draw):
+    """Quadrilaterals with curved sides, the first one collapsed: nodes (6, 2) in the order of `COLLAPSED`."""
+    nodes = draw(shapes())
+    return np.vstack([nodes[4], nodes[[2, 3]], 0.5 * (nodes[4] + nodes[2]), nodes[6], 0.5 * (nodes[4] + nodes[3])])
+
+
+@settings(max_examples=25, deadline=None)
+@given(nodes=collapsed_shapes(), log_thickness=st.floats(-1.5, 0))
+def test_a_collapsed_quadrilateral_is_one_with_three_nodes_at_one_place(nodes, log_thickness):
+    """Its matrix is that of the eight functions; K sums what they give the three, and keeps no mechanism.
+
+    The hourglass by which one quadrilateral alone has a fourth mode tells its three nodes apart.
+    """
+    thickness = 10**log_thickness
+    plate = _core.Plate(nodes, COLLAPSED, thickness, E, RIGIDITY, "q8r")
+    expected = condensed("q8r", nodes[COLLAPSED[0]], np.full(8, thickness))
+    lower = np.zeros((24, 24))
+    lower[np.tril_indices(24)] = plate.element_stiffness()[0]
+    assert lower + np.tril(lower, -1).T == pytest.approx(expected, rel=0, abs=1e-12 * np.abs(expected).max())
+    onto = np.kron(np.eye(6)[COLLAPSED[0]], np.eye(3))
+    none = (np.zeros(0, np.int64), np.zeros((0, 24)), np.zeros(0, np.int64), np.zeros(0), np.zeros(0))
+    starts, rows, entries = plate.stiffness_matrix(none)
+    summed = csc_array((entries, rows, starts), shape=(18, 18)).toarray()
+    summed += np.tril(summed, -1).T
+    assert summed == pytest.approx(onto.T @ expected @ onto, rel=0, abs=1e-12 * np.abs(expected).max())
+    values = np.linalg.eigvalsh(summed)
+    assert (np.abs(values) < 1e-12 * values[-1]).sum() == 3
+    assert values[3] > 1e-8 * values[-1]
+
+
+@settings(max_examples=25, deadline=None)
+@given(nodes=collapsed_shapes(), state=st.tuples(*[st.floats(-1, 1)] * 5))
+def test_a_collapsed_quadrilateral_has_any_constant_curvature_and_any_constant_shear(nodes, state):
+    """Linear rotations and a linear deflection are reproduced at every Gauss point, whatever the shape."""
+    xx, yy, xy, *slope = state
+    plate = _core.Plate(nodes, COLLAPSED, 0.1, E, RIGIDITY, "q8r")
+    bend = 0.1**3 / 12 * E / (1 - NU**2)
+    moment = [-bend * (xx + NU * yy), -bend * (yy + NU * xx), -bend * (1 - NU) * xy]
+    rotations = nodes @ np.array([[xx, xy], [xy, yy]])
+    _, sampled = plate.stresses(np.column_stack([np.zeros(6), rotations]).ravel(), np.zeros(18), (0, 0, 0), np.zeros(2))
+    assert sampled[0, :, :3] == pytest.approx(np.tile(moment, (4, 1)), abs=1e-12)
+    nodal, sampled = plate.stresses(
+        np.column_stack([nodes @ slope, np.zeros((6, 2))]).ravel(), np.zeros(18), (0, 0, 0), np.zeros(2)
+    )
+    shear = KAPPA * E / 2 / (1 + NU) * 0.1 * np.array(slope)
+    assert sampled[0, :, 3:] == pytest.approx(np.tile(shear, (4, 1)), abs=1e-12)
+    assert nodal[:, 3:] == pytest.approx(np.tile(shear, (6, 1)), abs=1e-12)
 
 
 def free_triangle(nodes, thickness):

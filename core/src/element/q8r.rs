@@ -1,4 +1,7 @@
 //! The 8-node serendipity plate element with uniform 2×2 integration (Hinton & Owen 1977), as the paper uses it.
+//!
+//! Its first side may be collapsed to one node, which then stands in three places, [c, c, a, b, c, ca, ab, bc]: the map is
+//! singular at that node alone, and the Gauss points are inside. Assembly sums the three.
 
 use super::geometry::Geometry;
 use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED, Stiffness, StrainMatrix, add_energy, packed};

@@ -87,6 +87,27 @@ pub fn triangular(r: f64, s: f64) -> Shape<8> {
     }
 }
 
+/// Whether the first side of an element is collapsed to one node.
+pub fn is_collapsed(nodes: &[usize; 8]) -> bool {
+    nodes[0] == nodes[1] && nodes[0] == nodes[4]
+}
+
+/// What an element's functions are in all at its nodes: those of a collapsed side are summed in its first place, so that
+/// no dof stands twice in a row.
+///
+/// ```
+/// use signorini_core::element::shape::{gathered, serendipity};
+/// let value = gathered(&[0, 0, 1, 2, 0, 3, 4, 5], serendipity(0.3, -1.0).value);
+/// assert_eq!(value, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// ```
+pub fn gathered<const N: usize>(nodes: &[usize; 8], mut value: [f64; N]) -> [f64; N] {
+    if is_collapsed(nodes) {
+        value[0] += value[1] + value[4];
+        (value[1], value[4]) = (0.0, 0.0);
+    }
+    value
+}
+
 /// The functions of [`triangular`] with the cubic bubble as the ninth, which is the centroid's.
 pub fn bubbled(r: f64, s: f64) -> Shape<9> {
     let plain = triangular(r, s);

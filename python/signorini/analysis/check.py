@@ -17,6 +17,7 @@ from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import NO_FORCE, RigidFreedom, allowed_motions, rigid_freedom
 from signorini.equilibrium.imbalance import WORK, Imbalance, explain, imbalance_of, nearest_limit, on_the_brink
 from signorini.errors import InputError
+from signorini.mesh.isoparametric import are_degenerate
 from signorini.mesh.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results import marks
@@ -38,9 +39,10 @@ class Quality:
         """Measure a mesh, by the straight lines between corners; angles in degrees."""
         at = mesh.nodes[:, :4]
         onward, back = np.roll(at, -1, axis=1) - at, np.roll(at, 1, axis=1) - at
-        # A triangle has its third corner twice; each has a side without length.
-        third = mesh.triangles
+        # A triangle has its third corner twice, a degenerate quadrilateral its first; each has a side without length.
+        third, first = mesh.triangles, are_degenerate(mesh.elements)
         onward[third, 2], back[third, 3] = onward[third, 3], back[third, 2]
+        onward[first, 0], back[first, 1] = onward[first, 1], back[first, 0]
         area = onward[..., 0] * back[..., 1] - onward[..., 1] * back[..., 0]
         angle = np.degrees(np.arctan2(area, (onward * back).sum(axis=-1))) % 360.0
         # Rounding must not choose among right angles.

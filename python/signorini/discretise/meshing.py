@@ -128,7 +128,8 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
         raise InputError(str(error), place) from None
     require_memory(len(mesh.elements), place)
     _require_element(plate, mesh)
-    return mesh, _at_nodes(model, points)
+    # To mitc9 a quadrilateral with a collapsed side is its triangle.
+    return mesh if plate.element == "q8r" else mesh.with_triangles(), _at_nodes(model, points)
 
 
 def _require_element(plate: MeshPlate | OutlinedPlate, mesh: Mesh) -> None:

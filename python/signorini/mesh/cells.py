@@ -14,7 +14,7 @@ from signorini.base.components import components
 from signorini.errors import InputError, point
 from signorini.expression import LARGEST, LEAST
 from signorini.mesh.checks import loops, on_boundary
-from signorini.mesh.isoparametric import SIDES, are_triangles, real_sides
+from signorini.mesh.isoparametric import SIDES, real_sides
 from signorini.shapes.arrays import Bools, Floats, Ints
 
 if TYPE_CHECKING:
@@ -41,15 +41,15 @@ _KNOWN = ("vertex", "line", "line3", *_NODES)
 
 def arrays_of(data: meshio.Mesh) -> tuple[Floats, Ints, dict[str, Ints]]:
     """Points (n, 2), elements (ne, 8) and edges as `signorini.mesh.Mesh` takes them."""
-    elements = _elements(data)
+    elements, quadrilaterals = _elements(data)
     points = _plane(np.asarray(data.points, dtype=np.float64), elements)
     number, first = _merged(points, elements)
     points, elements = points[first], number[elements]
     corners = points[elements[:, :4]]
     (x, y), (x_next, y_next) = np.moveaxis(corners, 2, 0), np.moveaxis(np.roll(corners, -1, axis=1), 2, 0)
     clockwise = (x * y_next - x_next * y).sum(axis=1) < 0.0
-    turned = np.where(are_triangles(elements)[:, None], elements[:, _REVERSED_TRIANGLE], elements[:, _REVERSED])
-    elements = np.where(clockwise[:, None], turned, elements)
+    turned = np.where(quadrilaterals[:, None], elements[:, _REVERSED], elements[:, _REVERSED_TRIANGLE])
+    elements = _begun_at_collapsed_sides(np.where(clockwise[:, None], turned, elements), quadrilaterals)
     real = real_sides(elements)
     sides, outer = elements[:, np.array(SIDES)][real], on_boundary(elements)[real]
     outline = sides[outer]
@@ -62,7 +62,16 @@ def arrays_of(data: meshio.Mesh) -> tuple[Floats, Ints, dict[str, Ints]]:
     return points, elements, edges | {OUTLINE: loops(outline)}
 
 
-def _elements(data: meshio.Mesh) -> Ints:
+def _begun_at_collapsed_sides(elements: Ints, quadrilaterals: Bools) -> Ints:
+    """Let quadrilaterals (ne,) that name one node for a whole side begin with it."""
+    corners = elements[:, :4]
+    first = (quadrilaterals[:, None] & (corners == np.roll(corners, -1, axis=1))).argmax(axis=1)
+    around = (np.arange(4) + first[:, None]) % 4
+    return np.take_along_axis(elements, np.hstack([around, 4 + around]), axis=1)
+
+
+def _elements(data: meshio.Mesh) -> tuple[Ints, Bools]:
+    """Elements (ne, 8), and which of them are quadrilaterals in the file."""
     counts: Counter[str] = Counter()
     for block in data.cells:
         counts[block.type] += len(block.data)
@@ -73,14 +82,13 @@ def _elements(data: meshio.Mesh) -> Ints:
             f"{', '.join(others)}. Mesh the plate with these alone (in Gmsh: Mesh.ElementOrder = 2, "
             "Mesh.SecondOrderIncomplete = 1; for quadrilaterals wherever they fit Mesh.RecombineAll = 1)."
         )
-    result = [
-        np.asarray(block.data, dtype=np.int64)[:, _NODES[block.type]] for block in data.cells if block.type in _NODES
-    ]
+    plane = [block for block in data.cells if block.type in _NODES]
+    result = [np.asarray(block.data, dtype=np.int64)[:, _NODES[block.type]] for block in plane]
     if not sum(map(len, result)):
         raise InputError("The mesh has no elements; the plate needs 8- or 9-node quadrilaterals or 6-node triangles.")
     elements = np.vstack(result)
     _require_nodes(data, elements, "An element")
-    return elements
+    return elements, np.repeat([block.type != "triangle6" for block in plane], [len(one) for one in result])
 
 
 def _require_nodes(data: meshio.Mesh, nodes: Ints, owner: str) -> None:

@@ -14,6 +14,8 @@ _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])
 _STATIONS = np.vstack([maps.CORNERS, _GAUSS])
 _TRIANGLE_STATIONS = np.vstack([maps.TRIANGLE_CORNERS, maps.folded(_GAUSS)])
+_DEGENERATE_STATIONS = np.vstack([maps.CORNERS[2:], [[-1.0, 0.0], [1.0, 0.0]], _GAUSS])
+"""The Jacobian is zero at a collapsed side, and has no sign there."""
 _COINCIDENT = 1e-9
 _STRAIGHT = 1e-9
 """Rise of a side over its chord below which it is straight."""
@@ -47,11 +49,14 @@ def check_numbers(points: Floats, elements: Ints) -> None:
                          f"{elements.min()} to {elements.max()}.")  # fmt: skip
     ordered = np.sort(elements, axis=1)
     repeats = (ordered[:, 1:] == ordered[:, :-1]).sum(axis=1)
-    repeated = repeats != np.where(maps.are_triangles(elements) & (elements[:, 2] == elements[:, 6]), 2, 0)
+    triangles = maps.are_triangles(elements) & (elements[:, 2] == elements[:, 6])
+    degenerate = maps.are_degenerate(elements) & (elements[:, 0] == elements[:, 4])
+    repeated = repeats != np.where(triangles | degenerate, 2, 0)
     if repeated.any():
         raise InputError(
             f"{name_element(points, elements, int(np.argmax(repeated)))} uses a node twice; "
-            "a quadrilateral needs eight different nodes, a triangle six, as [a, b, c, c, ab, bc, c, ca]."
+            "a quadrilateral needs eight different nodes, a triangle six, as [a, b, c, c, ab, bc, c, ca], and a "
+            "quadrilateral with a side collapsed to the node c also six, as [c, c, a, b, c, ca, ab, bc]."
         )
     unused = np.bincount(elements.ravel(), minlength=len(points)) == 0
     if unused.any():
@@ -62,10 +67,14 @@ def check_numbers(points: Floats, elements: Ints) -> None:
 
 def check_jacobians(points: Floats, elements: Ints) -> None:
     """Check that every element is counter-clockwise and well enough shaped: a positive Jacobian."""
-    nodes, triangles = points[elements], maps.are_triangles(elements)
+    nodes, triangles, degenerate = points[elements], maps.are_triangles(elements), maps.are_degenerate(elements)
     det = np.empty((len(elements), len(_STATIONS)))
-    for kind, stations in ((False, _STATIONS), (True, _TRIANGLE_STATIONS)):
-        det[triangles == kind] = maps.determinants(nodes[triangles == kind], stations, kind)
+    for some, stations in (
+        (~(triangles | degenerate), _STATIONS),
+        (triangles, _TRIANGLE_STATIONS),
+        (degenerate & ~triangles, _DEGENERATE_STATIONS),
+    ):
+        det[some] = maps.determinants(nodes[some], stations, stations is _TRIANGLE_STATIONS)
     lower, upper = maps.bounds(np.moveaxis(nodes, 1, 0))
     extent = upper - lower
     bad = ~(det > 1e-10 * (extent[:, 0] * extent[:, 1])[:, None])

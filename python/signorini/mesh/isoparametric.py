@@ -1,6 +1,8 @@
 """The maps of the 8-node quadrilateral and of the 6-node triangle from reference points to the plate, and back.
 
-A triangle has the eight nodes [a, b, c, c, ab, bc, c, ca] and reference points (r, s), 0 ≤ r, s and r + s ≤ 1.
+A triangle has the eight nodes [a, b, c, c, ab, bc, c, ca] and reference points (r, s), 0 ≤ r, s and r + s ≤ 1. A
+degenerate quadrilateral, whose first side is the node c, has the nodes [c, c, a, b, c, ca, ab, bc] and keeps the
+reference points and the map of a quadrilateral.
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ SIDES: Final = ((0, 4, 1), (1, 5, 2), (2, 6, 3), (3, 7, 0))
 CORNERS: Final = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 TRIANGLE_CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 CENTROID: Final = np.array([1.0, 1.0]) / 3.0
+_SINGULAR: Final = 1e-12
+"""Part of its largest singular value below which one of a Jacobian is zero: at a collapsed side one is."""
 _AT_A_TIME = 1024
 """Elements whose Jacobians stay in the cache while they are worked on."""
 _SAMPLES = np.stack(np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 5)], indexing="ij"), axis=-1).reshape(-1, 2)
@@ -31,9 +35,16 @@ def are_triangles(elements: Ints) -> Bools:
     return np.asarray(elements[:, 2] == elements[:, 3])
 
 
+def are_degenerate(elements: Ints) -> Bools:
+    """Tell which elements (ne, 8) are degenerate quadrilaterals (ne,): their first corner comes twice."""
+    return np.asarray(elements[:, 0] == elements[:, 1])
+
+
 def real_sides(elements: Ints) -> Bools:
-    """Tell which sides (ne, 4) of elements (ne, 8) have a length: all but the third of triangles."""
-    return np.asarray(~(are_triangles(elements)[:, None] & (np.arange(4) == 2)))
+    """Tell which sides (ne, 4) have a length: all but the third of triangles and the first of degenerate elements."""
+    sides = np.arange(4)
+    none = are_triangles(elements)[:, None] & (sides == 2) | are_degenerate(elements)[:, None] & (sides == 0)
+    return np.asarray(~none)
 
 
 def shape_functions(triangles: Bools, xi: Floats) -> tuple[Floats, Floats]:
@@ -53,8 +64,8 @@ def folded(xi: Floats) -> Floats:
     return np.asarray(np.where(part.sum(axis=1, keepdims=True) > 1.0, 1.0 - part, part))
 
 
-def _collapsed(nodes: Floats) -> Bools:
-    return np.asarray((nodes[:, 2] == nodes[:, 3]).all(axis=1))
+def _collapsed(nodes: Floats, side: int = 2) -> Bools:
+    return np.asarray((nodes[:, side] == nodes[:, side + 1]).all(axis=1))
 
 
 def jacobians(nodes: Floats, xi: Floats) -> Floats:
@@ -77,8 +88,9 @@ def invert(nodes: Floats, points: Floats) -> tuple[Floats, Bools]:
     """Find the reference points of positions, by Newton's method.
 
     Each point (q, 2) is looked for in the element with its nodes (q, 8, 2). Reference coordinates within 1e-10 of −1, 0
-    or 1, of triangles of 0, ½ or 1, are these numbers, so that shape functions at nodes are exactly 0 and 1. The second
-    array says which points were reached: none farther out than 1.5 in reference coordinates.
+    or 1, of triangles of 0, ½ or 1, are these numbers, so that shape functions at nodes are exactly 0 and 1. A
+    collapsed side is reached in its middle. The second array says which points were reached: none farther out than 1.5
+    in reference coordinates.
     """
     origin = nodes.mean(axis=1)
     local, target = nodes - origin[:, None], points - origin
@@ -93,6 +105,7 @@ def invert(nodes: Floats, points: Floats) -> tuple[Floats, Bools]:
             xi[some], result[some] = _newton(local[some], target[some], starts[nearest])
     for special, where in ((-1.0, ~triangles), (0.0, slice(None)), (0.5, triangles), (1.0, slice(None))):
         xi[where] = np.where(np.abs(xi[where] - special) < 1e-10, special, xi[where])
+    xi[_collapsed(nodes, 0) & (xi[:, 1] == -1.0), 0] = 0.0
     return xi, result
 
 
@@ -110,7 +123,8 @@ def bounds(points: Iterable[Floats]) -> tuple[Floats, Floats]:
 
 def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools]:
     xi = start.copy()
-    triangles, result = _collapsed(nodes), np.zeros(len(xi), dtype=bool)
+    triangles, degenerate = _collapsed(nodes), _collapsed(nodes, 0)
+    result = np.zeros(len(xi), dtype=bool)
     active = np.arange(len(xi))
     for _ in range(ITERATIONS):
         if not len(active):
@@ -124,7 +138,11 @@ def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools
             step = np.column_stack(
                 [j[:, 1, 1] * miss[:, 0] - j[:, 0, 1] * miss[:, 1], j[:, 0, 0] * miss[:, 1] - j[:, 1, 0] * miss[:, 0]]
             )
-            step = np.clip(np.nan_to_num(step / det[:, None]), -REACH, REACH)
+            step = np.nan_to_num(step / det[:, None])
+        if (of := degenerate[active]).any():
+            # Along a collapsed side nothing moves: the least of the steps that lead there is taken.
+            step[of] = np.einsum("qab,qb->qa", np.linalg.pinv(j[of], rcond=_SINGULAR), miss[of])
+        step = np.clip(step, -REACH, REACH)
         moved = np.clip(xi[active] + step, -REACH, REACH)
         settled = (np.abs(step).max(axis=1) < 1e-13) & (np.abs(moved).max(axis=1) < REACH)
         # Rounding may keep the last steps above the tolerance on elements far from the origin.

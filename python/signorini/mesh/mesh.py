@@ -60,7 +60,8 @@ class Mesh(Remade):
         Nodes.
     elements : (ne, 8) int array
         Corners counter-clockwise, then the midsides, the first between the first two corners. A triangle with the
-        corners a, b, c repeats c: [a, b, c, c, ab, bc, c, ca].
+        corners a, b, c repeats c: [a, b, c, c, ab, bc, c, ca]. A quadrilateral whose first side is collapsed to the
+        node c has it in all three places of that side: [c, c, a, b, c, ca, ab, bc].
     edges : mapping from name to (k, 3) int array
         Named edges: corner, midside, corner, each with the plate on its left. An interior line may run either way.
 
@@ -173,7 +174,7 @@ class Mesh(Remade):
     def sides(self) -> Ints:
         """Node triples (ne, 4, 3) of every element's sides, the element on the left.
 
-        The third of a triangle is its third corner, three times.
+        A side that is one node, the third of a triangle or a collapsed one, is this node three times.
         """
         return np.asarray(self.elements[:, np.array(maps.SIDES)])
 
@@ -216,6 +217,14 @@ class Mesh(Remade):
     def part(self, elements: Ints) -> Mesh:
         """Some of the elements (k,), in this order, with all nodes and without edges; nothing is checked again."""
         return self._with({"points": self.points, "elements": self.elements[elements], "edges": {}})
+
+    def with_triangles(self) -> Mesh:
+        """Make triangles of the quadrilaterals that have a collapsed side; nothing is checked again."""
+        degenerate = maps.are_degenerate(self.elements)
+        if not degenerate.any():
+            return self
+        elements = np.where(degenerate[:, None], self.elements[:, [2, 3, 0, 0, 6, 7, 0, 5]], self.elements)
+        return self._with({"points": self.points, "elements": elements, "edges": self.edges})
 
     def shape_functions(self, elements: Ints, xi: Floats) -> Floats:
         """Compute the shape functions (q, 8) of elements (q,) at reference points (q, 2)."""

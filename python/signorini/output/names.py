@@ -19,11 +19,17 @@ GOVERNING = "governing.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PROFILES_CSV = "profiles.csv"
-PRESSURE, MOMENTS, SHEARS = "-pressure", "-moments", "-shears"
+DEFORMED, PRESSURE, MOMENTS, SHEARS = "-deformed", "-pressure", "-moments", "-shears"
 """End the names of pictures other than that of the deflection."""
-PICTURES = {"": ("deflection",), MOMENTS: ("mx", "my", "mxy"), SHEARS: ("qx", "qy"), PRESSURE: ("pressure",)}
+PICTURES = {
+    "": ("deflection",),
+    DEFORMED: ("deflection",),
+    MOMENTS: ("mx", "my", "mxy"),
+    SHEARS: ("qx", "qy"),
+    PRESSURE: ("pressure",),
+}
 """Fields of a picture, by the ending of its name."""
-_KINDS = {"": "picture", MOMENTS: "moments", SHEARS: "shears", PRESSURE: "pressure"}
+_KINDS = {"": "picture", DEFORMED: "deformed", MOMENTS: "moments", SHEARS: "shears", PRESSURE: "pressure"}
 Chosen = Literal["all", "governing", "none"]
 Pictures = Chosen | None
 """Combinations that have pictures; None: all of a few, beyond that those that govern."""
@@ -100,8 +106,9 @@ def envelope_pictures(results: Results, file: str) -> dict[str, str]:
 
 
 def enveloped(results: Results, ending: str) -> tuple[str, ...]:
-    """Fields of an envelope's picture."""
-    return tuple(field for field in PICTURES[ending] if field in results.combined.layout.fields)
+    """Fields of an envelope's picture; no plate has the deflections of an envelope."""
+    fields = () if ending == DEFORMED else PICTURES[ending]
+    return tuple(field for field in fields if field in results.combined.layout.fields)
 
 
 def profile_pictures(model: Model) -> list[str]:

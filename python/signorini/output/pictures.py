@@ -10,6 +10,7 @@ from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit
 from signorini.output.names import (
+    DEFORMED,
     REFINEMENT,
     Pictures,
     csv_text,
@@ -23,8 +24,9 @@ from signorini.output.names import (
     profiled,
 )
 from signorini.plot.picture import Job, Panel, Picture, Sheet, SupportMark
+from signorini.plot.view import exaggeration, seen
 from signorini.results.envelope import Ends
-from signorini.results.marks import extreme, field_range, panel, support_marks, unsolved_marks
+from signorini.results.marks import extreme, field_range, panel, support_marks, unsolved_marks, view_of
 from signorini.results.quantities import KINDS, PICTURED, RESULTANTS, SIDES
 from signorini.results.result import Result
 
@@ -70,7 +72,17 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
                 widths = None if estimates is None else estimates[one.name].plus_minus
                 panels = [panel(field, one, widths, limit) for field, limit in limits.items()]
                 pictures.append(Picture(panels, marks, one.heading))
-            yield Sheet([f"{slug}{ending}.png" for _, slug, _ in those], pictures)
+            files = [f"{slug}{ending}.png" for _, slug, _ in those]
+            yield _views(files, pictures, [one for one, *_ in those]) if ending == DEFORMED else Sheet(files, pictures)
+
+
+def _views(files: list[str], pictures: list[Picture], results: list[Result]) -> Sheet:
+    """Plan pictures of deflections as views, alike exaggerated."""
+    mesh, nodes = results[0].mesh, results[0].stress_nodes
+    factor = exaggeration(mesh.points, mesh.elements, [one.deflection for one in results])
+    views = [view_of(picture, mesh, one.deflection, factor) for picture, one in zip(pictures, results, strict=True)]
+    places = [seen(nodes.points, nodes.spread(one.deflection), factor) for one in results]
+    return Sheet(files, views, seen=places)
 
 
 def _envelope_sheets(results: Results, estimates: Estimates | None) -> Iterator[Sheet]:

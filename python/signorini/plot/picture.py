@@ -163,11 +163,15 @@ class Picture:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """Pictures of one kind and in one scale, the file of each, and in how many rows their panels are."""
+    """Pictures of one kind and in one scale, the file of each, and in how many rows their panels are.
+
+    Where there are places ``seen``, of the nodes (n, 2) in each picture, these are views, else plans.
+    """
 
     files: Sequence[str]
     pictures: Sequence[Picture]
     rows: int = 1
+    seen: Sequence[Floats] = ()
 
     @property
     def panels(self) -> int:

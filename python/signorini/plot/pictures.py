@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes as Axes
+from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -14,7 +15,7 @@ from matplotlib.patheffects import withStroke
 
 from signorini.errors import InputError
 from signorini.plot.field import Scale, add_colour_bar, draw_field, draw_pressure
-from signorini.plot.files import DOTS, as_png
+from signorini.plot.files import DOTS, as_png, png_of
 from signorini.plot.marks import LARGEST, Entry, draw_supports, draw_zones, legend_words
 from signorini.plot.model_marks import draw_balances, draw_cuts, draw_edges, draw_loads, draw_singular
 from signorini.plot.page import Page
@@ -42,11 +43,15 @@ from signorini.plot.plan import (
     literal,
     set_window,
 )
+from signorini.plot.view import AXES, seen
 
 _ABOVE = 18.0
 """Points from a plan to its title: the name of an extreme at the upper edge is between them."""
 _SMALLEST_NUMBER = 2.5
 """Points that a node's number is high at least."""
+_LEVEL = "#9aa6b0"
+_ARROW = 0.07
+"""Part of a view's width that the arrows along x and y are long."""
 _MOST_NUMBERS = 5000
 """Nodes that have their numbers drawn."""
 
@@ -147,11 +152,42 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
             artist.remove()
 
 
+def view_picture(view: Plan, level: Plan, picture: Picture) -> Figure:
+    """Draw a deflected plate, its mesh and its supports where they are seen, over its outline without deflection."""
+    page, (scale,) = _page(view, picture.panels, "")
+    (axes,) = page.plans
+    axes.set_axis_off()
+    look: dict[str, Any] = {"color": _LEVEL, "linewidth": 1.0}
+    axes.add_collection(PathCollection(level.edges[1:2], facecolors="none", edgecolors=_LEVEL, zorder=0.5))
+    draw_mesh(axes, view)
+    entries = _draw_fields(page, view, picture.panels, [scale], picture.marks)
+    (low, high), corner = axes.get_xlim(), view.window[0]
+    for name, along in zip("xy", _ARROW * (high - low) * AXES, strict=True):
+        begin = corner - [min(0.0, _ARROW * (high - low) * AXES[1, 0]), 0.0]
+        axes.annotate(
+            name,
+            tuple(begin),
+            tuple(begin + along),
+            ha="center",
+            va="center",
+            fontsize=9,
+            color=INK,
+            arrowprops={"arrowstyle": "<-", "color": INK, "linewidth": 0.8, "shrinkA": 5, "shrinkB": 0},
+        )
+    page.finish(picture.title, [*entries, ("without deflection", (Line2D([], [], **look),))])
+    return page.figure
+
+
 def drawn(job: Job) -> Iterator[tuple[str, bytes]]:
     """Draw pictures of one plate, one after another: name and content of a file."""
     plan = Plan(job.points, job.elements, job.left_out)
+    level = Plan(seen(job.points), job.elements)
     for sheet in job.sheets:
-        yield from zip(sheet.files, drawn_as_png(plan, sheet.pictures, job.length, sheet.rows), strict=True)
+        if sheet.seen:
+            for file, picture, nodes in zip(sheet.files, sheet.pictures, sheet.seen, strict=True):
+                yield file, png_of(view_picture(Plan(nodes, job.elements, job.left_out, level.nodes), level, picture))
+        else:
+            yield from zip(sheet.files, drawn_as_png(plan, sheet.pictures, job.length, sheet.rows), strict=True)
 
 
 def check_picture(

@@ -43,6 +43,7 @@ class Plan:
     nodes: Floats  # (n, 2)
     cells: NDArray[np.int64]  # (e, 8)
     left_out: NDArray[np.bool_] | None = None  # (e,): hatched in place of a field
+    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further places that there is room for
 
     @cached_property
     def cut(self) -> Tessellation:
@@ -57,7 +58,7 @@ class Plan:
     @cached_property
     def window(self) -> tuple[Floats, Floats]:
         """Lower left and upper right corner of the plan."""
-        vertices = np.column_stack([self.triangles.x, self.triangles.y])
+        vertices = np.concatenate([np.column_stack([self.triangles.x, self.triangles.y]), self.beside])
         low, high = vertices.min(axis=0), vertices.max(axis=0)
         margin = _MARGIN * float((high - low).max())
         return low - margin, high + margin

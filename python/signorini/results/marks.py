@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -21,11 +22,13 @@ from signorini.plot.picture import (
     EdgeMark,
     LoadMark,
     Panel,
+    Picture,
     PressureLayer,
     SingularMark,
     SupportMark,
     ZoneMark,
 )
+from signorini.plot.view import seen
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.extremes import FieldExtremes
@@ -324,6 +327,27 @@ def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[Suppo
     """Marks of the supports, open or closed."""
     pairs = zip(asked, supports, strict=True)
     return [support_mark(mesh, one, result.positions, result.closed, result.contact_boundary) for one, result in pairs]
+
+
+def view_of(picture: Picture, mesh: Mesh, deflection: Floats, factor: float) -> Picture:
+    """Take the picture of a deflection from the plan to the view: its marks and extremes are on the deflected plate."""
+
+    def on(places: Floats) -> Floats:
+        where = mesh.locate(np.nan_to_num(places, nan=np.inf))
+        here, known = np.full(len(places), np.nan), where.inside
+        shapes = mesh.shape_functions(where.elements[known], where.xi[known])
+        here[known] = (shapes * deflection[mesh.elements[where.elements[known]]]).sum(axis=1)
+        return seen(places, here, factor)
+
+    marks = []
+    for mark in picture.marks:
+        lines = [line[np.isfinite(line[:, 0])] for line in map(on, mark.boundary)]
+        marks.append(replace(mark, positions=on(mark.positions), boundary=lines, footprints=on(mark.footprints)))
+    panels = [
+        replace(one, extremes=[(words, on(np.array([at]))[0].tolist()) for words, at in one.extremes])
+        for one in picture.panels
+    ]
+    return Picture(panels, marks, f"{picture.title}, deflections × {plain(factor, 2)}")
 
 
 def field_range(field: str, result: Shown) -> tuple[float, float]:

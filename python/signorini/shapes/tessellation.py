@@ -56,13 +56,13 @@ def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tes
 
     local = np.arange((d + 1) ** 2).reshape(d + 1, d + 1)
     sides = np.stack([local[0, :], local[:, -1], local[-1, ::-1], local[::-1, 0]])
-    _, first, vertex_of = np.unique(_names(elements, of_triangle, sides), return_index=True, return_inverse=True)
+    _, first, vertex_of = np.unique(_names(elements, sides), return_index=True, return_inverse=True)
     vertices = vertex_of.reshape(count, -1)
 
     a, b, c, e = local[:-1, :-1].ravel(), local[:-1, 1:].ravel(), local[1:, 1:].ravel(), local[1:, :-1].ravel()
     cells = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, e])])
-    # The collapsed side of a triangle is no edge, and cells beside it have lost one of their halves.
-    real = ~(of_triangle[:, None] & (np.arange(4) == 2)).ravel()
+    # A side that is one node is no edge, and cells beside it have lost one of their halves.
+    real = (elements[:, :4] != np.roll(elements[:, :4], -1, axis=1)).ravel()
     midsides, edge, uses = np.unique(elements[:, 4:].ravel()[real], return_index=True, return_counts=True)
     owners, places = np.divmod(first, (d + 1) ** 2)
     triangles, parents = vertices[:, cells].reshape(-1, 3), np.repeat(np.arange(count), len(cells))
@@ -86,7 +86,7 @@ def grid_shapes(divisions: int) -> NDArray[np.float64]:
     return np.stack([serendipity(np.column_stack([xi, eta]))[0], triangular(np.column_stack([u * (1 - v), v]))[0]])
 
 
-def _names(elements: NDArray[np.int64], of_triangle: NDArray[np.bool_], sides: NDArray[np.int64]) -> NDArray[np.int64]:
+def _names(elements: NDArray[np.int64], sides: NDArray[np.int64]) -> NDArray[np.int64]:
     """Give every grid point a number, points on a shared corner or edge the same."""
     count, d = len(elements), sides.shape[1] - 1
     nodes = int(elements.max()) + 1
@@ -95,7 +95,7 @@ def _names(elements: NDArray[np.int64], of_triangle: NDArray[np.bool_], sides: N
     for side, inner in enumerate(sides[:, 1:-1]):
         start, end, middle = elements[:, side], elements[:, (side + 1) % 4], elements[:, 4 + side]
         along = np.where((start < end)[:, None], steps, d - steps)
-        along[of_triangle & (side == 2)] = 0
+        along[start == end] = 0
         names[:, inner] = middle[:, None] * d + along
         names[:, sides[side, 0]] = start * d
     flat: NDArray[np.int64] = names.ravel()
