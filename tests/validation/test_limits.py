@@ -305,3 +305,45 @@ def test_a_limit_that_is_none_is_refused(limit, said):
             )
         )
     assert said in str(refused.value)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_rigid_supports_in_one_place_share_up_to_their_limits(method):
+    load, supports = (
+        100e3,
+        [
+            {"name": "wall", "edge": ["left"], "fix": "simple"},
+            {"name": "pin", "at": [2, 1], "resists": "down", "limit": 60e3},
+            {"name": "wedge", "at": [2, 1], "resists": "down", "law": [[0, 0], [0, 10e3], [0.01, 20e3]]},
+        ],
+    )
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [2, 2], "thickness": 0.2},
+        mesh={"divisions": [4, 4]},
+        support=supports,
+        load=[{"force": load, "at": [1, 1]}],
+        solver={"method": method},
+    )
+    result = signorini.solve(model)["all"]
+    assert [one.reaction for one in result.supports] == pytest.approx([50e3, 40e3, 10e3], rel=1e-9)
+    assert result.not_unique[0].supports == ("pin", "wedge")
+
+
+@pytest.mark.parametrize("stiffness", [None, 1e7])
+@pytest.mark.parametrize("method", METHODS)
+def test_at_the_limit_load_itself_the_least_deflection_is_shown(method, stiffness):
+    feet = {"name": "feet", "at": [[0, 0], [2, 0], [2, 2], [0, 2]], "resists": "down", "limit": 25e3}
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plate={"shape": "rectangle", "size": [2, 2], "thickness": 0.2},
+        mesh={"divisions": [4, 4]},
+        support=[feet | ({} if stiffness is None else {"stiffness": stiffness})],
+        load=[{"force": 100e3, "at": [1, 1]}],
+        solver={"method": method},
+    )
+    result = signorini.solve(model)["all"]
+    assert result.not_unique[0].what == "deflection"
+    assert result.supports[0].states == ["yields"] * 4
+    at_feet = [one.deflection for one in result.probe([(0, 0), (2, 2)])]
+    assert at_feet == pytest.approx([0.0 if stiffness is None else 25e3 / stiffness] * 2, abs=1e-12)

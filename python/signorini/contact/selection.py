@@ -192,8 +192,10 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
     reaction, closed, piece = answer.shared.copy(), answer.closed.copy(), answer.piece.copy()
     gap = np.append(answer.gap, np.zeros(len(discretisation.repeated)))
     largest = max(float(np.abs(answer.hi[::3]).max()), _HARDLY * float(_bending(discretisation, answer.reaction)))
-    touching = points.two_sided | (np.abs(gap) <= _NIL * np.maximum(largest, np.abs(points.distance)))
     nothing = _NIL * _force(discretisation, nodal, answer)
+    low, high = points.limits_at_rest
+    touching = (np.abs(gap) <= _NIL * np.maximum(largest, np.abs(points.distance))) & (low - nothing <= reaction)
+    touching = points.two_sided | (touching & (reaction <= high + nothing))
     nodes, holders = np.unique(discretisation.held.holders[:, 0], return_counts=True)
     for shared in discretisation.shared:
         meet = touching[shared.points]
@@ -210,14 +212,14 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
             imbalance = discretisation.plate.residual(discretisation.springs.arrays, nodal, answer.hi, answer.lo)
             rows.append(-(at_holds.T @ ways) / np.sqrt(holders)[:, None])
             offset.append((imbalance - discretisation.point_rows.T @ reaction)[3 * nodes] / np.sqrt(holders) / size)
-        low, high = (limit[mine] for limit in points.limits)
-        sides, ends = np.concatenate([-ways, ways]), np.concatenate([-low, high])
+        sides, ends = np.concatenate([-ways, ways]), np.concatenate([-low[mine], high[mine]])
         at_ends = np.isfinite(ends)
         room = np.maximum(ends - np.concatenate([-reaction[mine], reaction[mine]]), 0.0)[at_ends] / size
         change = ways @ least(np.vstack(rows), np.concatenate(offset), sides[at_ends], room)
         shares = reaction[mine] + size * change
-        shares = np.where(shares <= low + nothing, low, np.where(shares >= high - nothing, high, shares))
-        others = ways @ span_of_cone(sides[np.concatenate([shares == low, shares == high])])
+        shares = np.where(shares <= low[mine] + nothing, low[mine], shares)
+        shares = np.where(shares >= high[mine] - nothing, high[mine], shares)
+        others = ways @ span_of_cone(sides[np.concatenate([shares == low[mine], shares == high[mine]])])
         which = mine[(np.abs(others) > _MOVED).any(axis=1)]
         reaction[mine] = shares
         own = mine[mine < count]

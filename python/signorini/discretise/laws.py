@@ -74,6 +74,13 @@ class Law:
         (first, last), (before, beyond) = (self.vertices[0][1], self.vertices[-1][1]), self.ends
         return -np.inf if before > 0.0 else first, np.inf if beyond > 0.0 else last
 
+    @property
+    def at_rest(self) -> tuple[float, float]:
+        """The least and the largest force that it can give without travel."""
+        forces = [force for travel, force in self.vertices if travel == 0.0] or [float(self.force_at(0.0))]
+        before, beyond = self.ends
+        return -np.inf if before == np.inf else min(forces), np.inf if beyond == np.inf else max(forces)
+
     def force_at(self, travel: ArrayLike) -> Floats:
         """Force at travels, as if it were elastic before its first vertex too where it pushes only.
 

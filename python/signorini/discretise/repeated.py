@@ -254,7 +254,8 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
     rows = _over_dofs(mesh, held, contacts)
     fixed = ~((abs(rows) > SAME) @ ~held.dofs)
     beyond = rows @ held.values - contacts.distance
-    beyond[contacts.two_sided] = np.abs(beyond[contacts.two_sided])
+    both_ways = contacts.limits[0] < 0.0
+    beyond[both_ways] = np.abs(beyond[both_ways])
     rigid = contacts.compliance == 0
     pressed = beyond > np.where(rigid, _rounding(mesh, held, contacts), 0.0)
     if (wrong := fixed & pressed & rigid).any():

@@ -126,6 +126,12 @@ class ContactPoints(Table, Brief):
         least, most = np.array([law.forces for law in self.laws])[self.law].T
         return self.scale * least, self.scale * most
 
+    @cached_property
+    def limits_at_rest(self) -> tuple[Floats, Floats]:
+        """The same without travel: what rigid points can share among themselves."""
+        least, most = np.array([law.at_rest for law in self.laws])[self.law].T
+        return self.scale * least, self.scale * most
+
     def yield_on(self, pieces: Ints | Pieces) -> Bools:
         """Whether points (..., m) give all they can on these pieces of their laws."""
         each = [(law.slopes == 0.0) & (law.corners[:, 1] != 0.0) for law in self.laws]
@@ -171,6 +177,11 @@ class ContactPoints(Table, Brief):
     def two_sided(self) -> Bools:
         """Points (m,) that never let go or yield, and so are equations."""
         return np.array([law.straight for law in self.laws], np.bool_)[self.law]
+
+    @cached_property
+    def unyielding(self) -> Bools:
+        """Points (m,) that no force makes travel."""
+        return np.isinf([law.ends[1] for law in self.laws])[self.law]
 
     @property
     def averaged(self) -> Bools:

@@ -427,7 +427,7 @@ def floats(discretisation: Discretisation, freedom: RigidFreedom, *loads: Floats
 def supports_contradict(discretisation: Discretisation) -> bool:
     """Whether no deflection of the plate agrees with all rigid supports: a linear program for the least overlap."""
     contacts, held = discretisation.contacts, discretisation.held
-    rigid = contacts.compliance == 0
+    rigid = contacts.unyielding
     rows = csr_array(discretisation.contact_rows[np.flatnonzero(rigid)])
     distance = contacts.distance[rigid] - rows @ held.values
     size = float(np.abs(distance).max(initial=0.0))

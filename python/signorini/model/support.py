@@ -212,8 +212,11 @@ class Support(Acting, base.Named):
             yield (key,), f"found both law and {key}; a law says all of how the force grows."
         for at, (one, other) in enumerate(pairwise(law), start=1):
             if one == other or one[0] > other[0] or one[1] > other[1]:
-                said = "falls" if one[0] < other[0] else "goes back"
+                said = "falls" if one[0] < other[0] else "does not go on" if one == other else "goes back"
                 yield ("law", at), f"found {list(other)} after {list(one)}, where the law {said}; it must rise."
+            elif one[0] == other[0] != 0.0:
+                said = f"found {list(other)} after {list(one)}, where the law rises without travel"
+                yield ("law", at), f"{said}; it may do so at travel 0 alone. Draw it less steep."
         at_rest = [force for travel, force in law if travel == 0.0]
         if self.resists != "both" or law[0][0] >= 0.0:
             if law[0] != (0.0, 0.0) or law[1][1] <= 0.0:
