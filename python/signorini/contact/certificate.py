@@ -157,6 +157,7 @@ def certify_each(
         travels = _travels(discretisation, hi, lo)
         force = np.where(contacts.slope, reaction / size, reaction)
         slip = np.where(held.dofs, hi + lo - held.values, 0.0)
+        springs = discretisation.springs
         # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
         lever = np.where(contacts.slope, size, 1.0)
         travel, idle = _UNSEEN * lever * np.abs(contacts.distance), ~nodal.any(axis=1)
@@ -172,7 +173,7 @@ def certify_each(
             _UNSEEN * deflected,
             _UNSEEN * turned * size,
             idle * travel.max(initial=0.0),
-            idle * _UNSEEN * np.abs(discretisation.springs.base).max(initial=0.0),
+            idle * _UNSEEN * (np.abs(springs.base) * np.where(springs.slope, size, 1.0)).max(initial=0.0),
         )
         slope = maximum(largest_magnitudes(slopes), length / size)
         lengths = np.where(contacts.slope, slope[:, None], np.maximum(travel, length[:, None]))
@@ -367,7 +368,7 @@ def _lost(
         return part
     motions, held = discretisation.scaled_motions, discretisation.held.dofs
     # A couple counts as a force at the plate's size.
-    slope = np.concatenate([np.flatnonzero(held) % 3 > 0, np.zeros(len(pull), np.bool_), discretisation.contacts.slope])
+    slope = np.concatenate([np.flatnonzero(held) % 3 > 0, discretisation.springs.slope, discretisation.contacts.slope])
     arm = np.where(slope, discretisation.mesh.size, 1.0)
     forces = np.concatenate([at_holds[held], pull, reaction]) / arm
     moved = [motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions]
@@ -388,7 +389,7 @@ def _totals(discretisation: Discretisation, at_holds: Floats, pull: Floats, reac
     at_nodes = discretisation.held.dofs[::3]
     return np.asarray(
         np.bincount(discretisation.held.support[::3][at_nodes], at_holds[::3][at_nodes], many)
-        + np.bincount(discretisation.springs.support, pull, many)
+        + np.bincount(discretisation.springs.support, np.where(discretisation.springs.slope, 0.0, pull), many)
         + np.bincount(contacts.support, forces, many)
     )
 

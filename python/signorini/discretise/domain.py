@@ -153,10 +153,14 @@ def _hold(mesh: Mesh, held: Held, springs: Springs, contacts: ContactPoints) -> 
     of_slopes = slopes.rows.matrix(mesh.elements, 3 * mesh.node_count) @ held.rigid_motions(mesh.points, mesh.middle)
     soft = contacts.compliance > 0
     rigid = np.concatenate([at_nodes, of_slopes, motions(contacts.positions[~soft & ~contacts.slope])])
+    turning = springs.rows.matrix(mesh.elements, 3 * mesh.node_count) @ held.rigid_motions(mesh.points, mesh.middle)
+    of_springs = np.where(springs.slope[:, None], turning, motions(springs.positions))
     return _Hold(
         rigid,
-        motions(np.concatenate([springs.positions, contacts.positions[soft]])),
-        np.concatenate([springs.stiffness, 1.0 / contacts.compliance[soft]]),
+        np.concatenate([of_springs, motions(contacts.positions[soft])]),
+        np.concatenate(
+            [springs.stiffness / np.where(springs.slope, mesh.size, 1.0) ** 2, 1.0 / contacts.compliance[soft]]
+        ),
         np.concatenate([springs.support, contacts.support[soft]]),
     )
 

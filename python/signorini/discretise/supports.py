@@ -29,6 +29,7 @@ from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Pieces, Rows, Table
 from signorini.discretise.thickness import PlateStiffness
 from signorini.errors import InputError, Place, Problems
+from signorini.expression import Expression
 from signorini.expression.levels import Level
 from signorini.mesh import Mesh
 from signorini.model import Plate, Support
@@ -54,7 +55,10 @@ _OFF = 0.02
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Springs(Table, Brief):
-    """Linear springs: stiffness and base (m,); position (m, 2), weight and support of each, ``numbers`` as below."""
+    """Linear springs: stiffness and base (m,); position (m, 2), weight and support of each, ``numbers`` as below.
+
+    ``slope`` marks those that act on a slope, with a couple.
+    """
 
     rows: Rows
     stiffness: Floats
@@ -63,6 +67,7 @@ class Springs(Table, Brief):
     weights: Floats
     support: Ints
     numbers: Ints
+    slope: Bools
 
     @property
     def direction(self) -> Floats:
@@ -243,7 +248,7 @@ def springs_and_contacts(
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
     no_contacts = none, none, who, none, none, none, flags, place, none, who, np.zeros((0, 4), np.int64), who
     result: list[Springs | ContactPoints] = [
-        Springs(Rows.join([]), none, none, place, none, who, who),
+        Springs(Rows.join([]), none, none, place, none, who, who, flags),
         ContactPoints(Rows.join([]), *no_contacts, LAWS),
     ]
     ground = _Ground(shape, mesh, plate, held, stiffness)
@@ -251,6 +256,8 @@ def springs_and_contacts(
         with problems.collected():
             for acting in _acting(ground, placed):
                 result += _springs_or_contacts(ground, placed, acting)
+            if placed.support.rotational_stiffness is not None:
+                result += _turning(ground, placed, placed.support.rotational_stiffness)
     return (
         Springs.join([one for one in result if isinstance(one, Springs)]),
         ContactPoints.join([one for one in result if isinstance(one, ContactPoints)]),
@@ -382,7 +389,7 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
             )
         if equation and support.law is None and support.limit is None:
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
-            return [Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers)]
+            return [Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers, slope)]
         elastic = stiffness < STIFFEST_SPRING * shear
     laws: tuple[Law, ...] = LAWS
     law = np.where(elastic, *(LAWS.index(law) for law in laws_of(both=equation, limited=support.limit is not None)))
@@ -409,6 +416,34 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
         )
         for way in ways
     ]
+
+
+def _turning(on: _Ground, placed: Placed, stiffness: Sequence[Expression]) -> list[Springs | ContactPoints]:
+    """Springs on the slope across a line, or on both at points."""
+    mesh, support, place = on.mesh, placed.support, (*placed.place, "rotational_stiffness")
+    if placed.points is None:
+        line = (mesh, on.shape, support.where, placed.place, placed.sides)
+        points = along_curve(*line, _GAUSS, 0, [level for level in stiffness[0].levels if level.jumps])
+        ty, tx = points.tangents[:, 1], points.tangents[:, 0]
+        numbers, each = np.zeros(len(points.elements), np.int64), [(stiffness[0], np.column_stack([ty, -tx]))]
+    else:
+        points, numbers = placed.points, np.arange(len(placed.points.elements))
+        # What turns about x is the slope along y.
+        axes = [np.broadcast_to(axis, (len(numbers), 2)) for axis in ((0.0, 1.0), (1.0, 0.0))]
+        each = list(zip((stiffness[0], stiffness[-1]), axes, strict=True))
+    x, y = on.rows(points, 1), on.rows(points, 2)
+    rotation = prescribed_rotations(placed, points.positions)
+    most = STIFFEST_SPRING * on.stiffness.in_shear[points.elements] * mesh.element_area[points.elements]
+    result: list[Springs | ContactPoints] = []
+    for formula, along in each:
+        rows = Rows(points.elements, along[:, :1] * x.coefficients + along[:, 1:] * y.coefficients)
+        values = points.weights * formula(*points.within.T, above=0.0, place=place)
+        who, slope = np.full(len(values), placed.index, np.int64), np.ones(len(values), np.bool_)
+        base = (along * rotation).sum(axis=1)
+        result.append(
+            Springs(rows, np.minimum(values, most), base, points.positions, points.weights, who, numbers, slope)
+        )
+    return result
 
 
 def _means(through: _Acting) -> _Acting:
@@ -475,7 +510,7 @@ def parts_of(count: int, held: Held, springs: Springs, points: ContactPoints) ->
     """Part what acts among so many supports."""
     columns = zip(
         _grouped(held.holders[:, 1], count),
-        _grouped(springs.support, count),
+        _grouped(np.where(springs.slope, count, springs.support), count),
         _grouped(np.where(points.slope, count, points.support), count),
         strict=True,
     )

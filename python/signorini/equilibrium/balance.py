@@ -83,6 +83,7 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     scaled = discretisation.scaled_motions
     at_contacts, of_springs = discretisation.contact_rows @ scaled, discretisation.spring_rows @ scaled
     at_contacts[contacts.slope] *= size
+    of_springs[discretisation.springs.slope] *= size
     # A held slope is compared with slopes times the plate's size.
     held = (
         scaled[discretisation.held.dofs]
@@ -170,7 +171,9 @@ def restraining_points(discretisation: Discretisation, freedom: RigidFreedom, st
     ``stiffness`` (m,) is that of each point's support, or as much of it as counts; ``enough`` is the most that counts.
     """
     unheld, two_sided = freedom.unheld, np.flatnonzero(discretisation.contacts.two_sided)
-    springs = np.sqrt(np.minimum(discretisation.springs.stiffness, enough))[:, None] * (freedom.of_springs @ unheld)
+    # A slope is compared with slopes times the plate's size.
+    each = discretisation.springs.stiffness / np.where(discretisation.springs.slope, discretisation.mesh.size, 1.0) ** 2
+    springs = np.sqrt(np.minimum(each, enough))[:, None] * (freedom.of_springs @ unheld)
     points = np.sqrt(np.minimum(stiffness, enough))[:, None] * (freedom.at_contacts @ unheld)
 
     def firm(rows: Floats) -> bool:

@@ -85,6 +85,22 @@ Law = Annotated[
 ]
 
 
+def _turning(value: object) -> object:
+    value = as_list(value)
+    if not isinstance(value, list | tuple):
+        return [value]
+    if len(value) not in (1, 2):
+        raise ValueError(f"found {describe(value)}; it must be one stiffness, or [about x, about y] of points.")
+    return value
+
+
+Turning = Annotated[
+    tuple[base.PositiveScalar, ...],
+    BeforeValidator(_turning),
+    WithJsonSchema({"anyOf": [{"type": ["number", "string"]}, {"type": "array", "minItems": 1, "maxItems": 2}]}),
+]
+
+
 class Support(Acting, base.Named):
     """A support: where (exactly one of at, nodes, edge, line, circle, area) and how (fix, or resists)."""
 
@@ -123,6 +139,11 @@ class Support(Acting, base.Named):
         description="In place of stiffness and limit: [[travel, force], ...], not falling, from [0, 0] on; the last "
         "slope goes on. Per point, per length (edge, line, circle), per area. With both it is alike both ways, or "
         "begins at a negative travel.",
+    )
+    rotational_stiffness: Turning | None = Field(
+        default=None,
+        description="Moment per slope, in place of holding the slope: per length (edge, line, circle) across it, per "
+        "point about both axes, or [about x, about y]; numbers or expressions.",
     )
     settlement: base.Scalar = Field(
         default=Expression(0.0), description="The base moves down by this: a number or an expression; default 0."
@@ -200,12 +221,23 @@ class Support(Acting, base.Named):
             yield from self._fix_complaints()
         if self.law is not None:
             yield from self._law_complaints(self.law)
-        if self.rotation is not None and not self.turns_held:
+        if self.rotational_stiffness is not None:
+            yield from self._turning_complaints(self.rotational_stiffness)
+        if self.rotation is not None and not self.turns_held and self.rotational_stiffness is None:
             yield (
                 ("rotation",),
                 f"{describe(self.fix or self.resists)} does not hold a slope, so none is prescribed; use fix = "
                 "clamped, hard or symmetry, or a list with slope or twist.",
             )
+
+    def _turning_complaints(self, stiffness: Turning) -> Iterator[base.Complaint]:
+        place = ("rotational_stiffness",)
+        if "slope" in self.fixed:
+            yield place, f"{describe(self.fix)} holds the slope already; use hard or simple, or leave it out."
+        if self.area is not None or self.has_footprint:
+            yield place, "it goes with at, nodes, edge, line or circle, not with areas and footprints."
+        elif self.place != "at" and len(stiffness) == 2:
+            yield place, "found two; along an edge, a line or a circle there is one, across it."
 
     def _law_complaints(self, law: Law) -> Iterator[base.Complaint]:
         for key in self.given(("fix", "stiffness", "limit")):

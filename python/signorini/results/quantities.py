@@ -249,6 +249,10 @@ OF_AREAS = (
 )
 OF_LIMITED_AREAS = (Quantity("yielded_area", "area", tabled=False, along_paths=False),)
 OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
+OF_TURNING_POINTS = tuple(
+    Quantity(f"moment_{axis}", "couple", "", ("moment", at), "moment", False, False, False)
+    for at, axis in enumerate("xy")
+)
 THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("shear", "force"))
 """Forces through sections."""
 MEANS = (Quantity("moment", "moment"), Quantity("twist", "moment"), Quantity("shear", "shear"))
@@ -336,7 +340,7 @@ class Catalogue:
                 path: Path = ("supports", index, *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
             for point in range(count if support.place == "at" else 0):
-                for one in OF_POINTS:
+                for one in OF_POINTS + OF_TURNING_POINTS * (support.rotational_stiffness is not None):
                     path = ("supports", index, "points", point, *one.path)
                     tabled = one.tabled and (opens or one.name != "gap")
                     result.append(Number(one, "point", index, path, f"{support.name}[{point + 1}]", point, tabled))

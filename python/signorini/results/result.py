@@ -46,6 +46,7 @@ from signorini.results.quantities import (
     LINEAR,
     OF_AREAS,
     OF_LIMITED_AREAS,
+    OF_TURNING_POINTS,
     SIDES,
     TOLD,
     Catalogue,
@@ -307,6 +308,8 @@ class Result(Remade):
         if len(at("point", "reaction")):
             result[at("point", "reaction")] = np.concatenate([one.reactions for one in points])
             result[at("point", "gap")] = np.concatenate([one.gaps for one in points])
+        if turning := [one.moments for one in points if one.moments is not None]:
+            result[at("point", *(one.name for one in OF_TURNING_POINTS))] = np.concatenate(turning)
         if self.probes:
             linear = [(one.deflection, *one.rotation, *one.moment, *one.shear) for one in self.probes]
             result[at("probe", *LINEAR)] = linear

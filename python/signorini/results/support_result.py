@@ -37,6 +37,18 @@ class EdgeCouples:
     couples: Floats
 
     @classmethod
+    def of_springs(cls, mesh: Mesh, edges: Sequence[str], positions: Floats, couples: Floats) -> Self:
+        """Sum what springs (s,) at points (s, 2) of the edges do on each side."""
+        sides = _sides(mesh, edges, np.zeros(mesh.node_count, np.bool_))
+        begin, end = mesh.points[sides[:, 0]], mesh.points[sides[:, 2]]
+        along = end - begin
+        part = np.einsum("skd,kd->sk", positions[:, None] - begin, along) / (along**2).sum(axis=1)
+        nearest = begin + np.clip(part, 0.0, 1.0)[..., None] * along
+        own = ((positions[:, None] - nearest) ** 2).sum(axis=2).argmin(axis=1)
+        length = side_lengths(mesh, sides).sum(axis=1)
+        return cls(np.stack([begin, end], axis=1), np.bincount(own, couples, len(sides)) / length)
+
+    @classmethod
     def of(cls, mesh: Mesh, edges: Sequence[str], nodal: Floats, held: Ints, rigid: Bools) -> Self:
         """Spread couples (n, 2) that hold nodes over the lengths that these stand for, as consistent nodal forces do.
 
@@ -53,10 +65,7 @@ class EdgeCouples:
         >>> EdgeCouples.of(mesh, ["right"], nodal, mesh.edges["right"], none).couples.round(12).tolist()
         [1.0, 1.0]
         """
-        sides = np.concatenate([mesh.edges[name] for name in edges])
-        sides = sides[np.sort(np.unique(sides[:, 1], return_index=True)[1])]
-        outer = mesh.sides[mesh.on_boundary][:, 1]
-        sides = sides[np.isin(sides[:, 1], outer) & ~rigid[sides].all(axis=1)]
+        sides = _sides(mesh, edges, rigid)
         length = side_lengths(mesh, sides)
         whole = np.bincount(sides.ravel(), length.ravel(), mesh.node_count)
         tangents = quadratic_tangents(mesh, sides)
@@ -64,6 +73,14 @@ class EdgeCouples:
         own = np.where(_of_the_edge_alone(sides, tangents, held, rigid), length, 0.0)
         couples = (own * across / whole[sides]).sum(axis=1) / own.sum(axis=1)
         return cls(mesh.points[sides[:, [0, 2]]], couples)
+
+
+def _sides(mesh: Mesh, edges: Sequence[str], rigid: Bools) -> Ints:
+    """Sides (k, 3) of elements along edges, each once, but for those within a rigid zone (n,) or inside the plate."""
+    sides = np.concatenate([mesh.edges[name] for name in edges])
+    sides = sides[np.sort(np.unique(sides[:, 1], return_index=True)[1])]
+    outer = mesh.sides[mesh.on_boundary][:, 1]
+    return np.asarray(sides[np.isin(sides[:, 1], outer) & ~rigid[sides].all(axis=1)])
 
 
 def _of_the_edge_alone(sides: Ints, tangents: Floats, held: Ints, rigid: Bools) -> Bools:
@@ -145,6 +162,8 @@ class SupportResult(Remade):
         Of edges that hold the slope, their couples per length.
     yielded : (k,) array
         Whether it gives its limit there.
+    moments : (k, 2) array or None
+        Of points with a rotational stiffness, the couples on θx and θy that they exert on the plate.
     """
 
     name: str
@@ -160,6 +179,7 @@ class SupportResult(Remade):
     area: AreaContact | None
     edge: EdgeCouples | None
     yielded: Bools
+    moments: Floats | None
 
     @property
     def states(self) -> list[str]:
@@ -235,7 +255,13 @@ def support_result(
     area = None
     if support.area is not None:
         area = area_contact(discretisation, index, deflection, centres, closed, reactions)
-    edge = None
+    edge, springs = None, discretisation.springs
+    (turning,) = np.nonzero(springs.slope & (springs.support == index))
+    if support.edge is not None and len(turning):
+        edge = EdgeCouples.of_springs(discretisation.mesh, support.edge, springs.positions[turning], pull[turning])
+    # About x, which the slope along y is, and about y.
+    at_points = support.place == "at" and len(turning) > 0
+    moments = -np.flip(pull[turning].reshape(2, -1), axis=0).T if at_points else None
     if support.edge is not None and "slope" in support.fixed:
         held = sides_that_hold_turns(discretisation.model, discretisation.mesh)
         edge = EdgeCouples.of(discretisation.mesh, support.edge, held_couple, held, discretisation.held.bodies.inside)
@@ -253,6 +279,7 @@ def support_result(
         area,
         edge,
         points.yielded(discretisation, answer.shared),
+        moments,
     )
 
 
