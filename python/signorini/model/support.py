@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    ModelWrapValidatorHandler,
     PlainSerializer,
     PlainValidator,
-    PrivateAttr,
     WithJsonSchema,
+    field_serializer,
     model_validator,
 )
 
@@ -153,15 +152,17 @@ class Support(Acting, base.Named):
         description="Slopes [θx, θy] at which slope and twist are held, numbers or expressions; default [0, 0].",
     )
 
-    _is_unsaid: bool = PrivateAttr(default=False)
+    @model_validator(mode="after")
+    def _both_unsaid(self) -> Self:
+        if self.fix is None and self.resists is None:
+            # Not among what is set: a dump says no more than the input.
+            self.__dict__["resists"] = "both"
+            self.model_fields_set.discard("resists")
+        return self
 
-    @model_validator(mode="wrap")
-    @classmethod
-    def _both_unsaid(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        unsaid = isinstance(data, dict) and data.get("fix") is None and data.get("resists") is None
-        made = handler({**data, "resists": "both"} if unsaid else data)
-        made._is_unsaid = unsaid or made._is_unsaid
-        return made
+    @field_serializer("resists")
+    def _said(self, resists: str | None) -> str | None:
+        return None if self.holds_both_ways_unsaid else resists
 
     @property
     def fixed(self) -> tuple[Component, ...]:
@@ -189,7 +190,7 @@ class Support(Acting, base.Named):
     @property
     def holds_both_ways_unsaid(self) -> bool:
         """Whether it holds both ways because nothing is said of how."""
-        return self._is_unsaid
+        return self.fix is None and "resists" not in self.model_fields_set
 
     @property
     def is_rigid(self) -> bool:
