@@ -11,10 +11,10 @@ from matplotlib.patches import PathPatch
 from matplotlib.text import Text
 from matplotlib.tri._tricontour import TriContourSet
 from models import rectangular
-from signorini.base.plain import plain
 
 import signorini
 from signorini import solve, write
+from signorini.base.numbers import plain
 from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import rectangle

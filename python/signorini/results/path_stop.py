@@ -31,6 +31,11 @@ class Switch:
     change: Literal["opens", "closes", "yields", "stops yielding"]
 
     @property
+    def closes(self) -> bool:
+        """Whether it begins to bear."""
+        return self.change == "closes"
+
+    @property
     def opens(self) -> bool:
         """Whether it bears no more than before: it opens or yields."""
         return self.change in ("opens", "yields")
