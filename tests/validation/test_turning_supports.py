@@ -1,0 +1,99 @@
+"""Springs on slopes: beams with turning ends, clamped edges as their limit, columns in a frame."""
+
+import numpy as np
+import pytest
+
+import signorini
+from signorini import Model
+from signorini.errors import InputError
+
+YOUNG, THICKNESS, SPAN, PRESSURE = 30e9, 0.2, 4.0, 1e3
+RIGIDITY = YOUNG * THICKNESS**3 / 12
+
+
+def model(support, size=(SPAN, 0.5), divisions=(20, 2), nu=0.0, load=None, **more):
+    return Model(
+        material={"E": YOUNG, "nu": nu},
+        plate={"shape": "rectangle", "size": size, "thickness": THICKNESS, "element": more.pop("element", "mitc9")},
+        mesh={"divisions": divisions},
+        support=support,
+        load=[{"pressure": PRESSURE}] if load is None else load,
+        **more,
+    )
+
+
+@pytest.mark.parametrize("element", ["mitc9", "q8r"])
+@pytest.mark.parametrize("stiffness", [1e5, RIGIDITY / SPAN, 1e7, 1e9])
+def test_ends_of_a_beam_turn_as_its_statics_say(stiffness, element):
+    # M = pL²/12 / (1 + 2EI/kL), as of a beam with springs at both ends (Roark, table 8.1, by superposition).
+    ends = {"name": "ends", "edge": ["left", "right"], "fix": "simple", "rotational_stiffness": stiffness}
+    result = signorini.solve(model([ends], element=element))["all"]
+    moment = PRESSURE * SPAN**2 / 12 / (1 + 2 * RIGIDITY / (stiffness * SPAN))
+    assert result.supports[0].edge.couples == pytest.approx(-moment, rel=1e-6)
+    ends = result.probe([(0.0, 0.25), (SPAN, 0.25)])
+    assert [one.moment[0] for one in ends] == pytest.approx([-moment] * 2, abs=0.01 * PRESSURE * SPAN**2 / 8)
+    assert result.probe([(SPAN / 2, 0.25)])[0].moment[0] == pytest.approx(PRESSURE * SPAN**2 / 8 - moment, rel=5e-3)
+    assert result.supports[0].reaction == pytest.approx(PRESSURE * SPAN * 0.5, rel=1e-12)
+
+
+def test_a_stiff_spring_holds_the_slope_as_a_clamped_edge_does():
+    edges, couples = ["left", "right", "bottom", "top"], []
+    for how in ({"fix": "clamped"}, {"fix": "hard", "rotational_stiffness": 1e13}):
+        plate = model([{"edge": edges} | how], size=(4, 4), divisions=(8, 8), nu=0.2)
+        result = signorini.solve(plate)["all"]
+        couples.append(result.supports[0].edge.couples)
+        assert result.certificate.passed
+    away = np.abs(couples[0]) > 300
+    assert couples[1][away] == pytest.approx(couples[0][away], rel=2e-3)
+
+
+@pytest.mark.parametrize("resists", ["both", "down"])
+def test_columns_and_sections_balance_the_load(resists):
+    columns = {"at": [[0.5, 0.5], [5.5, 0.5], [5.5, 3.5], [0.5, 3.5], [3, 2]], "resists": resists, "stiffness": 1e8}
+    loads = [{"pressure": 1e4}, {"force": 5e4, "at": [4.2, 1.3]}]
+    section = [{"name": "cut", "line": [[2.2, 0], [2.2, 4]]}]
+    plate = model(
+        [columns | {"rotational_stiffness": [2e7, "3e7 + 1e6*x"]}], (6, 4), (12, 8), 0.2, loads, section=section
+    )
+    result = signorini.solve(plate)["all"]
+    of = result.supports[0]
+    weight = 1e4 * 24 + 5e4
+    assert of.reaction == pytest.approx(weight, rel=1e-12)
+    about_y = of.reactions @ of.positions[:, 0] - of.moments[:, 0].sum()
+    about_x = of.reactions @ of.positions[:, 1] - of.moments[:, 1].sum()
+    assert about_y == pytest.approx(1e4 * 24 * 3 + 5e4 * 4.2, rel=1e-10)
+    assert about_x == pytest.approx(1e4 * 24 * 2 + 5e4 * 1.3, rel=1e-10)
+    left = of.positions[:, 0] < 2.2
+    shear = 1e4 * 2.2 * 4 - of.reactions[left].sum()
+    moment = (
+        (of.reactions[left] * (2.2 - of.positions[left, 0])).sum() + of.moments[left, 0].sum() - 1e4 * 4 * 2.2**2 / 2
+    )
+    assert abs(result.sections[0].shear) == pytest.approx(abs(shear), rel=1e-9)
+    assert result.sections[0].moment == pytest.approx(moment, rel=1e-9)
+
+
+def test_a_column_turns_as_its_moment_over_its_stiffness_says():
+    result = signorini.solve(
+        model([{"at": [[1, 1], [3, 1], [2, 3]], "rotational_stiffness": [2e6, 5e6]}], (4, 4), (8, 8))
+    )
+    result = result["all"]
+    for moments, one in zip(result.supports[0].moments, result.probe([(1, 1), (3, 1), (2, 3)]), strict=True):
+        # About x the slope along y is resisted.
+        assert moments == pytest.approx([-5e6 * one.rotation[0], -2e6 * one.rotation[1]], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("support", "said"),
+    [
+        ({"edge": "left", "fix": "clamped", "rotational_stiffness": 1}, '"clamped" holds the slope already'),
+        ({"area": "all", "stiffness": 1e6, "rotational_stiffness": 1}, "it goes with at, nodes, edge, line or circle"),
+        ({"edge": "left", "fix": "hard", "rotational_stiffness": [1, 2]}, "found two; along an edge"),
+        ({"at": [1, 1], "rotational_stiffness": [1, 2, 3]}, "found [1, 2, 3]; it must be one stiffness"),
+        ({"at": [1, 1], "rotational_stiffness": 0}, "found 0; it must be greater than 0."),
+    ],
+)
+def test_a_rotational_stiffness_that_holds_nothing_is_refused(support, said):
+    with pytest.raises(InputError) as refused:
+        model([support])
+    assert said in str(refused.value)
+    assert "support[1].rotational_stiffness" in str(refused.value)
