@@ -321,3 +321,14 @@ def test_a_flat_slab_of_nine_bays_has_the_total_static_moment_between_its_column
     column, middle = result.strips
     assert column.hogging.at in ((6.2, 5.2), (12.2, 5.2))
     assert column.hogging.moment < 2.0 * middle.hogging.moment < 0.0 < middle.sagging.moment < column.sagging.moment
+
+
+def test_the_footing_tips_at_the_load_of_its_plastic_mechanism() -> None:
+    model = signorini.load(EXAMPLES / "yielding_footing.toml")
+    path = signorini.path(model, "G", "W")
+    # Soil that crushes under a part a of 4 x 3 m: 250 · 3 a = 720 + 400 t and, about x = 4, 375 a² = 1500 - 150 t.
+    a, b, c = 375 * (400 / 750) ** 2, 375 * 2 * (720 / 750) * (400 / 750) + 150, 375 * (720 / 750) ** 2 - 1500
+    assert path.limit == pytest.approx((-b + np.sqrt(b**2 - 4 * a * c)) / (2 * a), rel=1e-3)
+    assert path.mechanism == "tips about the line x = 2.21 as soil and anchors give their limits"
+    yields = {event.support for event in path.support_events if event.change == "yields"}
+    assert yields == {"soil", "anchors"}
