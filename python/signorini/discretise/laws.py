@@ -8,7 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from signorini.discretise.rows import Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints
+
+_ROUNDING = 1e-12
+"""Part by which slopes of a drawn line differ that is straight: its points are rounded."""
 
 
 @dataclass(frozen=True)
@@ -30,15 +33,20 @@ class Law:
     def drawn(cls, points: Sequence[tuple[float, float]], both: bool) -> Law:
         """Take force over travel from no travel on, and before it none; or, if ``both``, alike or as it is drawn.
 
+        Points in which the slope does not change are left out, as the last one, at which the last slope goes on.
+
         Examples
         --------
         >>> Law.drawn([(0.0, 0.0), (0.5, 2.0), (1.0, 2.0)], both=True)
-        Law(vertices=((-1.0, -2.0), (-0.5, -2.0), (0.0, 0.0), (0.5, 2.0), (1.0, 2.0)), ends=(0.0, 0.0))
+        Law(vertices=((-0.5, -2.0), (0.5, 2.0)), ends=(0.0, 0.0))
         """
         alike = both and points[0][0] == 0.0
         vertices = (*((-t, -f) for t, f in reversed(points[1:])), *points) if alike else tuple(points)
-        slopes = cls(vertices).slopes
-        return cls(vertices, (float(slopes[1]) if both else 0.0, float(slopes[-2])))
+        inner = cls(vertices).slopes[1:-1]
+        slopes = np.array([inner[0] if both else 0.0, *inner, inner[-1]])
+        turns = ~np.isclose(slopes[:-1], slopes[1:], rtol=_ROUNDING, atol=0.0)
+        kept = [vertex for vertex, turn in zip(vertices, turns, strict=True) if turn]
+        return cls(tuple(kept) or ((0.0, 0.0),), (float(slopes[0]), float(slopes[-1])))
 
     @property
     def slopes(self) -> Floats:
@@ -47,6 +55,12 @@ class Law:
         with np.errstate(divide="ignore"):
             inner = steps[:, 1] / steps[:, 0]
         return np.array(self.ends[:1] if self.straight else [self.ends[0], *inner, self.ends[1]])
+
+    @property
+    def at_ends(self) -> Bools:
+        """Whether pieces (p,) are the first or the last one."""
+        number = np.arange(len(self.slopes))
+        return np.asarray((number == 0) | (number == number[-1]))
 
     @property
     def corners(self) -> Floats:
@@ -90,7 +104,10 @@ class Law:
         [-2.0, 1.0, 2.0]
         """
         at, (travels, forces) = np.asarray(travel, dtype=np.float64), np.array(self.vertices).T
-        before, beyond = self.slopes[1], self.ends[1]
+        before, beyond = (
+            self.slopes[min(1, len(self.slopes) - 1)] if self.ends[0] == 0.0 else self.ends[0],
+            self.ends[1],
+        )
         inside = np.interp(at, travels, forces)
         outside = np.minimum(at - travels[0], 0.0) * before + np.maximum(at - travels[-1], 0.0) * beyond
         return np.asarray(inside + outside)

@@ -139,7 +139,12 @@ class ContactPoints(Table, Brief):
 
     def yield_on(self, pieces: Ints | Pieces) -> Bools:
         """Whether points (..., m) give all they can on these pieces of their laws."""
-        each = [(law.slopes == 0.0) & (law.corners[:, 1] != 0.0) for law in self.laws]
+        each = [(law.slopes == 0.0) & (law.corners[:, 1] != 0.0) & law.at_ends for law in self.laws]
+        return np.asarray(self._by_piece(each, pieces))
+
+    def open_on(self, pieces: Ints | Pieces) -> Bools:
+        """Whether points (..., m) do not react on these pieces of their laws, whatever their travel."""
+        each = [(law.slopes == 0.0) & (law.corners[:, 1] == 0.0) for law in self.laws]
         return np.asarray(self._by_piece(each, pieces))
 
     def forces_on(self, pieces: Ints | Pieces) -> Floats:
@@ -182,6 +187,11 @@ class ContactPoints(Table, Brief):
     def two_sided(self) -> Bools:
         """Points (m,) that never let go or yield, and so are equations."""
         return np.array([law.straight for law in self.laws], np.bool_)[self.law]
+
+    @cached_property
+    def holds_both_ways(self) -> Bools:
+        """Points (m,) that hold the plate both ways without a limit, so that it is not free to move there."""
+        return np.asarray((self.limits[0] == -np.inf) & (self.limits[1] == np.inf))
 
     @cached_property
     def unyielding(self) -> Bools:

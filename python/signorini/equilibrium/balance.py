@@ -90,7 +90,7 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
         * np.tile([1.0, size, size], discretisation.mesh.node_count)[discretisation.held.dofs, None]
     )
     in_stiffness = np.vstack([held, of_springs])
-    motions = null_space(np.vstack([in_stiffness, at_contacts[contacts.two_sided]]), RANK)
+    motions = null_space(np.vstack([in_stiffness, at_contacts[contacts.holds_both_ways]]), RANK)
     moves = at_contacts @ motions
     loose = motions @ null_space(moves, RANK) if motions.size else np.zeros((3, 0))
     if loose.size:

@@ -208,7 +208,9 @@ class Support(Acting, base.Named):
     @property
     def can_yield(self) -> bool:
         """Whether there is an end to what it can give."""
-        return self.limit is not None or (self.law is not None and self.law[-1][1] == self.law[-2][1])
+        if self.law is None:
+            return self.limit is not None
+        return self.law[-1][1] == self.law[-2][1] or (self.law[0][0] < 0.0 and self.law[0][1] == self.law[1][1])
 
     def _complaints(self) -> Iterator[base.Complaint]:
         yield from self._place_complaints("where a support is")

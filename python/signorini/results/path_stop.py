@@ -117,13 +117,15 @@ class Switched:
     before: Pieces = field(default_factory=lambda: np.zeros(0, np.uint8))
 
     def as_switches(self, discretisation: Discretisation, answer: Answer) -> tuple[Switch, ...]:
-        """Say what they do, and where."""
-        contacts, points = discretisation.contacts.pick(self.points), self.points
-        yielded, yields = contacts.yield_on(self.before), contacts.yield_on(answer.piece[points])
-        changes = np.select([yields, yielded, answer.closed[points]], ["yields", "stops yielding", "closes"], "opens")
-        names = [discretisation.model.support[index].name for index in contacts.support.tolist()]
-        places = [(x, y) for x, y in contacts.positions.tolist()]
-        return tuple(map(Switch, names, places, changes.tolist()))
+        """Say what they do, and where; of those that go on along their laws nothing."""
+        contacts, after = discretisation.contacts.pick(self.points), answer.piece[self.points]
+        yielded, yields = contacts.yield_on(self.before), contacts.yield_on(after)
+        opened, opens = contacts.open_on(self.before), contacts.open_on(after)
+        changes = np.select([yields & ~yielded, yielded, opens], ["yields", "stops yielding", "opens"], "closes")
+        (told,) = np.nonzero((yields != yielded) | (opens != opened))
+        names = [discretisation.model.support[index].name for index in contacts.support[told].tolist()]
+        places = [(x, y) for x, y in contacts.positions[told].tolist()]
+        return tuple(map(Switch, names, places, changes[told].tolist()))
 
 
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:

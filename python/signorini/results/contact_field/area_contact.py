@@ -176,7 +176,9 @@ class AreaContact(Remade):
         """Area that gives its limit, given the points (q,) that do; None without a limit."""
         if not self.support.can_yield:
             return None
-        if self.support.modulus is None:
+        formulas = (self.support.limit, self.support.modulus)
+        jumps = any(level.jumps for one in formulas if one is not None for level in one.levels)
+        if self.support.modulus is None or jumps or (self.support.law or ((0.0, 0.0),))[0][0] < 0.0:
             return float(self.weights[yielded].sum())
         # It gives its limit where the plate would press on a support with so much more gap.
         beyond = self.support.model_copy(update={"gap": partial(_travel_at_limit, self.support)})
