@@ -1,4 +1,5 @@
-"""What part of all numbers their half-widths cover, and how wide they are: random plates on 4 times the mesh.
+"""What part of all numbers their half-widths cover, and how wide they are: random plates on meshes
+finer than all that these come from.
 
 The constants of signorini.accuracy.half_width were chosen on seeds from 0, 400000 and 500000; judge on others.
 
