@@ -1,12 +1,9 @@
-"""What part of all numbers their half-widths cover, and how wide they are: random plates on 4 times the mesh.
+"""What part of all numbers their half-widths cover, and how wide they are: random plates on still finer meshes.
 
-The constants of signorini.accuracy.half_width were chosen on seeds from 0, 400000 and 500000; judge on others.
+The constants of signorini.accuracy.half_width were chosen on seeds from 0, 400000, 500000, 3100000 and 7200000; judge
+on others. docs/accuracy.md has the figures, of the last two and of 8300000.
 
     python benchmarks/half_widths.py [--count 300] [--first 100000] [--along 8 24] [--seconds 3600] [--processes 2]
-    --first 980000 --along 18 24     60 plates, 7753 numbers: 98.8 % covered, median width/change 5.1
-    --first 950000 --along 8 16      100 plates, 15485 numbers: 99.9 %, 2.6
-    --first 920000 --along 24 32     16 plates, 1419 numbers: 98.7 %, 6.2
-
     python benchmarks/half_widths.py --check        a few, to see that the script works
 """
 

@@ -12,6 +12,7 @@ from models import rectangular, tables
 
 import signorini
 from signorini import Estimate, Model, Result, estimate, solve
+from signorini.accuracy.half_width import beside
 from signorini.accuracy.meshes import meshes_beside
 from signorini.analysis import other_meshes
 from signorini.analysis.estimate import estimates_of
@@ -22,6 +23,7 @@ from signorini.mesh.meshers import disc
 from signorini.output import results_json, write
 from signorini.results.figures import figures
 from signorini.results.marks import panel
+from signorini.results.quantities import SIDES
 
 POINTS = [[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]]
 EDGES = ["left", "right", "bottom", "top"]
@@ -311,6 +313,18 @@ def test_a_design_moment_of_zero_has_a_half_width_where_the_moments_reach_beyond
     assert -far.moment[0] > of_far["moment"][0] + of_far["moment"][2] > of_far["design_moment"]["bottom"][0] * 1e3
     reach = near.moment[0] + of_near["moment"][0] + of_near["moment"][2]
     assert of_near["design_moment"]["bottom"][0] == pytest.approx(reach, rel=0.01)
+
+
+def test_extremes_of_a_vector_count_as_part_of_the_largest_change_among_them(result: Result) -> None:
+    """Extremes hop from node to node: one may be alike on three meshes beside others that are not."""
+    moved = ("fields", "mx", "max")
+    changes = np.array([[float(one.path == moved)] for one in result.catalogue])
+    found = beside(result.catalogue.numbers, changes)[:, 0]
+    counted = dict(zip((one.path for one in result.catalogue), found.tolist(), strict=True))
+    moments = ("mx", "my", "mxy", "m1", "m2")
+    assert all(0.1 < counted["fields", name, side] < 1 for name in moments for side in SIDES)
+    others = [path for path in counted if path[0] != "fields" or path[1] in ("qx", "qy", "sx_top")]
+    assert all(counted[path] == 0 for path in others)
 
 
 def test_rows_of_a_table_and_its_envelope_have_half_widths(tmp_path: Path) -> None:

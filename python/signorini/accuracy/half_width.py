@@ -113,8 +113,8 @@ def rounded(widths: Floats) -> Floats:
     return np.where(known, np.rint(widths * down / up) / down * up, widths)
 
 
-_OF_VECTOR, _OF_POINTS = 0.5, 0.1
-"""Part of the largest change in a vector, and among the points of a support."""
+_OF_VECTOR, _OF_POINTS = 0.25, 0.1
+"""Part of the largest change in a vector or of its extremes, and among the points of a support."""
 _BENT = 0.01
 """Part of what goes with the largest deflection, or moment, that every kind counts as at least."""
 
@@ -122,7 +122,8 @@ _BENT = 0.01
 def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
     """Changes (n, k) that numbers count as at least, by the largest of those of the numbers that go with them.
 
-    Components of a vector turn into each other; points of one support share what acts on it.
+    Components of a vector turn into each other, at a place and in their extremes, which hop from node to node; points
+    of one support share what acts on it.
     """
     groups: dict[tuple[object, ...], list[int]] = {}
     keys = [_group(one) for one in numbers]
@@ -138,8 +139,8 @@ def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
 
 
 def _group(one: Number) -> tuple[object, ...]:
-    if one.home == "probe" and one.quantity.vector:
-        return one.home, one.owner, one.quantity.vector
+    if one.quantity.vector:
+        return one.home, 0 if one.home == "field" else one.owner, one.quantity.vector
     if one.home == "point":
         return one.home, one.owner, ("points", one.what)
     return one.home, one.owner, one.path
