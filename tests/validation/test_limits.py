@@ -347,3 +347,36 @@ def test_at_the_limit_load_itself_the_least_deflection_is_shown(method, stiffnes
     assert result.supports[0].states == ["yields"] * 4
     at_feet = [one.deflection for one in result.probe([(0, 0), (2, 2)])]
     assert at_feet == pytest.approx([0.0 if stiffness is None else 25e3 / stiffness] * 2, abs=1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_straight_law_both_ways_is_a_spring(method):
+    prop, found = {"name": "prop", "at": [1, 1.375]}, []
+    for how in ({"law": [[0, 0], [0.0011, 10], [0.0022, 20]]}, {"stiffness": 10 / 0.0011}):
+        model = Model(
+            material={"E": 1e6, "nu": 0.2},
+            plate={"shape": "rectangle", "size": [2, 2], "thickness": 0.1},
+            mesh={"divisions": [2, 2]},
+            support=[{"edge": ["left"], "fix": "simple"}, {"at": [1, 2], "resists": "down"}, prop | how],
+            load=[{"pressure": -60}],
+            solver={"method": method},
+        )
+        result = signorini.solve(model)["all"]
+        assert not result.unsettled
+        found.append([one.reaction for one in result.supports])
+    assert found[0] == pytest.approx(found[1], rel=1e-9, abs=1e-9)
+
+
+def test_a_law_that_yields_one_way_alone_says_so():
+    law = [[-0.01, -50e3], [0, 0], [0.001, 20e3], [0.002, 20e3]]
+    pulled, pushed = (
+        signorini.solve(block(8, force, stiffness=None, limit=None, resists="both", law=law))["all"].supports[0]
+        for force in (-160e3, 79.999e3)
+    )
+    assert pulled.yielded_area == 0.0
+    assert pulled.max_tension == pytest.approx(40e3, rel=1e-3)
+    assert not pushed.yielded.any()
+    turned = [[-t, -f] for t, f in reversed(law)]
+    model = block(8, -160e3, stiffness=None, limit=None, resists="both", law=turned)
+    with pytest.raises(NoEquilibriumError, match="moves up as soil gives its limit"):
+        signorini.solve(model)

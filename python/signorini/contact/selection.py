@@ -131,7 +131,7 @@ class Answer(Remade):
             solution.hi,
             solution.lo,
             reaction,
-            np.where(yields, -np.abs(solution.gap), solution.gap),
+            np.where(yields, -np.abs(solution.gap), np.where(solution.closed, 0.0, solution.gap)),
             solution.closed,
             solution.piece,
             np.concatenate([reaction, np.zeros(len(discretisation.repeated))]),
@@ -281,7 +281,7 @@ def _with_least_deflection(
         discretisation.held.dofs, answer.hi, answer.lo
     )
     if (np.abs(answer.reaction[pushing]) <= rounding).all():
-        pushing[:] = False
+        pushing = _holding(contacts, answer.reaction, max(nothing, rounding))
     free = null_space(freedom.moves[pushing], _STILL)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():

@@ -172,7 +172,7 @@ def _require_no_softer(model: Model, total: Floats) -> None:
             f"{model.support[i].name} is as soft as a bed under all of the plate with kL⁴/D = {total[i]:.2g}; it must "
             f"be {SOFTEST:g} or more. Leave it out, since it carries nothing, or give {SOFTEST / total[i]:.2g} times "
             "the stiffness.",
-            place=("support", i, "stiffness"),
+            place=("support", i, "stiffness" if model.support[i].law is None else "law"),
         )
 
 

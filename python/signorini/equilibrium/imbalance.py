@@ -156,7 +156,7 @@ def _beyond_limits(discretisation: Discretisation, freedom: RigidFreedom, nodal:
         np.zeros((0, 2)),
         np.unique(bearing.support[gives]),
         None,
-        carried=float(best[0][0]),
+        carried=max(0.0, float(best[0][0])),
         most=most,
     )
 

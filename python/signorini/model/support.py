@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from signorini.expression import Expression
+from signorini.expression import LARGEST, Expression
 from signorini.model import base
 from signorini.model.problems import as_list, describe
 from signorini.model.where import Acting, one_of
@@ -249,6 +249,8 @@ class Support(Acting, base.Named):
             if one == other or one[0] > other[0] or one[1] > other[1]:
                 said = "falls" if one[0] < other[0] else "does not go on" if one == other else "goes back"
                 yield ("law", at), f"found {list(other)} after {list(one)}, where the law {said}; it must rise."
+            elif one[0] < other[0] and other[1] - one[1] > LARGEST * (other[0] - one[0]):
+                yield ("law", at), f"found {list(other)} after {list(one)}, which is steeper than {LARGEST:g}."
             elif one[0] == other[0] != 0.0:
                 said = f"found {list(other)} after {list(one)}, where the law rises without travel"
                 yield ("law", at), f"{said}; it may do so at travel 0 alone. Draw it less steep."

@@ -48,7 +48,7 @@ def _to_limit(discretisation: Discretisation, points: SupportPoints, answer: Ans
     contacts, (least, most) = discretisation.contacts, discretisation.contacts.limits
     force = np.minimum(most - answer.reaction, np.where(least < 0.0, answer.reaction - least, np.inf))
     soft = contacts.compliance > 0
-    rows = np.where(soft, contacts.compliance * force / scales.length, force / scales.force)
+    rows = np.where(soft, contacts.compliance / scales.length, 1.0 / scales.force) * force
     rows = np.where(answer.gap < 0.0, answer.gap / scales.length, rows)
     own = rows[points.rows].min(axis=0, initial=np.inf)
     if points.shares is not None:
