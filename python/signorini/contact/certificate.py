@@ -302,11 +302,7 @@ def off_laws(
     A point that reacts is off its law by a travel; on a flat piece by a force, if that is less.
     """
     result = np.zeros((3, *travels.shape))
-    for number, law in enumerate(contacts.laws):
-        mine = contacts.law == number
-        at = slice(None) if mine.all() else np.flatnonzero(mine)
-        if not mine.any():
-            continue
+    for law, at in contacts.by_law:
         travel, scale, unit = travels[:, at] / contacts.unit[at], contacts.scale[at], contacts.unit[at]
         force = reaction[:, at] / scale
         least, most = law.forces

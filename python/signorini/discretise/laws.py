@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,7 +49,7 @@ class Law:
         kept = [vertex for vertex, turn in zip(vertices, turns, strict=True) if turn]
         return cls(tuple(kept) or ((0.0, 0.0),), (float(slopes[0]), float(slopes[-1])))
 
-    @property
+    @cached_property
     def slopes(self) -> Floats:
         """Slope (p,) of every piece, in the order of travel; a straight law has one piece."""
         steps = np.diff(np.reshape(self.vertices, (-1, 2)), axis=0)
@@ -56,18 +57,18 @@ class Law:
             inner = steps[:, 1] / steps[:, 0]
         return np.array(self.ends[:1] if self.straight else [self.ends[0], *inner, self.ends[1]])
 
-    @property
+    @cached_property
     def at_ends(self) -> Bools:
         """Whether pieces (p,) are the first or the last one."""
         number = np.arange(len(self.slopes))
         return np.asarray((number == 0) | (number == number[-1]))
 
-    @property
+    @cached_property
     def corners(self) -> Floats:
         """A vertex (p, 2) of every piece: where it begins, of the first where it ends."""
         return np.array(self.vertices[:1] if self.straight else [self.vertices[0], *self.vertices])
 
-    @property
+    @cached_property
     def straight(self) -> bool:
         """Whether it is one line, so that a point never lets go or yields."""
         return len(self.vertices) == 1 and self.ends[0] == self.ends[1]
@@ -82,13 +83,13 @@ class Law:
         """One that pushes only, as stiff as this is at most."""
         return Law(ends=(0.0, float(self.slopes.max())))
 
-    @property
+    @cached_property
     def forces(self) -> tuple[float, float]:
         """The least and the largest force that it can give."""
         (first, last), (before, beyond) = (self.vertices[0][1], self.vertices[-1][1]), self.ends
         return -np.inf if before > 0.0 else first, np.inf if beyond > 0.0 else last
 
-    @property
+    @cached_property
     def at_rest(self) -> tuple[float, float]:
         """The least and the largest force that it can give without travel."""
         forces = [force for travel, force in self.vertices if travel == 0.0] or [float(self.force_at(0.0))]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
@@ -139,30 +139,43 @@ class ContactPoints(Table, Brief):
 
     def yield_on(self, pieces: Ints | Pieces) -> Bools:
         """Whether points (..., m) give all they can on these pieces of their laws."""
-        each = [(law.slopes == 0.0) & (law.corners[:, 1] != 0.0) & law.at_ends for law in self.laws]
-        return np.asarray(self._by_piece(each, pieces))
+        slopes, forces, ends = self._pieces
+        return np.asarray(((slopes == 0.0) & (forces != 0.0) & ends)[self.law, pieces])
 
     def open_on(self, pieces: Ints | Pieces) -> Bools:
         """Whether points (..., m) do not react on these pieces of their laws, whatever their travel."""
-        each = [(law.slopes == 0.0) & (law.corners[:, 1] == 0.0) for law in self.laws]
-        return np.asarray(self._by_piece(each, pieces))
+        slopes, forces, _ = self._pieces
+        return np.asarray(((slopes == 0.0) & (forces == 0.0))[self.law, pieces])
+
+    def flat_on(self, pieces: Ints | Pieces) -> Bools:
+        """Whether the force of points (..., m) does not depend on their travel on these pieces of their laws."""
+        return np.asarray((self._pieces[0] == 0.0)[self.law, pieces])
 
     def forces_on(self, pieces: Ints | Pieces) -> Floats:
         """Forces (..., m) that points have on these pieces of their laws, where they do not depend on the travel."""
-        return np.asarray(self.scale * self._by_piece([law.corners[:, 1] for law in self.laws], pieces))
+        return np.asarray(self.scale * self._pieces[1][self.law, pieces])
 
-    def _by_piece(self, each: Sequence[Any], pieces: Ints | Pieces) -> Any:
-        """What each law has, of every one of its pieces, for points (..., m) on their pieces."""
-        table = np.zeros((len(each), max(map(len, each))), each[0].dtype)
-        for row, values in zip(table, each, strict=True):
-            row[: len(values)] = values
-        return table[self.law, pieces]
+    @cached_property
+    def _pieces(self) -> tuple[Floats, Floats, Bools]:
+        """Slopes and forces (laws, p) of all pieces of the laws, and whether they are the first or the last."""
+        shape = len(self.laws), max(len(law.slopes) for law in self.laws)
+        slopes, forces, ends = np.full(shape, np.nan), np.zeros(shape), np.zeros(shape, np.bool_)
+        for number, law in enumerate(self.laws):
+            own = number, slice(len(law.slopes))
+            slopes[own], forces[own], ends[own] = law.slopes, law.corners[:, 1], law.at_ends
+        return slopes, forces, ends
+
+    @cached_property
+    def by_law(self) -> tuple[tuple[Law, Ints | slice], ...]:
+        """The laws that points have, and which points (k,) have each."""
+        if (self.law[:1] == self.law).all():
+            return ((self.laws[self.law[0]], slice(None)),) if len(self) else ()
+        return tuple((self.laws[number], np.flatnonzero(self.law == number)) for number in np.unique(self.law))
 
     def room(self, travel: Floats, reaction: Floats) -> tuple[Floats, Floats]:
         """How far points (m,) can travel back and on, from this travel, with the same reaction."""
         back, on = np.zeros(len(self)), np.zeros(len(self))
-        for number, law in enumerate(self.laws):
-            at = np.flatnonzero(self.law == number)
+        for law, at in self.by_law:
             low, high = law.travels(np.clip(reaction[at] / self.scale[at], *law.forces))
             back[at], on[at] = travel[at] - self.unit[at] * low, self.unit[at] * high - travel[at]
         return back, on
@@ -174,14 +187,9 @@ class ContactPoints(Table, Brief):
         """
         result = np.zeros(reaction.shape, np.uint8)
         force, least = reaction / self.scale, nothing / self.scale
-        for number, law in enumerate(self.laws):
-            at = np.flatnonzero(self.law == number)
+        for law, at in self.by_law:
             result[..., at] = law.pieces_at(force[..., at], least[..., at], flat)
         return result
-
-    def flat_on(self, pieces: Ints | Pieces) -> Bools:
-        """Whether the force of points (..., m) does not depend on their travel on these pieces of their laws."""
-        return np.asarray(self._by_piece([law.slopes == 0.0 for law in self.laws], pieces))
 
     @cached_property
     def two_sided(self) -> Bools:
