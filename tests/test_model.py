@@ -284,3 +284,11 @@ def test_a_load_without_a_place_is_all_over_the_plate():
     for load in (Load(pressure=1), Load(self_weight=True), Load(curvature=[1, 0, 0])):
         assert load.where == Where("area")
         assert load.where.covers(np.array([[0.0, 0.0], [9.0, 9.0]])).all()
+
+
+def test_a_support_of_which_nothing_is_said_is_the_same_after_dump_and_load():
+    model = Model(**slab(support=[{"at": [[1, 1], [3, 1], [2, 3]]}]))
+    again = [Model(**model.model_dump()), Model.model_validate_json(model.model_dump_json())]
+    assert again == [model, model]
+    assert all(one.support[0].holds_both_ways_unsaid and one.support[0].resists == "both" for one in again)
+    assert not Support(at=[1, 1], resists="both").holds_both_ways_unsaid
