@@ -11,7 +11,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import linprog, lsq_linear
 
 import signorini
-from signorini import Model, contact_problem
+from signorini import Model, contact_problem, with_rows
 from signorini.discretise.laws import Law
 from signorini.errors import InputError, NoEquilibriumError
 
@@ -380,3 +380,33 @@ def test_a_law_that_yields_one_way_alone_says_so():
     model = block(8, -160e3, stiffness=None, limit=None, resists="both", law=turned)
     with pytest.raises(NoEquilibriumError, match="moves up as soil gives its limit"):
         signorini.solve(model)
+
+
+def over_a_stop(law):
+    """A strip on a wall and a prop, loaded beyond the prop, over a stop that it meets once the prop gives way."""
+    return Model(
+        material={"E": 30e9, "nu": 0.0},
+        plate={"shape": "rectangle", "size": [6, 1], "thickness": 0.3},
+        mesh={"divisions": [12, 1]},
+        support=[
+            {"name": "wall", "edge": ["left"], "fix": "simple"},
+            {"name": "prop", "at": [4, 0.5], "law": law},
+            {"name": "stop", "at": [2, 0.5], "resists": "down", "gap": 0.05},
+        ],
+        load=[{"case": "Q", "force": 1e3, "at": [6, 0.5]}],
+    )
+
+
+def test_a_path_goes_on_where_a_law_gives_way_before_anything_happens():
+    # As long as the prop is stiff the span rises off its stop; once it has given way it comes down.
+    path = signorini.path(over_a_stop([[0, 0], [1e-5, 20e3], [1.0, 30e3]]), None, "Q")
+    (event,) = path.support_events
+    assert (event.support, event.change) == ("stop", "closes")
+    before, after = (path.at(event.t * part).supports[2].reaction for part in (0.999, 1.001))
+    assert before == 0.0 < after
+
+
+def test_own_rows_beside_a_law_are_refused():
+    problem = contact_problem(over_a_stop([[0, 0], [1e-5, 20e3], [1.0, 30e3]]))
+    with pytest.raises(InputError, match="found supports with a limit or a law"):
+        with_rows(problem, problem.rows_at([5, 0.5]), [1e-3])

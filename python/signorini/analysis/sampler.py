@@ -285,11 +285,11 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
     force, length = _nothing(result, sampler.path.at(other.t), second.reaction, second.hi)
     least_change, least_way = _nothing(result, span * add, change, moved)
     may = ~contacts.two_sided
-    least, most = contacts.limits
+    least, most = contacts.range_on(contacts.pieces_at(0.5 * (first.reaction + second.reaction), 0.0, flat=False))
     within = [np.minimum(one.reaction - least, most - one.reaction) for one in (first, second)]
     pressed = may & (np.maximum(*within) > force)
     apart = may & (np.maximum(np.abs(first.gap), np.abs(second.gap)) > length)
-    if (pressed & apart).any():
+    if (pressed & (apart | (np.minimum(*within) < -force))).any():
         return None
     # Of gaps that are far larger than what closes them the difference is rounding.
     opening = -(result.contact_rows @ moved)

@@ -167,9 +167,10 @@ def with_rows(
     made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
     result = csr_array(G) if issparse(G) else csr_array(array(G, "G", 2))
     count, size = result.shape[0], problem.discretisation.dof_count
-    if np.isfinite(problem.limits[1]).any():
+    if not all(law.only_pushes or law.straight for law, _ in problem.discretisation.contacts.by_law):
         raise InputError(
-            "found supports with a limit; rows of one's own go with supports that have none.", place="problem"
+            "found supports with a limit or a law; rows of one's own go with supports that have neither.",
+            place="problem",
         )
     if result.shape[1] != size:
         raise InputError(f"found an array of shape {result.shape}; it must have {size} columns, one a dof.", place="G")

@@ -338,7 +338,7 @@ class ContactProblem(Statement, Remade):
         which it exceeds the plate's.
         """
         result, points = self.discretisation, self.discretisation.contacts
-        pushing = all(points.laws[number].only_pushes for number in np.unique(points.law))
+        pushing = all(law.only_pushes for law, _ in points.by_law)
         if pushing and not regularization(result, self.freedom).any():
             return self.condensed.core
         if "dual" not in self._cores:

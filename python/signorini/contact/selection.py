@@ -281,7 +281,8 @@ def _with_least_deflection(
         discretisation.held.dofs, answer.hi, answer.lo
     )
     if (np.abs(answer.reaction[pushing]) <= rounding).all():
-        pushing = _holding(contacts, answer.reaction, max(nothing, rounding))
+        nothing = max(nothing, rounding)
+        pushing = _holding(contacts, answer.reaction, nothing)
     free = null_space(freedom.moves[pushing], _STILL)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():

@@ -21,6 +21,7 @@ from signorini.discretise.loads import CaseLoad, Cases, case_loads, loaded_sides
 from signorini.discretise.meshing import mesh_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located, sides_beside
+from signorini.discretise.points import ContactPoints, Parts, Springs, parts_of
 from signorini.discretise.repeated import (
     Repeated,
     Shared,
@@ -36,7 +37,7 @@ from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.discretise.sections import Sections
 from signorini.discretise.snapping import Snapped
 from signorini.discretise.stressnodes import Sides, StressNodes, solid_thickness, stress_nodes_of
-from signorini.discretise.supports import ContactPoints, Parts, Springs, parts_of, springs_and_contacts
+from signorini.discretise.supports import springs_and_contacts
 from signorini.discretise.thickness import PlateStiffness, Thickness, thickness_of
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini.discretise.held import Held
+from signorini.discretise.points import ContactPoints, Springs
 from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
-from signorini.discretise.supports import ContactPoints, Springs
 from signorini.discretise.thickness import Thickness
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Place, Problems, path_in_words, point

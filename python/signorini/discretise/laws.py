@@ -69,6 +69,19 @@ class Law:
         return np.array(self.vertices[:1] if self.straight else [self.vertices[0], *self.vertices])
 
     @cached_property
+    def ranges(self) -> Floats:
+        """Least and largest force (p, 2) on every piece.
+
+        Examples
+        --------
+        >>> Law(((0.0, 0.0), (0.01, 5.0)), (0.0, 0.0)).ranges.tolist()
+        [[0.0, 0.0], [0.0, 5.0], [5.0, 5.0]]
+        """
+        inner = [] if self.straight else [force for _, force in self.vertices]
+        ends = [self.forces[0], *inner, self.forces[1]]
+        return np.column_stack([ends[:-1], ends[1:]])
+
+    @cached_property
     def straight(self) -> bool:
         """Whether it is one line, so that a point never lets go or yields."""
         return len(self.vertices) == 1 and self.ends[0] == self.ends[1]

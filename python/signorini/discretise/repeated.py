@@ -9,8 +9,8 @@ from scipy.sparse import csr_array, vstack
 
 from signorini.base.components import components
 from signorini.discretise.held import Held, contradiction, rounding_of
+from signorini.discretise.points import ContactPoints
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
-from signorini.discretise.supports import ContactPoints
 from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.model import Model

@@ -13,11 +13,11 @@ from scipy.sparse import csr_array, vstack
 from signorini import _core
 from signorini.base.remade import Brief
 from signorini.discretise.held import Held
+from signorini.discretise.points import ContactPoints, Springs
 from signorini.discretise.quadrature import Quadrature, area_quadrature, curve_quadrature
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.sections.cut import BESIDE, Cut, cut, placed
-from signorini.discretise.supports import ContactPoints, Springs
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
