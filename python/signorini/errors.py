@@ -72,6 +72,10 @@ class InputError(SignoriniError, ValueError):
         """Each problem by itself."""
         return self._parts or (self,)
 
+    def moved(self, place: Callable[[Place], Place]) -> InputError:
+        """The same at other places of the model."""
+        return InputError.of([InputError(one.message, place(one.path) if one.path else one.place) for one in self.parts])
+
     @classmethod
     def of(cls, problems: Sequence[InputError], source: str = "", untold: int = 0) -> InputError:
         """Tell problems together, those of a source such as a file, and how many more there are."""

@@ -209,7 +209,7 @@ def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterat
     combinations = discretisation.model.effective_combinations
     used = combinations.cases
     weighing = {case: discretisation.cases[case].weighing for case in discretisation.cases if case in used}
-    of_case = {case: discretisation.rigid_motions.T @ load for case, load in weighing.items()}
+    of_case = {case: _sums(discretisation, load) for case, load in weighing.items()}
     size = {case: float(np.abs(load[::3]).sum()) for case, load in weighing.items()}
     scale = np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
     motions = allowed_motions(freedom.outline)
@@ -220,10 +220,16 @@ def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterat
         factors = combination.factors or {}
         resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)
         total = sum(abs(factor) * size[case] for case, factor in factors.items())
-        work = motions @ (resultant / scale @ freedom.motions) if len(motions) else np.zeros(0)
-        doubtful = freedom.outline.limited or work.max(initial=0.0) > WORK * total
+        doubtful = motions is None
+        if motions is not None and len(motions):
+            doubtful = (motions @ (resultant / scale @ freedom.motions)).max() > WORK * total
         why = imbalance_of(discretisation, freedom, combination) if doubtful else None
         yield _of(discretisation, combination, resultant, total, why, limit=None if why is None else why.limit)
+
+
+def _sums(discretisation: Discretisation, nodal: Floats) -> Floats:
+    """Resultant of a load (3n,), and its moments about the middle, on all plates together."""
+    return np.asarray((discretisation.rigid_motions.T @ nodal).reshape(-1, 3).sum(axis=0))
 
 
 def _resultant(discretisation: Discretisation, freedom: RigidFreedom, combination: Combination) -> Resultant:
@@ -232,7 +238,7 @@ def _resultant(discretisation: Discretisation, freedom: RigidFreedom, combinatio
     brink = why is None and on_the_brink(discretisation, freedom, weighing)
     limit = nearest_limit(discretisation, freedom, combination) if why is None else why.limit
     total = float(np.abs(weighing[::3]).sum())
-    return _of(discretisation, combination, discretisation.rigid_motions.T @ weighing, total, why, brink, limit)
+    return _of(discretisation, combination, _sums(discretisation, weighing), total, why, brink, limit)
 
 
 def _of(

@@ -102,7 +102,7 @@ def solve_several(
 
 def _solve(
     problem: ContactProblem,
-    rays: Floats,
+    rays: Floats | None,
     combinations: Sequence[Combination],
     single: Callable[[Combination], Result],
     watch: Callable[[], None],
@@ -111,7 +111,7 @@ def _solve(
 
     def surely_balanced(load: CaseLoad) -> bool:
         """Whether it does no work in any motion that the supports allow, so that reactions balance it."""
-        if problem.freedom.on_mesh.limited:
+        if rays is None:
             return imbalance(discretisation, problem.freedom, load.weighing) is None
         work = work_of(discretisation, problem.freedom, load.weighing) if problem.freedom.count else np.zeros(0)
         return not len(work) or bool((rays @ work).max(initial=0.0) <= 0.0)

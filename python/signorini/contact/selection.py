@@ -20,6 +20,7 @@ from signorini import _core
 from signorini.base.linear_program import minimise
 from signorini.base.remade import Remade
 from signorini.discretise import ContactPoints, Discretisation
+from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.quadrature import area_quadrature
 from signorini.discretise.repeated import SAME
 from signorini.discretise.rows import Bools, Floats, Pieces, null_space
@@ -108,6 +109,13 @@ class Answer(Remade):
     solution: _core.ContactSolution | None = None
 
     _made = MappingProxyType({"solution": lambda answer: None})
+
+    def on(self, plate: OfWhole) -> Self:
+        """What it is of one of several plates."""
+        mine, points = plate.points[: len(plate.own.contacts)], plate.points
+        own = {key: getattr(self, key)[mine] for key in ("reaction", "gap", "closed", "piece")}
+        own |= {"hi": self.hi[plate.dofs], "lo": self.lo[plate.dofs], "shared": self.shared[points]}
+        return replace(self, **own, not_unique=(), somehow=None, solution=None)
 
     @property
     def in_turn(self) -> tuple[Self, ...]:

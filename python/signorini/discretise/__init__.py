@@ -1,5 +1,6 @@
 """From what the engineer said to arrays: mesh, plate, held dofs, springs, contact points and loads."""
 
-from signorini.discretise.discretisation import CaseLoad, ContactPoints, Discretisation, Rows, discretise
+from signorini.discretise.discretisation import CaseLoad, ContactPoints, Discretisation, Rows
+from signorini.discretise.plates import discretise
 
 __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Rows", "discretise"]

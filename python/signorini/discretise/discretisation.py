@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 
@@ -33,7 +32,7 @@ from signorini.discretise.repeated import (
     times,
     within,
 )
-from signorini.discretise.rows import Bools, Floats, Rows
+from signorini.discretise.rows import Bools, Floats, Ints, Rows
 from signorini.discretise.sections import Sections
 from signorini.discretise.snapping import Snapped
 from signorini.discretise.stressnodes import Sides, StressNodes, solid_thickness, stress_nodes_of
@@ -44,7 +43,7 @@ from signorini.errors import InputError, Problems
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
 
-__all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows", "Springs", "discretise"]
+__all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows", "Springs"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,8 +70,10 @@ class Discretisation(Remade):
     probes: Location
     probe_positions: Floats
     seconds: Mapping[str, float]
+    plates: tuple[OfWhole, ...] = ()
+    """Of several plates each, of which the arrays here are put together."""
 
-    _made = MappingProxyType({"plate": lambda r: _plate(r.mesh, r.zones, r.thickness, r.stress_nodes, r.held)})
+    _made = MappingProxyType({"plate": lambda result: result.made()})
 
     @property
     def dof_count(self) -> int:
@@ -88,6 +89,10 @@ class Discretisation(Remade):
     def parts(self) -> tuple[Parts, ...]:
         """What of held nodes, springs and ``points`` is each support's."""
         return parts_of(len(self.model.support), self.held, self.springs, self.points)
+
+    def made(self) -> _core.Plate:
+        """The plate, or all of them in one table of elements."""
+        return plate_of(self.mesh, self.zones, self.thickness, self.stress_nodes, self.held)
 
     def over_dofs(self, rows: Rows) -> csr_array:
         """Rows as a sparse matrix (m, 3n), over the dofs of those nodes that lead others."""
@@ -201,13 +206,24 @@ class Discretisation(Remade):
 
     @cached_property
     def rigid_motions(self) -> Floats:
-        """Nodal vectors (3n, 3) of the rigid motions w = 1, w = x − x0, w = y − y0 about the plate's middle."""
-        return self.held.rigid_motions(self.mesh.points, self.middle)
+        """Nodal vectors (3n, 3p) of the motions w = 1, w = x − x0, w = y − y0 about the middle, of each of p plates."""
+        motions = self.held.rigid_motions(self.mesh.points, self.middle)
+        if not self.plates:
+            return motions
+        result = np.zeros((len(motions), 3 * len(self.plates)))
+        for number, plate in enumerate(self.plates):
+            result[plate.dofs, 3 * number : 3 * number + 3] = motions[plate.dofs]
+        return result
 
     @cached_property
     def scaled_motions(self) -> Floats:
         """The same, those that turn the plate over its size, so that all have deflections of about one."""
-        return np.asarray(self.rigid_motions / [1.0, self.mesh.size, self.mesh.size])
+        return np.asarray(self.rigid_motions / self.sizes)
+
+    @property
+    def sizes(self) -> Floats:
+        """Lengths (3p,) by which slopes of rigid motions are compared with deflections: 1, and the plates' size."""
+        return np.tile([1.0, self.mesh.size, self.mesh.size], max(1, len(self.plates)))
 
     @cached_property
     def probe_sides(self) -> Sides:
@@ -217,7 +233,12 @@ class Discretisation(Remade):
     @cached_property
     def node_thickness(self) -> Floats:
         """Thickness (s,) of a solid plate at the nodes of stresses; NaN where a stiffness is given in its place."""
-        return solid_thickness(self.stress_nodes, self.zones)
+        if not self.plates:
+            return solid_thickness(self.stress_nodes, self.zones)
+        result = np.empty(self.stress_nodes.count)
+        for plate in self.plates:
+            result[plate.stress_nodes] = plate.own.node_thickness
+        return result
 
     @cached_property
     def probe_thickness(self) -> Floats:
@@ -229,18 +250,28 @@ class Discretisation(Remade):
         """Middle of the plate's bounding box."""
         return self.mesh.middle
 
+    @cached_property
+    def no_load(self) -> CaseLoad:
+        """Nothing on any plate."""
+        if self.plates:
+            return CaseLoad.join([one.own.no_load for one in self.plates])
+        return CaseLoad.none(self.mesh.node_count, len(self.mesh.elements))
+
+    def load_of(self, case: str) -> CaseLoad:
+        """A load case; of several plates one that does not act on this one too."""
+        return self.cases[case] if case in self.cases else replace(self.no_load, acting=frozenset([case]))
+
     def load(self, combination: Combination) -> CaseLoad:
         """Sum of the cases times their factors."""
         made_by(combination, Combination, "Take one of model.effective_combinations.", "combination")
-        total = CaseLoad.none(self.mesh.node_count, len(self.mesh.elements))
+        total = self.no_load
         for case, factor in (combination.factors or {}).items():
             total = total + factor * self.cases[known(case, self.cases, "load case", "factors")]
         return total
 
 
-def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
-    """Mesh the plate, unless a mesh of it is given, and turn supports and loads into arrays."""
-    made_by(model, Model, _advice(model), "model")
+def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
+    """Mesh a plate, unless a mesh of it is given, and turn its supports and loads into arrays."""
     begun = time.perf_counter()
     mesh, model, moved = mesh_of(model, mesh)
     meshed = time.perf_counter()
@@ -256,7 +287,7 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
         along = [sides_beside(mesh, one.support.where, one.sides) for one in supports]
         along += [sides_beside(mesh, model.load[index].where, sides) for index, sides in loaded.items()]
         thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along, bodies.rigid)
-    plate = _plate(mesh, zones, thickness, stress_nodes, held)
+    plate = plate_of(mesh, zones, thickness, stress_nodes, held)
     stiffness = PlateStiffness.of(mesh, zones, thickness.at_points)
     springs, contacts = springs_and_contacts(model.plate, mesh, plate, held, stiffness, supports, problems)
     sections = Sections.of(model, mesh, plate, held, problems)
@@ -297,18 +328,8 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     )
 
 
-def _advice(given: object) -> str:
-    """How to come from what was given to a model."""
-    match given:
-        case str() | os.PathLike():
-            return "Load the file first: signorini.load(file)."
-        case Mapping():
-            return "Make one of the mapping first: signorini.validate(mapping)."
-        case _:
-            return "Make one with signorini.Model(...) or signorini.load(file)."
-
-
-def _plate(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressNodes, held: Held) -> _core.Plate:
+def plate_of(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressNodes, held: Held) -> _core.Plate:
+    """The plate, or all of several, for the core."""
     plates, others = zones.rigidities[0], None
     if len(zones.rigidities) > 1:
         units = np.array([rigidity.for_core for rigidity in zones.rigidities[1:]])
@@ -320,7 +341,7 @@ def _plate(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressN
             thickness.for_core,
             float(zones.young[0]),
             plates.for_core,
-            zones.model.plate.element,
+            zones.element,
             held.frames,
             thickness.layered,
             others,
@@ -329,3 +350,28 @@ def _plate(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressN
         )
     except ValueError as error:
         raise InputError(f"{error}. Change the mesh or the thickness.", place=("plate",)) from None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OfWhole(Remade):
+    """One of several plates: its own arrays, and where they are among those of all.
+
+    ``nodes``, ``elements`` and ``stress_nodes`` (s,) say which these are, ``springs`` and ``points`` (m + r,) which of
+    springs and of ``points``, ``numbers`` by key which of the model's tables. Of what acts between plates ``beneath``
+    has, by the own number of the support, another plate's number and what takes its deflections to own nodes (n, n').
+    """
+
+    name: str
+    own: Discretisation
+    nodes: slice
+    elements: slice
+    stress_nodes: Ints
+    springs: slice
+    points: Ints
+    numbers: Mapping[str, tuple[int, ...]]
+    beneath: Mapping[int, tuple[int, csr_array]]
+
+    @property
+    def dofs(self) -> slice:
+        """Which dofs these are."""
+        return slice(3 * self.nodes.start, 3 * self.nodes.stop)

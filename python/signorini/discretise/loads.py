@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -42,7 +42,8 @@ class CaseLoad:
     ``nodal`` (3n,) are forces and couples in the nodes' frames, ``curvature`` (3,) stress-free kx, ky, kxy, ``couples``
     (2e,) act on the centre rotations of elements. ``weighing`` (3n,) is what of ``nodal`` has a resultant: without
     stress-free curvatures, and without loads that balance themselves. ``through`` (3s,) is what of the moment, twist
-    and shear of each section the load itself does where its line is; of nodal forces nothing.
+    and shear of each section the load itself does where its line is; of nodal forces nothing. ``plates`` are what is on
+    each of several plates; they alone know of curvatures and sections.
     """
 
     nodal: Floats
@@ -51,12 +52,22 @@ class CaseLoad:
     weighing: Floats
     through: Floats = field(default_factory=lambda: np.zeros(()))
     acting: frozenset[str] = frozenset()
+    plates: tuple[CaseLoad, ...] = ()
 
     @classmethod
     def none(cls, nodes: int, elements: int) -> CaseLoad:
         """No load on a mesh of so many nodes and elements."""
         nodal = np.zeros(3 * nodes)
         return cls(nodal, np.zeros(3), np.zeros(2 * elements), nodal)
+
+    @classmethod
+    def join(cls, plates: Sequence[CaseLoad]) -> CaseLoad:
+        """Put loads on several plates together."""
+        nodal, couples, weighing = (
+            np.concatenate([getattr(one, key) for one in plates]) for key in ("nodal", "couples", "weighing")
+        )
+        acting = frozenset().union(*(one.acting for one in plates))
+        return cls(nodal, np.zeros(3), couples, weighing, np.zeros(()), acting, tuple(plates))
 
     @property
     def all_weighs(self) -> bool:
@@ -73,6 +84,7 @@ class CaseLoad:
             nodal if self.all_weighs and other.all_weighs else _sum(self.weighing, other.weighing),
             self.through + other.through,
             self.acting | other.acting,
+            tuple(one + more for one, more in zip(self.plates, other.plates, strict=True)),
         )
 
     def __rmul__(self, factor: float) -> CaseLoad:
@@ -81,7 +93,8 @@ class CaseLoad:
         weighing = nodal if self.all_weighs else factor * self.weighing
         acting = self.acting if factor else frozenset()
         through = factor * self.through
-        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing, through, acting)
+        plates = tuple(factor * one for one in self.plates)
+        return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing, through, acting, plates)
 
 
 def _sum(a: Floats, b: Floats) -> Floats:

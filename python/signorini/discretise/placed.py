@@ -11,7 +11,7 @@ import numpy as np
 
 from signorini.discretise.places import edge_sides, located, mesh_edges
 from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature, off_plate
-from signorini.discretise.rows import Floats, Further, Ints, Rows
+from signorini.discretise.rows import Floats, Ints, Rows
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import BoxTree
@@ -98,24 +98,9 @@ class Footprints:
 
 def mean_deflections(mesh: Mesh, footprints: Sequence[Quadrature]) -> Rows:
     """Rows of the mean deflection over each footprint, which spread a force evenly over it."""
-    elements, values, owners = [], [], []
-    for number, over in enumerate(footprints):
-        own, inverse = np.unique(over.elements, return_inverse=True)
-        shape = np.zeros((len(own), 8))
-        np.add.at(shape, inverse, (over.weights / over.total)[:, None] * mesh.shape_functions(over.elements, over.xi))
-        # A node of several elements has all of it in the first one, so that no dof stands twice.
-        _, first, node = np.unique(mesh.elements[own], return_index=True, return_inverse=True)
-        gathered = np.zeros(shape.size)
-        gathered[first] = np.bincount(node.ravel(), shape.ravel())
-        elements.append(own)
-        values.append(gathered.reshape(shape.shape))
-        owners.append(np.full(len(own), number))
-    element, value, owner = (np.concatenate(parts) for parts in (elements, values, owners))
-    coefficients = np.zeros((len(element), 24))
-    coefficients[:, ::3] = value
-    leads = np.diff(owner, prepend=-1) > 0
-    further = Further(owner[~leads], element[~leads], coefficients[~leads])
-    return Rows(element[leads], coefficients[leads], further)
+    over, owners = Quadrature.join(footprints), np.repeat(np.arange(len(footprints)), [len(one) for one in footprints])
+    parts = over.weights / np.repeat([one.total for one in footprints], [len(one) for one in footprints])
+    return Rows.over(owners, over.elements, parts[:, None] * mesh.shape_functions(over.elements, over.xi), mesh.elements)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,19 +125,21 @@ class Placed:
         return int(self.place[1])
 
 
-def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
-    """Place every support; those that cannot be are among the problems."""
+def placed(model: Model, mesh: Mesh, problems: Problems, between: bool = False) -> list[Placed]:
+    """Place every support of the plate alone, or those between it and others; those that cannot be are problems."""
     result = []
     on_mesh = Footprints(mesh, model.support)
     taken, both = np.zeros((0, 2)), np.zeros(0, np.bool_)
     for index, support in enumerate(model.support):
         place = ("support", index)
+        if (support.between is not None) != between:
+            continue
         with problems.collected():
             points, nodes = None, np.zeros(0, np.int64)
             footprints = on_mesh.of(support, place)
             if support.at is not None:
                 points, nodes = located(mesh, support.at, (*place, "at")), np.full(len(support.at), -1)
-            if points is not None and not footprints:
+            if points is not None and not footprints and not between:
                 holds = support.fix is not None or support.resists in (None, "both")
                 points, nodes = _at_one_place(mesh, points, taken if holds else taken[both])
                 taken = np.concatenate([taken, points.positions])

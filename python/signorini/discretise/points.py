@@ -11,7 +11,7 @@ import numpy as np
 
 from signorini.base.remade import Brief
 from signorini.discretise.held import Held
-from signorini.discretise.laws import Law
+from signorini.discretise.laws import LAWS, Law
 from signorini.discretise.rows import Bools, Floats, Ints, Pieces, Rows, Table
 
 
@@ -73,6 +73,14 @@ class ContactPoints(Table, Brief):
     shared: Ints
     numbers: Ints
     laws: tuple[Law, ...]
+
+    @classmethod
+    def none(cls) -> Self:
+        """No point."""
+        none, who = np.zeros(0), np.zeros(0, np.int64)
+        flags, place = np.zeros(0, np.bool_), np.zeros((0, 2))
+        columns = none, none, who, none, none, none, flags, place, none, who, np.zeros((0, 4), np.int64), who
+        return cls(Rows.join([]), *columns, LAWS)
 
     @classmethod
     def join(cls, parts: Sequence[Self]) -> Self:

@@ -58,6 +58,43 @@ class Rows:
         further = self.further
         return Rows(self.elements, -self.coefficients, Further(further.owners, further.elements, -further.coefficients))
 
+    @classmethod
+    def over(cls, owners: Ints, elements: Ints, values: Floats, nodes: Ints) -> Rows:
+        """Rows of which each has values (k, 8) for the deflections of several elements, given these' nodes (ne, 8).
+
+        ``owners`` (k,) are the rows' numbers, each there; the values of one row and element are summed.
+        """
+        pairs, which = np.unique(np.column_stack([owners, elements]), axis=0, return_inverse=True)
+        owner, element = pairs.T
+        sums = np.zeros((len(pairs), 8))
+        np.add.at(sums, which.ravel(), values)
+        # A node of several elements has all of it in the first one, so that no dof stands twice.
+        own = np.column_stack([np.repeat(owner, 8), nodes[element].ravel()])
+        _, first, node = np.unique(own, axis=0, return_index=True, return_inverse=True)
+        gathered = np.zeros(sums.size)
+        gathered[first] = np.bincount(node.ravel(), sums.ravel())
+        coefficients = np.zeros((len(pairs), 24))
+        coefficients[:, ::3] = gathered.reshape(sums.shape)
+        leads = np.diff(owner, prepend=-1) > 0
+        return cls(element[leads], coefficients[leads], Further(owner[~leads], element[~leads], coefficients[~leads]))
+
+    def beside(self, others: Rows) -> Rows:
+        """These rows over one element each, and behind them all that as many others are over."""
+        further = others.further
+        owners = np.concatenate([np.arange(len(others)), further.owners])
+        order = np.argsort(owners, kind="stable")
+        elements = np.concatenate([others.elements, further.elements])[order]
+        coefficients = np.concatenate([others.coefficients, further.coefficients])[order]
+        return Rows(self.elements, self.coefficients, Further(owners[order], elements, coefficients))
+
+    @property
+    def parted(self) -> tuple[Rows, Rows]:
+        """What `beside` put together."""
+        further = self.further
+        leads = np.diff(further.owners, prepend=-1) > 0
+        rest = Further(further.owners[~leads], further.elements[~leads], further.coefficients[~leads])
+        return Rows(self.elements, self.coefficients), Rows(further.elements[leads], further.coefficients[leads], rest)
+
     @property
     def arrays(self) -> tuple[Ints, Floats, Ints]:
         """Rows the way the core takes them: elements and coefficients (m + q,), and which rows the last q are of."""

@@ -76,19 +76,28 @@ class _Acting(Table):
 
 
 @dataclass(frozen=True, eq=False)
-class _Ground:
-    """A plate on its mesh, how it is held at nodes and how stiff it is, for supports to act on."""
+class Ground:
+    """A plate on its mesh, how it is held at nodes and how stiff it is, for supports to act on.
+
+    What acts between it and another plate takes the deflection over that one, which is ``beneath``.
+    """
 
     shape: Plate
     mesh: Mesh
     plate: _core.Plate
     held: Held
     stiffness: PlateStiffness
+    beneath: Ground | None = None
 
     def rows(self, points: Quadrature, field: int) -> Rows:
         """Rows of the deflection, or of a slope, at points."""
         coefficients, _ = self.plate.interpolation_rows(points.elements, points.xi, field)
-        return Rows(points.elements, coefficients)
+        rows = Rows(points.elements, coefficients)
+        if self.beneath is None:
+            return rows
+        where = self.beneath.mesh.nearest(points.positions)
+        coefficients, _ = self.beneath.plate.interpolation_rows(where.elements, where.xi, field)
+        return rows.beside(Rows(where.elements, -coefficients))
 
 
 def springs_and_contacts(
@@ -103,12 +112,11 @@ def springs_and_contacts(
     """What the supports do beyond the dofs that they hold at nodes."""
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
-    no_contacts = none, none, who, none, none, none, flags, place, none, who, np.zeros((0, 4), np.int64), who
     result: list[Springs | ContactPoints] = [
         Springs(Rows.join([]), none, none, place, none, who, who, flags),
-        ContactPoints(Rows.join([]), *no_contacts, LAWS),
+        ContactPoints.none(),
     ]
-    ground = _Ground(shape, mesh, plate, held, stiffness)
+    ground = Ground(shape, mesh, plate, held, stiffness)
     for placed in supports:
         with problems.collected():
             for acting in _acting(ground, placed):
@@ -119,6 +127,19 @@ def springs_and_contacts(
         Springs.join([one for one in result if isinstance(one, Springs)]),
         ContactPoints.join([one for one in result if isinstance(one, ContactPoints)]),
     )
+
+
+def between(upper: Ground, supports: Sequence[Placed], problems: Problems) -> ContactPoints:
+    """What acts between a plate and the one beneath it, as points of supports (`placed`) of the upper one.
+
+    Their rows are over both, see `Rows.beside`, behind over the plate beneath.
+    """
+    result = [ContactPoints.none()]
+    for placed in supports:
+        with problems.collected():
+            for acting in _acting(upper, placed):
+                result += [one for one in _springs_or_contacts(upper, placed, acting) if isinstance(one, ContactPoints)]
+    return ContactPoints.join(result)
 
 
 def can_let_go(support: Support) -> bool:
@@ -133,14 +154,14 @@ def can_let_go(support: Support) -> bool:
     )
 
 
-def _acting(on: _Ground, placed: Placed) -> list[_Acting]:
+def _acting(on: Ground, placed: Placed) -> list[_Acting]:
     """Points and rows of one support, for what no node holds."""
     if placed.support.area is not None:
         return [_on_area(on, placed.support, placed.place)]
     return _at_points(on, placed, placed.points) if placed.points is not None else _along_line(on, placed)
 
 
-def _at_points(on: _Ground, placed: Placed, points: LineQuadrature) -> list[_Acting]:
+def _at_points(on: Ground, placed: Placed, points: LineQuadrature) -> list[_Acting]:
     support, deflection = placed.support, placed.support.holds_w
     at_nodes = (placed.nodes >= 0) & ~on.held.bodies.inside[placed.nodes]
     at_nodes &= holds_deflection(support) or not deflection
@@ -154,7 +175,7 @@ def _at_points(on: _Ground, placed: Placed, points: LineQuadrature) -> list[_Act
     return result
 
 
-def _along_line(on: _Ground, placed: Placed) -> list[_Acting]:
+def _along_line(on: Ground, placed: Placed) -> list[_Acting]:
     """Points along an edge, a line or a circle; where a mesh follows it, those of nodes that are not held."""
     support, mesh = placed.support, on.mesh
     in_means, turned = False, None
@@ -190,7 +211,7 @@ def _along_line(on: _Ground, placed: Placed) -> list[_Acting]:
             rows = Rows(x.elements, along[:, :1] * x.coefficients + along[:, 1:] * y.coefficients)
             rotation = prescribed_rotations(placed, turned.positions)
             result.append(_Acting.of(rows, turned, (along * rotation).sum(axis=1)))
-    means = map(_means, result) if in_means else ()
+    means = [_means(on, one) for one in result] if in_means else ()
     return [replace(one, shared=np.full_like(one.shared, -1)) for one in means] or result
 
 
@@ -202,7 +223,7 @@ def _steps(support: Support) -> list[Level]:
     return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
 
 
-def _on_area(on: _Ground, support: Support, place: Place) -> _Acting:
+def _on_area(on: Ground, support: Support, place: Place) -> _Acting:
     """Points of an area, or means of elements where it is as good as rigid; if it lets go, they reach its outline."""
     mesh, elastic, one_sided = on.mesh, support.modulus is not None, can_let_go(support)
     # Where nodes hold the plate a point of the outline could do nothing.
@@ -221,10 +242,10 @@ def _on_area(on: _Ground, support: Support, place: Place) -> _Acting:
         stiffness = support.modulus(*within.T, above=0.0, place=(*place, "stiffness"))
         if (stiffness < _STIFF * on.stiffness.in_waves[points.elements]).all():
             return _with(on, through, missing_corners(mesh, on.shape, support.where, covered, through.positions))
-    return _with(on, _means(through), outline_points(mesh, on.shape, support.where, covered))
+    return _with(on, _means(on, through), outline_points(mesh, on.shape, support.where, covered))
 
 
-def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[Springs | ContactPoints]:
+def _springs_or_contacts(on: Ground, placed: Placed, acting: _Acting) -> list[Springs | ContactPoints]:
     support, place, count = placed.support, placed.place, len(acting)
     positions, weights, numbers = acting.positions, acting.weights, acting.numbers
     at = acting.within if _steps(support) else positions
@@ -244,7 +265,7 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
                 "Draw it without travel, or less steep.",
                 place=(*place, "law"),
             )
-        if equation and support.law is None and support.limit is None:
+        if equation and support.law is None and support.limit is None and support.between is None:
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return [Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers, slope)]
         elastic = stiffness < STIFFEST_SPRING * shear
@@ -275,7 +296,7 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
     ]
 
 
-def _turning(on: _Ground, placed: Placed, stiffness: Sequence[Expression]) -> list[Springs | ContactPoints]:
+def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> list[Springs | ContactPoints]:
     """Springs on the slope across a line, or on both at points."""
     mesh, support, place = on.mesh, placed.support, (*placed.place, "rotational_stiffness")
     if placed.points is None:
@@ -303,7 +324,7 @@ def _turning(on: _Ground, placed: Placed, stiffness: Sequence[Expression]) -> li
     return result
 
 
-def _means(through: _Acting) -> _Acting:
+def _means(on: Ground, through: _Acting) -> _Acting:
     """The mean of every element; see `places`."""
     elements, inverse = np.unique(through.rows.elements, return_inverse=True)
     area = np.bincount(inverse, through.weights).astype(np.float64)
@@ -314,10 +335,14 @@ def _means(through: _Acting) -> _Acting:
     shared = np.column_stack([elements, np.full((len(elements), 3), -1)])
     middle, slope = mean(through.positions), mean(through.slope[:, None])[:, 0]
     rows = Rows(elements, mean(through.rows.coefficients))
+    if on.beneath is not None:
+        _, other = through.rows.parted
+        parts = (through.weights / area[inverse])[:, None] * other.coefficients[:, ::3]
+        rows = rows.beside(Rows.over(inverse, other.elements, parts, on.beneath.mesh.elements))
     return _Acting(rows, middle, middle, area, slope, shared, np.zeros(len(elements), np.int64))
 
 
-def _with(on: _Ground, acting: _Acting, result: OutlinePoints) -> _Acting:
+def _with(on: Ground, acting: _Acting, result: OutlinePoints) -> _Acting:
     """Give points on the outline a part of what the support has in the elements that share them."""
     if not len(result.positions):
         return acting
@@ -327,7 +352,7 @@ def _with(on: _Ground, acting: _Acting, result: OutlinePoints) -> _Acting:
     nowhere = np.zeros_like(xi)
     points = LineQuadrature(where, xi, np.zeros(len(xi)), result.positions, nowhere, within)
     outer = replace(_Acting.of(on.rows(points, 0), points), shared=result.shared)
-    dofs = outer.rows.dofs(mesh.elements)
+    dofs = outer.rows.parted[0].dofs(mesh.elements)
     outer = outer.pick(np.asarray(((np.abs(outer.rows.coefficients) > _NONE) & ~on.held.dofs[dofs]).any(axis=1)))
     area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
     some = outer.shared >= 0

@@ -172,6 +172,11 @@ class Zones:
         return result
 
     @property
+    def element(self) -> str:
+        """The finite element of the plate."""
+        return self.model.plate.element
+
+    @property
     def formulas(self) -> tuple[Expression, ...]:
         """Thickness of the plate, and of every zone, that of the plate where it has none."""
         plate = self.model.plate.thickness
@@ -285,6 +290,36 @@ class Zones:
             if getattr(zone, key) not in (None, False):
                 result[inside[index]] = index + 1
         return result
+
+
+@dataclass(frozen=True, eq=False)
+class ZonesOfPlates(Zones):
+    """What the elements of several plates are made of, behind one another."""
+
+    plates: tuple[Zones, ...] = ()
+
+    @classmethod
+    def join(cls, model: Model, plates: Sequence[Zones]) -> Self:
+        """Put them behind one another."""
+        nowhere = np.zeros((0, 0), np.bool_)
+        young, equivalent = (
+            np.concatenate([getattr(one, name) for one in plates]) for name in ("young", "equivalent")
+        )
+        rigidities = tuple(rigidity for one in plates for rigidity in one.rigidities)
+        return cls(model, nowhere, nowhere, rigidities, young, equivalent, np.zeros((0, 0), np.int64), tuple(plates))
+
+    @property
+    def element(self) -> str:
+        """The finite element of all plates."""
+        return self.plates[0].element
+
+    @property
+    def of_elements(self) -> Made:
+        """What elements are made of, of each plate by its own numbers but for rigidities."""
+        first = np.cumsum([0, *(len(one.rigidities) for one in self.plates)])
+        each = [one.of_elements for one in self.plates]
+        each = [one._replace(rigidity=one.rigidity + start) for one, start in zip(each, first, strict=False)]
+        return Made(*map(np.concatenate, zip(*each, strict=True)))
 
 
 def _along(outline: Outline, step: float) -> tuple[Floats, Floats]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,12 +51,12 @@ class Bearing:
 class RigidFreedom:
     """What the bilateral supports leave free.
 
-    ``motions`` (3, d) are a basis of the free rigid motions, as w and the slopes times the plate's size, about its
-    middle; ``moves`` (m, d) how each contact point's row changes with them, two-sided points being among the bilateral
+    ``motions`` (3p, d) are a basis of the free rigid motions of p plates, of each as w and the slopes times the size of
+    all, about their middle; ``moves`` (m, d) how each contact point's row changes with them, two-sided points being among the bilateral
     supports. The ``outline`` of one-sided supports decides whether the plate can be balanced, their contact points
     ``on_mesh`` whether the mesh can show it. K is ``regular`` where held dofs and springs alone hold the plate;
-    ``unheld`` (3, h) are motions that held dofs alone leave free. ``of_springs`` (s, 3) and ``at_contacts`` (m, 3) is
-    what springs and contact points do in the three motions.
+    ``unheld`` (3p, h) are motions that held dofs alone leave free. ``of_springs`` (s, 3p) and ``at_contacts`` (m, 3p)
+    is what springs and contact points do in all motions.
     """
 
     motions: Floats
@@ -92,7 +93,7 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     in_stiffness = np.vstack([held, of_springs])
     motions = null_space(np.vstack([in_stiffness, at_contacts[contacts.holds_both_ways]]), RANK)
     moves = at_contacts @ motions
-    loose = motions @ null_space(moves, RANK) if motions.size else np.zeros((3, 0))
+    loose = motions @ null_space(moves, RANK) if motions.size else np.zeros((len(motions), 0))
     if loose.size:
         raise InputError(
             f"Nothing holds the plate against this motion: {_name_motion(loose, discretisation)}. "
@@ -119,7 +120,7 @@ def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
     ways = (2 * contacts.support + (contacts.direction > 0))[~contacts.two_sided]
     positions, directions, supports = [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0, np.int64)]
     for index, up in zip(*np.divmod(np.unique(ways), 2), strict=True):
-        reach = outline(discretisation.mesh, discretisation.model.plate, discretisation.model.support[index].where)
+        reach = _outline(discretisation, int(index))
         positions.append(reach)
         directions.append(np.full(len(reach), 2.0 * up - 1.0))
         supports.append(np.full(len(reach), index))
@@ -131,19 +132,55 @@ def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
 def _bearing(
     discretisation: Discretisation, motions: Floats, positions: Floats, directions: Floats, supports: Ints
 ) -> Bearing:
-    deciding = []
-    for direction in (1.0, -1.0):
-        those = np.flatnonzero(directions == direction)
+    deciding = [np.zeros(0, np.int64)]
+    # What one plate's supports do hangs on their places alone, what is between plates on which these are.
+    of = supports if discretisation.plates else np.zeros_like(supports)
+    for who, direction in itertools.product(np.unique(of), (1.0, -1.0)):
+        those = np.flatnonzero((of == who) & (directions == direction))
         if len(those) > _MANY:
             those = those[np.sort(hull(positions[those]))]
         deciding.append(those)
     which = np.concatenate(deciding)
-    at = np.column_stack([np.ones(len(which)), (positions[which] - discretisation.middle) / discretisation.mesh.size])
+    at = _arms(discretisation, positions[which], supports[which])
     none = np.zeros(len(which))
     return Bearing(positions[which], directions[which, None] * (at @ motions), supports[which], none, none + np.inf)
 
 
+def _outline(discretisation: Discretisation, index: int) -> Floats:
+    """Points (k, 2) whose hull is that of a support."""
+    for plate in discretisation.plates:
+        if index in plate.numbers["support"]:
+            own = plate.own.model.support[plate.numbers["support"].index(index)]
+            return outline(plate.own.mesh, plate.own.model.plate, own.where)
+    return outline(discretisation.mesh, discretisation.model.plate, discretisation.model.support[index].where)
+
+
+def _arms(discretisation: Discretisation, positions: Floats, supports: Ints) -> Floats:
+    """How far down rigid motions of each of p plates, as `RigidFreedom` has them, move supports at positions (k, 3p).
+
+    Of what is between two plates it is the way of the upper one beyond that of the lower one.
+    """
+    at = np.column_stack([np.ones(len(positions)), (positions - discretisation.middle) / discretisation.mesh.size])
+    if not discretisation.plates:
+        return at
+    result = np.zeros((len(positions), len(discretisation.plates), 3))
+    names = [plate.name for plate in discretisation.plates]
+    for index in np.unique(supports):
+        support, own = discretisation.model.support[index], supports == index
+        upper, *lower = support.between or (support.plate or "",)
+        result[own, names.index(upper)] = at[own]
+        for name in lower:
+            result[own, names.index(name)] = -at[own]
+    return result.reshape(len(positions), -1)
+
+
 def _name_motion(loose: Floats, discretisation: Discretisation) -> str:
+    if discretisation.plates:
+        return " and ".join(
+            f'"{plate.name}" {describe_motion(own, discretisation)}'
+            for plate, own in zip(discretisation.plates, loose[:, 0].reshape(-1, 3), strict=True)
+            if np.abs(own).max() > RANK * np.abs(loose[:, 0]).max()
+        )
     if loose.shape[1] == 3:
         return "any rigid motion, it has no support"
     if loose.shape[1] == 2:
@@ -206,13 +243,16 @@ def work_of(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats
     return np.asarray((discretisation.scaled_motions.T @ nodal) @ freedom.motions)
 
 
-def allowed_motions(bearing: Bearing) -> Floats:
+def allowed_motions(bearing: Bearing) -> Floats | None:
     """The extreme rays (r, d) of the cone of free rigid motions that a bearing allows, each of unit size.
 
     Reactions balance a load exactly if it does no work in any of them. With at most three components a ray lies in
-    d − 1 of the planes that the points set, and on the allowed side of all others.
+    d − 1 of the planes that the points set, and on the allowed side of all others. None of several plates, and where
+    supports have limits: there a linear program decides.
     """
     one_sided = bearing.moves
+    if bearing.limited or one_sided.shape[1] > 3:
+        return None
     match one_sided.shape[1]:
         case 0:
             return np.zeros((0, 0))

@@ -83,7 +83,8 @@ class Imbalance:
     of the supports' outlines on the line, ``supports`` (k,) whose they are. ``holding`` is None if no force at one
     point holds the plate; ``limit`` is a case of a combination and the factor on top of its own at which it would
     just stand. Where ``supports`` come to their limits, ``carried`` is the part of the load that can be carried,
-    ``most`` the force, or the moment about the line, that they can give, and ``moment`` what is short of either.
+    ``most`` the force, or the moment about the line, that they can give, and ``moment`` what is short of either. Of
+    several plates ``motions`` (p, 3) are theirs, as w and the slopes about the middle, in place of one way or line.
     """
 
     resultant: float
@@ -96,6 +97,7 @@ class Imbalance:
     limit: tuple[str, float] | None = None
     carried: float | None = None
     most: float = np.inf
+    motions: Floats | None = None
 
 
 def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
@@ -105,7 +107,7 @@ def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floa
     """
     if freedom.outline.limited:
         return _beyond_limits(discretisation, freedom, nodal)
-    if way := _lifting(discretisation, freedom, nodal):
+    if not discretisation.plates and (way := _lifting(discretisation, freedom, nodal)):
         down, mx, my = (float(part) for part in discretisation.rigid_motions.T @ nodal)
         acting = discretisation.middle + np.array([mx, my]) / down
         holding = _holding(discretisation, freedom, nodal, acting, "down" if way == "up" else "up")
@@ -117,6 +119,8 @@ def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floa
     # Of all such motions the one with most work for its turning.
     work = work_of(discretisation, freedom, nodal) / load_size(discretisation, nodal)
     most = steepest(freedom.motions, freedom.outline.moves, work)
+    if discretisation.plates:
+        return _of_plates(discretisation, freedom, nodal, best if most is None else most)
     return _tipping(discretisation, freedom, nodal, best if most is None else most)
 
 
@@ -137,6 +141,11 @@ def _beyond_limits(discretisation: Discretisation, freedom: RigidFreedom, nodal:
         return None
     motion = -best[1]
     motion *= np.sign(work @ motion) / np.abs(motion).max()
+    if discretisation.plates:
+        gives = np.where(bearing.moves @ motion > 0.0, bearing.most, bearing.least)
+        gives = np.isfinite(gives) & (gives != 0.0) & (np.abs(bearing.moves @ motion) > _CLOSED)
+        some = np.unique(bearing.support[gives])
+        return replace(_of_plates(discretisation, freedom, nodal, motion), supports=some, carried=max(0.0, float(best[0][0])))
     w, *slopes = (freedom.motions @ motion) / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
     turning, pressed = float(np.hypot(*slopes)), bearing.moves @ motion
     tips = turning * discretisation.mesh.size > _HOLDS * abs(w)
@@ -159,6 +168,13 @@ def _beyond_limits(discretisation: Discretisation, freedom: RigidFreedom, nodal:
         carried=max(0.0, float(best[0][0])),
         most=most,
     )
+
+
+def _of_plates(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, motion: Floats) -> Imbalance:
+    """How a load moves several plates by a motion (d,) that every support allows."""
+    motions = (freedom.motions @ motion).reshape(-1, 3) / [1.0, discretisation.mesh.size, discretisation.mesh.size]
+    down, none = float((discretisation.rigid_motions.T @ nodal)[::3].sum()), np.zeros(0, np.int64)
+    return Imbalance(down, None, None, 0.0, np.zeros((0, 2)), none, None, motions=motions)
 
 
 def _tipping(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, motion: Floats) -> Imbalance:
@@ -204,7 +220,7 @@ def _require_reach(discretisation: Discretisation, freedom: RigidFreedom, nodal:
     """Refuse a load that the supports can balance on their outlines, but not at the contact points of the mesh."""
     if _unresisted(discretisation, freedom, freedom.on_mesh, nodal) is None:
         return
-    down, mx, my = discretisation.rigid_motions.T @ nodal
+    down, mx, my = (discretisation.rigid_motions.T @ nodal).reshape(-1, 3).sum(axis=0)
     where = ""
     if abs(down) > WORK * load_size(discretisation, nodal):
         where = f" near {point(discretisation.middle + np.array([mx, my]) / down, discretisation.mesh.size)}"
@@ -274,7 +290,10 @@ def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
     unit = f" {force}" if force else ""
     of_moment = f"{unit} {arm}".rstrip() if unit else ""
     text = f"The plate {mechanism(discretisation, why)}"
-    if why.carried is not None and len(why.supports):
+    if why.motions is not None:
+        carried = "" if why.carried is None else f" {why.carried:.4g} times the load can be carried."
+        text = f"{mechanism(discretisation, why)}, and nothing resists that.{carried}"
+    elif why.carried is not None and len(why.supports):
         most = f"{'a moment of ' if why.axis else ''}{why.most:.6g}{of_moment}"
         text += (
             f". That is {most} at most, short by {why.moment:.6g}{of_moment}; {why.carried:.4g} times the load can be "
@@ -295,6 +314,11 @@ def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
 
 def mechanism(discretisation: Discretisation, why: Imbalance) -> str:
     """Say how the plate moves as no reactions balance its load, as "tips about the line x = 2"."""
+    if why.motions is not None:
+        each = _motions(discretisation, why.motions)
+        names = " and ".join(discretisation.model.support[index].name for index in why.supports.tolist())
+        gives = "give their limits" if len(why.supports) > 1 else "gives its limit"
+        return f"{' and '.join(each)}{f' as {names} {gives}' if names else ''}"
     if why.carried is not None and len(why.supports):
         names = " and ".join(discretisation.model.support[index].name for index in why.supports.tolist())
         limits = f"{names} {'give their limits' if len(why.supports) > 1 else 'gives its limit'}"
@@ -312,6 +336,20 @@ def mechanism(discretisation: Discretisation, why: Imbalance) -> str:
         for names, spots in alike.items()
     )
     return _about(discretisation, why.axis) + (f" through {through}" if through else "")
+
+
+def _motions(discretisation: Discretisation, motions: Floats) -> list[str]:
+    """Say how each of several plates that moves does it."""
+    size, result = discretisation.mesh.size, []
+    for plate, (w, *slopes) in zip(discretisation.plates, motions.tolist(), strict=True):
+        turning, most = float(np.hypot(*slopes)), float(np.abs(motions * [1.0, size, size]).max())
+        if turning * size > _HOLDS * most:
+            normal = np.array(slopes) / turning
+            offset = w / turning - float(normal @ discretisation.middle)
+            result.append(f'"{plate.name}" {_about(discretisation, Axis(normal, offset))}')
+        elif abs(w) > _HOLDS * most:
+            result.append(f'"{plate.name}" {"goes down" if w > 0 else "lifts off"}')
+    return result
 
 
 def _about(discretisation: Discretisation, axis: Axis | None) -> str:
@@ -351,7 +389,7 @@ def steepest(motions: Floats, moves: Floats, work: Floats) -> Floats | None:
     from scipy.linalg import null_space
     from scipy.optimize import nnls
 
-    weighed = np.array([_UP_AND_DOWN, 1.0, 1.0])[:, None] * motions
+    weighed = np.tile([_UP_AND_DOWN, 1.0, 1.0], len(motions) // 3)[:, None] * motions
     metric = weighed.T @ weighed
     half = np.linalg.inv(np.linalg.cholesky(metric))
     try:

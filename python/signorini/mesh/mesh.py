@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import cKDTree
 
 from signorini._core import map_points, nodal_forces, serendipity, shape_values, triangular
 from signorini.base.remade import Brief, Remade
@@ -124,6 +125,19 @@ class Mesh(Remade):
         from signorini.mesh.cells import arrays_of
 
         return cls(*arrays_of(data))
+
+    @classmethod
+    def layered(cls, meshes: Sequence[Self]) -> Self:
+        """Put meshes of plates that lie on one another in one table of nodes and elements, without edges.
+
+        It finds no points: these are in several of them.
+        """
+        nodes = np.cumsum([0, *(mesh.node_count for mesh in meshes)])
+        elements = [mesh.elements + first for mesh, first in zip(meshes, nodes, strict=False)]
+        result = object.__new__(cls)
+        points = np.concatenate([mesh.points for mesh in meshes])
+        result.__setstate__({"points": points, "elements": np.concatenate(elements), "edges": {}})
+        return result
 
     def __getstate__(self) -> dict[str, Any]:
         """Give the arrays, without the view of the edges that nobody can change."""
@@ -288,6 +302,19 @@ class Mesh(Remade):
         elements[point[first]] = held.elements[first]
         reference[point[first]] = held.xi[first]
         return Location(elements, reference)
+
+    def nearest(self, points: Floats) -> Location:
+        """Find points (q, 2) as `locate` does; those just beyond the outline are past the side of an element there."""
+        where = self.locate(points)
+        off = np.flatnonzero(~where.inside)
+        if not len(off):
+            return where
+        elements, xi = where.elements.copy(), where.xi.copy()
+        beside, side = np.nonzero(self.on_boundary)
+        middles = self.points[self.sides[beside, side, 1]]
+        elements[off] = beside[cKDTree(middles).query(points[off])[1]]
+        xi[off] = self.invert(elements[off], points[off])
+        return Location(elements, xi)
 
     def holding(self, points: Floats) -> tuple[Ints, Location]:
         """Find every element that points (q, 2) are in, as `locate` does: the points' numbers (k,), and where."""

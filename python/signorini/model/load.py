@@ -13,6 +13,7 @@ from signorini.model.base import (
     Complaint,
     NonNegative,
     Number,
+    OnPlate,
     Points,
     Polyline,
     Positive,
@@ -136,7 +137,7 @@ class Load(Acting):
             yield from self._footprint_complaints()
 
 
-class Probe(Table):
+class Probe(OnPlate):
     """Points where deflection, rotations, moments and shears are written out."""
 
     at: Points = Field(description="A point [x, y] or a list of points.")
@@ -159,7 +160,7 @@ Wheel = tuple[tuple[float, float], tuple[float, float], float]
 """Where a wheel stands, the unit direction it rolls in, and its force."""
 
 
-class Moving(Table):
+class Moving(OnPlate):
     """A load that moves along a line: axles with one or two wheels, each a force at a point or on a patch."""
 
     case: Text = Field(min_length=1, description="Name of the load case that the positions belong to.")

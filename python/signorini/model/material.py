@@ -9,7 +9,16 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from signorini.expression import Expression
-from signorini.model.base import Complaint, NonNegative, Number, Positive, PositiveScalar, Table, number
+from signorini.model.base import (
+    Complaint,
+    NonNegative,
+    Number,
+    OnPlate,
+    Positive,
+    PositiveScalar,
+    Table,
+    number,
+)
 from signorini.model.places import AnyArea, Area
 from signorini.model.where import Where
 from signorini.shapes import Region
@@ -179,7 +188,7 @@ def constant_thickness(thickness: Expression) -> Iterator[Complaint]:
 ZONE_KEYS = ("thickness", "material", "modifiers", "stiffness")
 
 
-class Zone(Table):
+class Zone(OnPlate):
     """A part of the plate with a thickness, material or modifiers of its own; where zones overlap, later ones win.
 
     A rigid one moves as one body, whatever other zones are there.

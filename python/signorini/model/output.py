@@ -11,7 +11,18 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
 
 from signorini.errors import point
-from signorini.model.base import Complaint, Named, Point, Polyline, Positive, Stations, Table, Text, twice
+from signorini.model.base import (
+    Complaint,
+    Named,
+    OnPlate,
+    Point,
+    Polyline,
+    Positive,
+    Stations,
+    Table,
+    Text,
+    twice,
+)
 from signorini.model.places import Circle
 from signorini.model.problems import as_list, describe
 from signorini.model.where import curve_of
@@ -100,7 +111,7 @@ def _pieces(line: tuple[Point, ...]) -> Floats:
     return np.array(list(pairwise(line)))
 
 
-class Section(Named):
+class Section(OnPlate, Named):
     """A line through the plate: the force and the moments that one part of the plate gives the other along it."""
 
     line: Annotated[Polyline, AfterValidator(_closing)] = Field(
@@ -118,7 +129,7 @@ class Section(Named):
             )
 
 
-class Strip(Named):
+class Strip(OnPlate, Named):
     """A strip of the plate, such as a column strip: mean moments over its width at stations along its middle line."""
 
     line: Polyline = Field(description="Its middle line [[x, y], [x, y], ...].")
@@ -158,7 +169,7 @@ _OF_PROFILE = 101
 """A hundred steps meet halves, quarters, fifths and tenths of a line, and draw its curves smoothly."""
 
 
-class Profile(Named):
+class Profile(OnPlate, Named):
     """A line or a circle with stations, evenly from its beginning to its end."""
 
     line: Polyline | None = Field(default=None, description="The line [[x, y], [x, y], ...].")

@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, StrictBool, WithJsonSchema
 
 from signorini.model import base
-from signorini.model.material import Modifiers, Stiffness
+from signorini.model.material import Material, Modifiers, Stiffness
 from signorini.model.places import Box, Corners, Holes, contour
 from signorini.model.problems import BRANCHES, describe
 from signorini.model.where import Located, one_of
@@ -95,6 +95,9 @@ def _require_shape(schema: dict[str, Any]) -> None:
 
 class _Plate(base.Table):
     model_config = ConfigDict(json_schema_extra=_require_shape)
+
+    mesh: MeshOptions | None = Field(default=None, description="One of several plates: its own [mesh], in place of that.")
+    material: Material | None = Field(default=None, description="One of several plates: its own [material].")
 
     thickness: base.PositiveScalar = Field(description="Thickness: a number, or an expression in x and y.")
     element: Literal["mitc9", "q8r"] = Field(

@@ -47,7 +47,7 @@ def as_list(value: Any) -> Any:
 
 _MOST_READ = 1000
 
-LISTS = ("zone", "support", "load", "combination", "moving", "probe", "section", "strip")
+LISTS = ("zone", "support", "contact", "load", "combination", "moving", "probe", "section", "strip")
 """Tables that stand in double brackets."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
@@ -122,6 +122,10 @@ def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[
                 value = value[key] if key < len(value) else None
         elif key in branches:
             inner, branches = branches[key], {}
+        elif path == ["plates"] and key != "[key]":
+            path.append(key)
+            value = value.get(key) if isinstance(value, Mapping) else None
+            branches = BRANCHES["plate"]
         elif key != "[key]":
             if inner is not None:
                 owner, field = inner, inner.model_fields.get(key)
@@ -221,7 +225,7 @@ def _unknown_key(path: Place, table: type[BaseModel]) -> str:
     if not hint:
         shapes = [shape for shape, plate in BRANCHES["plate"].items() if key in plate.model_fields]
         owners = [headers[name] for name, tables in TOP.items() if _has(tables, key) and name != path[0]]
-        if path[0] == "plate" and shapes:
+        if path[0] in ("plate", "plates") and shapes:
             hint = f" It goes with shape = {' or '.join(map(describe, shapes))}."
         elif inner:
             hint = f" It goes within {' or '.join(inner)}: {inner[0]} = {{ {key} = ... }}."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import (
     BeforeValidator,
@@ -93,11 +93,20 @@ def _turning(value: object) -> object:
     return value
 
 
+Between = Annotated[
+    tuple[base.Text, base.Text], *base.vector(2, 'the names of two plates, ["upper", "lower"], the upper one first')
+]
+
+
 Turning = Annotated[
     tuple[base.PositiveScalar, ...],
     BeforeValidator(_turning),
     WithJsonSchema({"anyOf": [{"type": ["number", "string"]}, {"type": "array", "minItems": 1, "maxItems": 2}]}),
 ]
+
+
+_OF_ONE_PLATE = ("plate", "fix", "nodes", "edge", "patch", "radius", "rotational_stiffness", "rotation")
+"""Keys of a support that has one plate."""
 
 
 class Support(Acting, base.Named):
@@ -147,22 +156,29 @@ class Support(Acting, base.Named):
     settlement: base.Scalar = Field(
         default=Expression(0.0), description="The base moves down by this: a number or an expression; default 0."
     )
+    between: Between | None = Field(
+        default=None,
+        description='["upper", "lower"]: it acts between these two plates; resists is then how it acts on the upper one.',
+    )
     rotation: base.Rotation | None = Field(
         default=None,
         description="Slopes [θx, θy] at which slope and twist are held, numbers or expressions; default [0, 0].",
     )
 
+    unsaid: ClassVar[Literal["down", "both"]] = "both"
+    """How it resists where nothing is said of that."""
+
     @model_validator(mode="after")
-    def _both_unsaid(self) -> Self:
+    def _as_unsaid(self) -> Self:
         if self.fix is None and self.resists is None:
             # Not among what is set: a dump says no more than the input.
-            self.__dict__["resists"] = "both"
+            self.__dict__["resists"] = self.unsaid
             self.model_fields_set.discard("resists")
         return self
 
     @field_serializer("resists")
     def _said(self, resists: str | None) -> str | None:
-        return None if self.holds_both_ways_unsaid else resists
+        return resists if "resists" in self.model_fields_set else None
 
     @property
     def fixed(self) -> tuple[Component, ...]:
@@ -190,7 +206,7 @@ class Support(Acting, base.Named):
     @property
     def holds_both_ways_unsaid(self) -> bool:
         """Whether it holds both ways because nothing is said of how."""
-        return self.fix is None and "resists" not in self.model_fields_set
+        return self.resists == "both" and "resists" not in self.model_fields_set
 
     @property
     def is_rigid(self) -> bool:
@@ -220,6 +236,8 @@ class Support(Acting, base.Named):
                 if seen.setdefault(point, index) != index:
                     yield ("at", index), f"point {index + 1} repeats point {seen[point] + 1}."
         yield from self._footprint_complaints()
+        if self.between is not None:
+            yield from self._between_complaints(self.between)
         if self.fix is not None:
             yield from self._fix_complaints()
         if self.law is not None:
@@ -232,6 +250,14 @@ class Support(Acting, base.Named):
                 f"{describe(self.fix or self.resists)} does not hold a slope, so none is prescribed; use fix = "
                 "clamped, hard or symmetry, or a list with slope or twist.",
             )
+
+    def _between_complaints(self, between: Between) -> Iterator[base.Complaint]:
+        if between[0] == between[1]:
+            yield ("between",), f"found {describe(between[0])} twice; name two plates, the upper one first."
+        for key in self.given(_OF_ONE_PLATE):
+            yield (key,), f"found {key} beside between; what acts between two plates is at points, lines or areas of both."
+        if self.settlement != Expression(0.0):
+            yield ("settlement",), "found settlement beside between; between two plates there is a gap."
 
     def _turning_complaints(self, stiffness: Turning) -> Iterator[base.Complaint]:
         place = ("rotational_stiffness",)
@@ -292,3 +318,19 @@ class Support(Acting, base.Named):
             yield ("stiffness",), f"a stiffness goes with fix = simple or with resists, not with {describe(self.fix)}."
         if self.settlement != Expression(0.0) and "w" not in fixed:
             yield ("settlement",), f"{describe(self.fix)} does not hold the deflection, so nothing settles."
+
+
+class Contact(Support):
+    """One plate on another: the upper one presses the lower one, and neither holds the other.
+
+    A support between two plates that only pushes: where (one of at, line, circle, area), gap, stiffness, limit, law.
+    """
+
+    unsaid: ClassVar[Literal["down", "both"]] = "down"
+
+    def _complaints(self) -> Iterator[base.Complaint]:
+        yield from super()._complaints()
+        if self.between is None:
+            yield ("between",), "'between' is missing. Name two plates, the upper one first."
+        if self.resists not in ("down", None):
+            yield ("resists",), f"found {describe(self.resists)}; a contact pushes only. Take a support with between."

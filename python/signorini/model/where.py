@@ -112,7 +112,7 @@ class Located(base.Table):
             yield (), f"found {found}; exactly one of {', '.join(self.places)} says {said}."
 
 
-class Acting(Located):
+class Acting(Located, base.OnPlate):
     """A support or a load: at points it may have a footprint."""
 
     places: ClassVar[tuple[str, ...]] = ("at", "nodes", "edge", "line", "circle", "area")

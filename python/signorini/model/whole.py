@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, Field, ValidationError
+from pydantic import AfterValidator, Field, PlainSerializer, ValidationError, field_serializer
 
 from signorini.errors import Place, unknown
 from signorini.model.base import Complaint, Named, Table, Text
-from signorini.model.combination import Choice, Combination, Combinations, Positions, Product, products
+from signorini.model.combination import Choice, Combination, Combinations, FrozenMapping, Positions, Product, products
 from signorini.model.load import Load, Moving, Probe
 from signorini.model.material import Material, Zone, constant_thickness
 from signorini.model.output import FEW, Output, Profile, Section, Strip
+from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, explained, tables_of
-from signorini.model.support import Support
+from signorini.model.support import Contact, Support
 from signorini.model.where import Acting, Located, worth_following
 
 _MOST_ELEMENTS = 10_000_000
@@ -75,10 +76,20 @@ class Model(Table):
     material: Material = Field(
         default=Material(), description="The plate's material; needed unless stiffness says what the plate is."
     )
-    plate: AnyPlate = Field(description="The plate's outline, thickness and element.")
+    if TYPE_CHECKING:
+        plate: AnyPlate
+    else:  # Of several plates each has a model with a plate, see `parts`, and the whole has none.
+        plate: AnyPlate | None = Field(default=None, description="The plate's outline, thickness and element.")
+    plates: Annotated[Mapping[Text, AnyPlate], AfterValidator(FrozenMapping), PlainSerializer(dict)] = Field(
+        default=FrozenMapping({}),
+        description="Several plates by name, in place of plate; what is on one of them says plate = its name.",
+    )
     zone: tuple[Zone, ...] = Field(default=(), description="Parts of the plate that are made otherwise.")
     mesh: MeshOptions = Field(default=MeshOptions(), description="How finely the plate is meshed.")
     support: Annotated[tuple[Support, ...], AfterValidator(_named)] = Field(default=(), description="The supports.")
+    contact: Annotated[tuple[Contact, ...], AfterValidator(_named)] = Field(
+        default=(), description="Plates on one another."
+    )
     load: tuple[Load, ...] = Field(min_length=1, description="The loads, at least one.")
     combination: Annotated[tuple[Combination, ...], AfterValidator(_named)] = Field(
         default=(), description='Combinations of load cases; none given: one named "all", every case at factor 1.'
@@ -96,6 +107,19 @@ class Model(Table):
     )
     output: Output = Field(default=Output(), description="What is written of each combination.")
     solver: Solver = Field(default=Solver(), description="How the contact problem is solved.")
+
+    def model_post_init(self, context: Any) -> None:
+        """Put contacts among the supports, which they are, of two plates; a dump tells them apart again."""
+        self.__dict__["support"] = (*self._alone(self.support), *self.contact)
+
+    @field_serializer("support")
+    def _alone(self, supports: tuple[Support, ...]) -> tuple[Support, ...]:
+        return tuple(one for one in supports if not isinstance(one, Contact))
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """Several plates, each by itself; of one plate none."""
+        return parts_of(self)
 
     @property
     def cases(self) -> tuple[str, ...]:
@@ -130,6 +154,8 @@ class Model(Table):
     @property
     def young(self) -> float:
         """Young's modulus, the largest there is; of sections whose stiffness is given that of solid ones as stiff."""
+        if self.plates:
+            return max(part.model.young for part in self.parts)
         result = [material.young for material in self.materials if material.is_elastic]
         for part in (self.plate, *self.zone):
             if part.stiffness is not None:
@@ -163,12 +189,21 @@ class Model(Table):
     @property
     def estimated(self) -> bool:
         """Whether the command says of every number how far the mesh is from the plate."""
-        return not isinstance(self.plate, MeshPlate) if self.mesh.error is None else self.mesh.error
+        plates = self.plates.values() or (self.plate,)
+        return not any(isinstance(one, MeshPlate) for one in plates) if self.mesh.error is None else self.mesh.error
 
     def _complaints(self) -> Iterator[Complaint]:
-        yield from self._mesh_complaints()
         for key in ("support", "combination", "section", "strip", "profile"):
             yield from _repeated(key, [table.name for table in getattr(self, key)])
+        yield from plate_complaints(self)
+        if self.plate is not None:
+            yield from self._complaints_of_plate()
+        yield from self._moving_complaints()
+        yield from self._combination_complaints()
+
+    def _complaints_of_plate(self) -> Iterator[Complaint]:
+        """What is wrong with a plate and what is on it."""
+        yield from self._mesh_complaints()
         yield from self._edge_complaints()
         yield from self._node_complaints()
         yield from self._section_complaints()
@@ -180,8 +215,6 @@ class Model(Table):
             if zone.material is not None and zone.material.unit_weight is None:
                 why = "there is a load of self_weight, which needs this material's unit_weight."
                 yield ("zone", index, "material"), why
-        yield from self._moving_complaints()
-        yield from self._combination_complaints()
 
     def _section_complaints(self) -> Iterator[Complaint]:
         """Sections that are made of a material without moduli."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -66,6 +66,15 @@ class FieldExtremes:
             beside = "" if away[highest] else _nearest(places[highest], singular, number)
             ends.append((float(values[own.argmax()]), (x, y), beside))
         return cls(*ends[0], *ends[1])
+
+
+def of_plates(each: Sequence[Mapping[str, FieldExtremes]]) -> dict[str, FieldExtremes]:
+    """The extremes over several plates."""
+    result = {}
+    for name in each[0]:
+        most, least = max((of[name] for of in each), key=lambda one: one.max), min((of[name] for of in each), key=lambda one: one.min)
+        result[name] = replace(most, min=least.min, min_at=least.min_at, min_beside=least.min_beside)
+    return result
 
 
 def extremes(

@@ -319,6 +319,12 @@ class Number:
         return self.home, kind, self.owner if kind in ("pressure", "area") else -1
 
 
+def _place_of(model: Model, index: int) -> Path:
+    """Where a support stands in results.json; contacts, the last ones, stand apart."""
+    first = len(model.support) - len(model.contact)
+    return ("supports", index) if index < first else ("contacts", index - first)
+
+
 @dataclass(frozen=True, eq=False)
 class Catalogue:
     """The numbers of a model's results that every mesh has, in their order."""
@@ -337,11 +343,11 @@ class Catalogue:
             for one in own:
                 # How many nodes are closed is the mesh's.
                 told = one.kind != "count" or support.place == "at"
-                path: Path = ("supports", index, *one.path)
+                path: Path = (*_place_of(model, index), *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
             for point in range(count if support.place == "at" else 0):
                 for one in OF_POINTS + OF_TURNING_POINTS * (support.rotational_stiffness is not None):
-                    path = ("supports", index, "points", point, *one.path)
+                    path = (*_place_of(model, index), "points", point, *one.path)
                     tabled = one.tabled and (opens or one.name != "gap")
                     result.append(Number(one, "point", index, path, f"{support.name}[{point + 1}]", point, tabled))
         touching = any(support.area is not None for support in model.support)
@@ -365,6 +371,11 @@ class Catalogue:
         for index, name in enumerate(fields):
             of: Path = (name,) if name == "deflection" else ("fields", name)
             result += [Number(FIELDS[name], "field", index, (*of, side), name) for side in SIDES]
+        for plate in model.plates:
+            for index, name in enumerate(fields):
+                of = ("plates", plate, *((name,) if name == "deflection" else ("fields", name)))
+                subject = f"{plate}.{name}"
+                result += [Number(FIELDS[name], "field", index, (*of, side), subject, 0, False) for side in SIDES]
         return cls(tuple(result))
 
     def __len__(self) -> int:

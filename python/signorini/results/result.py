@@ -5,9 +5,10 @@ from __future__ import annotations
 import html
 import os
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias
 
 import numpy as np
@@ -28,7 +29,7 @@ from signorini.formats.vtk import as_meshio, displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
 from signorini.results.contact_field.area_contact import Pressures
-from signorini.results.extremes import FieldExtremes, extremes
+from signorini.results.extremes import FieldExtremes, extremes, of_plates
 from signorini.results.local_results import (
     ProbeResult,
     ProfileResult,
@@ -55,7 +56,7 @@ from signorini.results.quantities import (
 )
 from signorini.results.support_points import catalogue_of
 from signorini.results.support_result import SupportResult, support_result
-from signorini.results.warnings import model_warnings, result_warnings
+from signorini.results.warnings import model_warnings, result_warnings, sentences
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
@@ -109,6 +110,9 @@ class Result(Remade):
         What ``numbers`` are.
     combination : Combination or None
         The load, by factors of the model's cases; None where it is none of these.
+    plates : mapping of Result
+        Of several plates each by name, with what is between it and others among its supports. The fields of all are
+        behind one another in those of the whole.
     """
 
     name: str
@@ -137,6 +141,7 @@ class Result(Remade):
     thickness: Floats
     catalogue: Catalogue
     combination: Combination | None
+    plates: Mapping[str, Result] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -148,12 +153,16 @@ class Result(Remade):
         answer: Answer,
         certificate: Certificate,
         stress: Floats | None = None,
+        beneath: Mapping[int, Floats] | None = None,
     ) -> Self:
         """Recover every field from a contact solution; the last of ``methods`` found it.
 
         ``load_of`` is the combination, or the name of a load that is none.
-        ``stress`` (s, 5) are the moments and shears at the nodes, where they are known already.
+        ``stress`` (s, 5) are the moments and shears at the nodes, where they are known already; ``beneath`` the
+        deflections (n,) of other plates, by the number of the support between this one and them.
         """
+        if discretisation.plates:
+            return cls._of_plates(discretisation, load_of, methods, load, answer, certificate)
         *unsettled, method = methods
         begun = time.perf_counter()
         hi, lo = answer.hi, answer.lo
@@ -172,7 +181,7 @@ class Result(Remade):
         nodal_reaction = held_force + discretisation.point_rows.T @ (points * answer.shared)
         nodal_reaction += discretisation.spring_rows.T @ (springs * pull)
         supports = tuple(
-            support_result(discretisation, index, held_force[::3], held_couple, pull, answer)
+            support_result(discretisation, index, held_force[::3], held_couple, pull, answer, (beneath or {}).get(index, 0.0))
             for index in range(len(discretisation.model.support))
         )
         nodes, thickness = discretisation.stress_nodes, discretisation.node_thickness
@@ -206,6 +215,64 @@ class Result(Remade):
             thickness,
             catalogue_of(discretisation, TOLD),
             None if isinstance(load_of, str) else load_of,
+        )
+
+    @classmethod
+    def _of_plates(
+        cls,
+        discretisation: Discretisation,
+        load_of: Combination | str,
+        methods: Sequence[str],
+        load: CaseLoad,
+        answer: Answer,
+        certificate: Certificate,
+    ) -> Self:
+        """Recover several plates, each by itself, and put them together."""
+        begun, each = time.perf_counter(), discretisation.plates
+        deflections = [(answer.hi + answer.lo)[one.dofs][::3] for one in each]
+        plates: dict[str, Self] = {}
+        for one, own in zip(each, load.plates, strict=True):
+            beneath = {number: matrix @ deflections[other] for number, (other, matrix) in one.beneath.items()}
+            part = answer.on(one), certificate
+            plates[one.name] = cls.of(one.own, load_of, methods, own, *part, beneath=beneath)
+
+        def in_order(key: str, of: Callable[[Self], Sequence[Any]]) -> tuple[Any, ...]:
+            """What plates have for each table of the model, in its order; of what is between two the upper one's."""
+            result: dict[int, Any] = {}
+            for one in each:
+                for number, value in zip(one.numbers[key], of(plates[one.name]), strict=True):
+                    between = key == "support" and discretisation.model.support[number].between
+                    if not between or between[0] == one.name:
+                        result[number] = value
+            return tuple(result[number] for number in sorted(result))
+
+        nodes = discretisation.stress_nodes
+        stress = np.empty((nodes.count, 5))
+        for one in each:
+            of = plates[one.name]
+            stress[one.stress_nodes] = np.column_stack([of.moment, of.shear])
+        first, alike = plates[each[0].name], list(plates.values())
+        return replace(
+            first,
+            not_unique=answer.not_unique,
+            mesh=discretisation.mesh,
+            model=discretisation.model,
+            deflection=np.concatenate(deflections),
+            rotation=np.concatenate([of.rotation for of in alike]),
+            stress_nodes=nodes,
+            moment=stress[:, :3],
+            shear=stress[:, 3:],
+            nodal_reaction=np.concatenate([of.nodal_reaction for of in alike]),
+            supports=in_order("support", lambda of: of.supports),
+            probes=tuple(one for of in in_order("probe", _by_table) for one in of),
+            sections=in_order("section", lambda of: of.sections),
+            strips=in_order("strip", lambda of: of.strips),
+            seconds=time.perf_counter() - begun,
+            warnings=tuple(dict.fromkeys(one for of in alike for one in of.warnings)) + sentences(answer.not_unique),
+            singular=tuple(one for of in alike for one in of.singular),
+            thickness=discretisation.node_thickness,
+            catalogue=catalogue_of(discretisation, TOLD),
+            plates=plates,
         )
 
     @property
@@ -260,6 +327,9 @@ class Result(Remade):
         >>> solve(model)["all"].profiles["middle"].values["mx"].round().tolist()
         [7.0, 7386.0, 9852.0, 7386.0, 7.0]
         """
+        if self.plates:
+            every = {name: own for one in self.plates.values() for name, own in one.profiles.items()}
+            return Named({one.name: every[one.name] for one in self.model.profile}, "profile", "This result")
         profiles = self.model.profile if self.status == "solved" else ()
         result = profile_results(profiles, self.fields, self.stress_nodes, self.supports) if profiles else ()
         return Named({one.name: one for one in result}, "profile", "This result")
@@ -283,6 +353,8 @@ class Result(Remade):
         >>> round(mx.max), mx.max_at[0], mx.max_beside
         (10336, 2.0, '')
         """
+        if self.plates:
+            return Named(of_plates([one.extremes for one in self.plates.values()]), "field", "This mapping of extremes")
         return Named(extremes(self.fields, self.stress_nodes, self.singular), "field", "This mapping of extremes")
 
     @cached_property
@@ -320,7 +392,8 @@ class Result(Remade):
             result[at("strip", "max_moment")] = [one.sagging.moment for one in self.strips]
             result[at("strip", "min_moment")] = [one.hogging.moment for one in self.strips]
         for side in SIDES:
-            result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
+            every = [self.extremes, *(one.extremes for one in self.plates.values())]
+            result[at("field", side)] = [getattr(ends, side) for of in every for ends in of.values()]
         return result
 
     def probe(self, points: Points) -> list[ProbeResult]:
@@ -361,6 +434,7 @@ class Result(Remade):
         return total_pressure(self.supports, self._located(points)[1])
 
     def _located(self, points: Points) -> tuple[Floats, Location]:
+        self._require_fields()
         positions = arguments.points(points)
         where = self.mesh.locate(positions)
         if not where.inside.all():
@@ -414,6 +488,9 @@ class Result(Remade):
         return ax
 
     def _require_fields(self) -> None:
+        if self.plates:
+            names = ", ".join(f'plates["{name}"]' for name in self.plates)
+            raise InputError(f"There are several plates. Take one of them: {names}.", place="plates")
         if self.status != "solved":
             raise InputError(f"There are no fields: {self.message}", place="field")
 
@@ -447,6 +524,12 @@ class Result(Remade):
     def _repr_html_(self) -> str:
         """Show the supports in a notebook."""
         return in_notebook(self, None, "")
+
+
+def _by_table(result: Result) -> list[tuple[ProbeResult, ...]]:
+    """Probes of each table of them."""
+    ends = np.cumsum([0, *(len(probe.at) for probe in result.model.probe)]).tolist()
+    return [result.probes[a:b] for a, b in pairwise(ends)]
 
 
 def in_notebook(result: Result, plus_minus: Mapping[str, Any] | None, of_mesh: str) -> str:

@@ -149,7 +149,8 @@ def catalogue_of(discretisation: Discretisation, fields: tuple[str, ...]) -> Cat
     """List the numbers of a model's results, found once."""
     points = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
     counts, opens = [len(of.positions) for of in points], [of.rows.size > 0 for of in points]
-    return Catalogue.of(discretisation.model, counts, opens, len(discretisation.probe_positions), fields)
+    probes = sum(len(probe.at) for probe in discretisation.model.probe)
+    return Catalogue.of(discretisation.model, counts, opens, probes, fields)
 
 
 _ALL = 1.0 - 1e-9

@@ -242,16 +242,19 @@ def support_result(
     held_couple: Floats,
     pull: Floats,
     answer: Answer,
+    beneath: Floats | float = 0.0,
 ) -> SupportResult:
     """Say what a support does in an answer.
 
-    From the upward force (n,) and the couples (n, 2) on every held node, and the upward force (s,) of every spring.
+    From the upward force (n,) and the couples (n, 2) on every held node, and the upward force (s,) of every spring. Of
+    one between two plates ``beneath`` (n,) is the deflection of the other plate.
     """
     support = discretisation.model.support[index]
     points = SupportPoints.of(discretisation, index)
     reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.shared)
     closed = points.closed(answer.closed)
-    centres, deflection = points.centres(discretisation, answer.shared), (answer.hi + answer.lo)[::3]
+    centres = points.centres(discretisation, answer.shared)
+    deflection = (answer.hi + answer.lo)[::3] - beneath
     area = None
     if support.area is not None:
         area = area_contact(discretisation, index, deflection, centres, closed, reactions)

@@ -50,6 +50,8 @@ Covers of flanges, thick and on many bolts, have half."""
 @kept
 def model_warnings(discretisation: Discretisation) -> tuple[str, ...]:
     """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place."""
+    if discretisation.plates:
+        return tuple(dict.fromkeys(said for plate in discretisation.plates for said in model_warnings(plate.own)))
     of_plate = unit_slips, _one_element, _one_across, _unrefined, _unfollowed, _zones, _left_out
     of_supports = _one_place, _overlaps, _never_act, _beds_both_ways, _couples, _wheels_off
     return tuple(said for check in (*of_plate, *of_supports) for said in check(discretisation))
@@ -71,7 +73,12 @@ def result_warnings(
     ]
     warned += _beds_that_pull(discretisation.model, supports)
     warned += _outweighing(discretisation, load, supports)
-    return (*warned, *(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique))
+    return (*warned, *sentences(not_unique))
+
+
+def sentences(not_unique: Sequence[NotUnique]) -> tuple[str, ...]:
+    """Say what else would be as right."""
+    return tuple(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique)
 
 
 def idle_cases(model: Model) -> Iterator[str]:
@@ -83,7 +90,8 @@ def idle_cases(model: Model) -> Iterator[str]:
 
 def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str]:
     """Whether forces act that sum to zero, or nothing acts at all, and no support moves either."""
-    if load.curvature.any():
+    if load.curvature.any() or any(support.between for support in discretisation.model.support):
+        # What another plate does there is no load.
         return
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())

@@ -1,0 +1,184 @@
+"""Models of several plates: each plate by itself, as a model of its own, and where two of them are on one another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import shapely
+
+from signorini.errors import InputError, Place, unknown
+from signorini.model.base import Complaint, OnPlate
+from signorini.model.places import Arc, Area, Form
+from signorini.model.plate import MeshPlate, OutlinedPlate
+from signorini.model.support import Support
+from signorini.shapes.outlines import Contour
+
+if TYPE_CHECKING:
+    from signorini.model.whole import Model
+
+ON_PLATES = ("zone", "support", "load", "moving", "probe", "section", "strip", "profile")
+"""Tables of what is on one plate."""
+_ALIKE = 1e-9
+"""Part of a plate's area by which what two plates share may miss it and be all of it: the rounding of their corners."""
+_TURNED: Mapping[str | None, Literal["down", "up"]] = {"down": "up", "up": "down"}
+
+
+@dataclass(frozen=True)
+class Part:
+    """One of several plates: a model of its own, whose supports are those of the plate and those between it and others.
+
+    ``numbers`` say which of the whole model's tables its own are, by key; ``own`` names those that stand in the plate.
+    """
+
+    name: str
+    model: Model
+    own: tuple[str, ...]
+    numbers: Mapping[str, tuple[int, ...]]
+    first_contact: int
+
+    def place(self, place: Place) -> Place:
+        """Where in the whole model a place of this one is."""
+        key, *rest = place or ("",)
+        if key == "plate" or key in self.own:
+            return ("plates", self.name, *(rest if key == "plate" else place))
+        if key in self.numbers and rest and isinstance(rest[0], int):
+            number = self.numbers[str(key)][rest[0]]
+            return (*(_place_of(number, self.first_contact) if key == "support" else (key, number)), *rest[1:])
+        return place
+
+
+def parts_of(model: Model) -> tuple[Part, ...]:
+    """The plates of a model, each by itself; none where there is one plate alone."""
+    # Combinations name the cases of all plates; a copy keeps what is computed of them.
+    _ = model.effective_combinations if model.plates else None
+    return tuple(_part(model, name) for name in model.plates)
+
+
+def _part(model: Model, name: str) -> Part:
+    plate = model.plates[name]
+    numbers = {
+        key: tuple(at for at, one in enumerate(getattr(model, key)) if name in _plates_of(one)) for key in ON_PLATES
+    }
+    tables: dict[str, Sequence[OnPlate]] = {
+        key: tuple(getattr(model, key)[at] for at in own) for key, own in numbers.items()
+    }
+    tables["support"] = tuple(_seen_from(model, one, name) for one in tables["support"] if isinstance(one, Support))
+    own = {key: getattr(plate, key) for key in ("mesh", "material") if getattr(plate, key) is not None}
+    alone = {"plate": plate, "plates": {}, "contact": ()}
+    return Part(name, model.model_copy(update={**tables, **own, **alone}), tuple(own), numbers, len(model.support) - len(model.contact))
+
+
+def _plates_of(one: OnPlate) -> tuple[str, ...]:
+    """The plates that a table is of."""
+    if isinstance(one, Support) and one.between is not None:
+        return one.between
+    return () if one.plate is None else (one.plate,)
+
+
+def _seen_from(model: Model, support: Support, name: str) -> Support:
+    """A support as one of its plates has it: one between two plates acts on the lower one the other way."""
+    if support.between is None:
+        return support
+    upper, lower = support.between
+    area = support.area if support.area != "all" else _shared(model, name, upper if name == lower else lower)
+    resists = support.resists if name == upper else _TURNED.get(support.resists, support.resists)
+    return support.model_copy(update={"area": area, "resists": resists})
+
+
+def _shared(model: Model, name: str, other: str) -> Area | Literal["all"]:
+    """The area that a plate shares with another: "all" if that is all of it."""
+    both = [model.plates[one] for one in (name, other)]
+    if any(isinstance(one, MeshPlate) for one in both):
+        raise InputError(
+            f'found "all" between plates of which one is read from a file ("{name}" or "{other}"). Say where they are '
+            "on one another, with a rectangle, a circle or a polygon."
+        )
+    own, beside = both
+    assert isinstance(own, OutlinedPlate) and isinstance(beside, OutlinedPlate)
+    mine, theirs = _polygon(own), _polygon(beside)
+    shared = shapely.intersection(mine, theirs)
+    slack = _ALIKE * mine.area
+    pieces = [one for one in shapely.get_parts(shared) if shapely.area(one) > slack]
+    if not pieces:
+        raise InputError(f'"{name}" and "{other}" are nowhere on one another. Move one of them, or leave this out.')
+    if len(pieces) > 1:
+        raise InputError(
+            f'"{name}" and "{other}" are on one another in {len(pieces)} places apart. Give each of them a table of '
+            "its own, with its area."
+        )
+    if mine.area - pieces[0].area <= slack:
+        return "all"
+    if theirs.area - pieces[0].area <= slack:
+        outline, holes = beside.contours[0], beside.contours[1:]
+        return Area(polygon=_corners(outline), holes=tuple(Form(polygon=_corners(hole)) for hole in holes))
+    drawn = (pieces[0].exterior, *pieces[0].interiors)
+    rings = [[(x, y) for x, y in shapely.get_coordinates(ring)[:-1].tolist()] for ring in drawn]
+    return Area(polygon=rings[0], holes=tuple(Form(polygon=ring) for ring in rings[1:]))
+
+
+def _polygon(plate: OutlinedPlate) -> shapely.Polygon:
+    outline, *holes = (contour.points() for contour in plate.contours)
+    return shapely.Polygon(outline, holes)
+
+
+def _corners(contour: Contour) -> tuple[tuple[float, float] | Arc, ...]:
+    """The corners of an outline as a polygon has them."""
+    ends = [after if through is None else Arc(through=through, to=after) for _, through, after in contour.sides]
+    # A straight last side leads back to the first corner of itself.
+    return (contour.corners[0], *(ends if isinstance(ends[-1], Arc) else ends[:-1]))
+
+
+def plate_complaints(model: Model) -> Iterator[Complaint]:
+    """What is wrong with where tables say they are, and with each plate by itself."""
+    given = bool(model.plates)
+    if given == (model.plate is not None):
+        yield (
+            ("plates" if given else "plate",),
+            "found both [plate] and [plates]; give one." if given else "'plate' is missing. Write it under [plate].",
+        )
+        return
+    if not given:
+        for key in ("mesh", "material"):
+            if getattr(model.plate, key) is not None:
+                yield ("plate", key), f"it is a table of its own: [{key}]."
+    wrong = list(_of_tables(model))
+    yield from wrong
+    if len({plate.element for plate in model.plates.values()}) > 1:
+        yield ("plates",), "found plates of different elements; all have one, mitc9 or q8r."
+    if wrong or not given:
+        return
+    first = len(model.support) - len(model.contact)
+    for index, support in enumerate(model.support):
+        if support.between is not None and support.area == "all":
+            try:
+                _shared(model, *support.between)
+            except InputError as error:
+                yield (*_place_of(index, first), "area"), error.message
+                return
+    for part in parts_of(model):
+        yield from ((part.place(path), message) for path, message in part.model._complaints_of_plate())
+
+
+def _of_tables(model: Model) -> Iterator[Complaint]:
+    """Tables that name no plate where they have to, or one that is not there."""
+    first = len(model.support) - len(model.contact)
+    for key in ON_PLATES:
+        for index, one in enumerate(getattr(model, key)):
+            place = _place_of(index, first) if key == "support" else (key, index)
+            of = _plates_of(one)
+            if not model.plates and of:
+                where = "plate" if one.plate is not None else "between"
+                yield (*place, where), f"found {where}, and there is one plate. Leave it out, or give [plates]."
+            elif model.plates and not of:
+                yield (*place, "plate"), f"'plate' is missing. Name one of the plates: {', '.join(model.plates)}."
+            for name in of if model.plates else ():
+                if name not in model.plates:
+                    where = "plate" if one.plate is not None else "between"
+                    yield (*place, where), unknown("plate", name, model.plates, "This model")
+
+
+def _place_of(index: int, first: int) -> Place:
+    """Where a support stands, of which contacts are from the first on."""
+    return ("support", index) if index < first else ("contact", index - first)
