@@ -74,7 +74,9 @@ class InputError(SignoriniError, ValueError):
 
     def moved(self, place: Callable[[Place], Place]) -> InputError:
         """The same at other places of the model."""
-        return InputError.of([InputError(one.message, place(one.path) if one.path else one.place) for one in self.parts])
+        return InputError.of(
+            [InputError(one.message, place(one.path) if one.path else one.place) for one in self.parts]
+        )
 
     @classmethod
     def of(cls, problems: Sequence[InputError], source: str = "", untold: int = 0) -> InputError:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
@@ -33,7 +33,7 @@ from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
-from signorini.results.quantities import SIDES, Number, Path
+from signorini.results.quantities import SIDES, Number, Path, place_of
 from signorini.results.result import Result, in_notebook
 from signorini.shapes.distances import Targets
 from signorini.singularities.singularity import Singularity
@@ -57,6 +57,8 @@ class Estimate(Brief):
         Sizes of the meshes that were compared, the finest first, its own among them.
     warnings : tuple of str
         Why half-widths are missing or wide, in sentences.
+    plates : mapping of Estimate
+        Of several plates each.
     """
 
     result: Result
@@ -64,6 +66,11 @@ class Estimate(Brief):
     plus_minus: Mapping[str, Any] | None
     elements: tuple[int, ...]
     warnings: tuple[str, ...]
+    plates: Mapping[str, Estimate] = field(default_factory=dict)
+
+    def of(self, result: Result) -> Estimate:
+        """The estimate of a result: this one's, or of several plates one of them."""
+        return next((one for one in self.plates.values() if one.result is result), self)
 
     def _repr_html_(self) -> str:
         """Show the supports with half-widths in a notebook."""
@@ -126,7 +133,7 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
             ways = np.concatenate([edges.nearest(vertex[None])[0] - vertex for vertex in line])
             for vertex, way in enumerate(rounded(np.abs(ways)).tolist()):
                 for axis in (0, 1):
-                    values[("supports", index, "contact_boundary", number, vertex, axis)] = way[axis]
+                    values[(*place_of(result.model, index), "contact_boundary", number, vertex, axis)] = way[axis]
     return values
 
 
@@ -238,6 +245,8 @@ def compared(
 
 def compare(result: Result, others: Sequence[Result], warning: str = "") -> Estimate:
     """Compare a result with those on one or two other meshes; a warning says why there are not more."""
+    if result.plates:
+        return _compare_plates(result, others, warning)
     meshes = Meshes.of(result.mesh, [one.mesh for one in others], bool(warning))
     every = [next(one for one in (result, *others) if one.mesh is mesh) for mesh in meshes.every]
     catalogue, model = result.catalogue, result.model
@@ -260,6 +269,25 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
             "singularities that are named say why, and what to do."
         )
     return Estimate(result, widths, with_widths(figures(result), by_path), meshes.elements, tuple(warnings))
+
+
+def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> Estimate:
+    """Compare each of several plates by itself, and put what that says of their numbers together."""
+    each = {
+        name: compare(own, [other.plates[name] for other in others], warning) for name, own in result.plates.items()
+    }
+    own = [one.widths for one in each.values()]
+    # Of an extreme over all plates the widest: any of them may have it.
+    widths = np.array([max(own[plate][place] for plate, place in of) for of in result.numbers_of_plates])
+    by_path = {one.path: known(width) for one, width in zip(result.catalogue, widths.tolist(), strict=True)}
+    by_path |= boundary_widths(result, others[0])
+    for name, one in result.plates.items():
+        of_plate = {path[2:]: width for path, width in by_path.items() if path[:2] == ("plates", name)}
+        by_path |= {("plates", name, *path): width for path, width in places_of_extremes(one, of_plate).items()}
+    by_path |= places_of_extremes(result, by_path)
+    warnings = tuple(dict.fromkeys(said for one in each.values() for said in one.warnings))
+    elements = tuple(sum(counts) for counts in zip(*(one.elements for one in each.values()), strict=True))
+    return Estimate(result, widths, with_widths(figures(result), by_path), elements, warnings, each)
 
 
 def _widen_absent(widths: Floats, rows: Mapping[Path, int], values: Floats) -> None:

@@ -185,6 +185,9 @@ def away(points: Floats, singularity: Singularity) -> Floats:
 
 def largest_of(result: Result) -> Mapping[str, float]:
     """The largest number of every kind: at the nodes, of reactions the sum of all, of areas the largest pressure."""
+    if result.plates:
+        each = [largest_of(plate) for plate in result.plates.values()]
+        return {kind: max(of[kind] for of in each) for kind in each[0]}
 
     def size(values: Floats) -> float:
         return float(np.abs(values).max(initial=0.0))

@@ -50,6 +50,9 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
 
     A third one takes the place of a second one that cannot be solved, or is no other mesh.
     """
+    if model.plates:
+        yield from _beside_plates(model, mesh)
+        return
     count, plate = len(mesh.elements), model.plate
     divisions = model.divisions
     if isinstance(plate, MeshPlate) or (divisions is None and mesh.spanning.any() and count <= _CHEAP):
@@ -80,8 +83,31 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
         yield (_divided(model, mesh, 0.5),)
 
 
+def _beside_plates(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
+    """The same of several plates, all of whose elements are as many times as large."""
+    if any(isinstance(plate, MeshPlate) for plate in model.plates.values()):
+        return
+    count = len(mesh.elements)
+    coarse = _along(model, count) < _LEAST_ALONG or count < _LEAST
+    if coarse and 16 * count <= _CHEAP_QUARTER:
+        yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 0.25)
+    if coarse and 4 * count <= _CHEAP:
+        yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 2.0)
+    yield _scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)
+
+
+def _along(model: Model, count: int) -> int:
+    """Elements along a side of the plate that has the fewest there, of several that have so many together."""
+    each = [part.model.divisions for part in model.parts]
+    return min(math.isqrt(count // len(each)) if one is None else min(one) for one in each)
+
+
 def coarser_of(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
     """Meshes of twice and four times the size; none of a mesh that is given, or of one element along a side."""
+    if model.plates:
+        given = any(isinstance(plate, MeshPlate) for plate in model.plates.values())
+        few = given or _along(model, len(mesh.elements)) < _FEWEST_ALONG
+        return () if few else (_scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0))
     divisions = model.divisions
     along = math.isqrt(len(mesh.elements)) if divisions is None or model.mesh.refine else max(divisions)
     if isinstance(model.plate, MeshPlate) or along < _FEWEST_ALONG:
@@ -93,6 +119,10 @@ _WORDS = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its s
 
 
 def _scaled(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
+    if model.plates:
+        plates = {part.name: _scaled(part.model, mesh, factor).model for part in model.parts}
+        own = {name: one.plate.model_copy(update={"mesh": one.mesh}) for name, one in plates.items()}
+        return OtherMesh(model.model_copy(update={"plates": own}), None, _WORDS[factor])
     assert not isinstance(model.plate, MeshPlate)
     scaled = model.plate.scaled(model.mesh, factor, model.divisions)
     return OtherMesh(model.model_copy(update={"mesh": scaled}), None, _WORDS[factor])

@@ -28,7 +28,7 @@ from signorini.errors import point
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import governing_reactions
 from signorini.output.names import GOVERNING, JSON
-from signorini.results.quantities import FIELDS, LINEAR, MEANS, SIDES, THROUGH
+from signorini.results.quantities import FIELDS, LINEAR, MEANS, SIDES, THROUGH, place_of
 
 Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None where there are none."""
@@ -160,13 +160,13 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
     every = list(zip(model.support, layout.supports, whole.open_in, strict=True))
     for index, ((support, points, open_in), ends) in enumerate(zip(every, totals, strict=True)):
         lifted = f"{int((open_in > 0).sum())} of {points.rows.shape[1]}" if points.rows.size else ""
-        most = cell(ends.max, widths, ("supports", index, "reaction", "max"), largest)
-        least = cell(ends.min, widths, ("supports", index, "reaction", "min"), largest)
+        most = cell(ends.max, widths, (*place_of(model, index), "reaction", "max"), largest)
+        least = cell(ends.min, widths, (*place_of(model, index), "reaction", "min"), largest)
         shown.add(support.name, most, results.key(ends.max_by), least, results.key(ends.min_by), lifted)
     shown.show(console)
     console.print()
     for index, (support, points, open_in) in enumerate(every):
-        of_support = ("supports", index)
+        of_support = place_of(model, index)
         if support.place == "at" and open_in.any():
             gaps = [whole[f"gap_at:{support.name}[{number}]"] for number in range(1, len(open_in) + 1)]
             at = int(np.where(open_in > 0, [ends.max for ends in gaps], -np.inf).argmax())

@@ -19,7 +19,7 @@ from signorini.errors import point
 from signorini.model import MeshPlate, Support
 from signorini.output.envelope_json import envelope_json
 from signorini.results.figures import figures
-from signorini.results.quantities import FIELDS, RESULTANTS, SIDES
+from signorini.results.quantities import FIELDS, RESULTANTS, SIDES, place_of
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 from signorini.singularities.named import singularities
@@ -33,7 +33,7 @@ def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -
     """Say of areas, and of lines that can let go, on which part they hold; ``pressure`` is the largest of all."""
     units = result.model.units
     for index, (support, values) in enumerate(zip(result.model.support, result.supports, strict=True)):
-        whole, of_support = float(values.weights.sum()), ("supports", index)
+        whole, of_support = float(values.weights.sum()), place_of(result.model, index)
         if values.contact_area is not None and values.max_pressure is not None:
             area = cell(values.contact_area, widths, (*of_support, "contact_area"), whole)
             said = in_contact(values.name, area, values.contact_area, whole, "area", unit_of(units.length, 2))
@@ -111,7 +111,8 @@ def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
                 for one in ends
                 if one in RESULTANTS and FIELDS[one].kind == FIELDS[name].kind
             ]
-            if width is None or _near(results.discretisation, fields[name][f"{ends[name]}_at"]):
+            place = fields[name][f"{ends[name]}_at"]
+            if width is None or any(_near(one, place) for one in results.discretisation.each):
                 continue
             if width > max(_WIDE * value, _LITTLE * max(alike)):
                 part = width / value if value else float("inf")
@@ -121,7 +122,7 @@ def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
         return
     where = ", ".join(f"{name} at {at}" for name, (_, at) in result.items())
     helps = "Take smaller elements there (mesh.refine), or put a probe there and give mesh.accuracy = 0.05."
-    if isinstance(results.model.plate, MeshPlate):
+    if not results.model.plates and isinstance(results.model.plate, MeshPlate):
         helps = "Make the mesh finer there."
     yield f"± is more than half of the largest {where}: the mesh leaves open what it is. {helps}"
 
@@ -129,7 +130,10 @@ def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
 def _near(discretisation: Discretisation, at: Sequence[float]) -> bool:
     """Whether a place is beside one where moments or shears have no limit, which is named by itself."""
     place = np.array([at])
-    reach = _BESIDE * float(np.sqrt(discretisation.mesh.element_area[discretisation.mesh.locate(place).elements[0]]))
+    where = discretisation.mesh.locate(place)
+    if not where.inside.all():
+        return False
+    reach = _BESIDE * float(np.sqrt(discretisation.mesh.element_area[where.elements[0]]))
     named = [one for one in singularities(discretisation) if {"moment", "shear"} & set(one.numbers) and not one.limited]
     return any(away(place, one)[0] <= one.within + reach for one in named)
 

@@ -26,7 +26,7 @@ from signorini.model import Model, Support
 from signorini.output.envelope_json import table_warnings
 from signorini.output.names import JSON
 from signorini.results.marks import case_totals
-from signorini.results.quantities import AT_PROBES, FIELDS, LINEAR, MEANS, RESULTANTS, THROUGH
+from signorini.results.quantities import AT_PROBES, FIELDS, LINEAR, MEANS, RESULTANTS, THROUGH, place_of
 from signorini.results.result import Result
 from signorini.results.support_result import MEANINGS, SYMBOLS, describe, kinds
 from signorini.singularities.named import singularities
@@ -144,7 +144,7 @@ def _print_model(console: Console, discretisation: Discretisation) -> None:
     one_sided = int((~discretisation.points.two_sided).sum())
     say(
         console,
-        f"{model.plate.shape}, {_elements(discretisation)}, "
+        f"{_shapes(model)}, {_elements(discretisation)}, "
         f"{discretisation.mesh.node_count} nodes, {discretisation.dof_count} dofs, "
         f"{one_sided} one-sided contact points",
     )
@@ -155,9 +155,13 @@ def _print_model(console: Console, discretisation: Discretisation) -> None:
         say(console, f"snapped: {more} more, in results.json")
 
 
+def _shapes(model: Model) -> str:
+    return ", ".join(f"{name}: {plate.shape}" for name, plate in model.plates.items()) or model.plate.shape
+
+
 def _elements(discretisation: Discretisation) -> str:
     triangles, count = int(discretisation.mesh.triangles.sum()), len(discretisation.mesh.elements)
-    kinds = {discretisation.model.plate.element: count - triangles, "mitc7": triangles}
+    kinds = {discretisation.zones.element: count - triangles, "mitc7": triangles}
     return " and ".join(f"{many} elements {kind}" for kind, many in kinds.items() if many)
 
 
@@ -186,7 +190,7 @@ def _print_summary(console: Console, results: Results, estimates: Estimates | No
             for name, end in (("max", result.deflection.max()), ("min", result.deflection.min()))
         )
         reactions = (
-            cell(result.reaction, widths, ("supports", index, "reaction"), load)
+            cell(result.reaction, widths, (*place_of(model, index), "reaction"), load)
             for index, result in enumerate(result.supports)
         )
         shown.add(result.name, *ends, str(sum(result.open_count for result in result.supports)), *reactions)
@@ -238,7 +242,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
     rows = Grid([*columns, *numbers(f"reaction{in_unit(units.force)}", "closed", "open")], heads=2)
     for index, (support, values) in enumerate(zip(result.model.support, result.supports, strict=True)):
         counts = (str(values.closed_count), str(values.open_count))
-        reaction = cell(values.reaction, widths, ("supports", index, "reaction"), load)
+        reaction = cell(values.reaction, widths, (*place_of(result.model, index), "reaction"), load)
         rows.add(_symbol(support, console), values.name, values.kind, reaction, *counts)
     if len(result.supports) > 1:
         rows.last_apart = True
@@ -274,7 +278,7 @@ def _print_points(console: Console, result: Result, widths: Widths, largest: Map
     titles = (f"at{in_unit(units.length)}", f"reaction{in_unit(units.force)}", f"gap{in_unit(units.length)}")
     shown = Grid([Column("point"), *numbers(*titles), Column("state")])
     for index, at in sorted(most):
-        one, path = supports[index], ("supports", index, "points", at)
+        one, path = supports[index], (*place_of(result.model, index), "points", at)
         name = f"{one.name}[{at + 1}]" if len(one.reactions) > 1 else one.name
         gap = cell(float(one.gaps[at]), widths, (*path, "gap"), largest["deflection"])
         reaction = cell(float(one.reactions[at]), widths, (*path, "reaction"), largest["reaction"])

@@ -76,6 +76,11 @@ class Discretisation(Remade):
     _made = MappingProxyType({"plate": lambda result: result.made()})
 
     @property
+    def each(self) -> tuple[Discretisation, ...]:
+        """Every plate by itself."""
+        return tuple(plate.own for plate in self.plates) or (self,)
+
+    @property
     def dof_count(self) -> int:
         """Number of dofs, those held included."""
         return 3 * self.mesh.node_count

@@ -100,7 +100,9 @@ def mean_deflections(mesh: Mesh, footprints: Sequence[Quadrature]) -> Rows:
     """Rows of the mean deflection over each footprint, which spread a force evenly over it."""
     over, owners = Quadrature.join(footprints), np.repeat(np.arange(len(footprints)), [len(one) for one in footprints])
     parts = over.weights / np.repeat([one.total for one in footprints], [len(one) for one in footprints])
-    return Rows.over(owners, over.elements, parts[:, None] * mesh.shape_functions(over.elements, over.xi), mesh.elements)
+    return Rows.over(
+        owners, over.elements, parts[:, None] * mesh.shape_functions(over.elements, over.xi), mesh.elements
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -104,7 +104,9 @@ def _joined(
     supports = [np.array(part.numbers["support"], np.int64) for part in parts]
     springs = [_moved(one.springs, first, own) for one, first, own in zip(each, elements, supports, strict=False)]
     own = [_moved(one.contacts, first, of) for one, first, of in zip(each, elements, supports, strict=False)]
-    repeated = [_moved(one.repeated.points, first, of) for one, first, of in zip(each, elements, supports, strict=False)]
+    repeated = [
+        _moved(one.repeated.points, first, of) for one, first, of in zip(each, elements, supports, strict=False)
+    ]
     between = [_over_both(one, elements) for one in joints]
     contacts = ContactPoints.join([*own, *between]) if joints else ContactPoints.join(own)
     again = ContactPoints.join(repeated)
@@ -142,7 +144,9 @@ def _moved(table: _Table, first: int, supports: Ints) -> _Table:
     """A plate's springs or points among those of all, whose elements begin with the first one."""
     rows, further = table.rows, table.rows.further
     beyond = Further(further.owners, further.elements + first, further.coefficients)
-    result = replace(table, rows=Rows(rows.elements + first, rows.coefficients, beyond), support=supports[table.support])
+    result = replace(
+        table, rows=Rows(rows.elements + first, rows.coefficients, beyond), support=supports[table.support]
+    )
     if isinstance(result, ContactPoints):
         result = replace(result, shared=np.where(result.shared >= 0, result.shared + first, -1))
     return result
@@ -174,7 +178,9 @@ def _held(each: Sequence[Held], nodes: Ints, supports: Sequence[Ints], mesh: Mes
         np.concatenate([one.bodies.inside for one in each]),
         np.concatenate([one.bodies.rigid for one in each]),
     )
-    dofs, values, numbers = (np.concatenate([getattr(one, key) for one in each]) for key in ("dofs", "values", "numbers"))
+    dofs, values, numbers = (
+        np.concatenate([getattr(one, key) for one in each]) for key in ("dofs", "values", "numbers")
+    )
     return Held(dofs, values, np.concatenate(by), np.concatenate(holders), numbers, frames, bodies)
 
 
@@ -205,7 +211,9 @@ def _thickness(each: Sequence[Discretisation], elements: Ints) -> Thickness:
     points = max(points, *(one.at_points.shape[1] for one in of))
     count = [len(one.mesh.elements) for one in each]
     at_points, nominal = (
-        np.concatenate([np.broadcast_to(getattr(one, key), (many, points)) for one, many in zip(of, count, strict=True)])
+        np.concatenate(
+            [np.broadcast_to(getattr(one, key), (many, points)) for one, many in zip(of, count, strict=True)]
+        )
         for key in ("at_points", "nominal")
     )
     if points == 1:

@@ -302,9 +302,7 @@ class ZonesOfPlates(Zones):
     def join(cls, model: Model, plates: Sequence[Zones]) -> Self:
         """Put them behind one another."""
         nowhere = np.zeros((0, 0), np.bool_)
-        young, equivalent = (
-            np.concatenate([getattr(one, name) for one in plates]) for name in ("young", "equivalent")
-        )
+        young, equivalent = (np.concatenate([getattr(one, name) for one in plates]) for name in ("young", "equivalent"))
         rigidities = tuple(rigidity for one in plates for rigidity in one.rigidities)
         return cls(model, nowhere, nowhere, rigidities, young, equivalent, np.zeros((0, 0), np.int64), tuple(plates))
 

@@ -145,7 +145,9 @@ def _beyond_limits(discretisation: Discretisation, freedom: RigidFreedom, nodal:
         gives = np.where(bearing.moves @ motion > 0.0, bearing.most, bearing.least)
         gives = np.isfinite(gives) & (gives != 0.0) & (np.abs(bearing.moves @ motion) > _CLOSED)
         some = np.unique(bearing.support[gives])
-        return replace(_of_plates(discretisation, freedom, nodal, motion), supports=some, carried=max(0.0, float(best[0][0])))
+        return replace(
+            _of_plates(discretisation, freedom, nodal, motion), supports=some, carried=max(0.0, float(best[0][0]))
+        )
     w, *slopes = (freedom.motions @ motion) / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
     turning, pressed = float(np.hypot(*slopes)), bearing.moves @ motion
     tips = turning * discretisation.mesh.size > _HOLDS * abs(w)

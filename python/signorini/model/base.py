@@ -278,7 +278,9 @@ Edges = Annotated[
 class OnPlate(Table):
     """A table of what is on one plate."""
 
-    plate: Text | None = Field(default=None, description="Where there are several plates, the one of [plates] it is on.")
+    plate: Text | None = Field(
+        default=None, description="Where there are several plates, the one of [plates] it is on."
+    )
 
 
 class Named(Table):

@@ -67,7 +67,13 @@ def _part(model: Model, name: str) -> Part:
     tables["support"] = tuple(_seen_from(model, one, name) for one in tables["support"] if isinstance(one, Support))
     own = {key: getattr(plate, key) for key in ("mesh", "material") if getattr(plate, key) is not None}
     alone = {"plate": plate, "plates": {}, "contact": ()}
-    return Part(name, model.model_copy(update={**tables, **own, **alone}), tuple(own), numbers, len(model.support) - len(model.contact))
+    return Part(
+        name,
+        model.model_copy(update={**tables, **own, **alone}),
+        tuple(own),
+        numbers,
+        len(model.support) - len(model.contact),
+    )
 
 
 def _plates_of(one: OnPlate) -> tuple[str, ...]:
@@ -147,6 +153,8 @@ def plate_complaints(model: Model) -> Iterator[Complaint]:
     yield from wrong
     if len({plate.element for plate in model.plates.values()}) > 1:
         yield ("plates",), "found plates of different elements; all have one, mitc9 or q8r."
+    if given and model.mesh.accuracy is not None:
+        yield ("mesh", "accuracy"), "found accuracy beside several plates; refine their meshes by hand, as ± says."
     if wrong or not given:
         return
     first = len(model.support) - len(model.contact)

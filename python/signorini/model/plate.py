@@ -96,7 +96,9 @@ def _require_shape(schema: dict[str, Any]) -> None:
 class _Plate(base.Table):
     model_config = ConfigDict(json_schema_extra=_require_shape)
 
-    mesh: MeshOptions | None = Field(default=None, description="One of several plates: its own [mesh], in place of that.")
+    mesh: MeshOptions | None = Field(
+        default=None, description="One of several plates: its own [mesh], in place of that."
+    )
     material: Material | None = Field(default=None, description="One of several plates: its own [material].")
 
     thickness: base.PositiveScalar = Field(description="Thickness: a number, or an expression in x and y.")

@@ -255,7 +255,10 @@ class Support(Acting, base.Named):
         if between[0] == between[1]:
             yield ("between",), f"found {describe(between[0])} twice; name two plates, the upper one first."
         for key in self.given(_OF_ONE_PLATE):
-            yield (key,), f"found {key} beside between; what acts between two plates is at points, lines or areas of both."
+            yield (
+                (key,),
+                f"found {key} beside between; what acts between two plates is at points, lines or areas of both.",
+            )
         if self.settlement != Expression(0.0):
             yield ("settlement",), "found settlement beside between; between two plates there is a gap."
 

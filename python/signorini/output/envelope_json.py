@@ -20,7 +20,7 @@ from signorini.mesh import Mesh
 from signorini.output.names import TABLE, envelope_file
 from signorini.results.envelope import NONE, Envelope
 from signorini.results.figures import with_widths
-from signorini.results.quantities import SIDES, Number, Path, Quantity
+from signorini.results.quantities import SIDES, Number, Path, Quantity, place_of
 from signorini.results.warnings import idle_cases, model_warnings, too_far
 from signorini.singularities.named import singularities
 
@@ -64,7 +64,7 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
     plus_minus, tree = None, own.tree(results)
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
     told = [one for combined, mesh in others if (one := _Shown.of(combined, mesh, group)) is not None]
-    if told and estimates is not None:
+    if told and estimates is not None and not results.model.plates:
         meshes = Meshes.of(own.mesh, [one.mesh for one in told], bool(estimates.no_others))
         every = [next(one for one in (own, *told) if one.mesh is mesh) for mesh in meshes.every]
         numbers = [number for number, *_ in own.wholes()]
@@ -121,15 +121,23 @@ class _Shown:
             per = extremes.largest if area is not None else extremes.largest / of_support.weights
             where = area.pressure_places if area is not None else of_support.positions
             at, quantity = int(per.argmax()), Quantity("largest", "pressure")
-            number = Number(quantity, "support", index, ("supports", index, "largest", "max"), support.name)
+            number = Number(
+                quantity, "support", index, (*place_of(layout.model, index), "largest", "max"), support.name
+            )
             yield number, float(per[at]), int(extremes.largest_by[at]), where[at].tolist()
 
     def tree(self, results: Results) -> dict[str, Any]:
         """Give extremes by their keys."""
         envelope, layout = self.envelope, self.envelope.layout
+        contacts = len(layout.model.contact)
         result: dict[str, Any] = {
             "fields": {name: {} for name in layout.fields},
-            "supports": [self._support(index) for index in range(len(layout.supports))],
+            "supports": [self._support(index) for index in range(len(layout.supports) - contacts)],
+            **(
+                {"contacts": [self._support(len(layout.supports) - contacts + at) for at in range(contacts)]}
+                if contacts
+                else {}
+            ),
             "probes": [{"at": at} for at in layout.probes.tolist()],
             "sections": [{"name": section.name} for section in layout.model.section],
             "strips": [

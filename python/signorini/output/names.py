@@ -82,7 +82,7 @@ def expected_names(model: Model) -> Iterator[str]:
         yield TABLE
         fields = model.output.fields
         names = names if fields == "all" else () if isinstance(fields, str) else fields
-    for slug in unique_slugs([*taken, *names]):
+    for slug in unique_slugs([*taken, *_by_plate(model, names)]):
         yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in PICTURES)))
 
 
@@ -148,11 +148,18 @@ def _parts(model: Model) -> list[str]:
 
 
 def slugs(results: Results) -> Iterator[tuple[Result, str]]:
-    """Solved combinations with file names of their own, on every file system."""
+    """Solved combinations, of several plates each of them, with file names of their own, on every file system."""
     solved = [result for result in results.full.values() if result.status == "solved"]
+    plates = [plate for result in solved for plate in (result.plates.values() or (result,))]
     taken = _taken(results.model)
-    values = unique_slugs([*taken, *(result.name for result in solved)])
-    return zip(solved, values[len(taken) :], strict=True)
+    values = unique_slugs([*taken, *_by_plate(results.model, [result.name for result in solved])])
+    return zip(plates, values[len(taken) :], strict=True)
+
+
+def _by_plate(model: Model, names: Iterable[str]) -> Iterator[str]:
+    """Names of what there is of each combination: itself or, of several plates, each of them."""
+    for name in names:
+        yield from (f"{name} {plate}" for plate in model.plates) if model.plates else (name,)
 
 
 def pictured(results: Results, pictures: Pictures) -> Iterator[tuple[Result, str]]:

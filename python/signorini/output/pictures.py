@@ -34,13 +34,19 @@ _LONGEST = 44
 """Letters of a combination's name that have room above a panel."""
 
 
-def job_of(results: Results, estimates: Estimates | None, pictures: Pictures = None) -> Job:
-    """Plan the pictures of combinations, and of envelopes."""
-    nodes, sheets = results.discretisation.stress_nodes, list[Sheet]()
-    if pictures != "none":
-        sheets = [*_sheets(results, estimates, list(pictured(results, pictures)))]
-        sheets += _envelope_sheets(results, estimates)
-    return Job(nodes.points, nodes.elements, sheets, results.model.units.length, nodes.left_out)
+def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = None) -> list[Job]:
+    """Plan the pictures of combinations, and of envelopes, by plate; none where nothing is to be drawn."""
+    named = list(pictured(results, pictures)) if pictures != "none" else []
+    plates = results.discretisation.plates
+    jobs = []
+    for of in results.discretisation.each:
+        mine = [one for one in named if one[0].mesh is of.mesh]
+        sheets = [*_sheets(results, estimates, mine)]
+        sheets += _envelope_sheets(results, estimates) if pictures != "none" and not plates else ()
+        nodes = of.stress_nodes
+        if sheets:
+            jobs.append(Job(nodes.points, nodes.elements, sheets, results.model.units.length, nodes.left_out))
+    return jobs
 
 
 def write_refinement(results: Results, directory: Path) -> None:
@@ -61,7 +67,7 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
     groups = {one.name: one.group for one in combinations} if combinations.groups else {}
     grouped = dict[str, list[tuple[Result, str, list[SupportMark]]]]()
     for one, slug in named:
-        marks = support_marks(one.mesh, results.model.support, one.supports)
+        marks = support_marks(one.mesh, one.model.support, one.supports)
         grouped.setdefault(groups.get(one.name, ""), []).append((one, slug, marks))
     for ending, fields in pictures_of(results).items():
         for those in grouped.values():
@@ -69,7 +75,7 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
             limits = {field: (min(of)[0], max(high for _, high in of)) for field, of in ranges.items()}
             pictures = []
             for one, _, marks in those:
-                widths = None if estimates is None else estimates[one.name].plus_minus
+                widths = None if estimates is None else estimates[one.name].of(one).plus_minus
                 panels = [panel(field, one, widths, limit) for field, limit in limits.items()]
                 pictures.append(Picture(panels, marks, one.heading))
             files = [f"{slug}{ending}.png" for _, slug, _ in those]

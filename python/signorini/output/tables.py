@@ -130,7 +130,8 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
         for asked in result.model.support:
             names = {"combination": name_cell(result.name), "support": name_cell(asked.name)}
             yield names | {"point": "total", "state": result.status}
-    widths = (plus_minus or {}).get("supports", [{}] * len(result.supports))
+    told = plus_minus or {"supports": [{}] * len(result.supports)}
+    widths = [*told["supports"], *told.get("contacts", ())]
     for support, width in zip(result.supports, widths, strict=True):
         names = {"combination": name_cell(result.name), "support": name_cell(support.name)}
         row = names | {"kind": support.kind}

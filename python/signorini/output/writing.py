@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -20,7 +21,7 @@ from signorini.output.envelope_json import write_envelope
 from signorini.output.governing import governing_csv
 from signorini.output.load_path import write_path
 from signorini.output.names import CSV, GOVERNING, JSON, PROFILES_CSV, TABLE, Chosen, Pictures, envelope_files, slugs
-from signorini.output.pictures import draw_profiles, job_of, profiles_csv, write_refinement
+from signorini.output.pictures import draw_profiles, jobs_of, profiles_csv, write_refinement
 from signorini.output.tables import reactions_csv, results_json
 from signorini.plot.picture import Job
 from signorini.results.load_path import LoadPath
@@ -102,7 +103,7 @@ def write_results(
     estimates: Estimates | None,
     table: str | os.PathLike[str] | None = None,
     pictures: Pictures = None,
-    draw: Callable[[Job], Iterable[tuple[str, bytes]]] | None = None,
+    draw: Callable[[Sequence[Job]], Iterable[tuple[str, bytes]]] | None = None,
 ) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, of each solved combination, a ``.vtu`` and pictures.
 
@@ -116,8 +117,8 @@ def write_results(
     """
     target = Path(directory)
     named = list(slugs(results))
-    job = job_of(results, estimates, pictures)
-    drawn = (draw or _drawn)(job) if job.sheets else ()
+    jobs = jobs_of(results, estimates, pictures)
+    drawn = (draw or _drawn)(jobs) if jobs else ()
     values = results_json(results, estimates, pictures)
     names = [JSON, CSV]
     try:
@@ -148,11 +149,11 @@ def write_results(
     return [target / name for name in names]
 
 
-def _drawn(job: Job) -> Iterable[tuple[str, bytes]]:
+def _drawn(jobs: Sequence[Job]) -> Iterable[tuple[str, bytes]]:
     # Only pictures need matplotlib.
     from signorini.plot.pictures import drawn
 
-    return drawn(job)
+    return chain.from_iterable(map(drawn, jobs))
 
 
 def _write_table(results: Results, estimates: Estimates | None, path: Path) -> None:

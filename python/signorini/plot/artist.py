@@ -41,14 +41,21 @@ class Artist:
         else:
             self._processes[0].communicate()
 
-    def drawn(self, job: Job) -> Iterator[tuple[str, bytes]]:
+    def drawn(self, jobs: Sequence[Job]) -> Iterator[tuple[str, bytes]]:
         """Begin to draw pictures; then give name and content of each file."""
-        wanted = sum(sheet.panels for sheet in job.sheets) // _ENOUGH if len(job.elements) <= _MOST_ELEMENTS else 1
+        panels, elements = (
+            sum(sheet.panels for job in jobs for sheet in job.sheets),
+            sum(len(job.elements) for job in jobs),
+        )
+        wanted = panels // _ENOUGH if elements <= _MOST_ELEMENTS else 1
         self._processes += [_started() for _ in range(min(cores(), wanted) - 1)]
-        shares = _shared(job.sheets, len(self._processes))
-        jobs = [replace(job, sheets=share) for share in shares]
-        self._pool = ThreadPoolExecutor(len(jobs))
-        return chain.from_iterable(self._pool.map(_asked, self._processes, jobs))
+        shared = [_shared(job.sheets, len(self._processes)) for job in jobs]
+        shares = [
+            [replace(job, sheets=share) for job, share in zip(jobs, own, strict=True)]
+            for own in zip(*shared, strict=True)
+        ]
+        self._pool = ThreadPoolExecutor(len(shares))
+        return chain.from_iterable(self._pool.map(_asked, self._processes, shares))
 
 
 def cores() -> int:
@@ -72,8 +79,8 @@ def _shared(sheets: Sequence[Sheet], count: int) -> list[list[Sheet]]:
     return shares
 
 
-def _asked(process: subprocess.Popen[bytes], job: Job) -> list[tuple[str, bytes]]:
-    given, _ = process.communicate(pickle.dumps(job, pickle.HIGHEST_PROTOCOL))
+def _asked(process: subprocess.Popen[bytes], jobs: Sequence[Job]) -> list[tuple[str, bytes]]:
+    given, _ = process.communicate(pickle.dumps(jobs, pickle.HIGHEST_PROTOCOL))
     if process.returncode:
         raise ChildProcessError(f"the process that draws the pictures ended with {process.returncode}")
     files: list[tuple[str, bytes]] = pickle.loads(given)
@@ -81,9 +88,10 @@ def _asked(process: subprocess.Popen[bytes], job: Job) -> list[tuple[str, bytes]
 
 
 def main() -> None:
-    """Be such a process: read matplotlib, take a job from standard input, and give its files to standard output."""
+    """Be such a process: read matplotlib, take jobs from standard input, and give their files to standard output."""
     from signorini.plot.pictures import drawn
 
     given = sys.stdin.buffer.read()
     if given:
-        sys.stdout.buffer.write(pickle.dumps(list(drawn(pickle.loads(given))), pickle.HIGHEST_PROTOCOL))
+        files = list(chain.from_iterable(map(drawn, pickle.loads(given))))
+        sys.stdout.buffer.write(pickle.dumps(files, pickle.HIGHEST_PROTOCOL))

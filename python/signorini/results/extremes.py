@@ -72,7 +72,10 @@ def of_plates(each: Sequence[Mapping[str, FieldExtremes]]) -> dict[str, FieldExt
     """The extremes over several plates."""
     result = {}
     for name in each[0]:
-        most, least = max((of[name] for of in each), key=lambda one: one.max), min((of[name] for of in each), key=lambda one: one.min)
+        most, least = (
+            max((of[name] for of in each), key=lambda one: one.max),
+            min((of[name] for of in each), key=lambda one: one.min),
+        )
         result[name] = replace(most, min=least.min, min_at=least.min_at, min_beside=least.min_beside)
     return result
 

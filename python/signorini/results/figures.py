@@ -19,14 +19,24 @@ def figures(result: Result) -> dict[str, Any]:
     solved = result.status == "solved"
     ends = {name: _places(of) for name, of in result.extremes.items()} if solved else {}
     deflection = ends.pop("deflection", None)
+    first = len(result.supports) - len(result.model.contact)
     values: dict[str, Any] = {
         "deflection": deflection and {key: deflection[key] for key in ("max_at", "min_at")},
         "fields": ends,
-        "supports": [_support(support) for support in result.supports],
+        "supports": [_support(support) for support in result.supports[:first]],
         "probes": [{"at": list(probe.at), "pressure": None} for probe in result.probes],
         **line_places(result.sections, result.strips),
     }
+    if result.model.plates:
+        values["contacts"] = [_support(support) for support in result.supports[first:]]
+        values["plates"] = {name: _of_plate(one) for name, one in result.plates.items()}
     return put(values, result.catalogue, result.numbers) if solved else values
+
+
+def _of_plate(result: Result) -> dict[str, Any]:
+    """The places of one plate's extremes."""
+    ends = {name: _places(of) for name, of in result.extremes.items()}
+    return {"deflection": ends.pop("deflection"), "fields": ends}
 
 
 def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str, Any]:

@@ -319,7 +319,7 @@ class Number:
         return self.home, kind, self.owner if kind in ("pressure", "area") else -1
 
 
-def _place_of(model: Model, index: int) -> Path:
+def place_of(model: Model, index: int) -> Path:
     """Where a support stands in results.json; contacts, the last ones, stand apart."""
     first = len(model.support) - len(model.contact)
     return ("supports", index) if index < first else ("contacts", index - first)
@@ -343,11 +343,11 @@ class Catalogue:
             for one in own:
                 # How many nodes are closed is the mesh's.
                 told = one.kind != "count" or support.place == "at"
-                path: Path = (*_place_of(model, index), *one.path)
+                path: Path = (*place_of(model, index), *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
             for point in range(count if support.place == "at" else 0):
                 for one in OF_POINTS + OF_TURNING_POINTS * (support.rotational_stiffness is not None):
-                    path = (*_place_of(model, index), "points", point, *one.path)
+                    path = (*place_of(model, index), "points", point, *one.path)
                     tabled = one.tabled and (opens or one.name != "gap")
                     result.append(Number(one, "point", index, path, f"{support.name}[{point + 1}]", point, tabled))
         touching = any(support.area is not None for support in model.support)

@@ -42,6 +42,7 @@ from signorini.results.local_results import (
 )
 from signorini.results.marks import panel, support_marks
 from signorini.results.notebook import supports_table
+from signorini.results.of_plates import Place, places_in_plates
 from signorini.results.quantities import (
     FIELDS,
     LINEAR,
@@ -181,7 +182,9 @@ class Result(Remade):
         nodal_reaction = held_force + discretisation.point_rows.T @ (points * answer.shared)
         nodal_reaction += discretisation.spring_rows.T @ (springs * pull)
         supports = tuple(
-            support_result(discretisation, index, held_force[::3], held_couple, pull, answer, (beneath or {}).get(index, 0.0))
+            support_result(
+                discretisation, index, held_force[::3], held_couple, pull, answer, (beneath or {}).get(index, 0.0)
+            )
             for index in range(len(discretisation.model.support))
         )
         nodes, thickness = discretisation.stress_nodes, discretisation.node_thickness
@@ -363,6 +366,12 @@ class Result(Remade):
         result, at = np.full(len(self.catalogue), np.nan), self.catalogue.at
         if self.status != "solved":
             return result
+        if self.plates:
+            each = list(self.plates.values())
+            for place, numbers in enumerate(self.numbers_of_plates):
+                values = [each[plate].numbers[number] for plate, number in numbers]
+                result[place] = min(values) if self.catalogue.numbers[place].what == "min" else max(values)
+            return result
 
         def put(home: Home, owners: Sequence[object], *names: str) -> None:
             for name in names if owners else ():
@@ -392,9 +401,13 @@ class Result(Remade):
             result[at("strip", "max_moment")] = [one.sagging.moment for one in self.strips]
             result[at("strip", "min_moment")] = [one.hogging.moment for one in self.strips]
         for side in SIDES:
-            every = [self.extremes, *(one.extremes for one in self.plates.values())]
-            result[at("field", side)] = [getattr(ends, side) for of in every for ends in of.values()]
+            result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
         return result
+
+    @cached_property
+    def numbers_of_plates(self) -> list[list[Place]]:
+        """Of several plates where each of the numbers is among those of one, see `places_in_plates`."""
+        return places_in_plates(self.model, self.catalogue, [one.catalogue for one in self.plates.values()])
 
     def probe(self, points: Points) -> list[ProbeResult]:
         """Results at points (q, 2) of the plate.

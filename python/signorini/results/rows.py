@@ -64,6 +64,8 @@ class Hidden:
     @classmethod
     def of(cls, discretisation: Discretisation, number: str) -> Hidden:
         """Look for the nodes of the fields that singularities call so; none if it is empty."""
+        if discretisation.plates:
+            return cls.of_plates(discretisation, number)
         places: dict[str | None, Ints] = {}
         for case in (None, *discretisation.cases) if number else ():
             at = np.flatnonzero(at_peaks(discretisation.mesh, singularities_of(discretisation, case), number))
@@ -82,6 +84,21 @@ class Hidden:
         always[-1] = True
         by_case = {case: row for case, row in hides.items() if case is not None}
         return cls(np.where(left_out, len(always) - 1, classes[of_mesh]), always, by_case)
+
+    @classmethod
+    def of_plates(cls, discretisation: Discretisation, number: str) -> Hidden:
+        """The same of several plates, each with classes of its own."""
+        each, plates = [cls.of(plate.own, number) for plate in discretisation.plates], discretisation.plates
+        firsts = np.cumsum([0, *(len(one.always) for one in each)])
+        count = discretisation.stress_nodes.count if number else discretisation.mesh.node_count
+        classes = np.zeros(count, np.int64)
+        for plate, one, first in zip(plates, each, firsts, strict=False):
+            classes[plate.stress_nodes if number else plate.nodes] = first + one.classes
+        by_case = {
+            case: np.concatenate([one.by_case.get(case, np.zeros(len(one.always), np.bool_)) for one in each])
+            for case in dict.fromkeys(case for one in each for case in one.by_case)
+        }
+        return cls(classes, np.concatenate([one.always for one in each]), by_case)
 
     def under(self, acting: Bools, cases: Sequence[str]) -> Bools:
         """Which classes (k, c) are hidden where load cases act (k, a); where no node would be left, none."""
@@ -114,12 +131,15 @@ class Layout:
         fields = tuple(name for name in FIELDS if name in asked)
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
         areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
+        # Of several plates each has its own, in its results.
+        areas = [] if discretisation.plates else areas
         at_rest = {index: area_at_rest(discretisation, index) for index in areas}
         number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
         by_number = {number: Hidden.of(discretisation, number) for number in set(number_of.values())}
         hidden = {name: by_number[number] for name, number in number_of.items()}
         catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
-        probes = discretisation.probe_positions, discretisation.probe_thickness
+        at = [at for probe in discretisation.model.probe for at in probe.at]
+        probes = np.array(at).reshape(-1, 2), discretisation.probe_thickness
         return cls(discretisation.model, catalogue, points, at_rest, fields, *probes, nodes, hidden)
 
     @property

@@ -131,7 +131,9 @@ class _Run:
         self._always = "reactions" if discretisation.held_together else ""
         # So many combinations are worth a response of every contact point, and memory holds these.
         most = min(_MOST_POINTS, max(_FEW_POINTS, 2 * len(discretisation.model.effective_combinations)))
-        worth_while = not len(discretisation.repeated) and len(discretisation.contacts) <= most
+        worth_while = (
+            not discretisation.plates and not len(discretisation.repeated) and len(discretisation.contacts) <= most
+        )
         if several is not None and problem.method == "lemke" and worth_while:
             self.terms = terms_of(problem, self.cases, layout.fields, layout.around_areas)
         self.envelopes: dict[str, Envelope] = {}

@@ -1,0 +1,50 @@
+"""Numbers of several plates: whose each one is, and where it stands among the numbers of that plate alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from signorini.model import Model
+from signorini.results.quantities import Catalogue
+
+Place = tuple[int, int]
+"""Number of a plate, and of a number in that plate's own catalogue."""
+
+
+def places_in_plates(model: Model, whole: Catalogue, own: Sequence[Catalogue]) -> list[list[Place]]:
+    """Where each number of a model of several plates is among those of one; extremes over all are in every one.
+
+    What acts between two plates is the upper one's.
+    """
+    names, homes = list(model.plates), _homes(model)
+    result: list[list[Place]] = []
+    for one in whole:
+        path, key = one.path, str(one.path[0])
+        if key == "plates":
+            plates: Sequence[int] = [names.index(str(path[1]))]
+            path = path[2:]
+        elif one.home == "field":
+            plates = range(len(names))
+        else:
+            table = "supports" if key == "contacts" else key
+            plate, local = homes[table][one.owner]
+            plates, path = [plate], (table, local, *path[2:])
+        result.append([(plate, own[plate].by_path[path]) for plate in plates])
+    return result
+
+
+def _homes(model: Model) -> Mapping[str, Mapping[int, Place]]:
+    """Of supports, probes, sections and strips the plate of each, and its number there; probes point by point."""
+    result: dict[str, dict[int, Place]] = {"supports": {}, "probes": {}, "sections": {}, "strips": {}}
+    first = [0]
+    for probe in model.probe:
+        first.append(first[-1] + len(probe.at))
+    for plate, part in enumerate(model.parts):
+        for key in ("support", "section", "strip"):
+            for local, number in enumerate(part.numbers[key]):
+                between = key == "support" and model.support[number].between
+                if not between or between[0] == part.name:
+                    result[f"{key}s"][number] = plate, local
+        points = [at for number in part.numbers["probe"] for at in range(first[number], first[number + 1])]
+        result["probes"] |= {at: (plate, local) for local, at in enumerate(points)}
+    return result
