@@ -141,11 +141,11 @@ def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> 
     """Half-widths of the places of extremes: how far nodes reach that may hold the extreme, within its half-width."""
     values: dict[Path, float | None] = {}
     spacing, points = 0.5 * side(result.mesh), result.stress_nodes.points
-    for field, ends in result.extremes.items():
-        path: Path = (field,) if field == "deflection" else ("fields", field)
+    for name_of_field, ends in result.extremes.items():
+        path: Path = (name_of_field,) if name_of_field == "deflection" else ("fields", name_of_field)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at)):
             width = numbers[(*path, name)]
-            near = points[np.flatnonzero(np.abs(result.fields[field] - value) <= 2.0 * (width or 0.0))]
+            near = points[np.flatnonzero(np.abs(result.fields[name_of_field] - value) <= 2.0 * (width or 0.0))]
             far = rounded(np.abs(near - at).max(axis=0, initial=0.0) + spacing).tolist()
             for axis in (0, 1):
                 values[(*path, f"{name}_at", axis)] = None if width is None else far[axis]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from signorini.results.warnings import idle_cases, model_warnings, no_resultant
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 @dataclass(frozen=True)
 class Quality:
@@ -33,6 +36,10 @@ class Quality:
     angle: float
     corner: tuple[float, float]
     quadrilaterals: float
+
+    def __str__(self) -> str:
+        """Say it."""
+        return f"smallest angle {self.angle:.3g}°, {100 * self.quadrilaterals:.4g} % of the area in quadrilaterals"
 
     @classmethod
     def of(cls, mesh: Mesh) -> Self:
@@ -101,39 +108,56 @@ class Check:
     @property
     def singular(self) -> tuple[Singularity, ...]:
         """Where numbers have no limit as the mesh is refined, under the load cases that some combination takes."""
+        return singularities(self.discretisation, self._acting)
+
+    @property
+    def _acting(self) -> Collection[str]:
+        """The load cases that some combination takes."""
         model = self.discretisation.model
         combinations = model.effective_combinations
-        acting = combinations.cases
-        if not model.tabulated:
-            acting = {case for one in combinations for case, factor in (one.factors or {}).items() if factor != 0.0}
-        return singularities(self.discretisation, acting)
+        if model.tabulated:
+            return combinations.cases
+        return {case for one in combinations for case, factor in (one.factors or {}).items() if factor != 0.0}
 
     @property
     def quality(self) -> str:
         """How well the elements are shaped, in words."""
-        result = Quality.of(self.discretisation.mesh)
-        return f"smallest angle {result.angle:.3g}°, {100 * result.quadrilaterals:.4g} % of the area in quadrilaterals"
+        return str(Quality.of(self.discretisation.mesh))
 
     @property
     def balanced(self) -> bool:
         """Whether every combination can be balanced."""
         return not any(resultant.message for resultant in self.resultants)
 
-    def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> None:
+    def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> list[Path]:
         """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
 
         The suffix gives the format. With ``numbers`` nodes have theirs, from 0, the places in
-        ``discretisation.mesh.points``.
+        ``discretisation.mesh.points``. Of several plates each has a file, see `pictures_of`. Returns the files.
         """
         # Only this method needs matplotlib.
         from signorini.plot.files import save
+
+        require_picture(path)
+        files = pictures_of(self.discretisation.model, path)
+        try:
+            for file, plate in zip(files, self.discretisation.each, strict=True):
+                save(self._picture(plate, numbers), file)
+        except FileNotFoundError:
+            raise InputError(f"there is no directory {Path(path).parent} to write the picture to.", str(path)) from None
+        except OSError as error:
+            raise InputError(f"the picture cannot be written: {error.strerror or error}.", str(path)) from None
+        return files
+
+    def _picture(self, discretisation: Discretisation, numbers: bool) -> Figure:
+        """Draw one plate."""
         from signorini.plot.picture import BalanceMark
         from signorini.plot.pictures import check_picture
         from signorini.plot.plan import Plan
 
-        require_picture(path)
-        discretisation = self.discretisation
-        figure = check_picture(
+        alone = discretisation is self.discretisation
+        named = singularities(discretisation, self._acting)
+        return check_picture(
             Plan(discretisation.mesh.points, discretisation.mesh.elements),
             zones=marks.zone_marks(discretisation),
             supports=marks.unsolved_marks(discretisation),
@@ -141,19 +165,19 @@ class Check:
             cuts=marks.cut_marks(discretisation.model),
             totals=marks.case_totals(discretisation),
             edges=marks.edge_marks(discretisation.mesh),
-            singular=marks.singular_marks(self.singular),
-            poorest=(Quality.of(discretisation.mesh).corner, self.quality),
-            balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants],
+            singular=marks.singular_marks(named),
+            poorest=(Quality.of(discretisation.mesh).corner, str(Quality.of(discretisation.mesh))),
+            balance=[BalanceMark(r.name, r.at, r.force < 0, bool(r.message), r.axis) for r in self.resultants if alone],
             title=discretisation.model.title,
             length=discretisation.model.units.length,
             numbers=numbers,
         )
-        try:
-            save(figure, path)
-        except FileNotFoundError:
-            raise InputError(f"there is no directory {Path(path).parent} to write the picture to.", str(path)) from None
-        except OSError as error:
-            raise InputError(f"the picture cannot be written: {error.strerror or error}.", str(path)) from None
+
+
+def pictures_of(model: Model, path: str | os.PathLike[str]) -> list[Path]:
+    """Name the file of a model's picture, or of several plates those of each, which end with the plate's name."""
+    file = Path(path)
+    return [file.with_name(f"{file.stem}-{name}{file.suffix}") for name in model.plates] or [file]
 
 
 def require_picture(path: str | os.PathLike[str]) -> None:

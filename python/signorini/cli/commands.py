@@ -162,18 +162,18 @@ def check(
     """Validate, mesh, draw, and see whether the supports can balance every combination; solve nothing."""
     with _messages(file):
         from signorini.analysis.check import check as checked
-        from signorini.analysis.check import require_free, require_picture
+        from signorini.analysis.check import pictures_of, require_free, require_picture
         from signorini.cli.tables import print_check
 
         model = signorini.load(file)
         picture = output if output is not None else file.with_name(f"{file.stem}-check.png")
         require_picture(picture)
-        if output is None:
-            require_free(picture)
+        for file_of_ours in pictures_of(model, picture) if output is None else ():
+            require_free(file_of_ours)
         result = checked(model)
-        result.save_picture(picture, nodes)
+        drawn = result.save_picture(picture, nodes)
         print_check(streams.stdout(), result)
-        streams.stdout().print(f"Drawn in {visible(picture)}")
+        streams.stdout().print(f"Drawn in {', '.join(map(visible, drawn))}")
         unbalanced = {resultant.name: resultant.message for resultant in result.resultants if resultant.message}
         _refuse(unbalanced, len(unbalanced))
 

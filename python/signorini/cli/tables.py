@@ -246,7 +246,8 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
         rows.add(_symbol(support, console), values.name, values.kind, reaction, *counts)
     if len(result.supports) > 1:
         rows.last_apart = True
-        total = sum(result.reaction for result in result.supports)
+        grounded = zip(result.model.support, result.supports, strict=True)
+        total = sum(one.reaction for support, one in grounded if support.between is None)
         closed = sum(result.closed_count for result in result.supports)
         opened = sum(result.open_count for result in result.supports)
         rows.add("", "all", "", number(total, load), str(closed), str(opened))

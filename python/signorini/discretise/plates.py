@@ -19,7 +19,7 @@ from signorini.discretise.loads import CaseLoad
 from signorini.discretise.placed import placed
 from signorini.discretise.points import ContactPoints, Springs
 from signorini.discretise.repeated import Repeated
-from signorini.discretise.rows import Floats, Further, Ints, Rows
+from signorini.discretise.rows import Further, Ints, Rows
 from signorini.discretise.sections import Sections
 from signorini.discretise.stressnodes import StressNodes
 from signorini.discretise.supports import Ground, between

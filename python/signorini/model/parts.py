@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
@@ -12,6 +13,7 @@ from signorini.errors import InputError, Place, unknown
 from signorini.model.base import Complaint, OnPlate
 from signorini.model.places import Arc, Area, Form
 from signorini.model.plate import MeshPlate, OutlinedPlate
+from signorini.model.problems import describe
 from signorini.model.support import Support
 from signorini.shapes.outlines import Contour
 
@@ -66,7 +68,8 @@ def _part(model: Model, name: str) -> Part:
     }
     tables["support"] = tuple(_seen_from(model, one, name) for one in tables["support"] if isinstance(one, Support))
     own = {key: getattr(plate, key) for key in ("mesh", "material") if getattr(plate, key) is not None}
-    alone = {"plate": plate, "plates": {}, "contact": ()}
+    title = ", ".join(part for part in (model.title, name) if part)
+    alone = {"plate": plate, "plates": {}, "contact": (), "title": title}
     return Part(
         name,
         model.model_copy(update={**tables, **own, **alone}),
@@ -149,6 +152,12 @@ def plate_complaints(model: Model) -> Iterator[Complaint]:
         for key in ("mesh", "material"):
             if getattr(model.plate, key) is not None:
                 yield ("plate", key), f"it is a table of its own: [{key}]."
+    for name in model.plates:
+        if not re.fullmatch(r"[A-Za-z0-9_-]{1,40}", name):
+            yield (
+                ("plates", name),
+                f"found the name {describe(name)}; files have it: take up to 40 letters, digits, - or _.",
+            )
     wrong = list(_of_tables(model))
     yield from wrong
     if len({plate.element for plate in model.plates.values()}) > 1:

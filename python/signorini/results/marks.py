@@ -203,8 +203,10 @@ def case_totals(discretisation: Discretisation) -> dict[str, str]:
     motions = discretisation.rigid_motions
     for case in dict.fromkeys(load.case for load in discretisation.model.load):
         weighing = discretisation.cases[case].weighing
-        total = weighing @ motions
-        force, *couple = np.where(np.abs(total) > NO_FORCE * (np.abs(weighing) @ np.abs(motions)), total, 0.0).tolist()
+        total, most = (
+            each.reshape(-1, 3).sum(axis=0) for each in (weighing @ motions, np.abs(weighing) @ np.abs(motions))
+        )
+        force, *couple = np.where(np.abs(total) > NO_FORCE * most, total, 0.0).tolist()
         if force:
             sums[case] = f"{plain(abs(force), 4)} {units.force}".rstrip() + (" up" if force < 0 else " down")
         elif any(couple):

@@ -243,11 +243,11 @@ class Result(Remade):
             """What plates have for each table of the model, in its order; of what is between two the upper one's."""
             result: dict[int, Any] = {}
             for one in each:
-                for number, value in zip(one.numbers[key], of(plates[one.name]), strict=True):
-                    between = key == "support" and discretisation.model.support[number].between
+                for which, value in zip(one.numbers[key], of(plates[one.name]), strict=True):
+                    between = key == "support" and discretisation.model.support[which].between
                     if not between or between[0] == one.name:
-                        result[number] = value
-            return tuple(result[number] for number in sorted(result))
+                        result[which] = value
+            return tuple(result[which] for which in sorted(result))
 
         nodes = discretisation.stress_nodes
         stress = np.empty((nodes.count, 5))

@@ -130,7 +130,8 @@ def describe(support: Support) -> str:
     if support.fix is not None:
         how = support.fix if isinstance(support.fix, str) else " ".join(support.fix) + " held"
         return f"{where}, {how}" + (", elastic" if support.modulus is not None else "")
-    parts = [where, MEANINGS[support.resists or "both"], "rigid" if support.modulus is None else "elastic"]
+    how = MEANINGS[support.resists or "both"] if support.between is None else f"between {' and '.join(support.between)}"
+    parts = [where, how, "rigid" if support.modulus is None else "elastic"]
     if not (support.gap.is_constant and support.gap.value == 0):
         parts.append("with gap")
     if support.can_yield:

@@ -35,6 +35,8 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
 
     Supports are there whether they act or not: that is known only when it is solved.
     """
+    if discretisation.plates:
+        return tuple(dict.fromkeys(one for plate in discretisation.plates for one in singularities(plate.own, cases)))
     acting = [case for case in discretisation.cases if cases is None or case in cases]
     return (
         *(one for case in acting for one in singularities_of(discretisation, case)),
