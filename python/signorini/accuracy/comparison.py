@@ -171,6 +171,12 @@ class Meshes:
         every = sorted([own, *others], key=lambda mesh: -len(mesh.elements))
         return cls(tuple(every), every.index(own), failed)
 
+    def of_plate(self, plate: int) -> Meshes:
+        """Those of one of several plates; of one alone its own."""
+        if not self.every[0].layers:
+            return self
+        return Meshes(tuple(mesh.layers[plate] for mesh in self.every), self.own, self.failed)
+
     @property
     def sizes(self) -> list[float]:
         """Mean sides of their elements."""

@@ -21,13 +21,15 @@ from signorini.base.arguments import watching
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.discretise import Discretisation, discretise
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import SignoriniError
 from signorini.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results.envelope import NONE
-from signorini.results.quantities import Number
+from signorini.results.of_plates import places_in_plates
+from signorini.results.quantities import Catalogue, Number
 from signorini.results.rows import Column, Layout
+from signorini.results.support_points import catalogue_of
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import Singularity
 
@@ -185,23 +187,40 @@ class _Rows:
         """
         told = [one for one in self.layout.catalogue if one.quantity.kind != "count"]
         numbers: list[Number] = [one for one in told if all(one.column in table for table in tables)]
-        out = np.empty((len(numbers), len(combinations)))
+        out = np.full((len(numbers), len(combinations)), np.nan)
         for first in range(0, len(combinations), _TOGETHER):
             rows = slice(first, first + _TOGETHER)
             values = np.array([[np.asarray(table[one.column])[rows] for one in numbers] for table in tables])
-            named = self._named(combinations[rows])
-            out[:, rows] = compared(values, numbers, self.meshes, self.layout.model, self.layout.probes, named)[0]
+            for at, plate in enumerate(self.discretisation.each):
+                mine, own = self._of_plate(at, numbers)
+                named, probes = self._named(plate, combinations[rows]), plate.probe_positions
+                told_by = compared(values[:, mine], own, self.meshes.of_plate(at), plate.model, probes, named)[0]
+                # Of an extreme over several plates the widest: any of them may have it.
+                out[mine, rows] = np.fmax(out[mine, rows], told_by)
         return {one.column + ENDING: width for one, width in zip(numbers, out, strict=True)}
 
-    def _named(self, combinations: Sequence[Combination]) -> list[tuple[Sequence[Singularity], Bools]]:
+    def _of_plate(self, plate: int, numbers: Sequence[Number]) -> tuple[Ints, list[Number]]:
+        """Which numbers (k,) are of one of several plates, and what they are there."""
+        if not self.discretisation.plates:
+            return np.arange(len(numbers)), list(numbers)
+        own = [catalogue_of(one, self.layout.fields).in_tables for one in self.discretisation.each]
+        places = places_in_plates(self.layout.model, Catalogue(tuple(numbers)), own)
+        pairs = [(row, own[plate].numbers[at]) for row, of in enumerate(places) for which, at in of if which == plate]
+        return np.array([row for row, _ in pairs], np.int64), [one for _, one in pairs]
+
+    @staticmethod
+    def _named(
+        discretisation: Discretisation, combinations: Sequence[Combination]
+    ) -> list[tuple[Sequence[Singularity], Bools]]:
         """Singularities of the supports, and of every load case with the rows in which it acts."""
         acting = [{case for case, factor in (one.factors or {}).items() if factor} for one in combinations]
         result: list[tuple[Sequence[Singularity], Bools]] = [
-            (singularities_of(self.discretisation), np.ones(len(acting), np.bool_))
+            (singularities_of(discretisation), np.ones(len(acting), np.bool_))
         ]
         for case in sorted(set().union(*acting)):
             where = np.array([case in cases for cases in acting], np.bool_)
-            result.append((singularities_of(self.discretisation, case), where))
+            if case in discretisation.cases:
+                result.append((singularities_of(discretisation, case), where))
         return result
 
 

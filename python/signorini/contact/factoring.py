@@ -109,7 +109,7 @@ def core_problem(
             room=None if math.isinf(free) else int(free),
         )
     except RuntimeError as error:
-        if discretisation.model.plate.element == "q8r":
+        if discretisation.zones.element == "q8r":
             raise InputError(
                 "q8r bends in some shapes without resistance, and on this mesh the supports do not hold them all. "
                 'Take element = "mitc9" or a finer mesh.',

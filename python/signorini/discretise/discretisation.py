@@ -204,6 +204,20 @@ class Discretisation(Remade):
         return np.asarray(forces / np.repeat(self.sections.per, 3))
 
     @cached_property
+    def cut_lengths(self) -> Floats:
+        """Length (s,) on the plate of each section and, behind them, of each station of a strip."""
+        if not self.plates:
+            return self.sections.lengths
+        result: dict[tuple[str, int], Floats] = {}
+        for plate in self.plates:
+            first = len(plate.own.model.section)
+            cut = plate.own.sections.lengths
+            ends = first + np.cumsum([0, *(strip.stations for strip in plate.own.model.strip)])
+            result |= {("section", at): cut[i : i + 1] for i, at in enumerate(plate.numbers["section"])}
+            result |= {("strip", at): cut[ends[i] : ends[i + 1]] for i, at in enumerate(plate.numbers["strip"])}
+        return np.concatenate([np.zeros(0), *(result[key] for key in sorted(result))])
+
+    @cached_property
     def _reactions_through(self) -> tuple[csr_array, csr_array]:
         """What reactions of ``points`` (3s, m + r) and of springs (3s, k) do at sections."""
         of = self.sections.of_supports

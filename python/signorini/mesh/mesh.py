@@ -89,6 +89,8 @@ class Mesh(Remade):
     points: Floats
     elements: Ints
     edges: Mapping[str, Ints]
+    layers: tuple[Mesh, ...] = ()
+    """The meshes of several plates that this one is put together of, see `layered`."""
 
     def __post_init__(self) -> None:
         """Copy the arrays, make them read-only and check the mesh."""
@@ -136,7 +138,8 @@ class Mesh(Remade):
         elements = [mesh.elements + first for mesh, first in zip(meshes, nodes, strict=False)]
         result = object.__new__(cls)
         points = np.concatenate([mesh.points for mesh in meshes])
-        result.__setstate__({"points": points, "elements": np.concatenate(elements), "edges": {}})
+        state = {"points": points, "elements": np.concatenate(elements), "edges": {}, "layers": tuple(meshes)}
+        result.__setstate__(state)
         return result
 
     def __getstate__(self) -> dict[str, Any]:

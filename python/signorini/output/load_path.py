@@ -83,20 +83,21 @@ def _half_widths(path: LoadPath, estimate: PathEstimate) -> dict[str, Any]:
 
 
 def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
-    discretisation = path.discretisation
+    discretisation, model = path.discretisation, path.model
+    supports = [{"name": support.name, "contact_area": None, "max_pressure": None} for support in model.support]
+    first = len(supports) - len(model.contact)
     tree: dict[str, Any] = {
         "t": stop.t,
         "deflection": {"max_at": list(stop.largest_at), "min_at": list(stop.smallest_at)},
-        "supports": [
-            {"name": support.name, "contact_area": None, "max_pressure": None} for support in path.model.support
-        ],
-        "probes": [{"at": at} for at in discretisation.probe_positions.tolist()],
+        "supports": supports[:first],
+        **({"contacts": supports[first:]} if model.plates else {}),
+        "probes": [{"at": list(at)} for probe in model.probe for at in probe.at],
         **line_places(*section_results(discretisation, stop.through)),
     }
     for one in stop.catalogue:
         if one.home == "point" and one.what == "reaction":
             at = SupportPoints.of(discretisation, one.owner).positions[one.part].tolist()
-            tree["supports"][one.owner].setdefault("points", []).append({"at": at})
+            supports[one.owner].setdefault("points", []).append({"at": at})
     return put(tree, stop.catalogue, stop.values)
 
 

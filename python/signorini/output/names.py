@@ -88,7 +88,7 @@ def expected_names(model: Model) -> Iterator[str]:
 
 def envelope_files(results: Results) -> dict[str, str]:
     """Name the files of the envelopes by group, that of all combinations by no name; a group of all has no other."""
-    if not (results.model.tabulated and results.envelope.fields):
+    if results.model.plates or not (results.model.tabulated and results.envelope.fields):
         return {}
     groups = ("", *_parts(results.model))
     result = zip(groups, unique_slugs(_envelopes(results.model)), strict=True)

@@ -280,7 +280,7 @@ def section_results(
     discretisation: Discretisation, through: Floats
 ) -> tuple[tuple[SectionResult, ...], tuple[StripResult, ...]]:
     """Give sections and strips what `Discretisation.through` says (3s,)."""
-    lengths = discretisation.sections.lengths.tolist()
+    lengths = discretisation.cut_lengths.tolist()
     values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=True))
     sections = tuple(SectionResult(section.name, *next(values)) for section in discretisation.model.section)
     strips = []

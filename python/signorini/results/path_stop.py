@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -14,6 +14,7 @@ from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints, Pieces
 from signorini.results.extremes import peak
+from signorini.results.of_plates import places_in_plates
 from signorini.results.quantities import SIDES, Catalogue, Home
 from signorini.results.support_points import SupportPoints, catalogue_of, closed_part
 from signorini.results.support_result import area_at_rest
@@ -148,25 +149,12 @@ def path_stops(
 
     ``imbalance`` (k, 3n) are their residuals, of plate and springs alone, where they are known.
     """
-    hi, lo = np.array([answer.hi for answer in answers]), np.array([answer.lo for answer in answers])
-    imbalance = imbalances(discretisation, loads, hi, lo) if imbalance is None else imbalance
-    catalogue, deflection = numbers_at_stops(discretisation), (hi + lo)[:, ::3]
-    works = np.array([load.nodal for load in loads]) * (hi + lo)
-    pull = discretisation.spring_forces(hi, lo)
-    numbers = np.full((len(answers), len(catalogue)), np.nan)
-    _put_supports(discretisation, catalogue, numbers, imbalance, pull, deflection, answers)
-    values = discretisation.mesh.shape_functions(discretisation.probes.elements, discretisation.probes.xi)
-    at_probes = np.einsum(
-        "qi,kqi->kq", values, deflection[:, discretisation.mesh.elements[discretisation.probes.elements]]
-    )
-    numbers[:, catalogue.at("probe", "deflection")] = at_probes
-    numbers[:, catalogue.at("field", *SIDES)] = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)[
-        :, None
-    ]
+    catalogue = numbers_at_stops(discretisation)
+    numbers = _numbers(discretisation, catalogue, loads, answers, imbalance, {})
+    deflection = np.array([(answer.hi + answer.lo)[::3] for answer in answers])
+    works = np.array([load.nodal * (answer.hi + answer.lo) for load, answer in zip(loads, answers, strict=True)])
     stops = []
-    for row, (t, load, answer) in enumerate(zip(at, loads, answers, strict=True)):
-        through = discretisation.through(load, answer.hi, answer.lo, answer.shared, pull[row])
-        catalogue.put_through(numbers[row], through)
+    for row, (t, answer) in enumerate(zip(at, answers, strict=True)):
         extremes = [peak(sign * deflection[row], discretisation.mesh.points) for sign in (1.0, -1.0)]
         most, least = [(float(x), float(y)) for x, y in discretisation.mesh.points[extremes]]
         stops.append(
@@ -187,6 +175,53 @@ def path_stops(
     return stops
 
 
+def _numbers(
+    discretisation: Discretisation,
+    catalogue: Catalogue,
+    loads: Sequence[CaseLoad],
+    answers: Sequence[Answer],
+    imbalance: Floats | None,
+    beneath: Mapping[int, Floats],
+) -> Floats:
+    """The numbers of the catalogue in every answer (k, n); ``beneath`` are other plates' deflections (k, n)."""
+    if discretisation.plates:
+        return _of_plates(discretisation, catalogue, loads, answers)
+    hi, lo = np.array([answer.hi for answer in answers]), np.array([answer.lo for answer in answers])
+    imbalance = imbalances(discretisation, loads, hi, lo) if imbalance is None else imbalance
+    deflection, pull = (hi + lo)[:, ::3], discretisation.spring_forces(hi, lo)
+    numbers = np.full((len(answers), len(catalogue)), np.nan)
+    _put_supports(discretisation, catalogue, numbers, imbalance, pull, deflection, answers, beneath)
+    values = discretisation.mesh.shape_functions(discretisation.probes.elements, discretisation.probes.xi)
+    at_probes = np.einsum(
+        "qi,kqi->kq", values, deflection[:, discretisation.mesh.elements[discretisation.probes.elements]]
+    )
+    numbers[:, catalogue.at("probe", "deflection")] = at_probes
+    ends = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)
+    numbers[:, catalogue.at("field", *SIDES)] = ends[:, None]
+    for row, (load, answer) in enumerate(zip(loads, answers, strict=True)):
+        through = discretisation.through(load, answer.hi, answer.lo, answer.shared, pull[row])
+        catalogue.put_through(numbers[row], through)
+    return numbers
+
+
+def _of_plates(
+    discretisation: Discretisation, catalogue: Catalogue, loads: Sequence[CaseLoad], answers: Sequence[Answer]
+) -> Floats:
+    """Those of several plates, from each of them."""
+    own, each = [catalogue_of(one, ("deflection",)).along_paths for one in discretisation.each], list[Floats]()
+    deflections = [np.array([(one.hi + one.lo)[plate.dofs][::3] for one in answers]) for plate in discretisation.plates]
+    for at, plate in enumerate(discretisation.plates):
+        beneath = {which: (matrix @ deflections[other].T).T for which, (other, matrix) in plate.beneath.items()}
+        on = [load.plates[at] for load in loads], [answer.on(plate) for answer in answers]
+        each.append(_numbers(plate.own, own[at], *on, None, beneath))
+    result = np.empty((len(answers), len(catalogue)))
+    for place, of in enumerate(places_in_plates(discretisation.model, catalogue, own)):
+        values = [each[plate][:, number] for plate, number in of]
+        smallest = catalogue.numbers[place].what == "min"
+        result[:, place] = np.min(values, axis=0) if smallest else np.max(values, axis=0)
+    return result
+
+
 def _put_supports(
     discretisation: Discretisation,
     catalogue: Catalogue,
@@ -195,6 +230,7 @@ def _put_supports(
     pull: Floats,
     deflection: Floats,
     answers: Sequence[Answer],
+    beneath: Mapping[int, Floats],
 ) -> None:
     """Fill in what supports and their points do in every answer (k, n)."""
     shared, all_closed = np.array([one.shared for one in answers]), np.array([one.closed for one in answers])
@@ -208,9 +244,9 @@ def _put_supports(
         reactions, closed = points.forces(fixed, shared), points.closed(all_closed)
         contact = np.full(len(answers), np.nan)
         if support.area is not None:
-            at_rest = area_at_rest(discretisation, index)
-            contact = at_rest.contact_areas(deflection, closed)
-            pressures = at_rest.measured(deflection[:, at_rest.on_nodes], reactions)
+            at_rest, above = area_at_rest(discretisation, index), deflection - beneath.get(index, 0.0)
+            contact = at_rest.contact_areas(above, closed)
+            pressures = at_rest.measured(above[:, at_rest.on_nodes], reactions)
             most = np.fmax.reduce(pressures, axis=1, initial=0.0)
             at = catalogue.at("support", "contact_area", "max_pressure")[areas.index(index)]
             numbers[:, at] = np.stack([contact, most], axis=1)

@@ -47,6 +47,9 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
 @kept
 def singularities_of(discretisation: Discretisation, case: str | None = None) -> tuple[Singularity, ...]:
     """Name those of one load case alone; of none those that are always there."""
+    if discretisation.plates:
+        each = [singularities_of(plate.own, case) for plate in discretisation.plates]
+        return tuple(dict.fromkeys(one for of in each for one in of))
     if case is not None:
         return _measured(discretisation, _of_loads(discretisation, case))
     always = *_of_supports(discretisation), *_of_corners(discretisation), *_of_zones(discretisation)
