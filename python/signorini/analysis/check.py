@@ -26,7 +26,7 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from signorini.plot.pictures import Figure
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Several plates as one: each by itself first, then all in one table of nodes and elements, and what is between them."""
+"""Several plates: each by itself first, then all in one table of nodes and elements, and what is between them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from signorini import _core
 from signorini.base.arguments import made_by
 from signorini.discretise.discretisation import Discretisation, OfWhole, discretise_plate, plate_of
 from signorini.discretise.held import Bodies, Held
-from signorini.discretise.loads import CaseLoad
+from signorini.discretise.loads import CaseLoad, Cases
 from signorini.discretise.placed import placed
 from signorini.discretise.points import ContactPoints, Springs
 from signorini.discretise.repeated import Repeated
@@ -58,7 +58,7 @@ def _advice(given: object) -> str:
             return "Make one with signorini.Model(...) or signorini.load(file)."
 
 
-def _by_itself(part: Part) -> Discretisation:
+def _by_itself(part: Part[Model]) -> Discretisation:
     """A plate by itself; what is wrong with it is placed where it stands in the whole model."""
     try:
         return discretise_plate(part.model)
@@ -76,7 +76,9 @@ class _Joint:
     points: ContactPoints
 
 
-def _between(model: Model, parts: Sequence[Part], each: Sequence[Discretisation], problems: Problems) -> list[_Joint]:
+def _between(
+    model: Model, parts: Sequence[Part[Model]], each: Sequence[Discretisation], problems: Problems
+) -> list[_Joint]:
     grounds = [Ground(one.model.plate, one.mesh, one.plate, one.held, one.plate_stiffness) for one in each]
     names = [part.name for part in parts]
     at = [placed(one.model, one.mesh, problems, between=True) for one in each]
@@ -94,7 +96,7 @@ def _between(model: Model, parts: Sequence[Part], each: Sequence[Discretisation]
 
 
 def _joined(
-    model: Model, parts: Sequence[Part], each: Sequence[Discretisation], joints: Sequence[_Joint]
+    model: Model, parts: Sequence[Part[Model]], each: Sequence[Discretisation], joints: Sequence[_Joint]
 ) -> Discretisation:
     mesh = Mesh.layered([one.mesh for one in each])
     nodes, elements = (
@@ -102,11 +104,12 @@ def _joined(
         for counts in ([one.mesh.node_count for one in each], [len(one.mesh.elements) for one in each])
     )
     supports = [np.array(part.numbers["support"], np.int64) for part in parts]
-    springs = [_moved(one.springs, first, own) for one, first, own in zip(each, elements, supports, strict=False)]
-    own = [_moved(one.contacts, first, of) for one, first, of in zip(each, elements, supports, strict=False)]
-    repeated = [
-        _moved(one.repeated.points, first, of) for one, first, of in zip(each, elements, supports, strict=False)
+    springs = [
+        _moved(one.springs, first, of) for one, first, of in zip(each, elements.tolist(), supports, strict=False)
     ]
+    at = list(zip(each, elements.tolist(), supports, strict=False))
+    own = [_shared(_moved(one.contacts, first, of), first) for one, first, of in at]
+    repeated = [_shared(_moved(one.repeated.points, first, of), first) for one, first, of in at]
     between = [_over_both(one, elements) for one in joints]
     contacts = ContactPoints.join([*own, *between]) if joints else ContactPoints.join(own)
     again = ContactPoints.join(repeated)
@@ -144,12 +147,13 @@ def _moved(table: _Table, first: int, supports: Ints) -> _Table:
     """A plate's springs or points among those of all, whose elements begin with the first one."""
     rows, further = table.rows, table.rows.further
     beyond = Further(further.owners, further.elements + first, further.coefficients)
-    result = replace(
-        table, rows=Rows(rows.elements + first, rows.coefficients, beyond), support=supports[table.support]
-    )
-    if isinstance(result, ContactPoints):
-        result = replace(result, shared=np.where(result.shared >= 0, result.shared + first, -1))
-    return result
+    moved = Rows(rows.elements + first, rows.coefficients, beyond)
+    return replace(table, rows=moved, support=supports[table.support])
+
+
+def _shared(points: ContactPoints, first: int) -> ContactPoints:
+    """The same of points that stand for parts of elements."""
+    return replace(points, shared=np.where(points.shared >= 0, points.shared + first, -1))
 
 
 def _over_both(joint: _Joint, first: Ints) -> ContactPoints:
@@ -157,7 +161,7 @@ def _over_both(joint: _Joint, first: Ints) -> ContactPoints:
     points, further = joint.points, joint.points.rows.further
     beyond = Further(further.owners, further.elements + first[joint.lower], further.coefficients)
     rows = Rows(points.rows.elements + first[joint.upper], points.rows.coefficients, beyond)
-    return replace(points, rows=rows, shared=np.where(points.shared >= 0, points.shared + first[joint.upper], -1))
+    return _shared(replace(points, rows=rows), int(first[joint.upper]))
 
 
 def _held(each: Sequence[Held], nodes: Ints, supports: Sequence[Ints], mesh: Mesh) -> Held:
@@ -233,7 +237,7 @@ def _plate_stiffness(each: Sequence[PlateStiffness]) -> PlateStiffness:
     return PlateStiffness(*(np.concatenate([getattr(one, key) for one in each]) for key in ("in_waves", "in_shear")))
 
 
-class CasesOfPlates(Mapping[str, CaseLoad]):
+class CasesOfPlates(Cases):
     """Load cases by name, on all plates."""
 
     def __init__(self, each: Sequence[Discretisation]) -> None:
@@ -254,9 +258,18 @@ class CasesOfPlates(Mapping[str, CaseLoad]):
         """Count the cases."""
         return len(self._names)
 
+    def partly_off(self) -> Iterator[tuple[str, str, int, float]]:
+        """Where wheels' prints are partly off a plate."""
+        for one in self._each:
+            yield from one.cases.partly_off()
+
 
 def _of_whole(
-    parts: Sequence[Part], each: Sequence[Discretisation], joints: Sequence[_Joint], at: int, whole: Discretisation
+    parts: Sequence[Part[Model]],
+    each: Sequence[Discretisation],
+    joints: Sequence[_Joint],
+    at: int,
+    whole: Discretisation,
 ) -> OfWhole:
     """A plate with what acts between it and others, as its own support, among the arrays of all."""
     one, numbers = each[at], parts[at].numbers["support"]

@@ -52,11 +52,11 @@ class RigidFreedom:
     """What the bilateral supports leave free.
 
     ``motions`` (3p, d) are a basis of the free rigid motions of p plates, of each as w and the slopes times the size of
-    all, about their middle; ``moves`` (m, d) how each contact point's row changes with them, two-sided points being among the bilateral
-    supports. The ``outline`` of one-sided supports decides whether the plate can be balanced, their contact points
-    ``on_mesh`` whether the mesh can show it. K is ``regular`` where held dofs and springs alone hold the plate;
-    ``unheld`` (3p, h) are motions that held dofs alone leave free. ``of_springs`` (s, 3p) and ``at_contacts`` (m, 3p)
-    is what springs and contact points do in all motions.
+    all, about their middle; ``moves`` (m, d) how each contact point's row changes with them, two-sided points being
+    among the bilateral supports. The ``outline`` of one-sided supports decides whether the plate can be balanced, their
+    contact points ``on_mesh`` whether the mesh can show it. K is ``regular`` where held dofs and springs alone hold the
+    plate; ``unheld`` (3p, h) are motions that held dofs alone leave free. ``of_springs`` (s, 3p) and ``at_contacts``
+    (m, 3p) is what springs and contact points do in all motions.
     """
 
     motions: Floats

@@ -279,6 +279,8 @@ def _least_holding(
         return None if least is None else total * float(least[0])
     # So little is within what the program lets pass: it is told by the motions that the load would win.
     rays = allowed_motions(freedom.outline)
+    if rays is None:
+        return None
     needed, helped = rays @ resultant / total, -(rays @ extra)
     helping = (helped > RANK) & (needed > 0.0)
     return total * float((needed[helping] / helped[helping]).max()) if helping.any() else None

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
 
 from signorini._core import map_points, nodal_forces, serendipity, shape_values, triangular
 from signorini.base.remade import Brief, Remade
@@ -315,7 +314,8 @@ class Mesh(Remade):
         elements, xi = where.elements.copy(), where.xi.copy()
         beside, side = np.nonzero(self.on_boundary)
         middles = self.points[self.sides[beside, side, 1]]
-        elements[off] = beside[cKDTree(middles).query(points[off])[1]]
+        for at in off.tolist():
+            elements[at] = beside[((middles - points[at]) ** 2).sum(axis=1).argmin()]
         xi[off] = self.invert(elements[off], points[off])
         return Location(elements, xi)
 

@@ -5,21 +5,26 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
-
-import shapely
+from typing import Generic, Literal, Protocol, Self, TypeVar
 
 from signorini.errors import InputError, Place, unknown
 from signorini.model.base import Complaint, OnPlate
+from signorini.model.material import Material
 from signorini.model.places import Arc, Area, Form
-from signorini.model.plate import MeshPlate, OutlinedPlate
+from signorini.model.plate import (
+    AnnulusPlate,
+    DiscPlate,
+    MeshOptions,
+    MeshPlate,
+    OutlinedPlate,
+    PolygonPlate,
+    RectanglePlate,
+)
 from signorini.model.problems import describe
 from signorini.model.support import Support
 from signorini.shapes.outlines import Contour
 
-if TYPE_CHECKING:
-    from signorini.model.whole import Model
-
+Plate = RectanglePlate | DiscPlate | AnnulusPlate | PolygonPlate | MeshPlate
 ON_PLATES = ("zone", "support", "load", "moving", "probe", "section", "strip", "profile")
 """Tables of what is on one plate."""
 _ALIKE = 1e-9
@@ -27,15 +32,60 @@ _ALIKE = 1e-9
 _TURNED: Mapping[str | None, Literal["down", "up"]] = {"down": "up", "up": "down"}
 
 
+class Whole(Protocol):
+    """What a model of plates has."""
+
+    @property
+    def title(self) -> str:
+        """Its title."""
+
+    @property
+    def plate(self) -> Plate:
+        """Its plate, if it has one."""
+
+    @property
+    def plates(self) -> Mapping[str, Plate]:
+        """Several plates by name."""
+
+    @property
+    def mesh(self) -> MeshOptions:
+        """How finely plates are meshed that do not say it."""
+
+    @property
+    def material(self) -> Material:
+        """What plates are of that do not say it."""
+
+    @property
+    def support(self) -> tuple[Support, ...]:
+        """Supports, and behind them contacts."""
+
+    @property
+    def contact(self) -> tuple[Support, ...]:
+        """Contacts between plates."""
+
+    @property
+    def effective_combinations(self) -> object:
+        """Every combination."""
+
+    def model_copy(self, *, update: Mapping[str, object] | None = None, deep: bool = False) -> Self:
+        """A copy with other tables."""
+
+    def complaints_of_plate(self) -> Iterator[Complaint]:
+        """What is wrong with a plate and what is on it."""
+
+
+M = TypeVar("M", bound=Whole)
+
+
 @dataclass(frozen=True)
-class Part:
+class Part(Generic[M]):
     """One of several plates: a model of its own, whose supports are those of the plate and those between it and others.
 
     ``numbers`` say which of the whole model's tables its own are, by key; ``own`` names those that stand in the plate.
     """
 
     name: str
-    model: Model
+    model: M
     own: tuple[str, ...]
     numbers: Mapping[str, tuple[int, ...]]
     first_contact: int
@@ -51,14 +101,14 @@ class Part:
         return place
 
 
-def parts_of(model: Model) -> tuple[Part, ...]:
+def parts_of(model: M) -> tuple[Part[M], ...]:
     """The plates of a model, each by itself; none where there is one plate alone."""
     # Combinations name the cases of all plates; a copy keeps what is computed of them.
     _ = model.effective_combinations if model.plates else None
     return tuple(_part(model, name) for name in model.plates)
 
 
-def _part(model: Model, name: str) -> Part:
+def _part(model: M, name: str) -> Part[M]:
     plate = model.plates[name]
     numbers = {
         key: tuple(at for at, one in enumerate(getattr(model, key)) if name in _plates_of(one)) for key in ON_PLATES
@@ -69,7 +119,7 @@ def _part(model: Model, name: str) -> Part:
     tables["support"] = tuple(_seen_from(model, one, name) for one in tables["support"] if isinstance(one, Support))
     own = {key: getattr(plate, key) for key in ("mesh", "material") if getattr(plate, key) is not None}
     title = ", ".join(part for part in (model.title, name) if part)
-    alone = {"plate": plate, "plates": {}, "contact": (), "title": title}
+    alone: dict[str, object] = {"plate": plate, "plates": {}, "contact": (), "title": title}
     return Part(
         name,
         model.model_copy(update={**tables, **own, **alone}),
@@ -86,7 +136,7 @@ def _plates_of(one: OnPlate) -> tuple[str, ...]:
     return () if one.plate is None else (one.plate,)
 
 
-def _seen_from(model: Model, support: Support, name: str) -> Support:
+def _seen_from(model: Whole, support: Support, name: str) -> Support:
     """A support as one of its plates has it: one between two plates acts on the lower one the other way."""
     if support.between is None:
         return support
@@ -96,7 +146,7 @@ def _seen_from(model: Model, support: Support, name: str) -> Support:
     return support.model_copy(update={"area": area, "resists": resists})
 
 
-def _shared(model: Model, name: str, other: str) -> Area | Literal["all"]:
+def _shared(model: Whole, name: str, other: str) -> Area | Literal["all"]:
     """The area that a plate shares with another: "all" if that is all of it."""
     both = [model.plates[one] for one in (name, other)]
     if any(isinstance(one, MeshPlate) for one in both):
@@ -104,9 +154,15 @@ def _shared(model: Model, name: str, other: str) -> Area | Literal["all"]:
             f'found "all" between plates of which one is read from a file ("{name}" or "{other}"). Say where they are '
             "on one another, with a rectangle, a circle or a polygon."
         )
+    # Only several plates need shapely.
+    import shapely
+
     own, beside = both
     assert isinstance(own, OutlinedPlate) and isinstance(beside, OutlinedPlate)
-    mine, theirs = _polygon(own), _polygon(beside)
+    mine, theirs = (
+        shapely.Polygon(outline, holes)
+        for outline, *holes in ([contour.points() for contour in one.contours] for one in (own, beside))
+    )
     shared = shapely.intersection(mine, theirs)
     slack = _ALIKE * mine.area
     pieces = [one for one in shapely.get_parts(shared) if shapely.area(one) > slack]
@@ -127,11 +183,6 @@ def _shared(model: Model, name: str, other: str) -> Area | Literal["all"]:
     return Area(polygon=rings[0], holes=tuple(Form(polygon=ring) for ring in rings[1:]))
 
 
-def _polygon(plate: OutlinedPlate) -> shapely.Polygon:
-    outline, *holes = (contour.points() for contour in plate.contours)
-    return shapely.Polygon(outline, holes)
-
-
 def _corners(contour: Contour) -> tuple[tuple[float, float] | Arc, ...]:
     """The corners of an outline as a polygon has them."""
     ends = [after if through is None else Arc(through=through, to=after) for _, through, after in contour.sides]
@@ -139,7 +190,7 @@ def _corners(contour: Contour) -> tuple[tuple[float, float] | Arc, ...]:
     return (contour.corners[0], *(ends if isinstance(ends[-1], Arc) else ends[:-1]))
 
 
-def plate_complaints(model: Model) -> Iterator[Complaint]:
+def plate_complaints(model: Whole) -> Iterator[Complaint]:
     """What is wrong with where tables say they are, and with each plate by itself."""
     given = bool(model.plates)
     if given == (model.plate is not None):
@@ -175,10 +226,10 @@ def plate_complaints(model: Model) -> Iterator[Complaint]:
                 yield (*_place_of(index, first), "area"), error.message
                 return
     for part in parts_of(model):
-        yield from ((part.place(path), message) for path, message in part.model._complaints_of_plate())
+        yield from ((part.place(path), message) for path, message in part.model.complaints_of_plate())
 
 
-def _of_tables(model: Model) -> Iterator[Complaint]:
+def _of_tables(model: Whole) -> Iterator[Complaint]:
     """Tables that name no plate where they have to, or one that is not there."""
     first = len(model.support) - len(model.contact)
     for key in ON_PLATES:

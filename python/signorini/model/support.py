@@ -158,7 +158,7 @@ class Support(Acting, base.Named):
     )
     between: Between | None = Field(
         default=None,
-        description='["upper", "lower"]: it acts between these two plates; resists is then how it acts on the upper one.',
+        description='["upper", "lower"]: it acts between these two plates; resists says how on the upper one.',
     )
     rotation: base.Rotation | None = Field(
         default=None,

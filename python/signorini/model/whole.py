@@ -117,7 +117,7 @@ class Model(Table):
         return tuple(one for one in supports if not isinstance(one, Contact))
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Part[Model], ...]:
         """Several plates, each by itself; of one plate none."""
         return parts_of(self)
 
@@ -197,11 +197,11 @@ class Model(Table):
             yield from _repeated(key, [table.name for table in getattr(self, key)])
         yield from plate_complaints(self)
         if self.plate is not None:
-            yield from self._complaints_of_plate()
+            yield from self.complaints_of_plate()
         yield from self._moving_complaints()
         yield from self._combination_complaints()
 
-    def _complaints_of_plate(self) -> Iterator[Complaint]:
+    def complaints_of_plate(self) -> Iterator[Complaint]:
         """What is wrong with a plate and what is on it."""
         yield from self._mesh_complaints()
         yield from self._edge_complaints()

@@ -84,7 +84,9 @@ def _half_widths(path: LoadPath, estimate: PathEstimate) -> dict[str, Any]:
 
 def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
     discretisation, model = path.discretisation, path.model
-    supports = [{"name": support.name, "contact_area": None, "max_pressure": None} for support in model.support]
+    supports: list[dict[str, Any]] = [
+        {"name": support.name, "contact_area": None, "max_pressure": None} for support in model.support
+    ]
     first = len(supports) - len(model.contact)
     tree: dict[str, Any] = {
         "t": stop.t,
