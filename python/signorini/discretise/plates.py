@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TypeVar
@@ -39,8 +40,8 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     parts, problems = model.parts, Problems()
     each: list[Discretisation] = []
     for part in parts:
-        with problems.collected():
-            each.append(_by_itself(part))
+        with _told(part, problems):
+            each.append(discretise_plate(part.model))
     problems.tell()
     joints = _between(model, parts, each, problems)
     problems.tell()
@@ -58,12 +59,17 @@ def _advice(given: object) -> str:
             return "Make one with signorini.Model(...) or signorini.load(file)."
 
 
-def _by_itself(part: Part[Model]) -> Discretisation:
-    """A plate by itself; what is wrong with it is placed where it stands in the whole model."""
-    try:
-        return discretise_plate(part.model)
-    except InputError as error:
-        raise error.moved(part.place) from None
+@contextmanager
+def _told(part: Part[Model], problems: Problems) -> Iterator[Problems]:
+    """Collect what is wrong with a plate, and tell it where it stands in the whole model."""
+    own = Problems()
+    with problems.collected():
+        try:
+            with own.collected():
+                yield own
+            own.tell()
+        except InputError as error:
+            raise error.moved(part.place) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +87,10 @@ def _between(
 ) -> list[_Joint]:
     grounds = [Ground(one.model.plate, one.mesh, one.plate, one.held, one.plate_stiffness) for one in each]
     names = [part.name for part in parts]
-    at = [placed(one.model, one.mesh, problems, between=True) for one in each]
+    at = []
+    for part, one in zip(parts, each, strict=True):
+        with _told(part, problems) as own_problems:
+            at.append(placed(one.model, one.mesh, own_problems, between=True))
     problems.tell()
     result = []
     for index, support in enumerate(model.support):
@@ -90,7 +99,9 @@ def _between(
         upper, lower = map(names.index, support.between)
         own = parts[upper].numbers["support"].index(index)
         mine = [one for one in at[upper] if one.index == own]
-        points = between(replace(grounds[upper], beneath=grounds[lower]), mine, problems)
+        points = ContactPoints.none()
+        with _told(parts[upper], problems) as own_problems:
+            points = between(replace(grounds[upper], beneath=grounds[lower]), mine, own_problems)
         result.append(_Joint(index, upper, lower, replace(points, support=np.full(len(points), index))))
     return result
 

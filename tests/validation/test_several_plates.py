@@ -1,0 +1,278 @@
+"""Several plates: how two share a load, lift off each other and tip on one another, against statics and closed forms."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+from signorini import InputError, Model, NoEquilibriumError, estimate, path, solve, write
+
+STEEL: dict[str, Any] = {"E": 210e9, "nu": 0.0}
+SQUARE: dict[str, Any] = {"shape": "rectangle", "size": [4, 4]}
+EDGES = ["left", "right", "top", "bottom"]
+
+
+def strip(thickness: float, divisions: tuple[int, int] = (32, 1), **more: object) -> dict[str, Any]:
+    """A plate strip 4 long and 0.5 wide."""
+    mesh = {"divisions": divisions}
+    return {"shape": "rectangle", "size": [4, 0.5], "thickness": thickness, "mesh": mesh, **more}
+
+
+def rigid(plate: str, box: list[float]) -> dict[str, Any]:
+    """A zone that makes all of a plate rigid."""
+    return {"plate": plate, "area": {"rectangle": box}, "rigid": True}
+
+
+def two_squares(thick: float, thin: float, loaded: str, divisions: tuple[int, int] = (8, 8)) -> Model:
+    """Two simply supported squares of one outline that touch."""
+    plates = {
+        "upper": {**SQUARE, "thickness": thick, "mesh": {"divisions": [8, 8]}},
+        "lower": {**SQUARE, "thickness": thin, "mesh": {"divisions": divisions}},
+    }
+    return Model(
+        material=STEEL,
+        plates=plates,
+        support=[{"plate": name, "edge": EDGES, "fix": "hard"} for name in plates],
+        contact=[{"name": "touching", "between": ["upper", "lower"], "area": "all"}],
+        load=[{"plate": loaded, "pressure": 1e3}],
+    )
+
+
+@pytest.mark.parametrize("divisions", [(8, 8), (7, 9)])
+def test_touching_plates_share_a_load_as_their_bending_stiffnesses(divisions):
+    """Of one outline, support and deflection: the lower one carries D₂ / (D₁ + D₂) of the load."""
+    thick, thin = 0.04, 0.02
+    result = solve(two_squares(thick, thin, "upper", divisions))["all"]
+    part = thin**3 / (thick**3 + thin**3)
+    alone = Model(
+        material=STEEL,
+        plate={**SQUARE, "thickness": thick},
+        mesh={"divisions": [8, 8]},
+        support=[{"edge": EDGES, "fix": "hard"}],
+        load=[{"pressure": 1e3}],
+    )
+    deflection = solve(alone)["all"].deflection.max()
+    assert result.plates["upper"].deflection.max() == pytest.approx((1.0 - part) * deflection, rel=1e-3)
+    if divisions == (8, 8):
+        assert result.reactions["touching"] == pytest.approx(part * 16e3, rel=2e-3)
+
+
+def test_a_load_on_the_lower_plate_leaves_no_force_between_them():
+    result = solve(two_squares(0.04, 0.02, "lower"))["all"]
+    assert result.reactions["touching"] == 0.0
+    assert not result.plates["upper"].deflection.any()
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_stacked_cantilevers_touch_at_the_tip_alone_and_share_its_load(way):
+    """Under a load at the tip both bend alike, so that P D₂ / (D₁ + D₂) passes there; pulled up, nothing does."""
+    thick, thin = 0.05, 0.04
+    model = Model(
+        material=STEEL,
+        plates={"upper": strip(thick), "lower": strip(thin)},
+        support=[{"plate": name, "edge": "left", "fix": "clamped"} for name in ("upper", "lower")],
+        contact=[{"name": "tip", "between": ["upper", "lower"], "line": [[4, 0], [4, 0.5]]}],
+        load=[{"plate": "upper", "line_load": way * 1e3, "edge": "right"}],
+    )
+    result = solve(model)["all"]
+    part = thin**3 / (thick**3 + thin**3) if way > 0 else 0.0
+    assert result.reactions["tip"] == pytest.approx(part * 500.0, rel=1e-3)
+    rigidity = 210e9 * (thick**3 + (thin**3 if way > 0 else 0.0)) / 12
+    tip = result.plates["upper"].probe([4, 0.25])[0].deflection
+    assert tip == pytest.approx(way * 1e3 * 4**3 / (3 * rigidity), rel=2e-3)
+
+
+def test_a_plate_on_a_rigid_one_is_a_plate_on_a_bed():
+    """To the last digits: the same points, whatever the mesh of the rigid plate."""
+    loads = [{"pressure": 1e3}, {"force": 5e4, "at": [0.5, 0.5]}]
+    upper = {**SQUARE, "thickness": 0.2, "mesh": {"divisions": [8, 8]}}
+    lower = {"shape": "rectangle", "size": [6, 6], "origin": [-1, -1], "thickness": 0.5, "mesh": {"divisions": [5, 4]}}
+    layer = {"area": "all", "stiffness": 1e8, "gap": 1e-4}
+    model = Model(
+        material=STEEL,
+        plates={"upper": upper, "lower": lower},
+        zone=[rigid("lower", [-1, -1, 5, 5])],
+        support=[{"plate": "lower", "at": [[-1, -1], [5, -1], [0, 5]], "fix": "simple"}],
+        contact=[{"name": "layer", "between": ["upper", "lower"], **layer}],
+        load=[{"plate": "upper", **load} for load in loads],
+    )
+    bed = {"name": "layer", "resists": "down", **layer}
+    alone = Model(
+        material=STEEL,
+        plate={**SQUARE, "thickness": 0.2},
+        mesh={"divisions": [8, 8]},
+        support=[bed],
+        load=loads,
+    )
+    both, one = solve(model)["all"], solve(alone)["all"]
+    upper_plate = both.plates["upper"]
+    size = np.abs(one.deflection).max()
+    np.testing.assert_allclose(upper_plate.deflection, one.deflection, atol=1e-9 * size)
+    np.testing.assert_allclose(upper_plate.moment, one.moment, atol=1e-8 * np.abs(one.moment).max())
+    for name in ("reaction", "contact_area", "max_pressure"):
+        assert getattr(both.supports[-1], name) == pytest.approx(getattr(one.supports[0], name), rel=1e-9)
+
+
+def see_saw(force: float) -> Model:
+    """A rigid beam of weight 4 kN on a pad 0.4 wide in the middle of a slab, with a force at its end."""
+    return Model(
+        material=STEEL,
+        plates={"beam": strip(0.2), "slab": strip(0.3, (16, 2))},
+        zone=[rigid("beam", [0, 0, 4, 0.5])],
+        support=[{"plate": "slab", "edge": ["left", "right"], "fix": "simple"}],
+        contact=[
+            {
+                "name": "pad",
+                "between": ["beam", "slab"],
+                "area": {"rectangle": [1.8, 0, 2.2, 0.5]},
+                "stiffness": 1e9,
+            }
+        ],
+        load=[
+            {"plate": "beam", "case": "G", "pressure": 2e3},
+            {"plate": "beam", "case": "P", "line_load": 2 * force, "edge": "right"},
+        ],
+        combination=[{"name": "both", "factors": {"G": 1, "P": 1}}],
+    )
+
+
+def test_a_see_saw_on_a_plate_tips_about_the_edge_of_its_pad():
+    """4 kN × 0.2 m = P × 1.8 m: the force at which it tips, by statics."""
+    most = 4e3 * 0.2 / 1.8
+    standing = solve(see_saw(0.99 * most))
+    assert standing["both"].reactions["pad"] == pytest.approx(4e3 + 0.99 * most, rel=1e-9)
+    assert standing.limits["both"] == ("P", pytest.approx(1 / 0.99, rel=1e-6))
+    with pytest.raises(NoEquilibriumError, match=r'"beam" tips about the line x = 2\.2'):
+        solve(see_saw(1.01 * most))
+    followed = path(see_saw(1.0), "G", "P")
+    assert followed.ending == "no_equilibrium"
+    assert followed.stops[-1].t == pytest.approx(most, rel=1e-5)
+
+
+def test_what_nothing_holds_down_lifts_off():
+    model = Model(
+        material=STEEL,
+        plates={"upper": strip(0.1), "lower": strip(0.1)},
+        support=[{"plate": "lower", "edge": ["left", "right"], "fix": "hard"}],
+        contact=[{"between": ["upper", "lower"], "area": "all"}],
+        load=[{"plate": "upper", "pressure": -1e3}],
+    )
+    with pytest.raises(NoEquilibriumError, match='"upper" lifts off'):
+        solve(model)
+    bolted = {"between": ["upper", "lower"], "line": [[1, 0], [1, 0.5]], "resists": "up"}
+    mechanism = model.model_dump(exclude_unset=True) | {"contact": (), "support": [*model.support, bolted]}
+    with pytest.raises(InputError, match='Nothing holds the plate against this motion: "upper"'):
+        solve(Model(**mechanism))
+
+
+def mats() -> dict[str, Any]:
+    """A mat across two others side by side on soil, tied to one of them."""
+    side = {"shape": "rectangle", "size": [1, 4], "thickness": 0.2, "mesh": {"size": 0.25}}
+    soil = {"area": "all", "resists": "down", "stiffness": 2e7}
+    return {
+        "material": {"E": 12e9, "nu": 0.2, "unit_weight": 7e3},
+        "plates": {
+            "top": {"shape": "rectangle", "size": [3, 1], "origin": [0, 1.5], "thickness": 0.2, "mesh": {"size": 0.2}},
+            "left": side,
+            "right": {**side, "origin": [1.5, 0]},
+        },
+        "support": [
+            {"name": "soil left", "plate": "left", **soil},
+            {"name": "soil right", "plate": "right", **soil},
+            {"name": "tie", "between": ["top", "left"], "at": [[0.2, 2]], "resists": "up", "stiffness": 1e7},
+        ],
+        "contact": [
+            {"name": name, "between": ["top", name], "area": "all", "stiffness": 1e9} for name in ("left", "right")
+        ],
+        "load": [
+            *({"plate": name, "case": "G", "self_weight": True} for name in ("top", "left", "right")),
+            {"plate": "top", "case": "Q", "force": 1e5, "at": [2.2, 2], "patch": [0.4, 0.4]},
+        ],
+        "probe": [{"plate": "right", "at": [2, 2]}, {"plate": "top", "at": [[1, 2], [2, 2]]}],
+        "section": [{"name": "through", "plate": "top", "line": [[1.25, 1.5], [1.25, 2.5]]}],
+    }
+
+
+def test_every_plate_is_in_balance():
+    """Soil carries the weight and the load; the contacts carry what is on the top mat, and the section its part."""
+    result = solve(Model(**mats()))["all"]
+    of = result.reactions
+    weight = 7e3 * 0.2
+    assert of["soil left"] + of["soil right"] == pytest.approx(weight * (3 + 4 + 4) + 1e5, rel=1e-9)
+    assert of["left"] + of["right"] + of["tie"] == pytest.approx(weight * 3 + 1e5, rel=1e-9)
+    assert of["soil left"] == pytest.approx(weight * 4 + of["left"] + of["tie"], rel=1e-9)
+    (section,) = result.sections
+    on_the_left = of["left"] + of["tie"] - weight * 1.25
+    assert section.shear == pytest.approx(on_the_left, abs=1e-6 * 1e5)
+
+
+def test_a_table_of_combinations_and_plus_minus_are_those_of_single_ones():
+    factors = [{"G": 1.0 + 0.05 * at, "Q": 0.3 * at} for at in range(1, 15)]
+    combinations = [{"name": f"c{at}", "factors": one} for at, one in enumerate(factors)]
+    table = solve(Model(**mats(), combination=combinations, output={"fields": "none"}))
+    for at in (0, 6, 13):
+        single = solve(Model(**mats(), combination=[combinations[at]]))[f"c{at}"]
+        for name, reaction in single.reactions.items():
+            assert table.table[f"reaction:{name}"][at] == pytest.approx(reaction, rel=1e-9, abs=1e-6)
+        assert table.table["contact_area:right"][at] == pytest.approx(single.supports[-1].contact_area, rel=1e-9)
+        assert table.table["probe[3]:mx"][at] == pytest.approx(single.probes[2].moment[0], rel=1e-8)
+    widths = estimate(table)
+    alone = estimate(solve(Model(**mats(), combination=[combinations[6]]))["c6"])
+    told = alone.plus_minus
+    assert told is not None
+    assert widths.half_width("reaction:soil right", 6) == pytest.approx(told["supports"][1]["reaction"], rel=0.02)
+
+
+def test_results_are_told_of_all_and_by_plate(tmp_path):
+    results = solve(Model(**mats()))
+    files = {file.name for file in write(results, tmp_path)}
+    assert {f"all-{name}.vtu" for name in ("top", "left", "right")} <= files
+    assert {"all-top.png", "all-left-moments.png", "all-right-pressure.png"} <= files
+    (told,) = json.loads((tmp_path / "results.json").read_text("utf-8"))["combinations"]
+    assert [one["name"] for one in told["supports"]] == ["soil left", "soil right", "tie"]
+    assert [one["name"] for one in told["contacts"]] == ["left", "right"]
+    assert told["contacts"][1]["contact_boundary"]
+    assert told["deflection"]["max"] == max(one["deflection"]["max"] for one in told["plates"].values())
+    assert told["plus_minus"]["plates"]["top"]["fields"]["mx"]["max"] > 0.0
+    result = results["all"]
+    assert told["plates"]["top"]["fields"]["mx"]["max"] == result.plates["top"].extremes["mx"].max
+    again = pickle.loads(pickle.dumps(results))["all"]
+    assert again.plates["left"].reactions["left"] == -result.reactions["left"]
+
+
+def test_units_and_the_order_of_plates_change_nothing():
+    """In millimetres and kilonewtons, and with plates named in another order."""
+    one = solve(Model(**mats()))["all"]
+    other = mats()
+    other["plates"] = dict(reversed(other["plates"].items()))
+    turned = solve(Model(**other))["all"]
+    for name, reaction in one.reactions.items():
+        assert turned.reactions[name] == pytest.approx(reaction, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"contact": [{"between": ["top", "far"], "area": "all"}]}, r'contact\[1\].area: "top" and "far" are nowhere'),
+        ({"contact": [{"between": ["top", "lft"], "area": "all"}]}, r"contact\[1\].between: Unknown plate 'lft'"),
+        ({"contact": [{"between": ["top", "top"], "area": "all"}]}, r"contact\[1\].between: found \"top\" twice"),
+        ({"contact": [{"between": ["top", "left"], "at": [2, 2]}]}, r"contact\[1\].at: The point \[2, 2\] is not on"),
+        ({"contact": [{"between": ["top", "left"], "edge": "left"}]}, r"contact\[1\].edge: found edge beside between"),
+        ({"contact": [{"between": ["top", "left"], "area": "all", "resists": "up"}]}, "a contact pushes only"),
+        ({"contact": [{"between": ["top", "left"], "area": "all", "limit": 0}]}, r"contact\[1\].limit: found 0"),
+        ({"load": [{"pressure": 1.0}]}, r"load\[1\].plate: 'plate' is missing"),
+        ({"support": [{"plate": "left", "edge": "lft"}]}, r"support\[1\].edge: Unknown edge 'lft'"),
+        ({"probe": [{"plate": "top", "at": [9, 9]}]}, r"probe\[1\].at: The point \[9, 9\] is not on"),
+        ({"mesh": {"accuracy": 0.1}}, "mesh.accuracy: found accuracy beside several plates"),
+    ],
+)
+def test_bad_input_is_refused_with_its_place(change, message):
+    given = mats()
+    far = {"shape": "rectangle", "size": [1, 1], "origin": [9, 9], "thickness": 0.2}
+    given["plates"] = {**given["plates"], **({"far": far} if "far" in str(change) else {})}
+    with pytest.raises(InputError, match=message):
+        solve(Model(**given | change))
