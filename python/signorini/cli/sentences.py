@@ -122,7 +122,7 @@ def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
         return
     where = ", ".join(f"{name} at {at}" for name, (_, at) in result.items())
     helps = "Take smaller elements there (mesh.refine), or put a probe there and give mesh.accuracy = 0.05."
-    if not results.model.plates and isinstance(results.model.plate, MeshPlate):
+    if results.model.plates or isinstance(results.model.plate, MeshPlate):
         helps = "Make the mesh finer there."
     yield f"± is more than half of the largest {where}: the mesh leaves open what it is. {helps}"
 

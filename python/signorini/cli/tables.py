@@ -256,8 +256,10 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
     for sentence in (*resting(result, widths, largest["pressure"]), lifted(result)):
         if sentence:
             say(console, sentence)
-    _print_deflection(console, result, widths)
-    _print_extremes(console, result, widths, largest)
+    for name, plate in result.plates.items() or [("", result)]:
+        own = widths if not name or widths is None else widths["plates"][name]
+        _print_deflection(console, plate, own, f"{name}: " if name else "")
+        _print_extremes(console, plate, own, largest_of(plate))
     if limit is not None:
         say(console, f"equilibrium would end with {limit[0]} at {limit[1]:.4g} times its factor")
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
@@ -296,14 +298,14 @@ def _print_points(console: Console, result: Result, widths: Widths, largest: Map
     console.print()
 
 
-def _print_deflection(console: Console, result: Result, widths: Widths) -> None:
+def _print_deflection(console: Console, result: Result, widths: Widths, of: str) -> None:
     unit, largest = unit_of(result.model.units.length), size_of(result.deflection)
     values = result.extremes["deflection"]
     parts = (
         f"{name} {cell(value, widths, ('deflection', name), largest)}{unit} at {point(at, result.mesh.size)}"
         for name, value, at in (("max", values.max, values.max_at), ("min", values.min, values.min_at))
     )
-    say(console, f"deflection, positive down: {', '.join(parts)}")
+    say(console, f"{of}deflection, positive down: {', '.join(parts)}")
 
 
 def _print_extremes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
@@ -333,13 +335,14 @@ def _print_probes(console: Console, result: Result, widths: Widths, largest: Map
     touching = any(probe.pressure is not None for probe in result.probes)
     told = [one for one in AT_PROBES if one.name in LINEAR or (one.name == "pressure" and touching)]
     shown = Grid([Column(f"at{in_unit(units.length)}"), *numbers(*(one.label(units) for one in told))])
+    plates = [f"{probe.plate} " if probe.plate else "" for probe in result.model.probe for _ in probe.at]
     for index, probe in enumerate(result.probes):
         cells = []
         for one in told:
             path = ("probes", index, *one.path)
             value = float(result.numbers[result.catalogue.by_path[path]])
             cells.append("" if np.isnan(value) else cell(value, widths, path, largest[one.kind], 5))
-        shown.add(point(probe.at, result.mesh.size), *cells)
+        shown.add(f"{plates[index]}{point(probe.at, result.mesh.size)}", *cells)
     shown.show_turned(console)
 
 
