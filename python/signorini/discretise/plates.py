@@ -81,6 +81,10 @@ class _Joint:
     lower: int
     points: ContactPoints
 
+    def rows(self, first: Ints) -> tuple[Rows, Rows]:
+        """Rows over the upper plate and over the lower one, given where each plate's elements begin among all."""
+        return self.points.rows.parted(int(first[self.upper + 1] - first[self.upper]))
+
 
 def _between(
     model: Model, parts: Sequence[Part[Model]], each: Sequence[Discretisation], problems: Problems
@@ -169,10 +173,10 @@ def _shared(points: ContactPoints, first: int) -> ContactPoints:
 
 def _over_both(joint: _Joint, first: Ints) -> ContactPoints:
     """Points between two plates among those of all."""
-    points, further = joint.points, joint.points.rows.further
-    beyond = Further(further.owners, further.elements + first[joint.lower], further.coefficients)
-    rows = Rows(points.rows.elements + first[joint.upper], points.rows.coefficients, beyond)
-    return _shared(replace(points, rows=rows), int(first[joint.upper]))
+    points, (upper, lower) = joint.points, joint.rows(first)
+    moved = Further(upper.further.owners, upper.further.elements + first[joint.upper], upper.further.coefficients)
+    rows = Rows(upper.elements + first[joint.upper], upper.coefficients, moved)
+    return _shared(replace(points, rows=rows.beside(lower, int(first[joint.lower]))), int(first[joint.upper]))
 
 
 def _held(each: Sequence[Held], nodes: Ints, supports: Sequence[Ints], mesh: Mesh) -> Held:
@@ -284,6 +288,7 @@ def _of_whole(
 ) -> OfWhole:
     """A plate with what acts between it and others, as its own support, among the arrays of all."""
     one, numbers = each[at], parts[at].numbers["support"]
+    starts = np.cumsum([0, *(len(plate.mesh.elements) for plate in each)])
     counts = {key: np.cumsum([0, *(len(getattr(plate, key)) for plate in each)]) for key in ("springs", "contacts")}
     own = np.arange(*counts["contacts"][at : at + 2])
     first, tables, places, beneath = int(counts["contacts"][-1]), [one.contacts], [own], {}
@@ -293,7 +298,7 @@ def _of_whole(
         if at not in sides:
             continue
         side, other = sides.index(at), sides[1 - sides.index(at)]
-        table = replace(joint.points, rows=joint.points.rows.parted[side])
+        table = replace(joint.points, rows=joint.rows(starts)[side])
         if side:
             table = replace(table, direction=-table.direction, shared=np.full_like(table.shared, -1))
         number = numbers.index(joint.support)

@@ -78,22 +78,24 @@ class Rows:
         leads = np.diff(owner, prepend=-1) > 0
         return cls(element[leads], coefficients[leads], Further(owner[~leads], element[~leads], coefficients[~leads]))
 
-    def beside(self, others: Rows) -> Rows:
-        """These rows over one element each, and behind them all that as many others are over."""
-        further = others.further
-        owners = np.concatenate([np.arange(len(others)), further.owners])
+    def beside(self, others: Rows, first: int) -> Rows:
+        """These rows, and behind each what one of as many others is over, their elements numbered from the first on."""
+        own, further = self.further, others.further
+        owners = np.concatenate([own.owners, np.arange(len(others)), further.owners])
         order = np.argsort(owners, kind="stable")
-        elements = np.concatenate([others.elements, further.elements])[order]
-        coefficients = np.concatenate([others.coefficients, further.coefficients])[order]
+        elements = np.concatenate([own.elements, others.elements + first, further.elements + first])[order]
+        coefficients = np.concatenate([own.coefficients, others.coefficients, further.coefficients])[order]
         return Rows(self.elements, self.coefficients, Further(owners[order], elements, coefficients))
 
-    @property
-    def parted(self) -> tuple[Rows, Rows]:
+    def parted(self, first: int) -> tuple[Rows, Rows]:
         """What `beside` put together."""
         further = self.further
-        leads = np.diff(further.owners, prepend=-1) > 0
-        rest = Further(further.owners[~leads], further.elements[~leads], further.coefficients[~leads])
-        return Rows(self.elements, self.coefficients), Rows(further.elements[leads], further.coefficients[leads], rest)
+        behind = further.elements >= first
+        own = Further(further.owners[~behind], further.elements[~behind], further.coefficients[~behind])
+        owners, elements = further.owners[behind], further.elements[behind] - first
+        coefficients, leads = further.coefficients[behind], np.diff(owners, prepend=-1) > 0
+        rest = Further(owners[~leads], elements[~leads], coefficients[~leads])
+        return Rows(self.elements, self.coefficients, own), Rows(elements[leads], coefficients[leads], rest)
 
     @property
     def arrays(self) -> tuple[Ints, Floats, Ints]:

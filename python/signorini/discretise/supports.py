@@ -22,7 +22,7 @@ from signorini.discretise.places import (
     outline_points,
 )
 from signorini.discretise.points import ContactPoints, Springs
-from signorini.discretise.quadrature import LineQuadrature, Quadrature
+from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Floats, Ints, Rows, Table
 from signorini.discretise.thickness import PlateStiffness
@@ -79,7 +79,8 @@ class _Acting(Table):
 class Ground:
     """A plate on its mesh, how it is held at nodes and how stiff it is, for supports to act on.
 
-    What acts between it and another plate takes the deflection over that one, which is ``beneath``.
+    What acts between it and another plate takes the deflection over that one, which is ``beneath``, and whose elements
+    are then numbered behind those of this one.
     """
 
     shape: Plate
@@ -97,7 +98,15 @@ class Ground:
             return rows
         where = self.beneath.mesh.nearest(points.positions)
         coefficients, _ = self.beneath.plate.interpolation_rows(where.elements, where.xi, field)
-        return rows.beside(Rows(where.elements, -coefficients))
+        return rows.beside(Rows(where.elements, -coefficients), len(self.mesh.elements))
+
+    def means(self, placed: Placed) -> Rows:
+        """Rows of the mean deflection over each footprint of a support."""
+        rows = mean_deflections(self.mesh, placed.footprints)
+        if self.beneath is None:
+            return rows
+        below = [area_quadrature(self.beneath.mesh, shape, _GAUSS) for shape in placed.support.where.footprints]
+        return rows.beside(-mean_deflections(self.beneath.mesh, below), len(self.mesh.elements))
 
 
 def springs_and_contacts(
@@ -132,7 +141,7 @@ def springs_and_contacts(
 def between(upper: Ground, supports: Sequence[Placed], problems: Problems) -> ContactPoints:
     """What acts between a plate and the one beneath it, as points of supports (`placed`) of the upper one.
 
-    Their rows are over both, see `Rows.beside`, behind over the plate beneath.
+    Their rows are over both, see `Rows.beside`.
     """
     result = [ContactPoints.none()]
     for placed in supports:
@@ -167,7 +176,7 @@ def _at_points(on: Ground, placed: Placed, points: LineQuadrature) -> list[_Acti
     at_nodes &= holds_deflection(support) or not deflection
     (numbers,) = np.nonzero(~at_nodes)
     points = points.pick(numbers)
-    rows = mean_deflections(on.mesh, placed.footprints) if placed.footprints else on.rows(points, 0)
+    rows = on.means(placed) if placed.footprints else on.rows(points, 0)
     result = [_Acting.of(rows, points, numbers=numbers)] if deflection else []
     if "slope" in support.fixed:
         rotation = prescribed_rotations(placed, points.positions)
@@ -336,9 +345,10 @@ def _means(on: Ground, through: _Acting) -> _Acting:
     middle, slope = mean(through.positions), mean(through.slope[:, None])[:, 0]
     rows = Rows(elements, mean(through.rows.coefficients))
     if on.beneath is not None:
-        _, other = through.rows.parted
+        first = len(on.mesh.elements)
+        _, other = through.rows.parted(first)
         parts = (through.weights / area[inverse])[:, None] * other.coefficients[:, ::3]
-        rows = rows.beside(Rows.over(inverse, other.elements, parts, on.beneath.mesh.elements))
+        rows = rows.beside(Rows.over(inverse, other.elements, parts, on.beneath.mesh.elements), first)
     return _Acting(rows, middle, middle, area, slope, shared, np.zeros(len(elements), np.int64))
 
 
@@ -352,7 +362,7 @@ def _with(on: Ground, acting: _Acting, result: OutlinePoints) -> _Acting:
     nowhere = np.zeros_like(xi)
     points = LineQuadrature(where, xi, np.zeros(len(xi)), result.positions, nowhere, within)
     outer = replace(_Acting.of(on.rows(points, 0), points), shared=result.shared)
-    dofs = outer.rows.parted[0].dofs(mesh.elements)
+    dofs = Rows(outer.rows.elements, outer.rows.coefficients).dofs(mesh.elements)
     outer = outer.pick(np.asarray(((np.abs(outer.rows.coefficients) > _NONE) & ~on.held.dofs[dofs]).any(axis=1)))
     area = np.bincount(acting.rows.elements, acting.weights, len(mesh.elements)).astype(np.float64)
     some = outer.shared >= 0

@@ -105,7 +105,7 @@ Turning = Annotated[
 ]
 
 
-_OF_ONE_PLATE = ("plate", "fix", "nodes", "edge", "patch", "radius", "rotational_stiffness", "rotation")
+_OF_ONE_PLATE = ("plate", "fix", "nodes", "edge", "rotational_stiffness", "rotation")
 """Keys of a support that has one plate."""
 
 
