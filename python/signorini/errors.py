@@ -6,10 +6,12 @@ import difflib
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 
 Place = tuple[str | int, ...]
 """Where something stands in the model: keys and, counted from 0, positions in lists."""
 
+_PLACING: ContextVar[Callable[[Place], Place]] = ContextVar("placing", default=lambda place: place)
 _MOST_TOLD = 20
 """Problems that are told together."""
 _MOST_NAMES = 30
@@ -59,7 +61,7 @@ class InputError(SignoriniError, ValueError):
     def __init__(self, message: str, place: str | Place = "") -> None:
         super().__init__(message)
         self.message = message
-        self.path: Place = () if isinstance(place, str) else place
+        self.path: Place = () if isinstance(place, str) else _PLACING.get()(place)
         self.place = place if isinstance(place, str) else path_in_words(place)
         self._parts: tuple[InputError, ...] = ()
 
@@ -71,12 +73,6 @@ class InputError(SignoriniError, ValueError):
     def parts(self) -> tuple[InputError, ...]:
         """Each problem by itself."""
         return self._parts or (self,)
-
-    def moved(self, place: Callable[[Place], Place]) -> InputError:
-        """The same at other places of the model."""
-        return InputError.of(
-            [InputError(one.message, place(one.path) if one.path else one.place) for one in self.parts]
-        )
 
     @classmethod
     def of(cls, problems: Sequence[InputError], source: str = "", untold: int = 0) -> InputError:
@@ -132,9 +128,20 @@ class NotCertifiedError(SignoriniError):
     exit_code = 4
 
 
+@contextmanager
+def placing(of: Callable[[Place], Place]) -> Iterator[None]:
+    """Say of what is placed within where it stands: a part of a model counts its own tables."""
+    token = _PLACING.set(of)
+    try:
+        yield
+    finally:
+        _PLACING.reset(token)
+
+
 def path_in_words(path: Place) -> str:
     """Write where something stands in the model; positions count from 1."""
-    return "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in path).removeprefix(".")
+    placed = _PLACING.get()(path)
+    return "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in placed).removeprefix(".")
 
 
 def point(at: Iterable[float], size: float = 0.0) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TypeVar
@@ -26,7 +25,7 @@ from signorini.discretise.stressnodes import StressNodes
 from signorini.discretise.supports import Ground, between
 from signorini.discretise.thickness import PlateStiffness, Thickness
 from signorini.discretise.zones import ZonesOfPlates
-from signorini.errors import InputError, Problems
+from signorini.errors import Problems, placing
 from signorini.mesh import Location, Mesh
 from signorini.model import Model
 from signorini.model.parts import Part
@@ -40,7 +39,7 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     parts, problems = model.parts, Problems()
     each: list[Discretisation] = []
     for part in parts:
-        with _told(part, problems):
+        with placing(part.place), problems.collected():
             each.append(discretise_plate(part.model))
     problems.tell()
     joints = _between(model, parts, each, problems)
@@ -57,19 +56,6 @@ def _advice(given: object) -> str:
             return "Make one of the mapping first: signorini.validate(mapping)."
         case _:
             return "Make one with signorini.Model(...) or signorini.load(file)."
-
-
-@contextmanager
-def _told(part: Part[Model], problems: Problems) -> Iterator[Problems]:
-    """Collect what is wrong with a plate, and tell it where it stands in the whole model."""
-    own = Problems()
-    with problems.collected():
-        try:
-            with own.collected():
-                yield own
-            own.tell()
-        except InputError as error:
-            raise error.moved(part.place) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +79,8 @@ def _between(
     names = [part.name for part in parts]
     at = []
     for part, one in zip(parts, each, strict=True):
-        with _told(part, problems) as own_problems:
-            at.append(placed(one.model, one.mesh, own_problems, between=True))
+        with placing(part.place):
+            at.append(placed(one.model, one.mesh, problems, between=True))
     problems.tell()
     result = []
     for index, support in enumerate(model.support):
@@ -103,9 +89,8 @@ def _between(
         upper, lower = map(names.index, support.between)
         own = parts[upper].numbers["support"].index(index)
         mine = [one for one in at[upper] if one.index == own]
-        points = ContactPoints.none()
-        with _told(parts[upper], problems) as own_problems:
-            points = between(replace(grounds[upper], beneath=grounds[lower]), mine, own_problems)
+        with placing(parts[upper].place):
+            points = between(replace(grounds[upper], beneath=grounds[lower]), mine, problems)
         result.append(_Joint(index, upper, lower, replace(points, support=np.full(len(points), index))))
     return result
 
