@@ -22,6 +22,7 @@ from signorini.discretise.meshing import mesh_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located, sides_beside
 from signorini.discretise.points import ContactPoints, Parts, Springs, parts_of
+from signorini.discretise.preloads import require_preloads
 from signorini.discretise.repeated import (
     Repeated,
     Shared,
@@ -71,6 +72,8 @@ class Discretisation(Remade):
     probes: Location
     probe_positions: Floats
     seconds: Mapping[str, float]
+    tightening: tuple[float, ...] = ()
+    """Factors (s,) by which supports' preloads are tightened, as `Model.tightening` gives them."""
 
     _made = MappingProxyType({"plate": lambda r: _plate(r.mesh, r.zones, r.thickness, r.stress_nodes, r.held)})
 
@@ -274,6 +277,8 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
     problems.tell()
     contacts, repeated = that_can_act(model, mesh, held, contacts)
+    require_preloads(model, mesh, contacts, repeated, problems)
+    problems.tell()
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
     return Discretisation(

@@ -103,7 +103,7 @@ def springs_and_contacts(
     """What the supports do beyond the dofs that they hold at nodes."""
     none = np.zeros(0)
     flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
-    no_contacts = none, none, who, none, none, none, flags, place, none, who, np.zeros((0, 4), np.int64), who
+    no_contacts = none, none, none, who, none, none, none, flags, place, none, who, np.zeros((0, 4), np.int64), who
     result: list[Springs | ContactPoints] = [
         Springs(Rows.join([]), none, none, place, none, who, who, flags),
         ContactPoints(Rows.join([]), *no_contacts, LAWS),
@@ -244,7 +244,7 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
                 "Draw it without travel, or less steep.",
                 place=(*place, "law"),
             )
-        if equation and support.law is None and support.limit is None:
+        if equation and support.law is None and support.limit is None and support.preload is None:
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return [Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers, slope)]
         elastic = stiffness < STIFFEST_SPRING * shear
@@ -264,6 +264,7 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
             acting.rows if way > 0 else -acting.rows,
             gap + way * settlement,
             way * settlement,
+            np.zeros(count),
             law,
             scale,
             unit,
