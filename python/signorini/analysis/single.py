@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from signorini import _core
-from signorini.analysis.combinations import Combined, Sink, combine
+from signorini.analysis.combinations import Combined, Sink, Ways, combine
 from signorini.analysis.tightening import tightened_by
 from signorini.base.arguments import made_by, watching
 from signorini.base.progress import Progress, Watcher, steps_of
@@ -158,13 +158,19 @@ def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = No
     def show(step: int, changing: int, residual: float) -> None:
         watcher(Progress("the mean", step, changing, residual, method=WORDS[problem.method]))
 
-    problem = problem.near(mean_load(problem.discretisation), show)
+    mean = mean_load(problem.discretisation)
 
     def begin(name: str) -> None:
         watcher(Progress(name))
 
-    single = partial(solve_one, problem, progress=watcher)
-    return combine(problem, single, partial(solve_several, problem, begin=begin), begin, sink)
+    def ways(combination: Combination) -> Ways:
+        try:
+            own = tightened_by(problem, combination.factors or {}, watcher).near(mean, show)
+        except NoEquilibriumError:
+            return Ways(problem, partial(solve_one, problem, progress=watcher), None)
+        return Ways(own, partial(solve_one, own, progress=watcher), partial(solve_several, own, begin=begin))
+
+    return combine(problem.discretisation, ways, begin, sink)
 
 
 def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:

@@ -23,6 +23,7 @@ from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes
+from signorini.equilibrium.balance import NO_FORCE
 from signorini.errors import InputError, point
 from signorini.formats.vtk import as_meshio, displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
@@ -42,9 +43,11 @@ from signorini.results.local_results import (
 from signorini.results.marks import panel, support_marks
 from signorini.results.notebook import supports_table
 from signorini.results.quantities import (
+    AT_BOLTS,
     FIELDS,
     LINEAR,
     OF_AREAS,
+    OF_BOLTS,
     OF_LIMITED_AREAS,
     OF_TURNING_POINTS,
     SIDES,
@@ -171,8 +174,11 @@ class Result(Remade):
         points, springs = discretisation.off_areas
         nodal_reaction = held_force + discretisation.point_rows.T @ (points * answer.shared)
         nodal_reaction += discretisation.spring_rows.T @ (springs * pull)
+        forces = load.weighing[::3]
+        lift = -float(forces.sum())
+        lift = lift if lift > NO_FORCE * np.abs(forces).sum() else np.nan
         supports = tuple(
-            support_result(discretisation, index, held_force[::3], held_couple, pull, answer)
+            support_result(discretisation, index, held_force[::3], held_couple, pull, answer, lift)
             for index in range(len(discretisation.model.support))
         )
         nodes, thickness = discretisation.stress_nodes, discretisation.node_thickness
@@ -301,6 +307,11 @@ class Result(Remade):
         put("support", areas, *(one.name for one in OF_AREAS))
         limited = [one for one in areas if one.yielded_area is not None]
         put("support", limited, *(one.name for one in OF_LIMITED_AREAS))
+        bolts = [one for one in self.supports if one.preloads is not None]
+        put("support", bolts, *(one.name for one in OF_BOLTS))
+        if bolts:
+            each = [np.column_stack([one.preloads, one.changes]) for one in bolts]
+            result[at("point", *(one.name for one in AT_BOLTS))] = np.concatenate(each)
         put("section", self.sections, "moment", "twist", "shear")
         put("station", [station for strip in self.strips for station in strip.stations], "moment", "twist", "shear")
         result[at("support", "closed", "open")] = [(one.closed_count, one.open_count) for one in self.supports]
