@@ -13,9 +13,7 @@ from signorini.mesh import Mesh
 from signorini.model import Model, Support
 
 
-def require_preloads(
-    model: Model, mesh: Mesh, contacts: ContactPoints, repeated: Repeated, problems: Problems
-) -> None:
+def require_preloads(model: Model, mesh: Mesh, contacts: ContactPoints, repeated: Repeated, problems: Problems) -> None:
     """Refuse preloads beyond what bolts can give, and those of bolts where rigid supports hold the plate."""
     followed = np.zeros(len(contacts), np.bool_)
     followed[repeated.follows.indices] = True

@@ -338,7 +338,6 @@ class Combination(Named):
             places.setdefault(case, ("file",))
         return places
 
-
     def factors_of(self, case: str) -> set[float]:
         """Factors that it gives a case."""
         result = {self.factors[case]} if self.factors is not None and case in self.factors else set()

@@ -16,7 +16,7 @@ from signorini.contact.factoring import Method
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import NotUnique
 from signorini.contact.strategy import answered, refusal, uncertain
-from signorini.discretise import CaseLoad
+from signorini.discretise import CaseLoad, Discretisation
 from signorini.equilibrium.imbalance import imbalance, mechanism
 from signorini.errors import InputError, NotCertifiedError, point
 from signorini.mesh import Mesh

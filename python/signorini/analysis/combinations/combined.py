@@ -131,7 +131,7 @@ def combine(
     envelopes = {name: [run.envelopes[name] for run in every if name in run.envelopes] for name in combinations.groups}
     groups = {name: _over(layout, discretisation.mesh, parts) for name, parts in envelopes.items() if parts}
     envelope = _over(layout, discretisation.mesh, [part for run in every for part in run.envelopes.values()])
-    counts = tuple(sum(of) for of in zip(*((run.solved, run.alone, run.not_unique) for run in every), strict=True))
+    counts = sum(run.solved for run in every), sum(run.alone for run in every), sum(run.not_unique for run in every)
     unbalanced = {name: why for run in every for name, why in run.unbalanced.items()}
     rows_kept = together(kept) if few else None
     return Combined(combinations, layout, envelope, groups, *counts, worst, unbalanced, rows_kept)
