@@ -160,10 +160,11 @@ def _tighten(base: Discretisation, tightening: tuple[float, ...], watcher: Watch
             raise NotCertifiedError(stage.said(f"there is no answer that could be certified. {uncertain(result)}"))
         if not tried.passed:
             raise NotCertifiedError(refusal(stage.what, result, load, tried.answer, tried.certificate))
-        answer, now = tried.answer, np.flatnonzero(stage.force)
-        preload[stage.there], preload[now] = answer.reaction, stage.force[now]
-        moved = contacts.pick(now).rows.dot(base.mesh.elements, answer.hi.astype(np.longdouble) + answer.lo)
-        movement[now] = moved.astype(np.float64) - _first_travel(contacts.pick(now), stage.force[now])
+        now = np.flatnonzero(stage.force)
+        points, force = contacts.pick(now), stage.force[now]
+        preload[stage.there], preload[now] = tried.answer.reaction, force
+        travel = -base.plate.openings(*points.rows.arrays, np.zeros(len(now)), tried.answer.hi, tried.answer.lo)
+        movement[now] = travel - _first_travel(points, force)
         distance = np.where(stage.force != 0.0, movement, distance)
     placed = replace(
         contacts,
