@@ -78,16 +78,16 @@ def tightened_by(problem: ContactProblem, factors: Mapping[str, float], watcher:
     base = problem if problem.unmoved is None else problem.unmoved
     if not wanted:
         return base.by(problem.method)
-    known_ones = _known(base.discretisation)
-    if wanted not in known_ones:
+    done = _done(base.discretisation)
+    if wanted not in done:
         if message := loosened(base.discretisation, wanted):
             raise NoEquilibriumError(message)
-        known_ones[wanted] = _tighten(base.discretisation, wanted, watcher)
-    return base.by(problem.method).moved(known_ones[wanted])
+        done[wanted] = _tighten(base.discretisation, wanted, watcher)
+    return base.by(problem.method).moved(done[wanted])
 
 
 @kept
-def _known(discretisation: Discretisation) -> dict[tuple[float, ...], Discretisation]:
+def _done(discretisation: Discretisation) -> dict[tuple[float, ...], Discretisation]:
     """Discretisations with their bolts tightened, by the factors."""
     return {}
 
@@ -116,12 +116,12 @@ class _Stage:
 
     def posed(self, base: Discretisation, distance: Floats) -> tuple[Discretisation, CaseLoad]:
         """The plate without these bolts and later ones, its points at distances (m,); and their force on it."""
-        kept_ones, repeated = np.flatnonzero(self.there), base.repeated
-        contacts = replace(base.contacts, distance=distance).pick(kept_ones)
-        follows = replace(repeated, follows=repeated.follows[:, kept_ones])
+        there = np.flatnonzero(self.there)
+        contacts = replace(base.contacts, distance=distance).pick(there)
+        repeated = replace(base.repeated, follows=base.repeated.follows[:, there])
         nodal = -(base.contact_rows.T @ self.force)
         nothing = CaseLoad.none(base.mesh.node_count, len(base.mesh.elements))
-        return replace(base, contacts=contacts, repeated=follows), replace(nothing, nodal=nodal, weighing=nodal)
+        return replace(base, contacts=contacts, repeated=repeated), replace(nothing, nodal=nodal, weighing=nodal)
 
     def said(self, message: str) -> str:
         """Say what happens while they are tightened."""
