@@ -332,3 +332,22 @@ def test_the_footing_tips_at_the_load_of_its_plastic_mechanism() -> None:
     assert path.mechanism == "tips about the line x = 2.21 as soil and anchors give their limits"
     yields = {event.support for event in path.support_events if event.change == "yields"}
     assert yields == {"soil", "anchors"}
+
+
+def test_the_rounds_of_the_preloaded_cover_loosen_and_its_rings_open_one_after_the_other() -> None:
+    model = signorini.load(EXAMPLES / "preloaded_cover.toml")
+    tight, pressed, loose = signorini.solve(model).values()
+    _, inner, outer, first, second = tight.supports
+    assert second.preloads == pytest.approx([-245e3] * 2, rel=1e-12)
+    assert ((first.preloads > -0.95 * 245e3) & (first.preloads < -0.85 * 245e3)).all()
+    assert first.changes == pytest.approx(np.zeros(3), abs=1e-3)
+    lift = 11.5 * np.pi * 340**2 / 4
+    _, inner, outer, first, second = pressed.supports
+    assert (inner.closed_count, outer.open_count) == (0, 0)
+    assert first.prying + second.prying == pytest.approx((lift + outer.reaction) / lift, rel=1e-4)
+    assert max(-first.changes.min(), -second.changes.min()) < 20e3
+    assert [one.closed_count for one in loose.supports[1:3]] == [0, 0]
+    found = signorini.path(model, "tightened", "pressure", until=2.0)
+    order = [one.support for one in found.support_events]
+    assert order == ["inner ring"] * 5 + ["outer ring"] * 5
+    assert all(one.t <= other.t for one, other in zip(found.support_events, found.support_events[1:], strict=False))

@@ -188,6 +188,15 @@ impl ContactProblem {
         Ok(Self { inner: Arc::new(inner) })
     }
 
+    /// The same problem with other distances (m,). It shares the factor.
+    fn with_distance(&self, distance: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
+        let distance = sized("distance", &distance, self.inner.points.len())?;
+        if distance.iter().any(|d| !d.is_finite()) {
+            return Err(invalid("distances must be finite"));
+        }
+        Ok(Self { inner: Arc::new(self.inner.with_shift(distance)) })
+    }
+
     /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned of them. It begins with the
     /// solution of another load on the same problem, if there is one.
     ///

@@ -178,6 +178,20 @@ proptest! {
         }
     }
 
+    #[test]
+    fn a_problem_with_other_shifts_solves_as_one_that_is_made_with_them(
+        at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
+        gap in prop::collection::vec(0.0f64..0.01, 5), other in prop::collection::vec(-0.01f64..0.01, 5),
+        soft: bool, method in prop_oneof![Just(Method::Lemke), Just(Method::ActiveSet), Just(Method::Saddle)],
+    ) {
+        let (moved, made) = (on_points(&at, &gap, soft, method), on_points(&at, &other, soft, method));
+        let (moved, load) = (moved.with_shift(other), load(&made.plate, 4, 1.0));
+        let (found, wanted) = (solved(&moved, &load), solved(&made, &load));
+        prop_assert_eq!(found.outcome, wanted.outcome);
+        prop_assert_eq!(found.reaction, wanted.reaction);
+        prop_assert_eq!(found.displacement.hi, wanted.displacement.hi);
+    }
+
     /// A plate that is held at three corners, which settle.
     #[test]
     fn settlements_move_the_plate_as_they_say(

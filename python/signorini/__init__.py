@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from signorini.analysis.recover import recover
     from signorini.analysis.results import Results
     from signorini.analysis.solve import solve
+    from signorini.analysis.tightening import tightened
     from signorini.base.progress import Progress
     from signorini.contact.lcp import lemke
     from signorini.contact.own_rows import RowProblem, with_rows
@@ -48,6 +49,7 @@ _HOME = {
     "analysis.recover": ("recover",),
     "analysis.results": ("Results",),
     "analysis.solve": ("solve",),
+    "analysis.tightening": ("tightened",),
     "base.progress": ("Progress",),
     "contact.lcp": ("lemke",),
     "contact.own_rows": ("RowProblem", "with_rows"),
@@ -96,6 +98,7 @@ __all__ = [
     "recover",
     "schema",
     "solve",
+    "tightened",
     "validate",
     "with_rows",
     "write",

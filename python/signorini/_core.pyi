@@ -166,6 +166,7 @@ class ContactProblem:
         method: Literal["lemke", "active_set", "saddle"] = "lemke",
         room: int | None = None,
     ) -> ContactProblem: ...
+    def with_distance(self, distance: _Floats) -> ContactProblem: ...
     def solve(
         self,
         load: _Floats,

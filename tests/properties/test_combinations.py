@@ -5,7 +5,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from signorini import InputError, Model, NotCertifiedError
-from signorini.analysis.combinations import combine
+from signorini.analysis.combinations import Ways, combine
 from signorini.analysis.single import solve_one
 from signorini.contact.problem import contact_problem
 
@@ -56,7 +56,8 @@ def test_a_batch_is_its_combinations_one_by_one(data, drawing, dense):
             rows[name] = list(values)
 
     try:
-        combined = combine(problem, single, several, lambda _: None, sink)
+        ways = Ways(problem, single, several)
+        combined = combine(found, lambda first: ways, lambda _: None, sink)
         singles = [single(combination) for combination in combined.combinations]
     except (InputError, NotCertifiedError):  # A load may be so near an outline that only a finer mesh holds it.
         assume(False)

@@ -51,6 +51,7 @@ pub struct Supported {
 }
 
 /// A plate on its supports, factored once.
+#[derive(Clone)]
 pub struct ContactProblem {
     pub plate: Arc<Plate>,
     pub springs: Springs,
@@ -62,15 +63,15 @@ pub struct ContactProblem {
     pub(super) free_motions: Vec<Vec<f64>>,
     pub(super) scale: Scale,
     pub(super) blueprint: Arc<Blueprint>,
-    pub(super) base: System,
+    pub(super) base: Arc<System>,
     /// Where the points are condensed.
-    pub(super) interface: Option<Interface>,
+    pub(super) interface: Option<Arc<Interface>>,
     /// The plate's own stiffness at every point, which its shear makes; empty where the points are condensed.
     shear: Vec<f64>,
     /// The limit of springs that the active set begins with.
     pub(super) first_limit: f64,
     /// The rigid motions, where no dof is held.
-    pub(super) floating: Option<Floating>,
+    pub(super) floating: Option<Arc<Floating>>,
     /// Part of its own by which every dof is stiffer in a factor.
     firmer: f64,
 }
@@ -108,12 +109,12 @@ impl ContactProblem {
             let series = series(&points, &shear, first_limit);
             carried = (0..points.len()).map(|i| steepest(&points, i).in_series(series[i])).collect();
         }
-        let floating = Floating::on(&plate, &held, &scale, &points, &springs);
+        let floating = Floating::on(&plate, &held, &scale, &points, &springs).map(Arc::new);
         let softest = floating.as_ref().map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
         // What holds as firmly as the plate holds together needs no help.
         let firmer =
             softest.filter(|&softest| softest < scale.stiffness).map_or(0.0, |softest| firmness(&plate, softest));
-        let base = blueprint.factored(&plate, &springs, &points, carried, firmer, room)?;
+        let base = Arc::new(blueprint.factored(&plate, &springs, &points, carried, firmer, room)?);
         let factor = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -122,7 +123,7 @@ impl ContactProblem {
             let moves: Vec<Vec<f64>> = free_motions.iter().map(moves).collect();
             let (rows, borders) = (blueprint.rows(&points), blueprint.borders(plate.dof_count()));
             let last = blueprint.numbering.trailing;
-            Some(Interface::on(&base.factor, last, &rows, &borders, delta.clone(), &moves)?)
+            Some(Arc::new(Interface::on(&base.factor, last, &rows, &borders, delta.clone(), &moves)?))
         } else {
             None
         };
@@ -145,6 +146,13 @@ impl ContactProblem {
             floating,
             firmer,
         })
+    }
+
+    /// The same plate on the same supports, whose graphs begin at other travels (m,). It shares the factor.
+    pub fn with_shift(&self, shift: Vec<f64>) -> Self {
+        let mut moved = self.clone();
+        moved.points.shift = shift;
+        moved
     }
 
     /// K̃⁻¹ times a nodal load.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from signorini.analysis.tightening import loosened
 from signorini.base.regular import open_regular
 from signorini.discretise import Discretisation, discretise
 from signorini.discretise.rows import Floats
@@ -285,4 +286,6 @@ def _of(
     if why is not None and why.axis is not None:
         (ax, ay), (bx, by) = why.axis.ends(discretisation.middle, discretisation.mesh.size).tolist()
         axis = (ax, ay), (bx, by)
-    return Resultant(combination.name, force, at, (mx, my), explain(discretisation, why), brink, limit, axis)
+    tightening = discretisation.model.tightening(combination.factors or {})
+    message = explain(discretisation, why) or loosened(discretisation, tightening)
+    return Resultant(combination.name, force, at, (mx, my), message, brink, limit, axis)

@@ -17,6 +17,7 @@ from signorini.analysis.other_meshes import ENDING, EstimatedTable, OtherMeshes
 from signorini.analysis.results import Results
 from signorini.analysis.sampler import LINEAR, SMOOTH, PathLoads, Sampler, State, Watch, root
 from signorini.analysis.single import solve_one
+from signorini.analysis.tightening import tightened_by
 from signorini.base.arguments import index, key_of, watching
 from signorini.base.progress import Progress, Watcher
 from signorini.base.remade import Brief
@@ -25,7 +26,7 @@ from signorini.discretise.rows import Floats
 from signorini.errors import InputError, SignoriniError
 from signorini.mesh import Mesh
 from signorini.results.exact_path import ExactPath
-from signorini.results.load_path import AT_LIMIT, LoadPath
+from signorini.results.load_path import AT_LIMIT, LoadPath, factors_named
 from signorini.results.path_events import Threshold
 from signorini.results.result import Result
 
@@ -57,6 +58,7 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
         return PathEstimate.nothing(count, wanted)
 
     def found(problem: ContactProblem, watch: Watcher) -> tuple[Mesh, list[float]]:
+        problem = tightened_by(problem, factors_named(problem.discretisation, path.start), watch)
         sampler = Sampler(problem, PathLoads.of(problem, path.start, path.add), path.thresholds, watch)
         return problem.mesh, _same_events(sampler, [*watches, *asked], path.stops[-1].t)
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.analysis.sampler import PathLoads
-from signorini.analysis.single import steps_of
-from signorini.base.progress import Progress, Watcher
+from signorini.base.progress import Progress, Watcher, steps_of
 from signorini.contact.certificate import Certificate, certified, certify_each, imbalances, least_deflection
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import Answer, chosen, doubtful

@@ -10,6 +10,7 @@ import numpy as np
 from signorini.analysis.exact_path import exact_path
 from signorini.analysis.sampled_path import sampled_path
 from signorini.analysis.sampler import PathLoads, load_named
+from signorini.analysis.tightening import tightened_by
 from signorini.base import arguments
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import contact_problem
@@ -17,7 +18,7 @@ from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.expression import LARGEST
 from signorini.model import Model
-from signorini.results.load_path import LoadPath
+from signorini.results.load_path import LoadPath, factors_named
 from signorini.results.path_events import thresholds
 
 STEPS = 50
@@ -112,11 +113,17 @@ def path(
     load_named(discretisation, start, "start")
     if until is not None:
         until = _factor(until, "until")
+    if changed := [case for case in model.preload_cases if factors_named(discretisation, add).get(case)]:
+        raise InputError(
+            f'"{add}" changes the preload "{changed[0]}", and along a path bolts stay as they are tightened. Take '
+            "loads alone, and for the start a combination that names the preload.",
+            place="add",
+        )
     if not growing.nodal.any():
         raise InputError(f'the load "{add}" is zero; it must be one that grows. Name another.', place="add")
     asked = thresholds(discretisation, when)
     watcher(Progress(stage="factor"))
-    problem = contact_problem(discretisation)
+    problem = tightened_by(contact_problem(discretisation), factors_named(discretisation, start), watcher)
     loads = PathLoads.of(problem, start, add)
     if events == "all":
         return exact_path(problem, loads, until, asked, watcher)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from signorini.analysis.tightening import tightened
 from signorini.base.arguments import array, known, made_by, vector
 from signorini.contact.certificate import TOLERANCE, certified
 from signorini.contact.own_rows import RowProblem
@@ -84,12 +85,14 @@ with the rows that push here it would be 21130.1.
     """
     if not isinstance(problem, RowProblem):
         made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
-    discretisation = (problem.problem if isinstance(problem, RowProblem) else problem).discretisation
-    name, case = _load(discretisation, load)
+    own = problem.problem if isinstance(problem, RowProblem) else problem
+    name, case = _load(own.discretisation, load)
+    if isinstance(load, str):
+        own = tightened(own, load)
     given = _reactions(problem, reactions)
     if isinstance(problem, RowProblem):
-        return _of_rows(problem, name, case, given)
-    return _recover(problem, name, case, given)
+        return _of_rows(replace(problem, problem=own), name, case, given)
+    return _recover(own, name, case, given)
 
 
 def _load(discretisation: Discretisation, load: str | ArrayLike) -> tuple[str, CaseLoad]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from signorini.accuracy.comparison import Estimate
 from signorini.accuracy.meshes import Refined
-from signorini.analysis.combinations import Combined, Sink, combine
+from signorini.analysis.combinations import Combined, Sink, Ways, combine
 from signorini.analysis.single import rows_of, solve_one, solve_rows
 from signorini.base.arguments import key_of, watching
 from signorini.base.on_demand import Named, OnDemand
@@ -149,7 +149,8 @@ class Results(States[str], Mapping[str, Result]):
     def _combine(self, sink: Sink | None) -> Combined:
         if self.model.tabulated:
             return solve_rows(self.problem, watching(None, ""), sink)
-        return combine(self.problem, lambda one: self.full[one.name], None, lambda name: None, sink)
+        ways = Ways(self.problem, lambda one: self.full[one.name], None)
+        return combine(self.discretisation, lambda first: ways, lambda name: None, sink)
 
     @cached_property
     def limits(self) -> Mapping[str, tuple[str, float] | None]:

@@ -10,9 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from signorini.analysis.single import steps_of
 from signorini.base import arguments
-from signorini.base.progress import Progress, Watcher
+from signorini.base.progress import Progress, Watcher, steps_of
 from signorini.contact.certificate import Certificate, by_force, least_deflection
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import Answer

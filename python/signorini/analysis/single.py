@@ -11,9 +11,10 @@ from functools import partial
 import numpy as np
 
 from signorini import _core
-from signorini.analysis.combinations import Combined, Sink, combine
+from signorini.analysis.combinations import Combined, Sink, Ways, combine
+from signorini.analysis.tightening import tightened_by
 from signorini.base.arguments import made_by, watching
-from signorini.base.progress import Progress, Watcher
+from signorini.base.progress import Progress, Watcher, steps_of
 from signorini.contact.certificate import certified
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import Answer, chosen
@@ -37,15 +38,6 @@ def solve_one(problem: ContactProblem, combination: Combination, progress: Watch
     return timed(problem, combination, watching(progress, "progress"))[0]
 
 
-def steps_of(what: str, watcher: Watcher) -> Callable[[str, int, int, float], None]:
-    """Tell a watcher of the steps of whatever method solves something."""
-
-    def steps(method: str, step: int, changing: int, residual: float) -> None:
-        watcher(Progress(what, step, changing, residual, method=method))
-
-    return steps
-
-
 def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
     """One combination, and the seconds its contact problem took."""
     discretisation = problem.discretisation
@@ -53,6 +45,12 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
 
     begun = time.perf_counter()
     message = explain(discretisation, imbalance_of(discretisation, problem.freedom, combination))
+    if not message:
+        try:
+            problem = tightened_by(problem, combination.factors or {}, watcher)
+        except NoEquilibriumError as error:
+            message = str(error)
+    discretisation = problem.discretisation
     if message:
         return unsolved_result(discretisation, combination, message), time.perf_counter() - begun
     tried = answered(problem, load, steps_of(combination.name, watcher))
@@ -160,13 +158,19 @@ def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = No
     def show(step: int, changing: int, residual: float) -> None:
         watcher(Progress("the mean", step, changing, residual, method=WORDS[problem.method]))
 
-    problem = problem.near(mean_load(problem.discretisation), show)
+    mean = mean_load(problem.discretisation)
 
     def begin(name: str) -> None:
         watcher(Progress(name))
 
-    single = partial(solve_one, problem, progress=watcher)
-    return combine(problem, single, partial(solve_several, problem, begin=begin), begin, sink)
+    def ways(combination: Combination) -> Ways:
+        try:
+            own = tightened_by(problem, combination.factors or {}, watcher).near(mean, show)
+        except NoEquilibriumError:
+            return Ways(problem, partial(solve_one, problem, progress=watcher), None)
+        return Ways(own, partial(solve_one, own, progress=watcher), partial(solve_several, own, begin=begin))
+
+    return combine(problem.discretisation, ways, begin, sink)
 
 
 def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:

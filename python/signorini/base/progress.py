@@ -71,3 +71,12 @@ class Progress:
 
 Watcher: TypeAlias = Callable[[Progress], object]
 """Called at every moment; what it raises ends the solve."""
+
+
+def steps_of(what: str, watcher: Watcher) -> Callable[[str, int, int, float], None]:
+    """Tell a watcher of the steps of whatever method solves something."""
+
+    def steps(method: str, step: int, changing: int, residual: float) -> None:
+        watcher(Progress(what, step, changing, residual, method=method))
+
+    return steps

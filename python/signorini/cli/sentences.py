@@ -55,6 +55,14 @@ def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -
             yield in_contact(values.name, f"{touching:.6g}", touching, whole, "length", unit_of(units.length))
 
 
+def prying(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
+    """Say of bolts how their force compares with the pull of the loads."""
+    for index, values in enumerate(result.supports):
+        if values.preloads is not None and not np.isnan(values.prying):
+            times = cell(values.prying, widths, ("supports", index, "prying"))
+            yield f"{values.name}: their force is {times} times the pull of the loads"
+
+
 def lifted(result: Result) -> str:
     """Say which corners of the plate have lifted off what holds them from below, and how far; empty if none has."""
     nodes = _corners(result)

@@ -18,7 +18,7 @@ from signorini.analysis.results import Results
 from signorini.base.numbers import compared, in_unit, number, size_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers, say, unit_of
-from signorini.cli.sentences import lifted, resting, too_wide
+from signorini.cli.sentences import lifted, prying, resting, too_wide
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.errors import length, point
@@ -26,7 +26,7 @@ from signorini.model import Model, Support
 from signorini.output.envelope_json import table_warnings
 from signorini.output.names import JSON
 from signorini.results.marks import case_totals
-from signorini.results.quantities import AT_PROBES, FIELDS, LINEAR, MEANS, RESULTANTS, THROUGH, place_of
+from signorini.results.quantities import AT_BOLTS, AT_PROBES, FIELDS, LINEAR, MEANS, RESULTANTS, THROUGH, place_of
 from signorini.results.result import Result
 from signorini.results.support_result import MEANINGS, SYMBOLS, describe, kinds
 from signorini.singularities.named import singularities
@@ -253,7 +253,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
         rows.add("", "all", "", number(total, load), str(closed), str(opened))
     rows.show(console)
     _print_points(console, result, widths, largest)
-    for sentence in (*resting(result, widths, largest["pressure"]), lifted(result)):
+    for sentence in (*resting(result, widths, largest["pressure"]), *prying(result, widths), lifted(result)):
         if sentence:
             say(console, sentence)
     for name, plate in result.plates.items() or [("", result)]:
@@ -278,7 +278,10 @@ def _print_points(console: Console, result: Result, widths: Widths, largest: Map
     if not every:
         return
     most = sorted(every, key=lambda one: -abs(supports[one[0]].reactions[one[1]]))[:_MOST_POINTS]
-    titles = (f"at{in_unit(units.length)}", f"reaction{in_unit(units.force)}", f"gap{in_unit(units.length)}")
+    titles = [f"at{in_unit(units.length)}", f"reaction{in_unit(units.force)}"]
+    tightened = any(supports[index].preloads is not None for index, _ in most)
+    titles += [f"{one.name}{in_unit(units.force)}" for one in AT_BOLTS if tightened]
+    titles.append(f"gap{in_unit(units.length)}")
     shown = Grid([Column("point"), *numbers(*titles), Column("state")])
     for index, at in sorted(most):
         one, path = supports[index], (*place_of(result.model, index), "points", at)
@@ -286,7 +289,11 @@ def _print_points(console: Console, result: Result, widths: Widths, largest: Map
         gap = cell(float(one.gaps[at]), widths, (*path, "gap"), largest["deflection"])
         reaction = cell(float(one.reactions[at]), widths, (*path, "reaction"), largest["reaction"])
         place = point(one.positions[at].tolist(), size)
-        shown.add(name, place, reaction, gap, one.states[at])
+        before = [""] * len(AT_BOLTS) * tightened
+        if one.preloads is not None and one.changes is not None:
+            columns = zip(AT_BOLTS, (one.preloads[at], one.changes[at]), strict=True)
+            before = [cell(float(value), widths, (*path, of.name), largest["reaction"]) for of, value in columns]
+        shown.add(name, place, reaction, *before, gap, one.states[at])
     console.print()
     shown.show(console)
     if left := len(every) - len(most):

@@ -185,7 +185,8 @@ def certify_each(
         part = np.minimum(np.abs(bending_part(discretisation, deflection)), length[:, None])
         bent = np.where(idle, length, largest_magnitudes(part))
         bending = rigidity(discretisation, discretisation.thickness.max()) * bent / size**2
-        rest = maximum(_UNSEEN * bending, _CANCELLED * reached)
+        # What bolts are tightened to acts as loads do.
+        rest = maximum(_UNSEEN * bending, _CANCELLED * reached, float(np.abs(contacts.preload).max(initial=0.0)))
         shear = discretisation.model.young * discretisation.thickness.max()
         rest = np.where(idle, maximum(rest, shear * maximum(_UNSEEN * length, travel.max(initial=0.0))), rest)
         by_load = by_force(nodal, across)

@@ -195,6 +195,8 @@ class ContactProblem(Statement, Remade):
     method: Method
     reference: _core.ContactSolution | None = None
     """A solved load that others begin with; see `near`."""
+    unmoved: ContactProblem | None = None
+    """The problem whose factor this one shares; see `moved`."""
     _cores: dict[str, _core.ContactProblem] = field(default_factory=dict, repr=False)
     """All that have been asked for, by the method they are factored for; "dual" carries no contact
     point. See `by`."""
@@ -212,17 +214,28 @@ class ContactProblem(Statement, Remade):
         """The plate factored for the method, and its contact points."""
         base = base_of(self.discretisation, self.method)
         if base not in self._cores:
-            self._cores[base] = factored(self.discretisation, self.freedom, base)
+            result = self.discretisation
+            self._cores[base] = (
+                factored(result, self.freedom, base)
+                if self.unmoved is None
+                else self.unmoved.by(base).core.with_distance(result.contacts.distance)
+            )
         return self._cores[base]
 
     def without_factor(self) -> ContactProblem:
         """The same problem, to be factored again when something first needs it."""
-        return replace(self, reference=None, _cores={})
+        unmoved = None if self.unmoved is None else self.unmoved.without_factor()
+        return replace(self, reference=None, unmoved=unmoved, _cores={})
+
+    def moved(self, discretisation: Discretisation) -> ContactProblem:
+        """Pose the problem of a discretisation that differs in the distances of its contact points alone."""
+        return replace(self, discretisation=discretisation, reference=None, unmoved=self, _cores={})
 
     @property
     def is_factored(self) -> bool:
         """Whether there is a core already."""
-        return base_of(self.discretisation, self.method) in self._cores
+        own = base_of(self.discretisation, self.method) in self._cores
+        return own or (self.unmoved is not None and self.unmoved.by(self.method).is_factored)
 
     def lcp(self, load: Floats, form: Form = "auto") -> Lcp:
         """Pose the LCP of one nodal load (3n,).
@@ -341,6 +354,8 @@ class ContactProblem(Statement, Remade):
         pushing = all(law.only_pushes for law, _ in points.by_law)
         if pushing and not regularization(result, self.freedom).any():
             return self.condensed.core
+        if "dual" not in self._cores and self.unmoved is not None:
+            self._cores["dual"] = self.unmoved._bare.with_distance(points.distance)
         if "dual" not in self._cores:
             one_sided = replace(points, laws=tuple(law.pushing for law in points.laws))
             motions = self.freedom.motions[:, :0]

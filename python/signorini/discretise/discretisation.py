@@ -21,6 +21,7 @@ from signorini.discretise.meshing import mesh_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located, sides_beside
 from signorini.discretise.points import ContactPoints, Parts, Springs, parts_of
+from signorini.discretise.preloads import require_preloads
 from signorini.discretise.repeated import (
     Repeated,
     Shared,
@@ -72,6 +73,8 @@ class Discretisation(Remade):
     seconds: Mapping[str, float]
     plates: tuple[OfWhole, ...] = ()
     """Of several plates each, of which the arrays here are put together."""
+    tightening: tuple[float, ...] = ()
+    """Factors (s,) by which supports' preloads are tightened, as `Model.tightening` gives them."""
 
     _made = MappingProxyType({"plate": lambda result: result.made()})
 
@@ -280,6 +283,16 @@ class Discretisation(Remade):
         """A load case; of several plates one that does not act on this one too."""
         return self.cases[case] if case in self.cases else replace(self.no_load, acting=frozenset([case]))
 
+    def tightened(self, contacts: ContactPoints, tightening: tuple[float, ...]) -> Discretisation:
+        """The same with contact points at other distances, as bolts are tightened by these factors of the supports."""
+        plates = []
+        for one in self.plates:
+            own, mine = one.own.contacts, contacts.pick(one.points[: len(one.own.contacts)])
+            moved = replace(own, distance=mine.distance, settlement=mine.settlement, preload=mine.preload)
+            factors = tuple(tightening[number] for number in one.numbers["support"])
+            plates.append(replace(one, own=one.own.tightened(moved, factors)))
+        return replace(self, contacts=contacts, tightening=tightening, plates=tuple(plates))
+
     def load(self, combination: Combination) -> CaseLoad:
         """Sum of the cases times their factors."""
         made_by(combination, Combination, "Take one of model.effective_combinations.", "combination")
@@ -324,6 +337,8 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
     problems.tell()
     contacts, repeated = that_can_act(model, mesh, held, contacts)
+    require_preloads(model, mesh, contacts, repeated, problems)
+    problems.tell()
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
     return Discretisation(

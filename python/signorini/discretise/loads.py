@@ -133,6 +133,8 @@ def case_loads(
             onto = Onto(mesh, sections)
             result = _weighed(motions, _load(zones, onto, plate, footprints, load, along, ("load", index)))
             cases[load.case] = cases[load.case] + result if load.case in cases else result
+    # Preloads are tightened beside these: as cases they have a factor and no load.
+    cases |= {case: CaseLoad.none(mesh.node_count, len(mesh.elements)) for case in model.preload_cases}
     return {case: replace(_weighed(motions, load), acting=frozenset([case])) for case, load in cases.items()}
 
 

@@ -18,6 +18,7 @@ from signorini.discretise.held import Bodies, Held
 from signorini.discretise.loads import CaseLoad, Cases
 from signorini.discretise.placed import placed
 from signorini.discretise.points import ContactPoints, Springs
+from signorini.discretise.preloads import require_preloads
 from signorini.discretise.repeated import Repeated
 from signorini.discretise.rows import Further, Ints, Rows
 from signorini.discretise.sections import Sections
@@ -44,7 +45,7 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     problems.tell()
     joints = _between(model, parts, each, problems)
     problems.tell()
-    return _joined(model, parts, each, joints)
+    return _joined(model, parts, each, joints, problems)
 
 
 def _advice(given: object) -> str:
@@ -96,7 +97,11 @@ def _between(
 
 
 def _joined(
-    model: Model, parts: Sequence[Part[Model]], each: Sequence[Discretisation], joints: Sequence[_Joint]
+    model: Model,
+    parts: Sequence[Part[Model]],
+    each: Sequence[Discretisation],
+    joints: Sequence[_Joint],
+    problems: Problems,
 ) -> Discretisation:
     mesh = Mesh.layered([one.mesh for one in each])
     nodes, elements = (
@@ -137,6 +142,8 @@ def _joined(
         np.zeros((0, 2)),
         {name: sum(one.seconds[name] for one in each) for name in each[0].seconds},
     )
+    require_preloads(model, mesh, contacts, whole.repeated, problems, between=True)
+    problems.tell()
     return replace(whole, plates=tuple(_of_whole(parts, each, joints, at, whole) for at in range(len(parts))))
 
 

@@ -423,7 +423,8 @@ def nearest_limit(
     balanced, any multiple of it can. None where no case on its own has a limit, or where the combination is out of
     balance and none brings it back.
     """
-    acting = {case: factor for case, factor in (combination.factors or {}).items() if factor != 0.0}
+    preloads = discretisation.model.preload_cases
+    acting = {case: factor for case, factor in (combination.factors or {}).items() if factor and case not in preloads}
     nodal = {case: factor * discretisation.cases[case].weighing for case, factor in acting.items()}
     whole = discretisation.load(combination).weighing
     if len(acting) < 2 or not freedom.count or not whole.any():

@@ -338,6 +338,14 @@ class Combination(Named):
             places.setdefault(case, ("file",))
         return places
 
+    def factors_of(self, case: str) -> set[float]:
+        """Factors that it gives a case."""
+        result = {self.factors[case]} if self.factors is not None and case in self.factors else set()
+        result.update(*((table or {}).get(case, ()) for table in (self.permanent, self.variable)))
+        if self.generate == "table" and case in (columns := self.listing.columns):
+            result |= {row[columns.index(case)] for row in self.listing.rows}
+        return result
+
 
 Positions = Mapping[str, Sequence[str]]
 """The cases that a moving load becomes, by its own case."""

@@ -160,6 +160,21 @@ class Support(Acting, base.Named):
         default=None,
         description='["upper", "lower"]: it acts between these two plates; resists says how on the upper one.',
     )
+    preload: base.PositiveScalar | None = Field(
+        default=None,
+        description="Force to which each bolt, at a point, is tightened before other loads act; from there its graph "
+        "goes on: a number or an expression. With resists = up or both.",
+    )
+    preload_case: base.Text | None = Field(
+        default=None,
+        description="The preload is a case of this name: combinations give its factor, and where it has none the bolts "
+        "are not tightened. Left out: factor 1 in all.",
+    )
+    order: base.Count | None = Field(
+        default=None,
+        description="Bolts of one order are tightened together, after those of lower ones.",
+        json_schema_extra={"default": 1},
+    )
     rotation: base.Rotation | None = Field(
         default=None,
         description="Slopes [θx, θy] at which slope and twist are held, numbers or expressions; default [0, 0].",
@@ -222,6 +237,11 @@ class Support(Acting, base.Named):
         return Expression(max(rise / run for run, rise in steps)) if all(run for run, _ in steps) else None
 
     @property
+    def stage(self) -> int:
+        """When its bolts are tightened."""
+        return self.order or 1
+
+    @property
     def can_yield(self) -> bool:
         """Whether there is an end to what it can give."""
         if self.law is None:
@@ -244,6 +264,7 @@ class Support(Acting, base.Named):
             yield from self._law_complaints(self.law)
         if self.rotational_stiffness is not None:
             yield from self._turning_complaints(self.rotational_stiffness)
+        yield from self._preload_complaints()
         if self.rotation is not None and not self.turns_held and self.rotational_stiffness is None:
             yield (
                 ("rotation",),
@@ -270,6 +291,21 @@ class Support(Acting, base.Named):
             yield place, "it goes with at, nodes, edge, line or circle, not with areas and footprints."
         elif self.place != "at" and len(stiffness) == 2:
             yield place, "found two; along an edge, a line or a circle there is one, across it."
+
+    def _preload_complaints(self) -> Iterator[base.Complaint]:
+        if self.preload is None:
+            for key in self.given(("preload_case", "order")):
+                yield (key,), f"{key} goes with a preload; give one, or leave it out."
+            return
+        place = ("preload",)
+        if self.fix is not None:
+            yield place, "a preload does not go with fix; use resists = up or both."
+        elif self.resists == "down":
+            yield place, "found resists = down, which cannot pull the plate down; use up or both."
+        if self.place != "at":
+            yield place, f"a preload is that of a bolt at a point; use at or nodes, not {self.place}."
+        if self.gap != Expression(0.0):
+            yield ("gap",), "a gap does not go with a preload: tightening takes up all travel. Leave it out."
 
     def _law_complaints(self, law: Law) -> Iterator[base.Complaint]:
         for key in self.given(("fix", "stiffness", "limit")):

@@ -123,8 +123,22 @@ class Model(Table):
 
     @property
     def cases(self) -> tuple[str, ...]:
-        """Names of the load cases that stay where they are, in the order in which they first appear."""
-        return tuple(dict.fromkeys(load.case for load in self.load))
+        """Names of the load cases that stay where they are, in the order of the input, and behind them of preloads."""
+        return tuple(dict.fromkeys([*(load.case for load in self.load), *self.preload_cases]))
+
+    @property
+    def preload_cases(self) -> tuple[str, ...]:
+        """Names of the cases that preloads are, in the order in which they first appear."""
+        named = (support.preload_case for support in self.support if support.preload_case is not None)
+        return tuple(dict.fromkeys(named))
+
+    def tightening(self, factors: Mapping[str, float]) -> tuple[float, ...]:
+        """Factors (s,) of the supports' preloads beside cases with these factors; empty where none is tightened."""
+        result = tuple(
+            0.0 if one.preload is None else 1.0 if one.preload_case is None else factors.get(one.preload_case, 0.0)
+            for one in self.support
+        )
+        return result if any(result) else ()
 
     @property
     def materials(self) -> tuple[Material, ...]:
@@ -200,6 +214,7 @@ class Model(Table):
             yield from self.complaints_of_plate()
         yield from self._moving_complaints()
         yield from self._combination_complaints()
+        yield from self._preload_complaints()
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
         """What is wrong with a plate and what is on it."""
@@ -257,7 +272,8 @@ class Model(Table):
         yield from _repeated("moving", [moving.case for moving in self.moving], key="case")
         for index, moving in enumerate(self.moving):
             if moving.case in self.cases:
-                why = f'"{moving.case}" is a case of [[load]] too; give the moving load a case of its own.'
+                where = "a preload" if moving.case in self.preload_cases else "[[load]]"
+                why = f'"{moving.case}" is a case of {where} too; give the moving load a case of its own.'
                 yield ("moving", index, "case"), why
         total = sum(moving.count for moving in self.moving)
         if total > _MOST_POSITIONS:
@@ -298,6 +314,22 @@ class Model(Table):
                 )
                 return
         yield from self._name_complaints()
+
+    def _preload_complaints(self) -> Iterator[Complaint]:
+        of_loads = {load.case for load in self.load}
+        named = {case for combination in self.combination for case in combination.cases}
+        for index, support in enumerate(self.support):
+            case, place = support.preload_case, ("support", index, "preload_case")
+            if case in of_loads:
+                yield place, f'"{case}" is a case of [[load]] too; give the preload a case of its own.'
+            elif case is not None and self.combination and case not in named:
+                why = f'no combination names the case "{case}", so that the bolts would not be tightened in any.'
+                yield place, f"{why} Name it in one, or leave preload_case out for a factor of 1 in all."
+        for index, combination in enumerate(self.combination):
+            for case in self.preload_cases:
+                if (least := min(combination.factors_of(case), default=0.0)) < 0.0:
+                    why = f'found the factor {least:g} of the preload "{case}"; it must not be negative.'
+                    yield ("combination", index, *combination.cases[case]), why
 
     def _name_complaints(self) -> Iterator[Complaint]:
         """Names that are there twice once the tables are written out."""

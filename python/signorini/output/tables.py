@@ -23,7 +23,7 @@ _COLUMNS = (
     *("combination", "support", "kind", "point", "x", "y", "reaction", "gap", "state"),
     *("closed", "open", "contact_area", "max_pressure"),
     *("reaction_plus_minus", "gap_plus_minus", "contact_area_plus_minus", "max_pressure_plus_minus"),
-    *("max_tension", "node"),
+    *("max_tension", "node", "preload", "change"),
 )
 _MOST_PLACES = 20
 """Points of a singularity that are listed; nodes of elements that a border cuts may be thousands."""
@@ -142,6 +142,9 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
                 x, y = point.pop("at")
                 at_point = width["points"][number - 1] if "points" in width else {}
                 place = {"point": number, "x": x, "y": y, "node": node + 1 if node >= 0 else None}
+                if support.preloads is not None:
+                    before = float(support.preloads[number - 1])
+                    place |= {"preload": before, "change": point["reaction"] - before}
                 yield row | place | point | _half_widths(at_point)
 
 

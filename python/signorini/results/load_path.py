@@ -16,7 +16,7 @@ from signorini.contact.factoring import Method
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import NotUnique
 from signorini.contact.strategy import answered, refusal, uncertain
-from signorini.discretise import CaseLoad
+from signorini.discretise import CaseLoad, Discretisation
 from signorini.equilibrium.imbalance import imbalance, mechanism
 from signorini.errors import InputError, NotCertifiedError, point
 from signorini.mesh import Mesh
@@ -294,18 +294,20 @@ class LoadPath(States[float]):
         """Its load at some t, by factors of the load cases."""
         factors = dict[str, float]()
         for name, times in ((self.start, 1.0), (self.add, t)):
-            for case, factor in self._factors(name).items():
+            for case, factor in factors_named(self.discretisation, name).items():
                 factors[case] = factors.get(case, 0.0) + times * factor
         name = f"{'' if self.start is None else f'{self.start} + '}{t:.12g} {self.add}"
         return Combination.model_construct(name=name, factors=factors)
 
-    def _factors(self, name: str | None) -> Mapping[str, float]:
-        if name is None or name in self.discretisation.cases:
-            return {} if name is None else {name: 1.0}
-        return next(one.factors or {} for one in self.model.effective_combinations if one.name == name)
-
     def _result(self, t: float) -> Result:
         return result_at(self.problem, self.load_at(t), self._loads, t)
+
+
+def factors_named(discretisation: Discretisation, name: str | None) -> Mapping[str, float]:
+    """Factors of cases in what has a name: a case or, if there is none of that name, a combination; None is no load."""
+    if name is None or name in discretisation.cases:
+        return {} if name is None else {name: 1.0}
+    return next(one.factors or {} for one in discretisation.model.effective_combinations if one.name == name)
 
 
 def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, CaseLoad], t: float) -> Result:

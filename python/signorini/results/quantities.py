@@ -253,6 +253,13 @@ OF_TURNING_POINTS = tuple(
     Quantity(f"moment_{axis}", "couple", "", ("moment", at), "moment", False, False, False)
     for at, axis in enumerate("xy")
 )
+OF_BOLTS = (Quantity("prying", "part", tabled=False, along_paths=False),)
+"""Of supports with a preload."""
+AT_BOLTS = (
+    Quantity("preload", "reaction", enveloped=False, along_paths=False),
+    Quantity("change", "reaction", enveloped=False, along_paths=False),
+)
+"""At their points."""
 THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("shear", "force"))
 """Forces through sections."""
 MEANS = (Quantity("moment", "moment"), Quantity("twist", "moment"), Quantity("shear", "shear"))
@@ -340,13 +347,15 @@ class Catalogue:
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             own = OF_SUPPORTS + OF_AREAS * (support.area is not None)
             own += OF_LIMITED_AREAS * (support.area is not None and support.can_yield)
+            own += OF_BOLTS * (support.preload is not None)
             for one in own:
                 # How many nodes are closed is the mesh's.
                 told = one.kind != "count" or support.place == "at"
                 path: Path = (*place_of(model, index), *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
             for point in range(count if support.place == "at" else 0):
-                for one in OF_POINTS + OF_TURNING_POINTS * (support.rotational_stiffness is not None):
+                every = OF_POINTS + AT_BOLTS * (support.preload is not None)
+                for one in every + OF_TURNING_POINTS * (support.rotational_stiffness is not None):
                     path = (*place_of(model, index), "points", point, *one.path)
                     tabled = one.tabled and (opens or one.name != "gap")
                     result.append(Number(one, "point", index, path, f"{support.name}[{point + 1}]", point, tabled))

@@ -24,6 +24,7 @@ from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes
+from signorini.equilibrium.balance import NO_FORCE
 from signorini.errors import InputError, point
 from signorini.formats.vtk import as_meshio, displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
@@ -47,6 +48,7 @@ from signorini.results.quantities import (
     FIELDS,
     LINEAR,
     OF_AREAS,
+    OF_BOLTS,
     OF_LIMITED_AREAS,
     OF_TURNING_POINTS,
     SIDES,
@@ -181,9 +183,12 @@ class Result(Remade):
         points, springs = discretisation.off_areas
         nodal_reaction = held_force + discretisation.point_rows.T @ (points * answer.shared)
         nodal_reaction += discretisation.spring_rows.T @ (springs * pull)
+        forces = load.weighing[::3]
+        lift = -float(forces.sum())
+        lift = lift if lift > NO_FORCE * np.abs(forces).sum() else np.nan
         supports = tuple(
             support_result(
-                discretisation, index, held_force[::3], held_couple, pull, answer, (beneath or {}).get(index, 0.0)
+                discretisation, index, held_force[::3], held_couple, pull, answer, lift, (beneath or {}).get(index, 0.0)
             )
             for index in range(len(discretisation.model.support))
         )
@@ -382,6 +387,11 @@ class Result(Remade):
         put("support", areas, *(one.name for one in OF_AREAS))
         limited = [one for one in areas if one.yielded_area is not None]
         put("support", limited, *(one.name for one in OF_LIMITED_AREAS))
+        bolts = [one for one in self.supports if one.preloads is not None]
+        put("support", bolts, *(one.name for one in OF_BOLTS))
+        if preloads := [one.preloads for one in self.supports if one.preloads is not None]:
+            before, after = np.concatenate(preloads), np.concatenate([one.reactions for one in bolts])
+            result[at("point", "preload")], result[at("point", "change")] = before, after - before
         put("section", self.sections, "moment", "twist", "shear")
         put("station", [station for strip in self.strips for station in strip.stations], "moment", "twist", "shear")
         result[at("support", "closed", "open")] = [(one.closed_count, one.open_count) for one in self.supports]

@@ -258,15 +258,19 @@ class Block:
             ends = result.extremes[name]
             self.places[row, at] = ends.max_at, ends.min_at
 
-    def put_supports(self, rows: Ints, layout: Layout, reaction: Floats, gap: Floats, closed: Bools) -> None:
-        """Fill rows (r,) with what all points do (r, p)."""
+    def put_supports(
+        self, rows: Ints, layout: Layout, reaction: Floats, gap: Floats, closed: Bools, preload: Floats
+    ) -> None:
+        """Fill rows (r,) with what all points do (r, p); ``preload`` (p,) is what they do before loads act."""
         self.reaction[rows], self.closed[rows] = reaction, closed
         at, values = layout.catalogue.at, self.values
         for column, where in zip(at("support", "reaction", "closed", "open"), layout.slices, strict=True):
             closed_count = closed[:, where].sum(axis=1)
             totals = (reaction[:, where].sum(axis=1), closed_count, closed[:, where].shape[1] - closed_count)
             values[np.ix_(rows, column)] = np.stack(totals, axis=1)
-        for what, of_points in (("reaction", reaction), ("gap", gap)):
+        before = np.broadcast_to(preload, reaction.shape)
+        told = ("reaction", reaction), ("gap", gap), ("preload", before), ("change", reaction - preload)
+        for what, of_points in told:
             numbers = [layout.catalogue.numbers[place] for place in at("point", what)]
             every = [layout.slices[one.owner].start + one.part for one in numbers]
             values[np.ix_(rows, at("point", what))] = of_points[:, every]

@@ -77,6 +77,10 @@ class SupportPoints:
             acting = (self.shares @ together.T).T.reshape(*leading, self.shares.shape[0])
         return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
 
+    def preloads(self, discretisation: Discretisation) -> Floats:
+        """Upward force (p,) of every point when all bolts are tightened and before other loads act."""
+        return self.forces(np.zeros(self.fixed), discretisation.points.preload)
+
     def centres(self, discretisation: Discretisation, reaction: Floats) -> Floats:
         """Where the force of every point acts (p, 2), given the contacts' (m,): in an element nearer to what pushes."""
         if self.shares is None:

@@ -136,6 +136,8 @@ def describe(support: Support) -> str:
         parts.append("with gap")
     if support.can_yield:
         parts.append("with limit")
+    if support.preload is not None:
+        parts.append("preloaded")
     return ", ".join(parts)
 
 
@@ -165,6 +167,10 @@ class SupportResult(Remade):
         Whether it gives its limit there.
     moments : (k, 2) array or None
         Of points with a rotational stiffness, the couples on θx and θy that they exert on the plate.
+    preloads : (k,) array or None
+        Of points with a preload, their reactions when all bolts are tightened and before other loads act.
+    pull : float
+        With which the loads pull the plate up, their resultant; NaN where they do not.
     """
 
     name: str
@@ -181,6 +187,18 @@ class SupportResult(Remade):
     edge: EdgeCouples | None
     yielded: Bools
     moments: Floats | None
+    preloads: Floats | None
+    pull: float
+
+    @property
+    def changes(self) -> Floats | None:
+        """What loads add to the reactions (k,) that points with a preload have before."""
+        return None if self.preloads is None else self.reactions - self.preloads
+
+    @property
+    def prying(self) -> float:
+        """The force of its bolts over the pull of the loads; NaN where there is none."""
+        return -self.reaction / self.pull
 
     @property
     def states(self) -> list[str]:
@@ -243,12 +261,14 @@ def support_result(
     held_couple: Floats,
     pull: Floats,
     answer: Answer,
+    lift: float,
     beneath: Floats | float = 0.0,
 ) -> SupportResult:
     """Say what a support does in an answer.
 
-    From the upward force (n,) and the couples (n, 2) on every held node, and the upward force (s,) of every spring. Of
-    one between two plates ``beneath`` (n,) is the deflection of the other plate.
+    From the upward force (n,) and the couples (n, 2) on every held node, the upward force (s,) of every spring, and the
+    force with which the loads lift the plate, NaN where they do not. Of one between two plates ``beneath`` (n,) is the
+    deflection of the other plate.
     """
     support = discretisation.model.support[index]
     points = SupportPoints.of(discretisation, index)
@@ -284,6 +304,8 @@ def support_result(
         edge,
         points.yielded(discretisation, answer.shared),
         moments,
+        None if support.preload is None else points.preloads(discretisation),
+        lift,
     )
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +17,9 @@ from signorini.base.remade import Brief
 from signorini.contact.certificate import FIGURES, TOLERANCE
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import doubtful
+from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.mesh import Mesh
 from signorini.model import Combination, Combinations, Model
 from signorini.results.envelope import Envelope, Extremes
 from signorini.results.quantities import LINEAR, SIDES, derived
@@ -39,6 +42,18 @@ _EXPLAINED = 100
 Single = Callable[[Combination], Result]
 Several = Callable[[Sequence[Combination], Single], Iterable[Result]]
 Sink = Callable[[Iterable[tuple[str, Column]]], None]
+
+
+class Ways(NamedTuple):
+    """How combinations of one tightening of the bolts are solved.
+
+    ``single`` solves one by itself, where a sum of responses is not certain. ``several`` solves those of an active set
+    side by side, and those it is not certain of by the function it is given; None leaves every one to ``single``.
+    """
+
+    problem: ContactProblem
+    single: Single
+    several: Several | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,24 +91,22 @@ class Combined(Brief):
 
 
 def combine(
-    problem: ContactProblem,
-    single: Single,
-    several: Several | None,
+    discretisation: Discretisation,
+    ways: Callable[[Combination], Ways],
     begin: Callable[[str], None],
     sink: Sink | None = None,
 ) -> Combined:
     """Solve every combination of a model.
 
-    ``single`` solves one combination by itself, where a sum of responses is not certain. ``several`` solves
-    combinations of an active set side by side, and those it is not certain of by the function it is given; None leaves
-    every combination to ``single``. ``begin`` is called with the name of the first combination of each block; what it
-    raises ends the run. ``sink`` takes the columns of each block.
+    ``ways`` is asked for the first combination of each tightening of the bolts. ``begin`` is called with the name of
+    the first combination of each block; what it raises ends the run. ``sink`` takes the columns of each block.
     """
-    discretisation = problem.discretisation
-    layout = Layout.of(discretisation)
-    run = _Run(problem, layout, single, several)
-    combinations = discretisation.model.effective_combinations
-    width = layout.point_count * 2 + len(layout.catalogue) + len(run.cases) + len(layout.around_areas) + 20
+    model, layout = discretisation.model, Layout.of(discretisation)
+    combinations = model.effective_combinations
+    used = combinations.cases
+    cases = tuple(case for case in discretisation.cases if case in used)
+    runs = dict[tuple[float, ...], _Run]()
+    width = layout.point_count * 2 + len(layout.catalogue) + len(cases) + len(layout.around_areas) + 20
     most = int(np.clip(_MOST_NUMBERS // width, 16, _MOST_ROWS))
     kept: list[list[tuple[str, Column]]] = []
     few = True
@@ -101,31 +114,43 @@ def combine(
         begin(combinations[first].name)
         rowed = combinations[first : first + most]
         block = Block.empty(layout, first, len(rowed))
-        run.solve(block, rowed)
+        tightenings = [model.tightening(combination.factors or {}) for combination in rowed]
+        for tightening in dict.fromkeys(tightenings):
+            rows = np.array([row for row, one in enumerate(tightenings) if one == tightening])
+            if tightening not in runs:
+                runs[tightening] = _Run(ways(rowed[rows[0]]), layout, cases)
+            runs[tightening].solve(block, [rowed[row] for row in rows], rows)
         keys = [("combination", [combination.name for combination in rowed])]
-        columns = list(block.columns(layout, keys, _loads(discretisation.model, rowed)))
+        columns = list(block.columns(layout, keys, _loads(model, rowed)))
         few = few and len(columns) * len(combinations) <= _MOST_NUMBERS
         kept += [columns] if few else []
         if sink is not None:
             sink(columns)
-    worst = {name: float(value) for name, value in zip(FIGURES, run.worst, strict=True)}
-    envelope = Envelope.none(layout, discretisation.mesh)
-    for of_group in run.envelopes.values():
-        envelope.meet(of_group)
-    groups = {name: run.envelopes[name] for name in combinations.groups if name in run.envelopes}
-    counts = (run.solved, run.alone, run.not_unique)
-    rows = together(kept) if few else None
-    return Combined(combinations, layout, envelope, groups, *counts, worst, run.unbalanced, rows)
+    every = runs.values()
+    worst = dict(zip(FIGURES, np.max([run.worst for run in every], axis=0).tolist(), strict=True))
+    envelopes = {name: [run.envelopes[name] for run in every if name in run.envelopes] for name in combinations.groups}
+    groups = {name: _over(layout, discretisation.mesh, parts) for name, parts in envelopes.items() if parts}
+    envelope = _over(layout, discretisation.mesh, [part for run in every for part in run.envelopes.values()])
+    counts = sum(run.solved for run in every), sum(run.alone for run in every), sum(run.not_unique for run in every)
+    unbalanced = {name: why for run in every for name, why in run.unbalanced.items()}
+    rows_kept = together(kept) if few else None
+    return Combined(combinations, layout, envelope, groups, *counts, worst, unbalanced, rows_kept)
+
+
+def _over(layout: Layout, mesh: Mesh, envelopes: Sequence[Envelope]) -> Envelope:
+    """The envelope over some."""
+    result = Envelope.none(layout, mesh)
+    for one in envelopes:
+        result.meet(one)
+    return result
 
 
 class _Run:
-    """What grows from block to block."""
+    """What grows from block to block, of combinations of one tightening."""
 
-    def __init__(self, problem: ContactProblem, layout: Layout, single: Single, several: Several | None) -> None:
-        discretisation = problem.discretisation
-        self.problem, self.layout, self.single, self.several = problem, layout, single, several
-        used = discretisation.model.effective_combinations.cases
-        self.cases = tuple(case for case in discretisation.cases if case in used)
+    def __init__(self, ways: Ways, layout: Layout, cases: tuple[str, ...]) -> None:
+        self.problem, self.single, self.several = ways
+        self.layout, discretisation = layout, self.problem.discretisation
         self.terms: Terms | None = None
         # Where nodes are held together their forces are shared alike in every combination.
         self._always = "reactions" if discretisation.held_together else ""
@@ -134,34 +159,35 @@ class _Run:
         worth_while = (
             not discretisation.plates and not len(discretisation.repeated) and len(discretisation.contacts) <= most
         )
-        if several is not None and problem.method == "lemke" and worth_while:
-            self.terms = terms_of(problem, self.cases, layout.fields, layout.around_areas)
+        if self.several is not None and self.problem.method == "lemke" and worth_while:
+            self.terms = terms_of(self.problem, cases, layout.fields, layout.around_areas)
         self.envelopes: dict[str, Envelope] = {}
         self.solved = self.alone = self.not_unique = 0
         self.worst = np.zeros(len(FIGURES))
         self.unbalanced: dict[str, str] = {}
         self._without_equilibrium = 0
 
-    def solve(self, block: Block, combinations: Sequence[Combination]) -> None:
-        """Fill a block, and widen the envelopes by it."""
+    def solve(self, block: Block, combinations: Sequence[Combination], at: Ints) -> None:
+        """Fill rows (k,) of a block by combinations (k,), and widen the envelopes by them."""
         groups = [combination.group for combination in combinations]
         rows: Sequence[int] = range(len(combinations))
         if self.terms is not None:
-            rows = self._sums(block, combinations, self.terms, groups)
+            rows = self._sums(block, combinations, at, self.terms, groups)
         left = [combinations[row] for row in rows]
         together = self.several if self.problem.method == "active_set" else None
         results = map(self._alone, left) if together is None else together(left, self._alone)
         for row, result in zip(rows, results, strict=True):
-            block.put(row, self.layout, result)
-            if block.solved[row]:
-                self._envelope(groups[row]).take_fields(result, block.numbers[row : row + 1])
+            block.put(place := at[row], self.layout, result)
+            if block.solved[place]:
+                self._envelope(groups[row]).take_fields(result, block.numbers[[place]])
             else:
                 self._unbalanced(result.name, result.message)
-        self.solved += int(block.solved.sum())
-        self.not_unique += sum(map(bool, block.not_unique))
-        self.worst = np.maximum(self.worst, block.certificate[block.solved].max(axis=0, initial=0.0))
-        for group, own in _by_group(groups, np.flatnonzero(block.solved)):
-            self._envelope(group).take(block, own)
+        solved = np.flatnonzero(block.solved[at])
+        self.solved += len(solved)
+        self.not_unique += sum(bool(block.not_unique[place]) for place in at)
+        self.worst = np.maximum(self.worst, block.certificate[at[solved]].max(axis=0, initial=0.0))
+        for group, own in _by_group(groups, solved):
+            self._envelope(group).take(block, at[own])
 
     def _envelope(self, group: str) -> Envelope:
         if group not in self.envelopes:
@@ -174,7 +200,7 @@ class _Run:
         return result
 
     def _sums(
-        self, block: Block, combinations: Sequence[Combination], terms: Terms, groups: Sequence[str]
+        self, block: Block, combinations: Sequence[Combination], places: Ints, terms: Terms, groups: Sequence[str]
     ) -> Sequence[int]:
         """Solve what sums of responses are certain of; return the rows that are left."""
         factors = _factors(combinations, terms.cases)
@@ -186,22 +212,24 @@ class _Run:
         certain = (figures <= TOLERANCE).all(axis=1) & (figures[:, FIGURES.index("balance")] <= _BALANCED)
         certain &= ~doubtful(self.problem.discretisation, self.problem.freedom, reaction[rows], gap[rows])
         rows, coefficients = rows[certain], np.ascontiguousarray(coefficients[certain])
-        block.solved[rows] = True
-        block.certificate[rows] = figures[certain]
+        here = places[rows]
+        block.solved[here] = True
+        block.certificate[here] = figures[certain]
         at, sides = self.layout.catalogue.at, self.problem.discretisation.probe_sides
         at_sides = _core.superpose(coefficients, terms.probes).reshape(len(rows), len(sides.point), len(LINEAR))
         values = np.full((len(rows), len(self.layout.catalogue)), np.nan)
         values[:, at("probe", *LINEAR)] = sides.larger(at_sides)
         self.layout.catalogue.derive(values, self.layout.probe_thickness)
         self.layout.catalogue.put_through(values, _core.superpose(coefficients, terms.through))
-        block.values[rows] = values
-        block.on_areas[rows] = _core.superpose(coefficients, terms.on_areas)
-        self._put_supports(block, rows, _core.superpose(coefficients, terms.fixed), reaction[rows], gap, closed)
+        block.values[here] = values
+        block.on_areas[here] = _core.superpose(coefficients, terms.on_areas)
+        fixed = _core.superpose(coefficients, terms.fixed)
+        self._put_supports(block, here, fixed, reaction[rows], gap[rows], closed[rows])
         for group, own in _by_group(groups, rows):
             shares = np.ascontiguousarray(coefficients[np.searchsorted(rows, own)])
             for name, extremes in self._envelope(group).fields.items():
                 hidden = self.layout.hidden.get(name, Hidden.nothing(len(extremes.largest)))
-                left_out, who = hidden.under(factors[own] != 0, terms.cases), block.numbers[own]
+                left_out, who = hidden.under(factors[own] != 0, terms.cases), block.numbers[places[own]]
                 if name in terms.fields:
                     peaks, at_nodes = extremes.take_sums(shares, terms.fields[name], who, hidden.classes, left_out)
                 else:
@@ -209,15 +237,16 @@ class _Run:
                 if name in self.layout.fields:
                     place = self.layout.fields.index(name)
                     ends = [at("field", side)[place] for side in SIDES]
-                    block.values[np.ix_(own, ends)], block.places[own, place] = peaks, self.layout.nodes[at_nodes]
-        self._put_areas(block, rows)
-        block.iterations[:] = pivots
-        for row in rows:
+                    block.values[np.ix_(places[own], ends)] = peaks
+                    block.places[places[own], place] = self.layout.nodes[at_nodes]
+        self._put_areas(block, here)
+        block.iterations[places] = pivots
+        for row in here:
             block.method[row], block.not_unique[row] = "lemke", self._always
         without = np.flatnonzero(verdict == 1)
         explained = without[: max(0, _EXPLAINED - self._without_equilibrium)]
         self._without_equilibrium += len(without) - len(explained)
-        done = block.solved.copy()
+        done = block.solved[places]
         done[np.setdiff1d(without, explained)] = True
         return np.flatnonzero(~done).tolist()
 
@@ -253,13 +282,14 @@ class _Run:
             of_points.append(
                 (
                     points.forces(held, reaction),
-                    points.gaps(np.where(closed, 0.0, gap)[rows]),
-                    points.closed(closed[rows]),
+                    points.gaps(np.where(closed, 0.0, gap)),
+                    points.closed(closed),
                 )
             )
         if of_points:
             all_forces, gaps, all_closed = (np.concatenate(column, axis=1) for column in zip(*of_points, strict=True))
-            block.put_supports(rows, self.layout, all_forces, gaps, all_closed)
+            preload = np.concatenate([of.preloads(self.problem.discretisation) for of in self.layout.supports])
+            block.put_supports(rows, self.layout, all_forces, gaps, all_closed, preload)
 
     def _put_areas(self, block: Block, rows: Ints) -> None:
         """Largest pressures and areas in contact of rows of which the deflections around areas are known."""

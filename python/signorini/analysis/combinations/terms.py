@@ -133,7 +133,7 @@ class Proof:
         largest = np.abs(force).max(axis=1, initial=0.0)
         length = np.maximum(deflection, np.abs(self.discretisation.held.values[::3]).max(initial=0.0))
         lengths = np.where(contacts.slope, length[:, None] / size, length[:, None])
-        scale = np.where(load > 0, load, largest)
+        scale = np.maximum(np.where(load > 0, load, largest), np.abs(contacts.preload).max(initial=0.0))
         pressing = np.maximum(scale, largest)
         unit = np.where(contacts.slope, size, 1.0) * np.where(pressing > 0.0, pressing, 1.0)[:, None]
         lengths = np.where(lengths > 0.0, lengths, 1.0)
