@@ -247,6 +247,28 @@ class Discretisation(Remade):
         """Lengths (3p,) by which slopes of rigid motions are compared with deflections: 1, and the plates' size."""
         return np.tile([1.0, self.mesh.size, self.mesh.size], max(1, len(self.plates)))
 
+    def in_motions(self, positions: Floats, elements: Ints) -> Floats:
+        """Deflections (q, 3p) at positions (q, 2) in elements (q,) in the rigid motions that `scaled_motions` are."""
+        at = np.column_stack([np.ones(len(positions)), (positions - self.middle) / self.mesh.size])
+        if not self.plates:
+            return at
+        firsts = [plate.elements.start for plate in self.plates]
+        result = np.zeros((len(at), len(firsts), 3))
+        result[np.arange(len(at)), np.searchsorted(firsts, elements, side="right") - 1] = at
+        return result.reshape(len(at), -1)
+
+    def moved(self, hi: Floats, lo: Floats, motions: Floats) -> tuple[Floats, Floats]:
+        """Displacements (3n,) with rigid motions (3p,) of the plates beside them: w and the slopes about the middle."""
+        x, y = self.middle.tolist()
+        if not self.plates:
+            w, tx, ty = motions.tolist()
+            return self.plate.moved(hi, lo, (x, y), (w, tx, ty))
+        each = [
+            one.own.plate.moved(hi[one.dofs], lo[one.dofs], (x, y), (w, tx, ty))
+            for one, (w, tx, ty) in zip(self.plates, motions.reshape(-1, 3).tolist(), strict=True)
+        ]
+        return np.concatenate([one for one, _ in each]), np.concatenate([one for _, one in each])
+
     @cached_property
     def probe_sides(self) -> Sides:
         """Where probes are, on every side of a jump."""

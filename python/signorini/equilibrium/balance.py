@@ -176,11 +176,7 @@ def _arms(discretisation: Discretisation, positions: Floats, supports: Ints) -> 
 
 def _name_motion(loose: Floats, discretisation: Discretisation) -> str:
     if discretisation.plates:
-        return " and ".join(
-            f'"{plate.name}" {describe_motion(own, discretisation)}'
-            for plate, own in zip(discretisation.plates, loose[:, 0].reshape(-1, 3), strict=True)
-            if np.abs(own).max() > RANK * np.abs(loose[:, 0]).max()
-        )
+        return describe_motion(loose[:, 0], discretisation)
     if loose.shape[1] == 3:
         return "any rigid motion, it has no support"
     if loose.shape[1] == 2:
@@ -189,7 +185,13 @@ def _name_motion(loose: Floats, discretisation: Discretisation) -> str:
 
 
 def describe_motion(motion: Floats, discretisation: Discretisation) -> str:
-    """Say what a rigid motion (3,) is: of w, and of the slopes times the plate's size, about its middle."""
+    """Say what a rigid motion (3p,) is: of w, and of the slopes times the size of all, about their middle."""
+    if discretisation.plates and len(motion) > 3:
+        return " and ".join(
+            f'"{plate.name}" {describe_motion(own, discretisation)}'
+            for plate, own in zip(discretisation.plates, motion.reshape(-1, 3), strict=True)
+            if np.abs(own).max() > RANK * np.abs(motion).max()
+        )
     w, *slopes = motion / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
     turning = np.hypot(*slopes)
     if turning * discretisation.mesh.size < 1e-6 * abs(w):
