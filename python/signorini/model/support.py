@@ -19,6 +19,7 @@ from pydantic import (
 
 from signorini.expression import LARGEST, Expression
 from signorini.model import base
+from signorini.model.field import FieldScalar
 from signorini.model.problems import as_list, describe
 from signorini.model.where import Acting, one_of
 
@@ -124,9 +125,10 @@ class Support(Acting, base.Named):
         default=Expression(0.0),
         description="Free travel before it acts, either way it resists: a number or an expression; default 0.",
     )
-    stiffness: base.PositiveScalar | None = Field(
+    stiffness: FieldScalar | None = Field(
         default=None,
-        description="None: rigid. Per point, per length (edge, line, circle), per area: a number or an expression.",
+        description="None: rigid. Per point, per length (edge, line, circle), per area: a number, an expression, or "
+        "{ file = ... }, a table of x, y and value, linear between its points and 0 beyond them.",
     )
     limit: base.PositiveScalar | None = Field(
         default=None,
@@ -198,7 +200,7 @@ class Support(Acting, base.Named):
         return self.modulus is None and self.holds_w
 
     @property
-    def modulus(self) -> Expression | None:
+    def modulus(self) -> FieldScalar | None:
         """Stiffness, of a law that of its steepest part; None where it is rigid, or a law rises without travel."""
         if self.law is None:
             return self.stiffness
