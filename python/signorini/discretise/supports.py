@@ -270,10 +270,10 @@ def _springs_or_contacts(on: _Ground, placed: Placed, acting: _Acting) -> list[S
         shear = on.stiffness.in_shear[acting.rows.elements]
         stiffness = weights * support.modulus(*at.T, above=0.0, place=(*place, "stiffness"))
         if support.law is not None and (stiffness >= STIFFEST_SPRING * shear).any():
-            slope = float(support.modulus(0.0, 0.0))
+            steepest = float(support.modulus(0.0, 0.0))
             raise InputError(
-                f"found a part that rises by {slope:.4g} for a travel of 1, which is as good as rigid. Draw it without "
-                "travel, or less steep.",
+                f"found a part that rises by {steepest:.4g} for a travel of 1, which is as good as rigid. Draw it "
+                "without travel, or less steep.",
                 place=(*place, "law"),
             )
         if equation and support.law is None and support.limit is None:

@@ -250,9 +250,9 @@ OF_AREAS = (
 OF_LIMITED_AREAS = (Quantity("yielded_area", "area", tabled=False, along_paths=False),)
 OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
 OF_TURNING_POINTS = tuple(
-    Quantity(f"moment_{axis}", "couple", "", ("moment", at), "moment", False, False, False)
-    for at, axis in enumerate("xy")
+    Quantity(f"moment_{axis}", "couple", "", ("moment", at), "moment") for at, axis in enumerate("xy")
 )
+TURNING = tuple(one.name for one in OF_TURNING_POINTS)
 THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("shear", "force"))
 """Forces through sections."""
 MEANS = (Quantity("moment", "moment"), Quantity("twist", "moment"), Quantity("shear", "shear"))
@@ -307,10 +307,11 @@ class Number:
 
     @property
     def envelope_path(self) -> Path:
-        """Where its extremes stand in an envelope, of which results.json names the quantities of probes."""
+        """Where its extremes stand in an envelope, of which results.json names the quantities of probes and points."""
         if self.home == "field":
             return ("fields", self.subject)
-        return (*self.path[:2], self.quantity.name) if self.home == "probe" else self.path
+        own = len(self.path) - len(self.quantity.path)
+        return (*self.path[:own], self.quantity.name) if self.home in ("probe", "point") else self.path
 
     @property
     def ties(self) -> tuple[str, str, int]:

@@ -46,9 +46,9 @@ from signorini.results.quantities import (
     LINEAR,
     OF_AREAS,
     OF_LIMITED_AREAS,
-    OF_TURNING_POINTS,
     SIDES,
     TOLD,
+    TURNING,
     Catalogue,
     Home,
     derived,
@@ -309,7 +309,7 @@ class Result(Remade):
             result[at("point", "reaction")] = np.concatenate([one.reactions for one in points])
             result[at("point", "gap")] = np.concatenate([one.gaps for one in points])
         if turning := [one.moments for one in points if one.moments is not None]:
-            result[at("point", *(one.name for one in OF_TURNING_POINTS))] = np.concatenate(turning)
+            result[at("point", *TURNING)] = np.concatenate(turning)
         if self.probes:
             linear = [(one.deflection, *one.rotation, *one.moment, *one.shear) for one in self.probes]
             result[at("probe", *LINEAR)] = linear

@@ -31,6 +31,7 @@ class SupportPoints:
     weights: Floats  # (p,): the length or area that a point stands for, 1 at a point
     elements: Ints  # (p,): the element that a point is in; of held nodes −1
     shares: csr_array | None  # (c', c): of an averaged area, each element's share of what its contact points do
+    turning: Ints  # (p, 2): of points, springs on their slopes θx and θy; none of others
 
     @staticmethod
     @kept
@@ -57,7 +58,11 @@ class SupportPoints:
         order = parts.order if shares is None else np.arange(len(positions))
         direction, weights = contacts.direction[rows], weights[order]
         located = positions[order], weights, elements[order]
-        return SupportPoints(nodes, springs, share, rows, direction, order, *located, shares)
+        of_slopes = np.flatnonzero(discretisation.springs.slope & (discretisation.springs.support == index))
+        # About x, which the slope along y is, and about y.
+        at_points = discretisation.model.support[index].place == "at"
+        turning = of_slopes.reshape(2, -1)[::-1].T if at_points else np.zeros((0, 2), np.int64)
+        return SupportPoints(nodes, springs, share, rows, direction, order, *located, shares, turning)
 
     @property
     def fixed(self) -> int:
@@ -76,6 +81,10 @@ class SupportPoints:
             together = acting.reshape(math.prod(leading), acting.shape[-1])
             acting = (self.shares @ together.T).T.reshape(*leading, self.shares.shape[0])
         return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
+
+    def moments(self, pull: Floats) -> Floats:
+        """Couples (..., p, 2) on θx and θy that points exert on the plate, from what all springs do (..., s)."""
+        return np.asarray(-pull[..., self.turning])
 
     def centres(self, discretisation: Discretisation, reaction: Floats) -> Floats:
         """Where the force of every point acts (p, 2), given the contacts' (m,): in an element nearer to what pushes."""

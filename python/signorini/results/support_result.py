@@ -259,9 +259,6 @@ def support_result(
     (turning,) = np.nonzero(springs.slope & (springs.support == index))
     if support.edge is not None and len(turning):
         edge = EdgeCouples.of_springs(discretisation.mesh, support.edge, springs.positions[turning], pull[turning])
-    # About x, which the slope along y is, and about y.
-    at_points = support.place == "at" and len(turning) > 0
-    moments = -np.flip(pull[turning].reshape(2, -1), axis=0).T if at_points else None
     if support.edge is not None and "slope" in support.fixed:
         held = sides_that_hold_turns(discretisation.model, discretisation.mesh)
         edge = EdgeCouples.of(discretisation.mesh, support.edge, held_couple, held, discretisation.held.bodies.inside)
@@ -279,7 +276,7 @@ def support_result(
         area,
         edge,
         points.yielded(discretisation, answer.shared),
-        moments,
+        points.moments(pull) if len(points.turning) else None,
     )
 
 
