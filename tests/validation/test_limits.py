@@ -1,6 +1,7 @@
 """Supports with a limit: closed forms of rigid blocks, a bounded quadratic program, statics at the limit load."""
 
 import itertools
+import json
 import re
 
 import numpy as np
@@ -256,6 +257,41 @@ def test_a_block_sinks_along_the_law_of_its_soil(force, method, resists):
     assert not result.unsettled
     assert result.deflection.mean() == pytest.approx(np.interp(force / WIDTH**2, forces, travels), rel=1e-4)
     assert result.pressure([(1.0, 1.0)])[0] == pytest.approx(force / WIDTH**2, rel=1e-4)
+
+
+DRAWN_AT_POINTS = [[0, 0], [0, 10e3], [0.001, 30e3], [0.002, 30e3], [0.004, 50e3]]
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    ("how", "pieces"),
+    [
+        ({"resists": "down", "law": DRAWN_AT_POINTS}, {5e3: 1, 20e3: 2, 40e3: 4}),
+        ({"resists": "up", "law": DRAWN_AT_POINTS}, {-5e3: 1, -20e3: 2, -40e3: 4}),
+        ({"resists": "both", "law": DRAWN_AT_POINTS}, {-40e3: 0, -20e3: 2, 5e3: 3, 20e3: 4, 40e3: 6}),
+        ({"resists": "both", "gap": 0.001, "law": DRAWN_AT_POINTS}, {-40e3: 0, -20e3: 2, 5e3: 5, 20e3: 6, 40e3: 8}),
+        ({"resists": "down", "stiffness": 1e7, "limit": 50e3}, {5e3: 1, 40e3: 1}),
+        ({"resists": "both", "limit": 50e3}, {-40e3: 1, 40e3: 1}),
+        ({"resists": "both", "law": [[-0.01, -50e3], [0, 0], [0.01, 100e3]]}, {-40e3: 0, 40e3: 1}),
+    ],
+)
+def test_points_are_on_the_piece_of_their_law_that_has_their_force(method, how, pieces):
+    for force, piece in pieces.items():
+        four = {"area": None, "at": [[0, 0], [2, 0], [2, 2], [0, 2]], "stiffness": None, "limit": None}
+        result = signorini.solve(block(4, 4 * force, method=method, **four | how))["all"]
+        assert result.supports[0].reactions == pytest.approx([force] * 4, rel=1e-6)
+        assert result.supports[0].pieces.tolist() == [piece] * 4
+
+
+def test_pieces_tell_open_closed_and_yielding_points_apart_in_files(tmp_path):
+    result = signorini.solve(raft(force=90e3))
+    signorini.write(result, tmp_path, signorini.estimate(result))
+    (written,) = json.loads((tmp_path / "results.json").read_text())["combinations"]
+    piles, _, tie = written["supports"]
+    by_state = {"open": 0, "closed": 1, "yields": 2}
+    assert [one["piece"] for one in piles["points"]] == [by_state[one["state"]] for one in piles["points"]]
+    assert isinstance(tie["points"][0]["piece"], int)
+    assert written["plus_minus"]["supports"][0]["points"][0]["piece"] is None
 
 
 def test_a_graph_and_its_inverse_agree():

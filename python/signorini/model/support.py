@@ -208,6 +208,16 @@ class Support(Acting, base.Named):
         return Expression(max(rise / run for run, rise in steps)) if all(run for run, _ in steps) else None
 
     @property
+    def gives_way(self) -> bool:
+        """Whether more force makes it travel more: it is elastic, or, if a law rises without travel, later on."""
+        return self.modulus is not None or any(s < t and f < g for (s, f), (t, g) in pairwise(self.law or ()))
+
+    @property
+    def has_pieces(self) -> bool:
+        """Whether its force is told by the piece of a law, or of a line up to a limit."""
+        return self.law is not None or self.limit is not None
+
+    @property
     def can_yield(self) -> bool:
         """Whether there is an end to what it can give."""
         if self.law is None:

@@ -76,7 +76,7 @@ def support_mark(
         states,
         style,
         boundary,
-        support.modulus is not None,
+        support.gives_way,
         not (support.gap.is_constant and support.gap.value == 0),
         describe(support),
         counts,

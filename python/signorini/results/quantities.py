@@ -252,6 +252,7 @@ OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
 OF_TURNING_POINTS = tuple(
     Quantity(f"moment_{axis}", "couple", "", ("moment", at), "moment") for at, axis in enumerate("xy")
 )
+OF_POINTS_WITH_LAWS = (Quantity("piece", "count", "piece of the law", (), "", False, False, False),)
 TURNING = tuple(one.name for one in OF_TURNING_POINTS)
 THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("shear", "force"))
 """Forces through sections."""
@@ -341,10 +342,12 @@ class Catalogue:
                 path: Path = ("supports", index, *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
             for point in range(count if support.place == "at" else 0):
-                for one in OF_POINTS + OF_TURNING_POINTS * (support.rotational_stiffness is not None):
+                of_point = OF_POINTS + OF_TURNING_POINTS * (support.rotational_stiffness is not None)
+                for one in of_point + OF_POINTS_WITH_LAWS * support.has_pieces:
                     path = ("supports", index, "points", point, *one.path)
-                    tabled = one.tabled and (opens or one.name != "gap")
-                    result.append(Number(one, "point", index, path, f"{support.name}[{point + 1}]", point, tabled))
+                    tabled, told = one.tabled and (opens or one.name != "gap"), one.kind != "count"
+                    subject = f"{support.name}[{point + 1}]"
+                    result.append(Number(one, "point", index, path, subject, point, tabled, told))
         touching = any(support.area is not None for support in model.support)
         for index in range(probes):
             for one in AT_PROBES:

@@ -308,6 +308,8 @@ class Result(Remade):
         if len(at("point", "reaction")):
             result[at("point", "reaction")] = np.concatenate([one.reactions for one in points])
             result[at("point", "gap")] = np.concatenate([one.gaps for one in points])
+        if lawful := [one.pieces for one in points if one.pieces is not None]:
+            result[at("point", "piece")] = np.concatenate(lawful)
         if turning := [one.moments for one in points if one.moments is not None]:
             result[at("point", *TURNING)] = np.concatenate(turning)
         if self.probes:

@@ -13,7 +13,7 @@ from signorini.base.on_demand import kept
 from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.discretise.places import STRIP
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints, Pieces
 from signorini.results.quantities import Catalogue
 
 
@@ -118,6 +118,14 @@ class SupportPoints:
         always = np.ones((*touching.shape[:-1], self.fixed), np.bool_)
         return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
 
+    def pieces(self, discretisation: Discretisation, pieces: Pieces) -> Ints:
+        """Pieces (p,) of the laws, by travel down of what acts both ways, from those of contacts (m,)."""
+        contacts, own = discretisation.points, _with(pieces, self.rows, 0)[self.rows].astype(np.int64)
+        if len(own) == 2:
+            last = np.array([len(law.slopes) - 1 for law in contacts.laws])[contacts.law[self.rows[1]]]
+            own = own[:1] + last - own[1:]
+        return np.asarray(own[0][self.order])
+
     def yielded(self, discretisation: Discretisation, reaction: Floats) -> Bools:
         """Whether every point (p,) gives all that it can, from the reactions of all points (m + r,)."""
         least, most = discretisation.points.limits
@@ -128,7 +136,7 @@ class SupportPoints:
         return np.concatenate([np.zeros(self.fixed, np.bool_), which])[self.order]
 
 
-def _with(values: Floats | Bools, rows: Ints, repeated: float) -> Any:
+def _with(values: Floats | Bools | Pieces, rows: Ints, repeated: float) -> Any:
     """Values (..., m) of contact points, and behind them one for those that repeat them, as far as ``rows`` go."""
     more = max(0, int(rows.max(initial=-1)) + 1 - values.shape[-1])
     behind = np.full((*values.shape[:-1], more), repeated, values.dtype)

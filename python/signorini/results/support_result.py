@@ -108,7 +108,7 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 def kinds(support: Support) -> list[str]:
     """Give the kinds of a support, keys of `MEANINGS` and `SYMBOLS`: how it acts, and whether it is elastic."""
     how = "fixed" if support.fix is not None else support.resists or "both"
-    return [how] if support.modulus is None else [how, "elastic"]
+    return [how, "elastic"] if support.gives_way else [how]
 
 
 def symbol(support: Support) -> str:
@@ -125,12 +125,15 @@ def describe(support: Support) -> str:
     'points, pushes up only, rigid, with gap'
     >>> describe(Support(edge="left", fix="clamped"))
     'edge, clamped'
+    >>> describe(Support(at=[1, 1], resists="up", law=[[0, 0], [0, 90e3], [0.01, 120e3]]))
+    'points, holds down only, rigid at first, then elastic'
     """
     where = {"at": "points"}.get(support.place, support.place)
     if support.fix is not None:
         how = support.fix if isinstance(support.fix, str) else " ".join(support.fix) + " held"
         return f"{where}, {how}" + (", elastic" if support.modulus is not None else "")
-    parts = [where, MEANINGS[support.resists or "both"], "rigid" if support.modulus is None else "elastic"]
+    later = "rigid at first, then elastic" if support.gives_way else "rigid"
+    parts = [where, MEANINGS[support.resists or "both"], later if support.modulus is None else "elastic"]
     if not (support.gap.is_constant and support.gap.value == 0):
         parts.append("with gap")
     if support.can_yield:
@@ -162,6 +165,8 @@ class SupportResult(Remade):
         Of edges that hold the slope, their couples per length.
     yielded : (k,) array
         Whether it gives its limit there.
+    pieces : (k,) array or None
+        Of points with a law or a limit, the piece of it that each is on, from 0, in the order of travel.
     moments : (k, 2) array or None
         Of points with a rotational stiffness, the couples on θx and θy that they exert on the plate.
     """
@@ -179,6 +184,7 @@ class SupportResult(Remade):
     area: AreaContact | None
     edge: EdgeCouples | None
     yielded: Bools
+    pieces: Ints | None
     moments: Floats | None
 
     @property
@@ -276,6 +282,7 @@ def support_result(
         area,
         edge,
         points.yielded(discretisation, answer.shared),
+        points.pieces(discretisation, answer.piece) if support.place == "at" and support.has_pieces else None,
         points.moments(pull) if len(points.turning) else None,
     )
 
