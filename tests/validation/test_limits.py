@@ -232,7 +232,7 @@ def models(draw):
     )
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 @given(model=models())
 def test_random_models_with_limits_and_laws_have_the_least_complementary_energy(model):
     result, problem = signorini.solve(model)["all"], contact_problem(model)
@@ -257,6 +257,16 @@ def test_a_block_sinks_along_the_law_of_its_soil(force, method, resists):
     assert not result.unsettled
     assert result.deflection.mean() == pytest.approx(np.interp(force / WIDTH**2, forces, travels), rel=1e-4)
     assert result.pressure([(1.0, 1.0)])[0] == pytest.approx(force / WIDTH**2, rel=1e-4)
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+@pytest.mark.parametrize("stiffness", [None, 1e7])
+@pytest.mark.parametrize("limit", [1e3, 1e8])
+def test_without_a_load_an_area_both_ways_rests_whatever_its_limit(method, stiffness, limit):
+    result = signorini.solve(block(4, 0.0, method=method, stiffness=stiffness, resists="both", limit=limit))["all"]
+    assert (result.method, result.unsettled) == (method, ())
+    assert not result.deflection.any()
+    assert not result.supports[0].reactions.any()
 
 
 DRAWN_AT_POINTS = [[0, 0], [0, 10e3], [0.001, 30e3], [0.002, 30e3], [0.004, 50e3]]
