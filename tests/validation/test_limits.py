@@ -413,6 +413,22 @@ def test_a_straight_law_both_ways_is_a_spring(method):
     assert found[0] == pytest.approx(found[1], rel=1e-9, abs=1e-9)
 
 
+def test_a_straight_law_both_ways_beside_limits_is_a_spring_under_a_plate_that_nothing_else_holds():
+    feet = {"at": [[0, 0], [2, 0], [2, 2], [0, 2]], "resists": "down", "stiffness": 1e7, "limit": 50e3}
+    found = []
+    for how in ({"law": [[0, 0], [0.001, 10e3]]}, {"stiffness": 1e7}):
+        model = Model(
+            material={"E": 30e9, "nu": 0.2},
+            plate={"shape": "rectangle", "size": [2, 2], "thickness": 0.2},
+            mesh={"divisions": [4, 4]},
+            support=[feet, {"at": [1, 1]} | how],
+            load=[{"force": 10e3, "at": [1.2, 1.1]}],
+        )
+        found.append(signorini.solve(model)["all"].supports)
+    assert [one.reaction for one in found[0]] == pytest.approx([one.reaction for one in found[1]], rel=1e-9)
+    assert found[0][0].reactions == pytest.approx(found[1][0].reactions, rel=1e-9)
+
+
 def test_a_law_that_yields_one_way_alone_says_so():
     law = [[-0.01, -50e3], [0, 0], [0.001, 20e3], [0.002, 20e3]]
     pulled, pushed = (

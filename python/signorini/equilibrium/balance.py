@@ -106,8 +106,8 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     least, most = one_sided.limits
     if least.any() or np.isfinite(most).any():
         # What limits carry depends on what each point stands for.
-        moves = at_contacts[~contacts.two_sided] @ motions
-        on_mesh = outlines = Bearing(one_sided.positions, moves, one_sided.support, least, most)
+        own = moves[~contacts.two_sided]
+        on_mesh = outlines = Bearing(one_sided.positions, own, one_sided.support, least, most)
     regular = null_space(in_stiffness, RANK).shape[1] == 0
     rows = (null_space(held, RANK), of_springs, at_contacts)
     return RigidFreedom(motions, moves, outlines, on_mesh, regular, *rows)
