@@ -164,6 +164,10 @@ class Program:
         displacement[self.free] = self.force * self.dof * np.array(end.x[:n])
         return self.sharpened(displacement, self.force * np.array(end.z[:m]) / self.size)
 
+    def is_far(self, displacement: np.ndarray) -> bool:
+        """Whether displacements (3n,) are beyond what K in doubles follows."""
+        return bool(np.abs(displacement[self.free] / self.dof).max() > _FAR * self.force)
+
     def sharpened(self, displacement: np.ndarray, reaction: np.ndarray) -> Solution:
         """Solve exactly on the pieces that a solution is on, until they are those of what is solved."""
         u, r = displacement[self.free] / (self.force * self.dof), reaction * self.size / self.force
@@ -196,7 +200,7 @@ class Program:
             r[holds] = x[len(u) :]
         if is_exact:
             left = np.abs(self.K @ u + self.G.T @ r - self.right).max()
-            is_exact = left <= _BALANCED * max(1.0, np.abs(r).max(initial=0.0)) and np.abs(u).max() <= _FAR
+            is_exact = left <= _BALANCED * max(1.0, np.abs(r).max(initial=0.0))
         displacement = self.problem.held_values.copy()
         displacement[self.free] = self.force * self.dof * u
         return Solution(displacement, self.force * r / self.size, is_exact)
@@ -213,12 +217,15 @@ def draw(seed: int) -> tuple[Counter[str], list[str]]:
     program = Program(problem, load.nodal)
     solution = program.solve()
     if imbalance(problem.discretisation, problem.freedom, load.weighing) is not None:
+        found = solution is not None and solution.is_exact and not program.is_far(solution.displacement)
         outcome = Counter({"no equilibrium": 1, "so the program": int(solution is None)})
-        return outcome, ["the program finds one"] if solution is not None and solution.is_exact else []
+        return outcome, ["the program finds one"] if found else []
     tried = answered(problem, load)
     if not tried.passed:
         return Counter({"not certified": 1}), [f"{tried.answer.status}, not certified"]
     answer, outcome = tried.answer, Counter({"solved": 1, "by another method": int(len(tried.methods) > 1)})
+    if program.is_far(answer.hi):
+        return outcome + Counter({"beyond the judge": 1}), []
     if solution is None:
         # A solution of all equations refutes that there is none.
         outcome["refuted"] = 1
