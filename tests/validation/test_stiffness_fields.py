@@ -10,6 +10,7 @@ import signorini
 from signorini import Model
 from signorini.errors import InputError, NoEquilibriumError
 from signorini.expression import Field
+from signorini.results.marks import support_marks
 
 SIDE = 4.0
 CORNERS = [(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE)]
@@ -92,6 +93,8 @@ def test_without_stiffness_there_is_no_soil(given):
     assert of.closed_part == pytest.approx(1.0)
     assert of.max_pressure == pytest.approx(other.max_pressure, rel=1e-9)
     assert np.isnan(ends.pressure([(3, 1)])).all()
+    (drawn,) = support_marks(ends.mesh, ends.model.support, ends.supports)
+    assert np.nanmax(drawn.positions[:, 0]) == pytest.approx(2.0)
 
 
 def test_a_plate_tips_about_the_end_of_its_soil():
