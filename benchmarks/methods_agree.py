@@ -23,6 +23,7 @@ import numpy as np
 from signorini import InputError, Model, contact_problem
 from signorini.contact.certificate import certify
 from signorini.contact.problem import ContactProblem
+from signorini.contact.selection import Answer
 from signorini.equilibrium.imbalance import imbalance
 
 METHODS = ("lemke", "active_set", "interior_point")
@@ -55,7 +56,7 @@ def tables(plate: int) -> Tables:
     """The model of a plate of that number, as the tables of an input file; the solver's method is not among them."""
     rng = np.random.default_rng([20, plate])
     while True:
-        drawn = _draw(rng)
+        drawn = draw(rng)
         try:
             problem = contact_problem(Model(**drawn, solver={"method": "lemke"}))
         except InputError:
@@ -65,7 +66,8 @@ def tables(plate: int) -> Tables:
             return drawn
 
 
-def _draw(rng: np.random.Generator) -> Tables:
+def draw(rng: np.random.Generator) -> Tables:
+    """Draw a plate on supports of every kind that may let go, and what acts on it."""
     metre, newton = rng.choice([1.0, 1e3]), rng.choice([1.0, 1e-6])
     span = metre * 10 ** rng.uniform(-0.5, 1.5)
     thickness = span * 10 ** rng.uniform(np.log10(0.003), np.log10(0.3))
@@ -147,7 +149,7 @@ def compare(plate: int) -> Compared:
         passed = certify(problem.discretisation, load, answer.hi, answer.lo, r).passed
         status[method] = "certified" if passed else "refused"
         if reference is None and passed:
-            reference = w, r, *_unique(problem, r, answer.gap, np.abs(w).max())
+            reference = w, r, *unique(problem, answer, np.abs(w).max())
         elif reference is not None:
             w0, r0, one_shape, one_reaction = reference
             deflection[method] = np.abs(w - w0).max() / np.abs(w0).max() if one_shape else 0.0
@@ -155,14 +157,15 @@ def compare(plate: int) -> Compared:
     return Compared(plate, len(problem.gaps), status, seconds, work, deflection, reaction)
 
 
-def _unique(problem: ContactProblem, reaction: np.ndarray, gap: np.ndarray, length: float) -> tuple[bool, bool]:
+def unique(problem: ContactProblem, answer: Answer, length: float) -> tuple[bool, bool]:
     """Whether deflections are unique, as what presses leaves no rigid motion, and reactions, of independent points."""
-    found = problem.discretisation
-    pressed = found.contacts.two_sided | (reaction > 1e-7 * np.abs(reaction).max())
+    found, reaction, gap = problem.discretisation, answer.reaction, answer.gap
+    flat = found.contacts.flat_on(answer.piece)
+    pressed = found.contacts.two_sided | (~flat & (np.abs(reaction) > 1e-7 * np.abs(reaction).max(initial=0.0)))
     moves = problem.freedom.moves[pressed]
     values = np.linalg.svd(moves, compute_uv=False) if len(moves) else np.zeros(0)
     fixed = problem.freedom.count == 0 or (len(moves) >= problem.freedom.count and values[-1] > 1e-6 * values[0])
-    rigid = (problem.compliance == 0) & (found.contacts.two_sided | (gap <= 1e-9 * length))
+    rigid = (problem.compliance == 0) & (found.contacts.two_sided | (~flat | (np.abs(gap) <= 1e-9 * length)))
     rows = problem.G.toarray()[rigid][:, ~found.held.dofs]
     norms = np.linalg.norm(rows, axis=1)
     if not len(rows):

@@ -208,7 +208,7 @@ WRONG = {
         ("at = [1, 1]\ngap = -1", "support[1].gap: found -1; it must not be less than 0."),
         ("at = [1, 1]\nstiffness = 0", "support[1].stiffness: found 0; it must be greater than 0."),
         ("at = [1, 1]\nstiffness = '1/0'", "support[1].stiffness: '1 / 0' divides by zero."),
-        ("at = [1, 1]\nstiffness = [1]", "found [1]; it must be a number or an expression in x and y."),
+        ("at = [1, 1]\nstiffness = [1]", "found 1; it must be a point [x, y, value]."),
         ("at = [1, 1]\nsettlement = inf", "support[1].settlement: found inf; it must be finite"),
         ("at = [1, 1]\nname = 'a\tb'", "line breaks and control characters are not allowed."),
     ],

@@ -1,5 +1,7 @@
 """Springs on slopes: beams with turning ends, clamped edges as their limit, columns in a frame."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -97,3 +99,79 @@ def test_a_rotational_stiffness_that_holds_nothing_is_refused(support, said):
         model([support])
     assert said in str(refused.value)
     assert "support[1].rotational_stiffness" in str(refused.value)
+
+
+COLUMNS = [[0.5, 0.5], [5.5, 0.5], [5.5, 3.5], [0.5, 3.5], [3, 2]]
+CASES = [{"case": "G", "pressure": 1e4}, {"case": "Q", "force": 3e5, "at": [4.2, 1.3]}, {"case": "W", "pressure": -8e3}]
+
+
+def frame(resists, **more):
+    """Columns that turn, beside a wall that turns and points that do not, so that the order of points counts."""
+    supports = [
+        {"name": "wall", "edge": ["left"], "resists": "down", "stiffness": 1e8, "rotational_stiffness": 1e6},
+        {"name": "pads", "at": [[2, 3.5], [4, 3.5]], "resists": "down", "stiffness": 1e7},
+        {
+            "name": "columns",
+            "at": COLUMNS,
+            "resists": resists,
+            "stiffness": 1e8,
+            "rotational_stiffness": [2e7, "3e7 + 1e6*x"],
+        },
+    ]
+    return model(supports, (6, 4), (6, 4), 0.2, CASES, **more)
+
+
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
+@pytest.mark.parametrize("resists", ["both", "down"])
+def test_moments_of_columns_in_a_table_are_those_of_single_solves(resists, method):
+    rows = {f"row {n}": [1.0, 0.3 * n, 0.1 * n] for n in range(-3, 10)}
+    table = {"name": "all", "generate": "table", "columns": ["G", "Q", "W"], "rows": rows}
+    results = signorini.solve(frame(resists, combination=[table], solver={"method": method}))
+    for number, (name, factors) in enumerate(rows.items()):
+        one = {"name": name, "factors": {case: factor for case, factor in zip("GQW", factors, strict=True) if factor}}
+        columns = signorini.solve(frame(resists, combination=[one]))[name].supports[2]
+        for point, moments in enumerate(columns.moments, start=1):
+            found = [results.table[f"moment_{axis}_at:columns[{point}]"][number] for axis in "xy"]
+            assert found == pytest.approx(moments, rel=1e-8, abs=1e-6)
+    ends = results.envelope["moment_x_at:columns[5]"]
+    column = np.array(results.table["moment_x_at:columns[5]"])
+    assert (ends.max, ends.max_by) == (column.max(), column.argmax())
+    assert (ends.min, ends.min_by) == (column.min(), column.argmin())
+
+
+def test_moments_of_columns_are_told_along_a_path_with_their_thresholds():
+    sampled = signorini.path(frame("down"), "G", "Q", until=3.0, steps=6, when=["columns[5].moment_x = -20e3"])
+    assert sampled.thresholds[0].t is not None
+    for stop, t in zip(sampled.stops, sampled.table["t"], strict=True):
+        moments = sampled.at(float(t)).supports[2].moments
+        found = [[stop.number(f"columns[{point}].moment_{axis}") for axis in "xy"] for point in range(1, 6)]
+        assert np.array(found) == pytest.approx(moments, rel=1e-8, abs=1e-6)
+    exact = signorini.path(frame("down"), "G", "Q", until=3.0, events="all")
+    last = sampled.at(3.0).supports[2].moments[4, 0]
+    assert exact.stops[-1].number("columns[5].moment_x") == pytest.approx(last, rel=1e-8)
+    assert sampled.at(sampled.thresholds[0].t).supports[2].moments[4, 0] == pytest.approx(-20e3, rel=1e-8)
+
+
+def test_moments_of_columns_have_one_half_width_and_stand_in_the_files(tmp_path):
+    rows = {"generate": "table", "columns": ["G", "Q"], "rows": {f"row {n}": [1.0, 0.3 * n] for n in range(13)}}
+    results = signorini.solve(frame("down", combination=[rows]))
+    estimates = signorini.estimate(results)
+    signorini.write(results, tmp_path, estimates)
+    written = json.loads((tmp_path / "results.json").read_text())
+    point = written["envelope"]["supports"][2]["points"][4]
+    ends = results.envelope["moment_y_at:columns[5]"]
+    assert point["moment_y"]["max"] == ends.max
+    assert point["moment_y"]["max_by"] == results.key(ends.max_by)
+    name = point["moment_y"]["max_by"]
+    one = next(one for one in written["combinations"] if one["name"] == name)
+    assert one["supports"][2]["points"][4]["moment"][1] == pytest.approx(ends.max, rel=1e-9)
+    width = written["envelope"]["plus_minus"]["supports"][2]["points"][4]["moment_y"]["max"]
+    assert width == pytest.approx(estimates.half_width("moment_y_at:columns[5]", name))
+    assert width == pytest.approx(estimates[name].plus_minus["supports"][2]["points"][4]["moment"][1])
+    found = signorini.path(frame("down"), "G", "Q", until=1.0, steps=2)
+    signorini.write(found, tmp_path / "path")
+    stops = json.loads((tmp_path / "path" / "path.json").read_text())["stops"]
+    assert stops[-1]["supports"][2]["points"][4]["moment"] == pytest.approx(
+        found.at(1.0).supports[2].moments[4].tolist(), rel=1e-8
+    )
+    assert "moment_x_at:columns[5]" in (tmp_path / "path" / "path.csv").read_text().splitlines()[0]

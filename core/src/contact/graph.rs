@@ -18,11 +18,12 @@ use std::fmt;
 pub struct Graph {
     /// Travel and force; one at least, through which a straight graph passes.
     vertices: Vec<[f64; 2]>,
-    /// Of every piece, in order; infinite is vertical.
-    slopes: Vec<f64>,
+    /// In order.
+    pieces: Vec<Piece>,
 }
 
-/// The line of a piece: force − `force` = slope (travel − `travel`), or travel = `travel` where the slope is infinite.
+/// The line of a piece: force − `force` = slope (travel − `travel`), or travel = `travel` where the slope is infinite. Its
+/// point is where there is no force, if the piece has such a point, so that small forces keep their digits beside a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     pub travel: f64,
@@ -78,31 +79,44 @@ impl Graph {
         }
         let inner = vertices.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
         let slopes = std::iter::once(ends[0]).chain(inner).chain([ends[1]]).collect();
-        Ok(Self { vertices, slopes })
+        Ok(Self::of(vertices, slopes))
     }
 
     /// A support that acts one way only, at travel 0; an infinite stiffness is rigid.
     pub fn one_sided(stiffness: f64) -> Self {
-        Self { vertices: vec![[0.0, 0.0]], slopes: vec![0.0, stiffness] }
+        Self::of(vec![[0.0, 0.0]], vec![0.0, stiffness])
     }
 
     /// A support that holds both ways, at travel 0: a single piece.
     pub fn two_sided(stiffness: f64) -> Self {
-        Self { vertices: vec![[0.0, 0.0]], slopes: vec![stiffness] }
+        Self::of(vec![[0.0, 0.0]], vec![stiffness])
+    }
+
+    fn of(vertices: Vec<[f64; 2]>, slopes: Vec<f64>) -> Self {
+        let line = |(number, &slope): (usize, &f64)| {
+            let [travel, force] = vertices[number.saturating_sub(1)];
+            let is_last = number + 1 == slopes.len();
+            let has_none = (number == 0 || force <= 0.0) && (is_last || vertices[number][1] >= 0.0);
+            match slope > 0.0 && has_none {
+                true => Piece { travel: travel - force / slope, force: 0.0, slope },
+                false => Piece { travel, force, slope },
+            }
+        };
+        let pieces = slopes.iter().enumerate().map(line).collect();
+        Self { vertices, pieces }
     }
 
     pub fn pieces(&self) -> usize {
-        self.slopes.len()
+        self.pieces.len()
     }
 
     /// Whether there is a single piece, so that the state never changes.
     pub fn is_straight(&self) -> bool {
-        self.slopes.len() == 1
+        self.pieces.len() == 1
     }
 
     pub fn piece(&self, number: u8) -> Piece {
-        let [travel, force] = self.vertices[usize::from(number).saturating_sub(1)];
-        Piece { travel, force, slope: self.slopes[usize::from(number)] }
+        self.pieces[usize::from(number)]
     }
 
     /// Where a piece ends below and above; `None` where it goes on for ever.
@@ -116,7 +130,8 @@ impl Graph {
 
     /// The number of the steepest piece, of several the first.
     pub fn steepest(&self) -> u8 {
-        (1..self.slopes.len()).fold(0, |most, at| if self.slopes[at] > self.slopes[most] { at } else { most }) as u8
+        let steeper = |most: usize, at: usize| if self.pieces[at].slope > self.pieces[most].slope { at } else { most };
+        (1..self.pieces.len()).fold(0, steeper) as u8
     }
 
     /// The piece at a stretch of the graph in series with a compliance: at travel + compliance · force.
@@ -168,6 +183,18 @@ mod tests {
             let result = graph.force_at(compliance, stretch);
             assert!((result.0 - force).abs() < 1e-12 && (result.1 - slope).abs() < 1e-12, "{stretch}: {result:?}");
         }
+    }
+
+    #[test]
+    fn a_piece_is_measured_from_where_it_has_no_force() {
+        let both = Graph::new(vec![[-1.0, -1e6], [1.0, 1e6]], [0.0, 0.0]).unwrap();
+        assert_eq!([0, 1, 2].map(|number| both.piece(number).force), [-1e6, 0.0, 1e6]);
+        assert_eq!(both.force_at(0.0, 1e-300).0, 1e-294);
+        let rigid = Graph::new(vec![[0.0, -5.0], [0.0, 5.0]], [0.0, 0.0]).unwrap();
+        assert_eq!(rigid.piece(1), Piece { travel: 0.0, force: 0.0, slope: f64::INFINITY });
+        let bent = Graph::new(vec![[-1.0, -3.0], [1.0, 1.0], [2.0, 5.0]], [1.0, 4.0]).unwrap();
+        assert_eq!([0, 1, 2, 3].map(|number| bent.piece(number).force), [-3.0, 0.0, 1.0, 5.0]);
+        assert_eq!(bent.piece(1).travel, 0.5);
     }
 
     #[test]

@@ -12,7 +12,6 @@ from signorini.base.memory import elements_that_fit, require_memory
 from signorini.discretise.rows import Floats
 from signorini.discretise.snapping import Snapped, snapped
 from signorini.errors import InputError, Place, Problems
-from signorini.expression import Expression
 from signorini.expression.levels import Drawing
 from signorini.mesh import Mesh
 from signorini.mesh.divisions import Axes, axes_of
@@ -33,6 +32,7 @@ from signorini.model import (
     Support,
     Zone,
 )
+from signorini.model.field import FieldScalar
 from signorini.model.where import Acting, Located, Where, worth_following
 from signorini.model.whole import acting_on
 from signorini.shapes import Curve, Polyline, Region, Ring
@@ -332,7 +332,7 @@ def _radii(model: Model, center: Point, outer: float) -> list[float]:
 
 def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
     """Where expressions jump, as far as a mesh may follow it, within a box and that of what each acts on."""
-    items: list[tuple[Acting | Zone | None, Expression | None]] = [(None, model.plate.thickness)]
+    items: list[tuple[Acting | Zone | None, FieldScalar | None]] = [(None, model.plate.thickness)]
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
         if support.area is None and (support.modulus is None or support.at is not None):

@@ -26,8 +26,8 @@ from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_qua
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Floats, Ints, Rows, Table
 from signorini.discretise.thickness import PlateStiffness
-from signorini.errors import InputError, Place, Problems
-from signorini.expression import Expression
+from signorini.errors import InputError, Problems, point
+from signorini.expression import Expression, Field
 from signorini.expression.levels import Level
 from signorini.mesh import Mesh
 from signorini.model import Plate, Support
@@ -44,6 +44,8 @@ then outnumber what can answer them, and settle ever more slowly; what is left o
 STIFFEST_SPRING = 1e8
 """Stiffness of a spring, over the plate's in shear, beyond which it makes no difference to eight digits. In K it would
 drown the plate's own; one that lets go is rigid, or its force would be that of penetrations that are rounding."""
+_LEAST_PART = 0.1
+"""Part of a support to which a field gives a stiffness, up to which it is refused: most likely in other units."""
 _NONE = 1e-12
 """Coefficient of a row that counts as none."""
 
@@ -163,11 +165,37 @@ def can_let_go(support: Support) -> bool:
     )
 
 
+def _places(support: Support, acting: _Acting) -> Floats:
+    """Where formulas are evaluated (q, 2): beside a jump within the element that a point is of."""
+    return acting.within if _steps(support) else acting.positions
+
+
 def _acting(on: Ground, placed: Placed) -> list[_Acting]:
     """Points and rows of one support, for what no node holds."""
     if placed.support.area is not None:
-        return [_on_area(on, placed.support, placed.place)]
-    return _at_points(on, placed, placed.points) if placed.points is not None else _along_line(on, placed)
+        return [_on_area(on, placed)]
+    result = _at_points(on, placed, placed.points) if placed.points is not None else _along_line(on, placed)
+    return [_on_soil(placed, acting) for acting in result]
+
+
+def _on_soil(placed: Placed, acting: _Acting) -> _Acting:
+    """Leave out points at which a field has no stiffness; one that the input names must have some."""
+    field = placed.support.stiffness
+    if not isinstance(field, Field):
+        return acting
+    place = (*placed.place, "stiffness", *(["file"] if field.file else []))
+    some = field(*_places(placed.support, acting).T, place=place) > 0.0
+    part = float(acting.weights[some].sum() / acting.weights.sum())
+    if placed.points is not None and not some.all():
+        at = point(acting.positions[int(some.argmin())])
+        raise InputError(f"{field} gives no stiffness at {at}. Leave that point out, or give it one.", place=place)
+    if part <= _LEAST_PART:
+        raise InputError(
+            f"{field} gives a stiffness to {part:.2g} of the support; it must be more than {_LEAST_PART:g}. Make the "
+            "support smaller, or give more of it a stiffness: beyond the points of a table there is none.",
+            place=place,
+        )
+    return acting.pick(some)
 
 
 def _at_points(on: Ground, placed: Placed, points: LineQuadrature) -> list[_Acting]:
@@ -232,8 +260,9 @@ def _steps(support: Support) -> list[Level]:
     return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
 
 
-def _on_area(on: Ground, support: Support, place: Place) -> _Acting:
+def _on_area(on: Ground, placed: Placed) -> _Acting:
     """Points of an area, or means of elements where it is as good as rigid; if it lets go, they reach its outline."""
+    support, place = placed.support, placed.place
     mesh, elastic, one_sided = on.mesh, support.modulus is not None, can_let_go(support)
     # Where nodes hold the plate a point of the outline could do nothing.
     free_corners = np.asarray(~on.held.dofs[3 * mesh.elements[:, :4]].any(axis=1))
@@ -243,21 +272,23 @@ def _on_area(on: Ground, support: Support, place: Place) -> _Acting:
     if _steps(support):
         within = mesh.map(over.elements, mesh.inward(over.elements, over.xi, INSIDE))
     points = LineQuadrature(over.elements, over.xi, over.weights, over.positions, np.zeros_like(over.positions), within)
-    through = _Acting.of(on.rows(points, 0), points)
-    covered = np.bincount(points.elements, minlength=len(mesh.elements)) > 0
+    through = _on_soil(placed, _Acting.of(on.rows(points, 0), points))
+    covered = np.bincount(through.rows.elements, minlength=len(mesh.elements)) > 0
     if elastic and not one_sided:
         return through
     if support.modulus is not None:
-        stiffness = support.modulus(*within.T, above=0.0, place=(*place, "stiffness"))
-        if (stiffness < _STIFF * on.stiffness.in_waves[points.elements]).all():
-            return _with(on, through, missing_corners(mesh, on.shape, support.where, covered, through.positions))
-    return _with(on, _means(on, through), outline_points(mesh, on.shape, support.where, covered))
+        stiffness = support.modulus(*through.within.T, above=0.0, place=(*place, "stiffness"))
+        if (stiffness < _STIFF * on.stiffness.in_waves[through.rows.elements]).all():
+            return _with(
+                on, placed, through, missing_corners(mesh, on.shape, support.where, covered, through.positions)
+            )
+    return _with(on, placed, _means(on, through), outline_points(mesh, on.shape, support.where, covered))
 
 
 def _springs_or_contacts(on: Ground, placed: Placed, acting: _Acting) -> list[Springs | ContactPoints]:
     support, place, count = placed.support, placed.place, len(acting)
     positions, weights, numbers = acting.positions, acting.weights, acting.numbers
-    at = acting.within if _steps(support) else positions
+    at = _places(support, acting)
     slope = ~np.isnan(acting.slope)
     settlement = acting.slope if slope.any() else support.settlement(*at.T, place=(*place, "settlement"))
     gap = support.gap(*at.T, at_least=0.0, place=(*place, "gap"))
@@ -269,9 +300,10 @@ def _springs_or_contacts(on: Ground, placed: Placed, acting: _Acting) -> list[Sp
         shear = on.stiffness.in_shear[acting.rows.elements]
         stiffness = weights * support.modulus(*at.T, above=0.0, place=(*place, "stiffness"))
         if support.law is not None and (stiffness >= STIFFEST_SPRING * shear).any():
+            steepest = float(support.modulus(0.0, 0.0))
             raise InputError(
-                f"found a part that rises by {support.modulus.value:.4g} for a travel of 1, which is as good as rigid. "
-                "Draw it without travel, or less steep.",
+                f"found a part that rises by {steepest:.4g} for a travel of 1, which is as good as rigid. Draw it "
+                "without travel, or less steep.",
                 place=(*place, "law"),
             )
         alone = support.preload is None and support.between is None
@@ -354,8 +386,11 @@ def _means(on: Ground, through: _Acting) -> _Acting:
     return _Acting(rows, middle, middle, area, slope, shared, np.zeros(len(elements), np.int64))
 
 
-def _with(on: Ground, acting: _Acting, result: OutlinePoints) -> _Acting:
+def _with(on: Ground, placed: Placed, acting: _Acting, result: OutlinePoints) -> _Acting:
     """Give points on the outline a part of what the support has in the elements that share them."""
+    if isinstance(field := placed.support.stiffness, Field):
+        some = field(*result.positions.T) > 0.0
+        result = OutlinePoints(result.positions[some], result.shared[some])
     if not len(result.positions):
         return acting
     mesh, where = on.mesh, result.shared[:, 0]

@@ -11,6 +11,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.places import outline
 from signorini.discretise.rows import Floats, Ints, null_space
 from signorini.errors import InputError, point
+from signorini.expression import Field
 from signorini.shapes.extent import hull
 
 RANK = 1e-9
@@ -120,7 +121,12 @@ def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
     ways = (2 * contacts.support + (contacts.direction > 0))[~contacts.two_sided]
     positions, directions, supports = [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0, np.int64)]
     for index, up in zip(*np.divmod(np.unique(ways), 2), strict=True):
-        reach = _outline(discretisation, int(index))
+        support = discretisation.model.support[index]
+        if isinstance(support.stiffness, Field):
+            # Its soil may end within its outline.
+            reach = contacts.positions[(contacts.support == index) & ~contacts.two_sided]
+        else:
+            reach = _outline(discretisation, int(index))
         positions.append(reach)
         directions.append(np.full(len(reach), 2.0 * up - 1.0))
         supports.append(np.full(len(reach), index))

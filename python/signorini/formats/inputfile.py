@@ -29,7 +29,7 @@ def load(path: str | os.PathLike[str]) -> Model:
     Parameters
     ----------
     path : str or path-like
-        A TOML file. The file of a mesh that it names is looked for beside it.
+        A TOML file. The files that it names are looked for beside it.
 
     Returns
     -------
@@ -45,9 +45,11 @@ def load(path: str | os.PathLike[str]) -> Model:
     source = os.path.basename(path)
     lines = functools.cache(lambda: Lines(text))
     data = _parse(text, source)
-    # Tables of factors are named from where the program runs rather than from where the input file is.
+    # Tables of factors and stiffnesses are named from where the program runs, not from where the input file is.
     tables = data.get("combination")
-    for table in tables if isinstance(tables, list) else ():
+    supports = data.get("support")
+    fields = [one.get("stiffness") for one in supports if isinstance(one, dict)] if isinstance(supports, list) else []
+    for table in (*(tables if isinstance(tables, list) else ()), *fields):
         if isinstance(table, dict) and isinstance(table.get("file"), str):
             table["file"] = str(Path(path).parent / table["file"])
     model = validate(data, source=source, line_of=lambda path: lines().of(path))

@@ -131,10 +131,8 @@ def _printable(text: str) -> str:
     return text
 
 
-def _scalar(
-    above: float | None = None, at_least: float | None = None
-) -> tuple[PlainValidator, PlainSerializer, WithJsonSchema]:
-    """Annotations of a key that takes a number or an expression; the bounds are checked here for constants."""
+def reader(above: float | None = None, at_least: float | None = None) -> Callable[[object], Expression]:
+    """Return what reads a number or an expression; the bounds are checked here for constants."""
 
     def read(value: object) -> Expression:
         if isinstance(value, Expression):
@@ -153,9 +151,20 @@ def _scalar(
                 raise ValueError(f"found {expression.value:g}; it must not be less than {at_least:g}.")
         return expression
 
+    return read
+
+
+def _scalar(
+    above: float | None = None, at_least: float | None = None
+) -> tuple[PlainValidator, PlainSerializer, WithJsonSchema]:
+    """Annotations of a key that takes a number or an expression."""
     limits = {"exclusiveMinimum": above} if above is not None else {"minimum": at_least} if at_least is not None else {}
     schema = {"anyOf": [{"type": "number", **limits}, {"type": "string"}]}
-    return PlainValidator(read), PlainSerializer(lambda expression: expression.source), WithJsonSchema(schema)
+    return (
+        PlainValidator(reader(above, at_least)),
+        PlainSerializer(lambda expression: expression.source),
+        WithJsonSchema(schema),
+    )
 
 
 def listed(length: int, form: str) -> Callable[[object], object]:

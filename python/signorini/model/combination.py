@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,9 +12,9 @@ from typing import Annotated, Any, Generic, Literal, TypeVar, overload
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema
 
-from signorini.base.regular import read_regular
 from signorini.expression import LARGEST
 from signorini.model.base import Complaint, Named, Number, Text, twice
+from signorini.model.csv_cells import number_in, read_cells
 from signorini.model.problems import as_list, describe
 
 _LARGEST_FILE = 200_000_000
@@ -102,17 +100,7 @@ def read_factor_table(value: object) -> Listing | None:
     if not isinstance(value, str | Path):
         raise ValueError(f"found {describe(value)}; it must be the name of a CSV file, in quotes.")
     path = Path(value)
-    try:
-        text = read_regular(path, _LARGEST_FILE).decode("utf-8-sig")
-        lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
-    except OSError as error:
-        raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"{path} is not UTF-8 text. Save it in the encoding UTF-8.") from None
-    except csv.Error as error:
-        raise ValueError(f"{path} is not a CSV file: {error}.") from None
-    if lines and len(lines[0]) == 1 and lines[0][0].count(";") > 0:
-        raise ValueError(f"{path} has semicolons between its columns. Save it with commas, and with decimal points.")
+    lines = read_cells(path, _LARGEST_FILE)
     if not lines or len(lines[0]) < 2:
         raise ValueError(f'{path} has no header; its first line must be "name" and the load cases, set off by commas.')
     first, *columns = (cell.strip() for cell in lines[0])
@@ -144,12 +132,7 @@ def _factors_of(cells: list[str], columns: tuple[str, ...], path: Path, number: 
         raise ValueError(f"line {number} of {path} has {len(cells)} factors; the header names {len(columns)} cases.")
     factors = []
     for case, cell in zip(columns, cells, strict=True):
-        try:
-            # float() would take 1_000 and the digits of every script.
-            plain = cell.isascii() and "_" not in cell
-            factor = 0.0 if not cell.strip() else float(cell) if plain else float("nan")
-        except ValueError:
-            factor = float("nan")
+        factor = number_in(cell) if cell.strip() else 0.0
         if not abs(factor) <= LARGEST:
             raise ValueError(f'line {number} of {path} has {describe(cell)} under "{case}"; it must be a number.')
         factors.append(factor)

@@ -19,6 +19,7 @@ from pydantic import (
 
 from signorini.expression import LARGEST, Expression
 from signorini.model import base
+from signorini.model.field import FieldScalar
 from signorini.model.problems import as_list, describe
 from signorini.model.where import Acting, one_of
 
@@ -133,9 +134,10 @@ class Support(Acting, base.Named):
         default=Expression(0.0),
         description="Free travel before it acts, either way it resists: a number or an expression; default 0.",
     )
-    stiffness: base.PositiveScalar | None = Field(
+    stiffness: FieldScalar | None = Field(
         default=None,
-        description="None: rigid. Per point, per length (edge, line, circle), per area: a number or an expression.",
+        description="None: rigid. Per point, per length (edge, line, circle), per area: a number, an expression, or "
+        "{ file = ... }, a table of x, y and value, linear between its points and 0 beyond them.",
     )
     limit: base.PositiveScalar | None = Field(
         default=None,
@@ -229,7 +231,7 @@ class Support(Acting, base.Named):
         return self.modulus is None and self.holds_w
 
     @property
-    def modulus(self) -> Expression | None:
+    def modulus(self) -> FieldScalar | None:
         """Stiffness, of a law that of its steepest part; None where it is rigid, or a law rises without travel."""
         if self.law is None:
             return self.stiffness
@@ -240,6 +242,16 @@ class Support(Acting, base.Named):
     def stage(self) -> int:
         """When its bolts are tightened."""
         return self.order or 1
+
+    @property
+    def gives_way(self) -> bool:
+        """Whether more force makes it travel more: it is elastic, or, if a law rises without travel, later on."""
+        return self.modulus is not None or any(s < t and f < g for (s, f), (t, g) in pairwise(self.law or ()))
+
+    @property
+    def has_pieces(self) -> bool:
+        """Whether its force is told by the piece of a law, or of a line up to a limit."""
+        return self.law is not None or self.limit is not None
 
     @property
     def can_yield(self) -> bool:

@@ -13,6 +13,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.equilibrium.balance import NO_FORCE
+from signorini.expression import Field
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
 from signorini.model.where import Where
@@ -65,6 +66,10 @@ def support_mark(
     places, states = positions, closed
     if support.place != "at":
         places, states = _divided(drawn(mesh, support.where)), None
+        if isinstance(support.stiffness, Field):
+            on_soil = ~np.isnan(places[:, 0])
+            on_soil[on_soil] = support.stiffness(*places[on_soil].T) > 0.0
+            places = np.where(on_soil[:, None], places, np.nan)
         if closed is not None and len(positions):
             from scipy.spatial import cKDTree
 
@@ -76,7 +81,7 @@ def support_mark(
         states,
         style,
         boundary,
-        support.modulus is not None,
+        support.gives_way,
         not (support.gap.is_constant and support.gap.value == 0),
         describe(support),
         counts,

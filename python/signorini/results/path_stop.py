@@ -15,7 +15,7 @@ from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints, Pieces
 from signorini.results.extremes import peak
 from signorini.results.of_plates import places_in_plates
-from signorini.results.quantities import SIDES, Catalogue, Home
+from signorini.results.quantities import SIDES, TURNING, Catalogue, Home
 from signorini.results.support_points import SupportPoints, catalogue_of, closed_part
 from signorini.results.support_result import area_at_rest
 
@@ -237,6 +237,7 @@ def _put_supports(
     gaps = np.array([one.gap for one in answers])
     held_force = np.where(discretisation.held.dofs, imbalance - (discretisation.point_rows.T @ shared.T).T, 0.0)[:, ::3]
     of_points: list[tuple[Floats, Floats]] = []
+    moments = [SupportPoints.of(discretisation, i).moments(pull) for i in range(len(discretisation.model.support))]
     areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
     for index, support in enumerate(discretisation.model.support):
         points = SupportPoints.of(discretisation, index)
@@ -260,3 +261,4 @@ def _put_supports(
             of_points.append((reactions, points.gaps(gaps)))
     if len(at := catalogue.at("point", "reaction", "gap")):
         numbers[:, at] = np.stack([np.concatenate(column, axis=1) for column in zip(*of_points, strict=True)], axis=-1)
+        numbers[:, catalogue.at("point", *TURNING)] = np.concatenate(moments, axis=1)

@@ -250,9 +250,10 @@ OF_AREAS = (
 OF_LIMITED_AREAS = (Quantity("yielded_area", "area", tabled=False, along_paths=False),)
 OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
 OF_TURNING_POINTS = tuple(
-    Quantity(f"moment_{axis}", "couple", "", ("moment", at), "moment", False, False, False)
-    for at, axis in enumerate("xy")
+    Quantity(f"moment_{axis}", "couple", "", ("moment", at), "moment") for at, axis in enumerate("xy")
 )
+OF_POINTS_WITH_LAWS = (Quantity("piece", "count", "piece of the law", (), "", False, False, False),)
+TURNING = tuple(one.name for one in OF_TURNING_POINTS)
 OF_BOLTS = (Quantity("prying", "part", tabled=False, along_paths=False),)
 """Of supports with a preload."""
 AT_BOLTS = (
@@ -314,10 +315,11 @@ class Number:
 
     @property
     def envelope_path(self) -> Path:
-        """Where its extremes stand in an envelope, of which results.json names the quantities of probes."""
+        """Where its extremes stand in an envelope, of which results.json names the quantities of probes and points."""
         if self.home == "field":
             return ("fields", self.subject)
-        return (*self.path[:2], self.quantity.name) if self.home == "probe" else self.path
+        own = len(self.path) - len(self.quantity.path)
+        return (*self.path[:own], self.quantity.name) if self.home in ("probe", "point") else self.path
 
     @property
     def ties(self) -> tuple[str, str, int]:
@@ -355,10 +357,12 @@ class Catalogue:
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
             for point in range(count if support.place == "at" else 0):
                 every = OF_POINTS + AT_BOLTS * (support.preload is not None)
-                for one in every + OF_TURNING_POINTS * (support.rotational_stiffness is not None):
+                every += OF_TURNING_POINTS * (support.rotational_stiffness is not None)
+                for one in every + OF_POINTS_WITH_LAWS * support.has_pieces:
                     path = (*place_of(model, index), "points", point, *one.path)
-                    tabled = one.tabled and (opens or one.name != "gap")
-                    result.append(Number(one, "point", index, path, f"{support.name}[{point + 1}]", point, tabled))
+                    tabled, told = one.tabled and (opens or one.name != "gap"), one.kind != "count"
+                    subject = f"{support.name}[{point + 1}]"
+                    result.append(Number(one, "point", index, path, subject, point, tabled, told))
         touching = any(support.area is not None for support in model.support)
         for index in range(probes):
             for one in AT_PROBES:

@@ -50,9 +50,9 @@ from signorini.results.quantities import (
     OF_AREAS,
     OF_BOLTS,
     OF_LIMITED_AREAS,
-    OF_TURNING_POINTS,
     SIDES,
     TOLD,
+    TURNING,
     Catalogue,
     Home,
     derived,
@@ -399,8 +399,10 @@ class Result(Remade):
         if len(at("point", "reaction")):
             result[at("point", "reaction")] = np.concatenate([one.reactions for one in points])
             result[at("point", "gap")] = np.concatenate([one.gaps for one in points])
+        if lawful := [one.pieces for one in points if one.pieces is not None]:
+            result[at("point", "piece")] = np.concatenate(lawful)
         if turning := [one.moments for one in points if one.moments is not None]:
-            result[at("point", *(one.name for one in OF_TURNING_POINTS))] = np.concatenate(turning)
+            result[at("point", *TURNING)] = np.concatenate(turning)
         if self.probes:
             linear = [(one.deflection, *one.rotation, *one.moment, *one.shear) for one in self.probes]
             result[at("probe", *LINEAR)] = linear

@@ -13,7 +13,7 @@ from signorini.base.on_demand import kept
 from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.discretise.places import STRIP
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints, Pieces
 from signorini.results.quantities import Catalogue
 
 
@@ -31,6 +31,7 @@ class SupportPoints:
     weights: Floats  # (p,): the length or area that a point stands for, 1 at a point
     elements: Ints  # (p,): the element that a point is in; of held nodes −1
     shares: csr_array | None  # (c', c): of an averaged area, each element's share of what its contact points do
+    turning: Ints  # (p, 2): of points, springs on their slopes θx and θy; none of others
 
     @staticmethod
     @kept
@@ -57,7 +58,11 @@ class SupportPoints:
         order = parts.order if shares is None else np.arange(len(positions))
         direction, weights = contacts.direction[rows], weights[order]
         located = positions[order], weights, elements[order]
-        return SupportPoints(nodes, springs, share, rows, direction, order, *located, shares)
+        of_slopes = np.flatnonzero(discretisation.springs.slope & (discretisation.springs.support == index))
+        # About x, which the slope along y is, and about y.
+        at_points = discretisation.model.support[index].place == "at"
+        turning = of_slopes.reshape(2, -1)[::-1].T if at_points else np.zeros((0, 2), np.int64)
+        return SupportPoints(nodes, springs, share, rows, direction, order, *located, shares, turning)
 
     @property
     def fixed(self) -> int:
@@ -80,6 +85,10 @@ class SupportPoints:
     def preloads(self, discretisation: Discretisation) -> Floats:
         """Upward force (p,) of every point when all bolts are tightened and before other loads act."""
         return self.forces(np.zeros(self.fixed), discretisation.points.preload)
+
+    def moments(self, pull: Floats) -> Floats:
+        """Couples (..., p, 2) on θx and θy that points exert on the plate, from what all springs do (..., s)."""
+        return np.asarray(-pull[..., self.turning])
 
     def centres(self, discretisation: Discretisation, reaction: Floats) -> Floats:
         """Where the force of every point acts (p, 2), given the contacts' (m,): in an element nearer to what pushes."""
@@ -113,6 +122,14 @@ class SupportPoints:
         always = np.ones((*touching.shape[:-1], self.fixed), np.bool_)
         return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
 
+    def pieces(self, discretisation: Discretisation, pieces: Pieces) -> Ints:
+        """Pieces (p,) of the laws, by travel down of what acts both ways, from those of contacts (m,)."""
+        contacts, own = discretisation.points, _with(pieces, self.rows, 0)[self.rows].astype(np.int64)
+        if len(own) == 2:
+            last = np.array([len(law.slopes) - 1 for law in contacts.laws])[contacts.law[self.rows[1]]]
+            own = own[:1] + last - own[1:]
+        return np.asarray(own[0][self.order])
+
     def yielded(self, discretisation: Discretisation, reaction: Floats) -> Bools:
         """Whether every point (p,) gives all that it can, from the reactions of all points (m + r,)."""
         least, most = discretisation.points.limits
@@ -123,7 +140,7 @@ class SupportPoints:
         return np.concatenate([np.zeros(self.fixed, np.bool_), which])[self.order]
 
 
-def _with(values: Floats | Bools, rows: Ints, repeated: float) -> Any:
+def _with(values: Floats | Bools | Pieces, rows: Ints, repeated: float) -> Any:
     """Values (..., m) of contact points, and behind them one for those that repeat them, as far as ``rows`` go."""
     more = max(0, int(rows.max(initial=-1)) + 1 - values.shape[-1])
     behind = np.full((*values.shape[:-1], more), repeated, values.dtype)

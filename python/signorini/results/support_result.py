@@ -108,7 +108,7 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 def kinds(support: Support) -> list[str]:
     """Give the kinds of a support, keys of `MEANINGS` and `SYMBOLS`: how it acts, and whether it is elastic."""
     how = "fixed" if support.fix is not None else support.resists or "both"
-    return [how] if support.modulus is None else [how, "elastic"]
+    return [how, "elastic"] if support.gives_way else [how]
 
 
 def symbol(support: Support) -> str:
@@ -125,13 +125,16 @@ def describe(support: Support) -> str:
     'points, pushes up only, rigid, with gap'
     >>> describe(Support(edge="left", fix="clamped"))
     'edge, clamped'
+    >>> describe(Support(at=[1, 1], resists="up", law=[[0, 0], [0, 90e3], [0.01, 120e3]]))
+    'points, holds down only, rigid at first, then elastic'
     """
     where = {"at": "points"}.get(support.place, support.place)
     if support.fix is not None:
         how = support.fix if isinstance(support.fix, str) else " ".join(support.fix) + " held"
         return f"{where}, {how}" + (", elastic" if support.modulus is not None else "")
     how = MEANINGS[support.resists or "both"] if support.between is None else f"between {' and '.join(support.between)}"
-    parts = [where, how, "rigid" if support.modulus is None else "elastic"]
+    later = "rigid at first, then elastic" if support.gives_way else "rigid"
+    parts = [where, how, later if support.modulus is None else "elastic"]
     if not (support.gap.is_constant and support.gap.value == 0):
         parts.append("with gap")
     if support.can_yield:
@@ -165,6 +168,8 @@ class SupportResult(Remade):
         Of edges that hold the slope, their couples per length.
     yielded : (k,) array
         Whether it gives its limit there.
+    pieces : (k,) array or None
+        Of points with a law or a limit, the piece of it that each is on, from 0, in the order of travel.
     moments : (k, 2) array or None
         Of points with a rotational stiffness, the couples on θx and θy that they exert on the plate.
     preloads : (k,) array or None
@@ -186,6 +191,7 @@ class SupportResult(Remade):
     area: AreaContact | None
     edge: EdgeCouples | None
     yielded: Bools
+    pieces: Ints | None
     moments: Floats | None
     preloads: Floats | None
     pull: float
@@ -283,9 +289,6 @@ def support_result(
     (turning,) = np.nonzero(springs.slope & (springs.support == index))
     if support.edge is not None and len(turning):
         edge = EdgeCouples.of_springs(discretisation.mesh, support.edge, springs.positions[turning], pull[turning])
-    # About x, which the slope along y is, and about y.
-    at_points = support.place == "at" and len(turning) > 0
-    moments = -np.flip(pull[turning].reshape(2, -1), axis=0).T if at_points else None
     if support.edge is not None and "slope" in support.fixed:
         held = sides_that_hold_turns(discretisation.model, discretisation.mesh)
         edge = EdgeCouples.of(discretisation.mesh, support.edge, held_couple, held, discretisation.held.bodies.inside)
@@ -303,7 +306,8 @@ def support_result(
         area,
         edge,
         points.yielded(discretisation, answer.shared),
-        moments,
+        points.pieces(discretisation, answer.piece) if support.place == "at" and support.has_pieces else None,
+        points.moments(pull) if len(points.turning) else None,
         None if support.preload is None else points.preloads(discretisation),
         lift,
     )

@@ -177,7 +177,8 @@ fn add_travels(
 ) -> bool {
     let graph = points.graph(i);
     let begin = points.piece(i, 0);
-    row.right += begin.travel - points.shift[i];
+    let [travel, force] = points.ends(i, 0)[1].unwrap_or([begin.travel, begin.force]);
+    row.right += travel - points.shift[i];
     let is_slack = !graph.is_straight() && begin.slope == 0.0 && begin.force == 0.0;
     let mut add = |slope: f64, force: f64, sign: f64, length: Option<f64>, is_bounded: bool| {
         let unit = 1.0 / if slope > 0.0 { slope } else { stiffness }.sqrt();
@@ -198,15 +199,16 @@ fn add_travels(
         return false;
     }
     if !is_slack && begin.slope.is_finite() {
-        add(begin.slope, begin.force, -1.0, None, true);
+        add(begin.slope, force, -1.0, None, true);
     }
     for number in 1..graph.pieces() as u8 {
         let piece = points.piece(i, number);
         if piece.slope.is_finite() {
             let [low, high] = points.ends(i, number);
             let length = high.zip(low).map(|(high, low)| high[0] - low[0]);
+            let force = low.map_or(0.0, |end| end[1]);
             // The slack keeps the travel of the only piece from being negative.
-            add(piece.slope, piece.force, 1.0, length, !(is_slack && graph.pieces() == 2));
+            add(piece.slope, force, 1.0, length, !(is_slack && graph.pieces() == 2));
         }
     }
     is_slack

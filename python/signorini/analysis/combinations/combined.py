@@ -22,7 +22,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Combination, Combinations, Model
 from signorini.results.envelope import Envelope, Extremes
-from signorini.results.quantities import LINEAR, SIDES, derived
+from signorini.results.quantities import LINEAR, SIDES, TURNING, derived
 from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Hidden, Layout, together
 
@@ -221,6 +221,7 @@ class _Run:
         values[:, at("probe", *LINEAR)] = sides.larger(at_sides)
         self.layout.catalogue.derive(values, self.layout.probe_thickness)
         self.layout.catalogue.put_through(values, _core.superpose(coefficients, terms.through))
+        values[:, at("point", *TURNING).ravel()] = _core.superpose(coefficients, terms.moments)
         block.values[here] = values
         block.on_areas[here] = _core.superpose(coefficients, terms.on_areas)
         fixed = _core.superpose(coefficients, terms.fixed)

@@ -176,6 +176,8 @@ class Terms:
     """(b, 3s): moment, twist and shear of every section, and their means at every station of a strip."""
     fixed: Floats
     """(b, f): upward force of held nodes and springs, support by support."""
+    moments: Floats
+    """(b, 2t): couples on θx and θy of points that turn, support by support."""
     proof: Proof
     """What certificates are made of."""
 
@@ -203,10 +205,11 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         terms += reader.read(solved, None)
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
-    fields, on_areas, probes, through, fixed, sizes = zip(*terms, strict=True)
+    fields, on_areas, probes, through, fixed, moments, sizes = zip(*terms, strict=True)
     by_name = dict(zip([*names, "reaction"] if names else [], map(np.array, zip(*fields, strict=True)), strict=True))
     at_areas, at_probes, cut, held = (np.array(column) for column in (on_areas, probes, through, fixed))
-    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, Proof.of(result, sizes))
+    proof = Proof.of(result, sizes)
+    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, np.array(moments), proof)
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
@@ -215,7 +218,7 @@ def summed(enveloped: Sequence[str]) -> list[str]:
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
 
-_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Sizes]
+_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, Sizes]
 """Of one term its fields, then what `Terms` has of it."""
 
 
@@ -233,7 +236,6 @@ class _Reader:
 
     def read(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> list[_Term]:
         """Read some terms, without loads those of no load."""
-        """Read some terms."""
         result = self._found
         if loads is None:
             nothing = CaseLoad.none(result.mesh.node_count, len(result.mesh.elements))
@@ -269,5 +271,7 @@ class _Reader:
         at_probes = np.einsum("qi,qif->qf", self._values, every[nodes.elements[self._at.elements]]).ravel()
         forces = [np.concatenate([at_holds[::3][points.nodes], pull[points.springs]]) for points in self._supports]
         fixed = np.concatenate([np.zeros(0), *forces])
+        moments = np.concatenate([np.zeros(0), *(points.moments(pull).ravel() for points in self._supports)])
         sizes = Sizes.of(result, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest)
-        return kept, nodal[self._nodes, 0], at_probes, result.through(load, hi, lo, reaction, pull), fixed, sizes
+        through = result.through(load, hi, lo, reaction, pull)
+        return kept, nodal[self._nodes, 0], at_probes, through, fixed, moments, sizes

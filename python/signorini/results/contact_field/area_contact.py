@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 from signorini.base.remade import Remade
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import can_let_go
+from signorini.expression import Field
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import real_sides
 from signorini.model import Support
@@ -210,11 +211,12 @@ class AreaContact(Remade):
         return tuple(thinned(line, tolerance) for line in chained(segments))
 
     def depth(self, positions: Floats) -> Floats:
-        """How deep positions (q, 2) are in the support; 0 or more on its outline too."""
-        region = self.support.where.region
-        if region is None:
-            return np.full(len(positions), self.mesh.size)
-        return depth(region, positions) + _ON_OUTLINE * self.mesh.size
+        """How deep positions (q, 2) are in the support; 0 or more on its outline too, negative where it has no soil."""
+        region, size = self.support.where.region, self.mesh.size
+        deep = np.full(len(positions), size) if region is None else depth(region, positions) + _ON_OUTLINE * size
+        if not isinstance(self.support.stiffness, Field):
+            return deep
+        return np.where(self.support.stiffness(*positions.T) > 0.0, deep, -size)
 
     @cached_property
     def _whole(self) -> Bools:
@@ -270,7 +272,8 @@ def _travel_at_limit(support: Support, x: Floats, y: Floats) -> Floats:
     if support.law is not None:
         return np.asarray(gap + next(travel for travel, force in support.law if force == support.law[-1][1]))
     assert support.limit is not None and support.stiffness is not None
-    return np.asarray(gap + support.limit(x, y) / support.stiffness(x, y))
+    limit, stiffness = support.limit(x, y), support.stiffness(x, y)
+    return np.asarray(gap + np.divide(limit, stiffness, out=np.zeros_like(limit), where=stiffness > 0.0))
 
 
 _STEP = 1e-6

@@ -1,0 +1,259 @@
+"""Random small plates on supports with limits, laws and gaps: is every answer that of a quadratic program?
+
+The plates are those of methods_agree.py. Their supports get limits, laws, tables of stiffness and springs on slopes
+besides. The judge shares K, G, f and the laws with the program, and nothing else. It looks for the least potential
+energy over all dofs and all pieces of the laws by Clarabel (Goulart & Chen 2024), and sharpens that on the pieces that
+it finds. Deflections, and reactions where they are unique, agree to 1e-8 of the largest; where one finds no
+equilibrium, so does the other. Where the plate moves a million times as far as it bends, K in doubles says too little:
+such plates are counted apart.
+
+    python benchmarks/random_laws.py [--count 1000] [--first 0] [--seconds 600] [--processes 2]
+    python benchmarks/random_laws.py --show SEED
+    python benchmarks/random_laws.py --check        a few, to see that the script works
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import clarabel
+import numpy as np
+from scipy.sparse import block_array, csc_array, diags_array, eye_array, triu
+from scipy.sparse.linalg import splu
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
+import campaign
+import methods_agree
+
+from signorini import InputError, Model, contact_problem
+from signorini.contact.problem import ContactProblem
+from signorini.contact.strategy import answered
+from signorini.equilibrium.imbalance import imbalance
+
+TOLERANCE = 1e-8
+_BALANCED = 1e-9
+"""What may be out of balance in a solution, over the largest force: elsewhere the plate flies off."""
+_FAR = 1e6
+"""Displacement of a dof, over what the largest force does to it alone, that K in doubles still follows."""
+_PROVEN = 1e-12
+"""Residuals of a proof that there is no equilibrium: those of plates that move far are small too."""
+_SHARPER = 30
+"""Sets of pieces on which a solution is sharpened at most."""
+Tables = dict[str, Any]
+
+
+def tables(seed: int) -> Tables:
+    """The model of a seed, as the tables of an input file."""
+    rng = np.random.default_rng([26, seed])
+    drawn = methods_agree.draw(rng)
+    pressure = drawn["load"][0]["pressure"]
+    size = np.array(drawn["plate"].get("size", 2 * [2 * drawn["plate"].get("radius", 0.0)]))
+    span, rigidity = size.max(), drawn["material"]["E"] * drawn["plate"]["thickness"] ** 3 / 12
+    sag = 0.02 * pressure * span**4 / rigidity
+    for support in drawn["support"]:
+        if "fix" in support:
+            continue
+        if "at" in support and rng.random() < 0.2:
+            support["rotational_stiffness"] = float(rigidity * 10 ** rng.uniform(-2, 2))
+        dimension = 0 if "at" in support else 2 if "area" in support else 1
+        force = pressure * span ** (2 - dimension) * 10 ** rng.uniform(-2, 0.5)
+        if support["resists"] == "both" and rng.random() < 0.5:
+            support.pop("gap")
+        match rng.choice(["law", "limit", "limit", "none"]):
+            case "law":
+                support.pop("stiffness", None)
+                support["law"] = _law(rng, sag * 10 ** rng.uniform(-2, 0.5), force)
+                if support["resists"] == "both" and "gap" not in support and rng.random() < 0.5:
+                    other = _law(rng, sag * 10 ** rng.uniform(-2, 0.5), force)
+                    support["law"] = [[-t, -f] for t, f in reversed(other[1:])] + support["law"]
+            case "limit":
+                support["limit"] = float(force)
+        if dimension and "stiffness" in support and rng.random() < 0.3:
+            low = -0.5 * size if drawn["plate"]["shape"] == "disc" else 0.0 * size
+            corners = [low + size * at for at in ((0, 0), (1, 0), (1, 1), (0, 1), (0.4, 0.3))]
+            values = (support["stiffness"] * 10 ** rng.uniform(-1, 0, len(corners))).tolist()
+            support["stiffness"] = [[*at.tolist(), value] for at, value in zip(corners, values, strict=True)]
+    return drawn
+
+
+def _law(rng: np.random.Generator, travel: float, force: float) -> list[list[float]]:
+    """Draw a rising law of a few pieces: perhaps without travel at first, with plateaus, perhaps yielding at last."""
+    points = [[0.0, 0.0]]
+    for piece in range(int(rng.integers(1, 5))):
+        run, rise = (rng.random() >= 0.3, 1.0) if not piece else (1.0, rng.random() >= 0.3)
+        points.append([points[-1][0] + run * travel * rng.random(), points[-1][1] + rise * force * rng.random()])
+    return [[float(t), float(f)] for t, f in points]
+
+
+class Solution(NamedTuple):
+    """Displacements (3n,) and reactions (m,), and whether they are exact: those of pieces that they are on."""
+
+    displacement: np.ndarray
+    reaction: np.ndarray
+    is_exact: bool
+
+
+class Program:
+    """The least potential energy of a problem under a load (3n,), in units of its own stiffness and load.
+
+    min ½ uᵀKu − fᵀu + Σ f y + k y²/2 over Gu − g = t₀ + Σ y, y within the length of a piece of the law: its force is f
+    where the piece begins, t₀ the travel at the first vertex. The multipliers are the reactions.
+    """
+
+    def __init__(self, problem: ContactProblem, load: np.ndarray) -> None:
+        found, held = problem.discretisation, problem.held
+        self.problem, self.laws, self.free = problem, found.contacts, np.flatnonzero(~held)
+        load = load + found.spring_rows.T @ (found.springs.stiffness * found.springs.base)
+        K, G, values = problem.K.tocsr(), problem.G.tocsr(), np.where(held, problem.held_values, 0.0)
+        self.dof = 1.0 / np.sqrt(K.diagonal()[self.free])
+        right = self.dof * (load - K @ values)[self.free]
+        rows = (G[:, self.free] @ diags_array(self.dof)).tocsr()
+        size = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
+        # Points that only move held dofs push against nothing.
+        self.size = np.where(size > 0.0, size, 1.0)
+        self.force = np.abs(right).max()
+        self.K = csc_array(diags_array(self.dof) @ K[self.free][:, self.free] @ diags_array(self.dof))
+        self.G = csc_array(diags_array(1.0 / self.size) @ rows)
+        self.right, self.gap = right / self.force, (self.laws.distance - G @ values) / (self.force * self.size)
+
+    def vertices(self, i: int) -> tuple[np.ndarray, np.ndarray]:
+        """Vertices (v, 2) of a point's law, travel and force, and slopes (v + 1,) between and beyond them."""
+        law, unit, scale = self.laws.laws[self.laws.law[i]], self.laws.unit[i], self.laws.scale[i]
+        travel, force = unit / (self.force * self.size[i]), scale * self.size[i] / self.force
+        slopes = np.array([law.ends[0], *law.slopes[1:-1], law.ends[1]]) if not law.straight else np.array(law.ends)
+        return np.array(law.vertices) * [travel, force], slopes * force / travel
+
+    def solve(self) -> Solution | None:
+        """Solve it; None where no reactions balance the load."""
+        n, m = self.K.shape[0], len(self.gap)
+        columns, squares, linear, lengths, right = [], [], [], [], self.gap.copy()
+        for i in range(m):
+            at, slopes = self.vertices(i)
+            right[i] += at[0, 0]
+            pieces = [(-1.0, at[0, 1], slopes[0], np.inf), (1.0, at[-1, 1], slopes[-1], np.inf)]
+            inner = zip(at[:-1], at[1:], slopes[1:-1], strict=True)
+            pieces += [(1.0, one[1], slope, other[0] - one[0]) for one, other, slope in inner]
+            for way, force, slope, length in pieces:
+                if np.isfinite(slope) and length > 0.0:
+                    unit = 1.0 / np.sqrt(slope or 1.0)
+                    columns.append((i, -way * unit))
+                    squares.append(slope * unit**2)
+                    linear.append(way * force * unit)
+                    lengths.append(length / unit)
+        k, lengths = len(columns), np.array(lengths)
+        row, value = np.array(columns).reshape(-1, 2).T
+        Y = csc_array((value, (row.astype(np.int64), np.arange(k))), shape=(m, k))
+        (ends,) = np.nonzero(np.isfinite(lengths))
+        longest = csc_array((np.ones(len(ends)), (np.arange(len(ends)), ends)), shape=(len(ends), k))
+        A = block_array([[self.G, Y], [None, -eye_array(k)], [csc_array((len(ends), n)), longest]], format="csc")
+        b = np.concatenate([right, np.zeros(k), lengths[ends]])
+        P = block_array([[self.K, None], [None, diags_array(np.array(squares))]], format="csc")
+        cones = [clarabel.ZeroConeT(m), clarabel.NonnegativeConeT(k + len(ends))]
+        settings = clarabel.DefaultSettings()
+        settings.verbose = False
+        settings.tol_infeas_abs = settings.tol_infeas_rel = _PROVEN
+        q = np.concatenate([-self.right, np.array(linear)])
+        end = clarabel.DefaultSolver(triu(P, format="csc"), q, A, b, cones, settings).solve()
+        if "Infeasible" in str(end.status):
+            return None
+        displacement = np.zeros(len(self.problem.held))
+        displacement[self.free] = self.force * self.dof * np.array(end.x[:n])
+        return self.sharpened(displacement, self.force * np.array(end.z[:m]) / self.size)
+
+    def is_far(self, displacement: np.ndarray) -> bool:
+        """Whether displacements (3n,) are beyond what K in doubles follows."""
+        return bool(np.abs(displacement[self.free] / self.dof).max() > _FAR * self.force)
+
+    def sharpened(self, displacement: np.ndarray, reaction: np.ndarray) -> Solution:
+        """Solve exactly on the pieces that a solution is on, until they are those of what is solved."""
+        u, r = displacement[self.free] / (self.force * self.dof), reaction * self.size / self.force
+        every, before, is_exact = [self.vertices(i) for i in range(len(r))], None, False
+        for _ in range(_SHARPER):
+            travel = self.G @ u - self.gap
+            stretch = travel + r
+            pieces = [int((at.sum(axis=1) < s).sum()) for (at, _), s in zip(every, stretch, strict=True)]
+            if is_exact := pieces == before:
+                break
+            before = pieces
+            at = np.array([law[max(piece - 1, 0)] for (law, _), piece in zip(every, pieces, strict=True)]).reshape(
+                -1, 2
+            )
+            slope = np.array([slopes[piece] for (_, slopes), piece in zip(every, pieces, strict=True)])
+            holds, flat = np.flatnonzero(slope > 0.0), slope == 0.0
+            known = np.where(flat, at[:, 1], 0.0)
+            G, compliance = self.G[holds], 1.0 / slope[holds]
+            matrix = block_array([[self.K, G.T], [G, -diags_array(compliance)]], format="csc")
+            right = np.concatenate(
+                [self.right - self.G.T @ known, self.gap[holds] + at[holds, 0] - compliance * at[holds, 1]]
+            )
+            try:
+                factor = splu(matrix)
+            except RuntimeError:
+                break
+            x = factor.solve(right)
+            x += factor.solve(right - matrix @ x)
+            u, r = x[: len(u)], known
+            r[holds] = x[len(u) :]
+        if is_exact:
+            left = np.abs(self.K @ u + self.G.T @ r - self.right).max()
+            is_exact = left <= _BALANCED * max(1.0, np.abs(r).max(initial=0.0))
+        displacement = self.problem.held_values.copy()
+        displacement[self.free] = self.force * self.dof * u
+        return Solution(displacement, self.force * r / self.size, is_exact)
+
+
+def draw(seed: int) -> tuple[Counter[str], list[str]]:
+    """Solve a plate as `signorini.solve` does, and its program."""
+    given = tables(seed)
+    try:
+        problem = contact_problem(Model(**given))
+    except InputError:
+        return Counter({"refused": 1}), []
+    load = problem.discretisation.cases["load"]
+    program = Program(problem, load.nodal)
+    solution = program.solve()
+    if imbalance(problem.discretisation, problem.freedom, load.weighing) is not None:
+        found = solution is not None and solution.is_exact and not program.is_far(solution.displacement)
+        outcome = Counter({"no equilibrium": 1, "so the program": int(solution is None)})
+        return outcome, ["the program finds one"] if found else []
+    tried = answered(problem, load)
+    if not tried.passed:
+        return Counter({"not certified": 1}), [f"{tried.answer.status}, not certified"]
+    answer, outcome = tried.answer, Counter({"solved": 1, "by another method": int(len(tried.methods) > 1)})
+    if program.is_far(answer.hi):
+        return outcome + Counter({"beyond the judge": 1}), []
+    if solution is None:
+        # A solution of all equations refutes that there is none.
+        outcome["refuted"] = 1
+        solution = program.sharpened(answer.hi + answer.lo, answer.reaction)
+        if not solution.is_exact:
+            return outcome, ["the program finds no equilibrium"]
+    if not solution.is_exact:
+        return outcome + Counter({"beyond the judge": 1}), []
+    w, others = (answer.hi + answer.lo)[::3], solution.displacement[::3]
+    wrong = []
+    for what, is_one, mine, theirs in zip(
+        ("deflections", "reactions"),
+        methods_agree.unique(problem, answer, np.abs(w).max()),
+        (w, answer.reaction),
+        (others, solution.reaction),
+        strict=True,
+    ):
+        apart = np.abs(mine - theirs).max(initial=0.0) / (np.abs(mine).max(initial=0.0) or 1.0)
+        outcome[what] = int(is_one)
+        if is_one and not apart <= TOLERANCE:
+            wrong.append(f"{what} differ by {apart:.1e}")
+    return outcome, wrong
+
+
+def show(seed: int) -> None:
+    """Print the model of a seed."""
+    print(json.dumps(tables(seed), indent=1))
+
+
+if __name__ == "__main__":
+    sys.exit(campaign.main(__doc__, draw, show, count=1000, check=40))

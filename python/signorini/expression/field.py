@@ -1,0 +1,134 @@
+"""Numbers known at points of the plate, linear between them, or given by a function in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from signorini.errors import InputError, Place, point
+from signorini.expression.expression import LARGEST
+from signorini.expression.levels import Level
+from signorini.expression.tree import first_point
+
+if TYPE_CHECKING:
+    from scipy.spatial import Delaunay
+
+_ON_OUTLINE = 1e-9
+"""Part of the points' extent within which a place is on their outline, and points are on a line."""
+
+_Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Field:
+    """A number that is not negative and varies over the plate; where it is 0 there is nothing.
+
+    Parameters
+    ----------
+    given : tuple of (x, y, value), or callable
+        Values at points, linear on the triangles of Delaunay between these and 0 beyond them; or a function that takes
+        x (q,) and y (q,) and gives values (q,).
+    file : str
+        Where the points come from, if they come from a file.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than three points, all are on a line, two of them with different values are at one place,
+        or a value is negative.
+
+    Examples
+    --------
+    >>> field = Field(((0.0, 0.0, 1.0), (2.0, 0.0, 3.0), (0.0, 2.0, 1.0)))
+    >>> field([1.0, 0.5, 2.0], [0.0, 0.5, 2.0])
+    array([2. , 1.5, 0. ])
+    """
+
+    given: tuple[tuple[float, float, float], ...] | Callable[[_Array, _Array], ArrayLike]
+    file: str = ""
+    is_constant: ClassVar[bool] = False
+    levels: ClassVar[tuple[Level, ...]] = ()
+
+    def __post_init__(self) -> None:
+        """Look at the points."""
+        if callable(self.given):
+            return
+        at, values = self._table[:, :2], self._table[:, 2]
+        if len(at) < 3:
+            raise InputError(f"found {len(at)} point{'s' * (len(at) != 1)}; at least three are needed.")
+        if (values < 0.0).any():
+            least = int(values.argmin())
+            raise InputError(f"found {values[least]:g} at {point(at[least])}; it must not be negative.")
+        order = np.lexsort((at[:, 1], at[:, 0]))
+        same = np.flatnonzero((at[order[1:]] == at[order[:-1]]).all(axis=1) & (values[order[1:]] != values[order[:-1]]))
+        if len(same):
+            one, other = values[order[same[0] : same[0] + 2]]
+            raise InputError(f"found {one:g} and {other:g} at {point(at[order[same[0]]])}; a place has one value.")
+        _, spread, _ = np.linalg.svd(self._scaled(at), full_matrices=False)
+        if spread[1] <= _ON_OUTLINE * spread[0]:
+            raise InputError("all points are on one line; there is nothing between them.")
+
+    @property
+    def source(self) -> Any:
+        """What it was made of: a table with the file, the points or the function."""
+        return {"file": self.file} if self.file else self.given
+
+    def __call__(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        *,
+        above: float | None = None,
+        place: str | Place = "",
+    ) -> _Array:
+        """Evaluate at points x and y of one shape, as `Expression` does."""
+        px, py = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
+        values = self._values(np.column_stack([px.ravel(), py.ravel()]), place).reshape(px.shape)
+        wrong = ~(np.abs(values) <= LARGEST) | (values < 0.0) | (values <= (-np.inf if above is None else above))
+        if wrong.any():
+            why = "must be finite and not negative" if above is None else f"must be greater than {above:g}"
+            found = f"{self} is {values[wrong].flat[0]:g} at {first_point(wrong, px, py)}"
+            raise InputError(f"{found}; it {why}.", place=place)
+        return values
+
+    def __str__(self) -> str:
+        """Give the file or the name of the function."""
+        return self.file or getattr(self.given, "__name__", "The table")
+
+    def _values(self, positions: _Array, place: str | Place) -> _Array:
+        """Values (q,) at positions (q, 2)."""
+        if callable(self.given):
+            values = np.asarray(self.given(*positions.T), dtype=np.float64)
+            if values.shape != (len(positions),):
+                raise InputError(
+                    f"{self} gives an array {values.shape} for x and y ({len(positions)},); it must give one number a "
+                    "point.",
+                    place=place,
+                )
+            return values
+        mesh, at = self._triangles, self._scaled(positions)
+        triangle = mesh.find_simplex(at, tol=_ON_OUTLINE)
+        part = np.einsum("qij,qj->qi", mesh.transform[triangle, :2], at - mesh.transform[triangle, 2])
+        weights = np.column_stack([part, 1.0 - part.sum(axis=1)])
+        corners = self._table[:, 2][mesh.simplices[triangle]]
+        return np.where(triangle >= 0, np.maximum((weights * corners).sum(axis=1), 0.0), 0.0)
+
+    @cached_property
+    def _table(self) -> _Array:
+        return np.reshape(np.array(self.given, dtype=np.float64), (-1, 3))
+
+    @cached_property
+    def _triangles(self) -> Delaunay:
+        from scipy.spatial import Delaunay
+
+        return Delaunay(self._scaled(self._table[:, :2]))
+
+    def _scaled(self, positions: _Array) -> _Array:
+        """Positions (q, 2) about the points' middle, over their extent, so that units and place do not matter."""
+        low, high = self._table[:, :2].min(axis=0), self._table[:, :2].max(axis=0)
+        return np.asarray((positions - 0.5 * (low + high)) / ((high - low).max() or 1.0))

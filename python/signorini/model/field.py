@@ -1,0 +1,98 @@
+"""Numbers that vary over the plate as a file, points or a function in Python say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+import pydantic
+from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
+
+from signorini.errors import InputError
+from signorini.expression import LARGEST, Expression, Field
+from signorini.model import base
+from signorini.model.csv_cells import number_in, read_cells
+from signorini.model.problems import as_list, describe
+
+_LARGEST_FILE = 20_000_000
+
+
+def _read_points(value: object) -> Field:
+    """Read a CSV file of x, y and a value, with or without a header."""
+    if not isinstance(value, str | Path) or not str(value):
+        raise ValueError(f"found {describe(value)}; it must be the name of a CSV file, in quotes.")
+    rows = []
+    for number, cells in enumerate(read_cells(Path(value), _LARGEST_FILE), start=1):
+        words = [cell.strip() for cell in cells]
+        if not any(words) or (number == 1 and words[:2] == ["x", "y"]):
+            continue
+        if len(words) != 3:
+            raise ValueError(f"line {number} of {value} has {len(words)} columns; it must have three: x, y, value.")
+        row = [number_in(word) for word in words]
+        for word, one in zip(words, row, strict=True):
+            if not abs(one) <= LARGEST:
+                raise ValueError(
+                    f"line {number} of {value} has {describe(word)}; it must be a number. A first line that names the "
+                    "columns is: x,y,value."
+                )
+        rows.append((row[0], row[1], row[2]))
+    try:
+        return Field(tuple(rows), str(value))
+    except InputError as error:
+        raise ValueError(f"{value}: {error.message}") from None
+
+
+class FieldFile(base.Table):
+    """A file of points: x, y and the value there; linear between them, 0 beyond."""
+
+    file: Annotated[Field, PlainValidator(_read_points), WithJsonSchema({"type": "string"})] = pydantic.Field(
+        description="A CSV file with the columns x, y and value; looked for beside the input file."
+    )
+
+
+_Point = Annotated[tuple[base.Number, base.Number, base.Number], *base.vector(3, "a point [x, y, value]")]
+_points = pydantic.TypeAdapter(tuple[_Point, ...])
+
+
+def _read(value: object) -> Expression | Field:
+    value = as_list(value)
+    match value:
+        case Field():
+            return value
+        case Mapping():
+            if set(value) != {"file"}:
+                raise ValueError(
+                    f'found a table of {", ".join(map(str, value)) or "nothing"}; it must be {{ file = "…" }}.'
+                )
+            return FieldFile.model_validate(value).file
+        case list() | tuple():
+            try:
+                return Field(_points.validate_python(value))
+            except InputError as error:
+                raise ValueError(error.message) from None
+    if callable(value) and not isinstance(value, Expression):
+        return Field(value)
+    return base.reader(above=0.0)(value)
+
+
+FieldScalar = Annotated[
+    Expression | Field,
+    PlainValidator(_read),
+    PlainSerializer(lambda one: one.source),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "number", "exclusiveMinimum": 0},
+                {"type": "string"},
+                FieldFile.model_json_schema(),
+                {
+                    "type": "array",
+                    "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
+                    "minItems": 3,
+                },
+            ]
+        }
+    ),
+]
+"""A positive number, an expression, or a field: a table with its file, points, or a function."""
