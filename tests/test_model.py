@@ -155,9 +155,9 @@ def test_a_model_made_in_python_is_refused_in_the_words_of_an_input_file():
             make()
         assert str(caught.value).splitlines()[1:] == [
             "  plate.thickness: found -0.1; it must be greater than 0.",
-            "  support[1].stifness: unknown key 'stifness'. Did you mean 'stiffness'? Allowed here: name, at, edge, "
-            "line, circle, area, nodes, patch, angle, radius, fix, resists, gap, stiffness, limit, law, "
-            "rotational_stiffness, settlement, preload, preload_case, order, rotation.",
+            "  support[1].stifness: unknown key 'stifness'. Did you mean 'stiffness'? Allowed here: name, plate, at, "
+            "edge, line, circle, area, nodes, patch, angle, radius, fix, resists, gap, stiffness, limit, law, "
+            "rotational_stiffness, settlement, between, preload, preload_case, order, rotation.",
         ]
     with pytest.raises(InputError, match=r"^stiffness: found 0; it must be greater than 0.$"):
         Support(at=[1, 1], stiffness=0)

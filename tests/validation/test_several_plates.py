@@ -183,7 +183,14 @@ def mats() -> dict[str, Any]:
         "support": [
             {"name": "soil left", "plate": "left", **soil},
             {"name": "soil right", "plate": "right", **soil},
-            {"name": "tie", "between": ["top", "left"], "at": [[0.2, 2]], "radius": 0.1, "resists": "up", "stiffness": 1e7},
+            {
+                "name": "tie",
+                "between": ["top", "left"],
+                "at": [[0.2, 2]],
+                "radius": 0.1,
+                "resists": "up",
+                "stiffness": 1e7,
+            },
         ],
         "contact": [
             {"name": name, "between": ["top", name], "area": "all", "stiffness": 1e9} for name in ("left", "right")

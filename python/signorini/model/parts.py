@@ -193,11 +193,8 @@ def _corners(contour: Contour) -> tuple[tuple[float, float] | Arc, ...]:
 def plate_complaints(model: Whole) -> Iterator[Complaint]:
     """What is wrong with where tables say they are, and with each plate by itself."""
     given = bool(model.plates)
-    if given == (model.plate is not None):
-        yield (
-            ("plates" if given else "plate",),
-            "found both [plate] and [plates]; give one." if given else "'plate' is missing. Write it under [plate].",
-        )
+    if given and model.plate is not None:
+        yield ("plates",), "found both [plate] and [plates]; give one."
         return
     if not given:
         for key in ("mesh", "material"):

@@ -96,11 +96,6 @@ def _require_shape(schema: dict[str, Any]) -> None:
 class _Plate(base.Table):
     model_config = ConfigDict(json_schema_extra=_require_shape)
 
-    mesh: MeshOptions | None = Field(
-        default=None, description="One of several plates: its own [mesh], in place of that."
-    )
-    material: Material | None = Field(default=None, description="One of several plates: its own [material].")
-
     thickness: base.PositiveScalar = Field(description="Thickness: a number, or an expression in x and y.")
     element: Literal["mitc9", "q8r"] = Field(
         default="mitc9",
@@ -113,6 +108,10 @@ class _Plate(base.Table):
     stiffness: Stiffness | None = Field(
         default=None, description="Stiffness of the section, in place of what material and thickness give."
     )
+    mesh: MeshOptions | None = Field(
+        default=None, description="One of several plates: its own [mesh], in place of that."
+    )
+    material: Material | None = Field(default=None, description="One of several plates: its own [material].")
 
 
 class OutlinedPlate(_Plate):

@@ -224,7 +224,9 @@ def _unknown_key(path: Place, table: type[BaseModel]) -> str:
         hint = "" if inner else _suggest(key, table.model_fields)
     if not hint:
         shapes = [shape for shape, plate in BRANCHES["plate"].items() if key in plate.model_fields]
-        owners = [headers[name] for name, tables in TOP.items() if _has(tables, key) and name != path[0]]
+        owners = [
+            headers[name] for name, tables in TOP.items() if _has(tables, key) and name not in (path[0], "plates")
+        ]
         if path[0] in ("plate", "plates") and shapes:
             hint = f" It goes with shape = {' or '.join(map(describe, shapes))}."
         elif inner:

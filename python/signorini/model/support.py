@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
     BeforeValidator,
@@ -371,17 +371,33 @@ class Support(Acting, base.Named):
             yield ("settlement",), f"{describe(self.fix)} does not hold the deflection, so nothing settles."
 
 
+_OF_CONTACTS = (
+    *("name", "between", "at", "line", "circle", "area", "patch", "angle", "radius"),
+    *("gap", "stiffness", "limit", "law"),
+)
+
+
+def _only_theirs(schema: dict[str, Any]) -> None:
+    """Leave in the schema of a contact what a contact takes."""
+    schema["properties"] = {key: of for key, of in schema["properties"].items() if key in _OF_CONTACTS}
+    schema["required"] = ["between"]
+
+
 class Contact(Support):
     """One plate on another: the upper one presses the lower one, and neither holds the other.
 
     A support between two plates that only pushes: where (one of at, line, circle, area), gap, stiffness, limit, law.
     """
 
+    model_config = ConfigDict(json_schema_extra=_only_theirs)
     unsaid: ClassVar[Literal["down", "both"]] = "down"
 
     def _complaints(self) -> Iterator[base.Complaint]:
         yield from super()._complaints()
         if self.between is None:
             yield ("between",), "'between' is missing. Name two plates, the upper one first."
-        if self.resists not in ("down", None):
-            yield ("resists",), f"found {describe(self.resists)}; a contact pushes only. Take a support with between."
+        others = sorted(self.model_fields_set.difference(_OF_CONTACTS, _OF_ONE_PLATE, ("between", "settlement")))
+        for key in others if self.between is not None else ():
+            if getattr(self, key) == type(self).model_fields[key].default:
+                continue
+            yield (key,), f"found {key}; a contact pushes only, and takes no more than {', '.join(_OF_CONTACTS)}."

@@ -6,7 +6,16 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, Field, PlainSerializer, ValidationError, field_serializer
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    PlainSerializer,
+    ValidationError,
+    ValidationInfo,
+    field_serializer,
+)
+from pydantic_core import PydanticCustomError
 
 from signorini.errors import Place, unknown
 from signorini.model.base import Complaint, Named, Table, Text
@@ -56,6 +65,13 @@ def _named(tables: tuple[_HasName, ...]) -> tuple[_HasName, ...]:
     )
 
 
+def _there(plate: object, info: ValidationInfo) -> object:
+    """Miss a plate where there are no several; of those that are wrong it is not known."""
+    if plate is None and not info.data.get("plates", True):
+        raise PydanticCustomError("missing", "missing")
+    return plate
+
+
 class Model(Table):
     """A plate, its supports and its loads: what the input file says, under the same names.
 
@@ -76,14 +92,16 @@ class Model(Table):
     material: Material = Field(
         default=Material(), description="The plate's material; needed unless stiffness says what the plate is."
     )
+    plates: Annotated[Mapping[Text, AnyPlate], AfterValidator(FrozenMapping), PlainSerializer(dict)] = Field(
+        default_factory=lambda: FrozenMapping({}),
+        description="Several plates by name, in place of plate; what is on one of them says plate = its name.",
+    )
     if TYPE_CHECKING:
         plate: AnyPlate
     else:  # Of several plates each has a model with a plate, see `parts`, and the whole has none.
-        plate: AnyPlate | None = Field(default=None, description="The plate's outline, thickness and element.")
-    plates: Annotated[Mapping[Text, AnyPlate], AfterValidator(FrozenMapping), PlainSerializer(dict)] = Field(
-        default=FrozenMapping({}),
-        description="Several plates by name, in place of plate; what is on one of them says plate = its name.",
-    )
+        plate: Annotated[AnyPlate | None, BeforeValidator(_there)] = Field(
+            default=None, validate_default=True, description="The plate's outline, thickness and element."
+        )
     zone: tuple[Zone, ...] = Field(default=(), description="Parts of the plate that are made otherwise.")
     mesh: MeshOptions = Field(default=MeshOptions(), description="How finely the plate is meshed.")
     support: Annotated[tuple[Support, ...], AfterValidator(_named)] = Field(default=(), description="The supports.")
