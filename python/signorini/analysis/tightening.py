@@ -137,10 +137,11 @@ def _stages(base: Discretisation, tightening: tuple[float, ...]) -> Iterator[_St
     """The stages of tightening, in their order."""
     contacts, supports = base.contacts, base.model.support
     order = np.array([support.stage for support in supports])[contacts.support]
-    tight = np.array(tightening)[contacts.support] != 0.0
+    factors = np.array(tightening or [0.0] * len(supports))
+    tight = factors[contacts.support] != 0.0
     for now in np.unique(order[tight]).tolist():
         force, names = np.zeros(len(contacts)), []
-        for index, (support, factor) in enumerate(zip(supports, tightening, strict=True)):
+        for index, (support, factor) in enumerate(zip(supports, factors.tolist(), strict=True)):
             if factor and support.preload is not None and support.stage == now:
                 (own,) = np.nonzero(contacts.support == index)
                 force[own] = -contacts.direction[own] * factor * support.preload(*contacts.positions[own].T)

@@ -98,7 +98,7 @@ def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str
     cancel = total and abs(forces.sum()) <= NO_FORCE * total
     if cancel and not any(one.couple is not None and one.has_footprint for one in discretisation.model.load):
         yield "The load's resultant is zero: its forces cancel each other. Is each of the sign that is meant?"
-    elif not load.nodal.any() and not _some_base_moves(discretisation):
+    elif not load.nodal.any() and not _some_base_moves(discretisation, load):
         yield "No load acts."
 
 
@@ -186,7 +186,7 @@ def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator
 
 def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
     """Reactions far beyond what loads can ask for: of a thin plate supports may be near, and pry it apart between."""
-    if load.curvature.any() or _some_base_moves(discretisation) or discretisation.points.distance.any():
+    if load.curvature.any() or _some_base_moves(discretisation, load) or discretisation.points.distance.any():
         return
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0).tolist()
     acting = forces + sum(couples) / float(discretisation.thickness.min())
@@ -200,10 +200,13 @@ def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Seque
         )
 
 
-def _some_base_moves(discretisation: Discretisation) -> bool:
-    return bool(
-        discretisation.held.values.any() or discretisation.springs.base.any() or discretisation.points.settlement.any()
+def _some_base_moves(discretisation: Discretisation, load: CaseLoad) -> bool:
+    """Whether supports move the plate beside a load: they settle, or bolts are tightened."""
+    settles = discretisation.held.values, discretisation.springs.base, discretisation.points.settlement
+    tightened = (
+        one.preload_case in (None, *load.acting) for one in discretisation.model.support if one.preload is not None
     )
+    return any(values.any() for values in settles) or any(tightened)
 
 
 def _with_unit(model: Model, value: float, power: int) -> str:
