@@ -351,3 +351,60 @@ def test_the_rounds_of_the_preloaded_cover_loosen_and_its_rings_open_one_after_t
     order = [one.support for one in found.support_events]
     assert order == ["inner ring"] * 5 + ["outer ring"] * 5
     assert all(one.t <= other.t for one, other in zip(found.support_events, found.support_events[1:], strict=False))
+
+
+def test_anchors_of_a_base_plate_gain_and_lose_force_while_the_grout_crushes() -> None:
+    results = signorini.solve(signorini.load(EXAMPLES / "base_plate_on_grout.toml"))
+    for name, down in (("permanent", 1.35 * 300.0), ("wind", 300.0)):
+        assert sum(results[name].reactions.values()) == pytest.approx(down, rel=1e-9)
+    grout, anchors = results["permanent"].supports
+    assert grout.yielded_area == 0.0
+    assert anchors.changes is not None and (anchors.changes > 0.0).all()  # pressed, they lose some of their force
+    grout, anchors = results["wind"].supports
+    assert grout.yielded_area is not None and grout.yielded_area > 0.01
+    assert grout.max_pressure == pytest.approx(6e3)
+    assert anchors.changes is not None
+    assert (anchors.changes[[0, 2]] < 0.0).all() and (anchors.changes[[1, 3]] > 0.0).all()
+
+
+def test_a_machine_lifts_the_edge_of_its_foot_from_the_slab() -> None:
+    results = signorini.solve(signorini.load(EXAMPLES / "machine_foot.toml"))
+    for result in results.values():
+        on_foot = 50.0 * 0.8 * 0.5
+        assert result.reactions["grout"] + result.reactions["bolts"] == pytest.approx(on_foot, rel=1e-8)
+        assert result.reactions["soil"] == pytest.approx(on_foot + 25.0 * 0.35 * 12.0, rel=1e-9)
+    running, starting = (results[name].supports[2].closed_part for name in ("running", "starting"))
+    assert starting < 0.8 * running
+    bolts = results["starting"].supports[0]
+    assert bolts.changes is not None and (bolts.changes[[0, 3]] < -3.0).all()  # those on the side that is pulled up
+
+
+def test_flange_bolts_tightened_in_turn_loosen_their_neighbours() -> None:
+    results = signorini.solve(signorini.load(EXAMPLES / "flange_pair.toml"))
+    tightened, service = results["tightened"], results["in service"]
+    pairs = [support for support in tightened.supports if support.name.startswith("bolts")]
+    left = [-float(pair.preloads.mean()) for pair in pairs if pair.preloads is not None]
+    assert left[-1] == pytest.approx(30e3, rel=1e-12)  # the last ones have what they were tightened to
+    assert min(left[:2]) < 29e3
+    for result in results.values():
+        bolts = sum(force for name, force in result.reactions.items() if name.startswith("bolts"))
+        thrust = 10.0 * np.pi * 56.0**2 if result is service else 0.0
+        assert result.reactions["gasket"] + bolts == pytest.approx(-thrust, rel=1e-3, abs=1e-3)
+    assert service.reactions["gasket"] < tightened.reactions["gasket"]
+
+
+def test_crane_mats_share_an_outrigger_and_lift_their_ends() -> None:
+    result = signorini.solve(signorini.load(EXAMPLES / "crane_mats.toml"))["all"]
+    of = result.reactions
+    assert of["soil left"] == pytest.approx(of["soil right"], rel=1e-9)
+    assert of["on left"] + of["on middle"] + of["on right"] == pytest.approx(400.0 + 7.0 * 0.2 * 3.0, rel=1e-9)
+    assert of["on middle"] > of["on left"]
+    assert result.plates["middle"].deflection.min() < 0.0
+
+
+def test_a_trench_lid_lifts_from_its_frame_away_from_the_wheel() -> None:
+    result = signorini.solve(signorini.load(EXAMPLES / "trench_lid.toml"))["all"]
+    assert result.reactions["rebate"] == pytest.approx(50.0 + 78.5 * 0.025 * 1.2, rel=1e-9)
+    lid, frame = (result.plates[name].probe([1.15, 0.95])[0].deflection for name in ("lid", "frame"))
+    assert lid < frame
+    assert result.supports[-1].closed_part < 0.5
