@@ -18,7 +18,7 @@ from signorini.base.numbers import plain
 from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import rectangle
-from signorini.output.pictures import job_of
+from signorini.output.pictures import jobs_of
 from signorini.plot.files import save
 from signorini.plot.marks import draw_support, legend_words
 from signorini.plot.picture import BalanceMark, EdgeMark, LoadMark, Panel, Picture, PressureLayer, SupportMark, ZoneMark
@@ -105,7 +105,7 @@ def test_no_part_of_a_deflected_plate_hides_another(seed: int) -> None:
 def test_views_of_the_first_example_of_the_paper_show_where_its_prop_holds() -> None:
     """The deflected mesh, alike exaggerated in both steps, with every support on it: held is filled, open hollow."""
     results = solve(signorini.load(Path(__file__).parents[1] / "examples" / "clamped_quarter.toml"))
-    job = job_of(results, None)
+    (job,) = jobs_of(results, None)
     (sheet,) = (one for one in job.sheets if len(one.seen))
     assert sheet.files == ["first-step-deformed.png", "unilateral-deformed.png"]
     first, whole = results.values()

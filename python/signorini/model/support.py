@@ -95,7 +95,9 @@ def _turning(value: object) -> object:
 
 
 Between = Annotated[
-    tuple[base.Text, base.Text], *base.vector(2, 'the names of two plates, ["upper", "lower"], the upper one first')
+    tuple[base.Text, base.Text],
+    BeforeValidator(base.listed(2, 'the names of two plates, ["upper", "lower"], the upper one first')),
+    WithJsonSchema({"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}),
 ]
 
 
