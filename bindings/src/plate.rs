@@ -5,7 +5,7 @@ use numpy::{
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use signorini_core::assembly::{Assembly, Numbering};
+use signorini_core::assembly::{Assembly, Bedding, Numbering};
 use signorini_core::displacement::Displacement;
 use signorini_core::element::{DOFS, Kind, Layered, Material, Materials, Section, Thickness};
 use signorini_core::plate::{self, StressNodes};
@@ -248,7 +248,8 @@ impl Plate {
         motion: [f64; 3],
     ) -> PyResult<HighAndLow<'py>> {
         let mut out = displacement(&hi, &lo, self.inner.dof_count())?;
-        released(py, || out.add_rigid(&self.inner, center, motion))?;
+        let motions = vec![motion; self.inner.components().count()];
+        released(py, || out.add_rigid(&self.inner, center, &motions))?;
         Ok((PyArray1::from_vec(py, out.hi), PyArray1::from_vec(py, out.lo)))
     }
 
@@ -335,7 +336,8 @@ impl Plate {
     fn stiffness_matrix<'py>(&self, py: Python<'py>, spring_arrays: SpringArrays<'_>) -> PyResult<Compressed<'py>> {
         let springs = springs(&spring_arrays, &self.inner)?;
         let numbering = Numbering::natural(&self.inner);
-        let lower = released(py, || Assembly::new(&self.inner, &springs, &[], &numbering).lower_triangle())?;
+        let lower =
+            released(py, || Assembly::new(&self.inner, &springs, &Bedding::default(), &numbering).lower_triangle())?;
         let signed = |v: Vec<usize>| v.into_iter().map(|i| i as i64).collect::<Vec<_>>();
         Ok((
             PyArray1::from_vec(py, signed(lower.column_start)),

@@ -42,15 +42,10 @@ impl Border {
 }
 
 impl Numbering {
-    /// Nested dissection, with the dofs marked `trailing` moved behind all others.
-    pub fn new(plate: &Plate, held: &[bool], trailing: &[bool]) -> Self {
-        let order = nested_dissection(plate);
-        let free = |wanted: bool| {
-            order
-                .iter()
-                .flat_map(|&node| 3 * node..3 * node + 3)
-                .filter(move |&dof| !held[dof] && trailing[dof] == wanted)
-        };
+    /// Nested dissection of elements and pairs of them, with the dofs marked `trailing` moved behind all others.
+    pub fn new(plate: &Plate, pairs: &[[u32; 2]], held: &[bool], trailing: &[bool]) -> Self {
+        let order = nested_dissection(plate, pairs);
+        let free = |wanted: bool| order.iter().copied().filter(move |&dof| !held[dof] && trailing[dof] == wanted);
         let mut dof: Vec<usize> = free(false).collect();
         let leading = dof.len();
         dof.extend(free(true));
@@ -63,8 +58,14 @@ impl Numbering {
     }
 
     /// The same with borders, each before the last of its nodes: what comes before holds still as long as that node does.
-    pub fn with_borders(plate: &Plate, held: &[bool], trailing: &[bool], borders: &[Border]) -> Self {
-        let mut plain = Self::new(plate, held, trailing);
+    pub fn with_borders(
+        plate: &Plate,
+        pairs: &[[u32; 2]],
+        held: &[bool],
+        trailing: &[bool],
+        borders: &[Border],
+    ) -> Self {
+        let mut plain = Self::new(plate, pairs, held, trailing);
         let dofs = plate.dof_count();
         let leading = plain.dof.len() - plain.trailing;
         let first_of = |node: usize| plain.column[3 * node..3 * node + 3].iter().copied().filter(|&c| c != HELD).min();
@@ -116,16 +117,27 @@ pub struct LowerTriangle {
     pub value: Vec<f64>,
 }
 
-/// Where a node, or one that follows it, sits: (element, local node) pairs, compressed by node.
+/// Springs over the deflections of one or two elements, summed by these.
+#[derive(Default)]
+pub struct Bedding<'a> {
+    /// Elements that springs couple, whether they have stiffness or none.
+    pub pairs: &'a [[u32; 2]],
+    /// Σ k r rᵀ over the eight deflections of each element, as packed lower triangles; empty without springs.
+    pub own: Vec<[f64; 36]>,
+    /// Σ k r sᵀ of each pair, r over the first element and s over the second; empty without springs.
+    pub across: Vec<[[f64; 8]; 8]>,
+}
+
+/// Where a node, or one that follows it, sits in some elements: (place among these, local node), compressed by node.
 struct Incidence {
     start: Vec<usize>,
     at: Vec<(usize, usize)>,
 }
 
 impl Incidence {
-    fn new(plate: &Plate) -> Self {
+    fn new(plate: &Plate, elements: impl Iterator<Item = usize> + Clone) -> Self {
         let mut start = vec![0; plate.node_count() + 1];
-        for e in 0..plate.elements().len() {
+        for e in elements.clone() {
             for &node in plate.leading(e) {
                 start[node + 1] += 1;
             }
@@ -134,10 +146,10 @@ impl Incidence {
             start[n + 1] += start[n];
         }
         let mut next = start.clone();
-        let mut at = vec![(0, 0); 8 * plate.elements().len()];
-        for e in 0..plate.elements().len() {
+        let mut at = vec![(0, 0); start[plate.node_count()]];
+        for (place, e) in elements.enumerate() {
             for (i, &node) in plate.leading(e).iter().enumerate() {
-                at[next[node]] = (e, i);
+                at[next[node]] = (place, i);
                 next[node] += 1;
             }
         }
@@ -149,7 +161,7 @@ impl Incidence {
     }
 }
 
-/// K: element matrices, springs, and bedding over the deflections of each element (packed; empty without).
+/// K: element matrices, springs and bedding.
 ///
 /// It is summed whenever it is read; the sums do not depend on who reads.
 pub struct Assembly<'a> {
@@ -158,9 +170,11 @@ pub struct Assembly<'a> {
     /// Springs over single elements, by element; empty where there are none.
     attached: Vec<Vec<usize>>,
     linked: Linked,
-    bedding: &'a [[f64; 36]],
+    bedding: &'a Bedding<'a>,
     numbering: &'a Numbering,
     incidence: Incidence,
+    /// In the elements of pairs, one after the other.
+    paired: Incidence,
     borders: &'a [Border],
     /// Borders of a node, and places in their rows.
     at_nodes: BTreeMap<usize, Vec<(usize, usize)>>,
@@ -168,7 +182,7 @@ pub struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    pub fn new(plate: &'a Plate, springs: &'a Springs, bedding: &'a [[f64; 36]], numbering: &'a Numbering) -> Self {
+    pub fn new(plate: &'a Plate, springs: &'a Springs, bedding: &'a Bedding, numbering: &'a Numbering) -> Self {
         let mut attached = Vec::new();
         if !springs.rows.is_empty() {
             attached.resize(plate.elements().len(), Vec::new());
@@ -178,15 +192,15 @@ impl<'a> Assembly<'a> {
                 attached[e].push(spring);
             }
         }
-        let (incidence, linked) = (Incidence::new(plate), Linked::new(plate, springs));
         Self {
             plate,
             springs,
             attached,
-            linked,
+            linked: Linked::new(plate, springs),
             bedding,
             numbering,
-            incidence,
+            incidence: Incidence::new(plate, 0..plate.elements().len()),
+            paired: Incidence::new(plate, bedding.pairs.as_flattened().iter().map(|&e| e as usize)),
             borders: &[],
             at_nodes: BTreeMap::new(),
             firmer: 0.0,
@@ -238,6 +252,20 @@ impl<'a> Assembly<'a> {
         of_elements.chain(of_links)
     }
 
+    /// What pairs couple the deflection of a column with: columns behind it, some of them more than once, and entries.
+    fn across(&self, column: usize) -> impl Iterator<Item = (usize, f64)> {
+        let Numbering { column: of_dof, dof, .. } = self.numbering;
+        let places = if dof[column] % 3 == 0 { self.paired.of(dof[column] / 3) } else { &[] };
+        let entries = places.iter().flat_map(move |&(place, local)| {
+            let (pair, side) = (place / 2, place % 2);
+            let others = self.plate.leading(self.bedding.pairs[pair][1 - side] as usize);
+            let sums = self.bedding.across.get(pair);
+            let entry = move |sums: &[[f64; 8]; 8], i: usize| if side == 0 { sums[local][i] } else { sums[i][local] };
+            (0..8).map(move |i| (of_dof[3 * others[i]], sums.map_or(0.0, |sums| entry(sums, i))))
+        });
+        entries.filter(move |&(row, _)| row > column && row != HELD)
+    }
+
     /// All of it, summed in parallel.
     pub fn lower_triangle(&self) -> LowerTriangle {
         const CHUNK: usize = 4096;
@@ -276,7 +304,9 @@ impl Matrix for Assembly<'_> {
         let Numbering { column, dof, .. } = self.numbering;
         let dofs = self.plate.dof_count();
         let block = |c: usize| if dof[c] < dofs { dof[c] / 3 } else { dof[c] };
-        let first = (0..dof.len()).filter(|&c| c == 0 || block(c) != block(c - 1)).chain([dof.len()]).collect();
+        // A deflection has all rows of the slopes that follow it, and those across pairs.
+        let begins = |c: usize| c == 0 || block(c) != block(c - 1) || (dof[c] < dofs && dof[c] % 3 == 0);
+        let first = (0..dof.len()).filter(|&c| begins(c)).chain([dof.len()]).collect();
         Graph::new(first, |c, rows| {
             if let Some(border) = dof[c].checked_sub(dofs) {
                 let columns = self.borders[border].row.iter().flat_map(|&(n, _)| &column[3 * n..3 * n + 3]);
@@ -284,6 +314,7 @@ impl Matrix for Assembly<'_> {
                 return;
             }
             rows.extend(self.borders_of(dof[c] / 3).map(|(row, _)| row).filter(|&row| row > c));
+            rows.extend(self.across(c).map(|(row, _)| row));
             for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
                 for &row in &column[3 * n..3 * n + 3] {
@@ -316,6 +347,7 @@ impl Matrix for Assembly<'_> {
             entries.clear();
             let borders = self.borders_of(dof / 3).filter(|&(row, _)| row > column);
             entries.extend(borders.map(|(row, coefficients)| (row, coefficients[dof % 3])));
+            entries.extend(self.across(column));
             for (&n, block) in columns.neighbours.iter().zip(&columns.block) {
                 for (&row, values) in self.numbering.column[3 * n..3 * n + 3].iter().zip(block) {
                     if row == column {
@@ -392,7 +424,7 @@ impl<'a> NodeColumns<'a> {
                 if !plate.is_rigid(e) {
                     (0..9).for_each(|k| block[k / 3][k % 3] += own[k / 3][k % 3]);
                 }
-                if let Some(bed) = bedding.get(e) {
+                if let Some(bed) = bedding.own.get(e) {
                     block[0][0] += bed[packed(i, local)];
                 }
             }

@@ -39,13 +39,14 @@ impl Displacement {
         }
     }
 
-    /// Adds the rigid motion w + sx (x − cx) + sy (y − cy), which strains nothing, not even by rounding.
-    pub fn add_rigid(&mut self, plate: &Plate, centre: [f64; 2], [w, sx, sy]: [f64; 3]) {
+    /// Adds the rigid motion w + sx (x − cx) + sy (y − cy) of every component, which strains nothing, not even by rounding.
+    pub fn add_rigid(&mut self, plate: &Plate, centre: [f64; 2], motions: &[[f64; 3]]) {
         let add = |to: &mut Self, i: usize, what: DoubleDouble| {
             let sum = to.at(i) + what;
             (to.hi[i], to.lo[i]) = (sum.hi, sum.lo);
         };
         for node in 0..plate.node_count() {
+            let [w, sx, sy] = motions[plate.components().of(node)];
             let point = plate.point(node);
             let along = |slope: f64, k: usize| {
                 DoubleDouble::from(slope).times_sum(DoubleDouble::from(point[k]) - DoubleDouble::from(centre[k]))
@@ -129,7 +130,7 @@ mod tests {
             Plate::new(points.to_vec(), vec![[0, 1, 2, 3, 4, 5, 6, 7]], thickness, material, kind, Some(frames));
         let plate = plate.unwrap();
         let mut displacement = Displacement::zeros(24);
-        displacement.add_rigid(&plate, [0.37, 1.1], [1e3 / 3.0, 70.0 / 3.0, -1e2 / 7.0]);
+        displacement.add_rigid(&plate, [0.37, 1.1], &[[1e3 / 3.0, 70.0 / 3.0, -1e2 / 7.0]]);
         let strained = displacement.strained(&plate, 0);
         assert!(strained.iter().all(|u| u.abs() < 1e-28), "{strained:?}");
         assert!(displacement.hi.iter().any(|u| u.abs() > 300.0));

@@ -8,6 +8,7 @@
 pub mod assembly;
 pub mod bodies;
 pub mod cholesky;
+pub mod components;
 pub mod contact;
 pub mod dense;
 pub mod displacement;

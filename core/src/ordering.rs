@@ -1,31 +1,43 @@
 //! Nested dissection from the mesh's own geometry (George 1973).
 //!
-//! Elements are split at the median of their centroids along the longer side of their bounding box; the nodes that
-//! both halves share are the separator and are numbered after both; and so on down.
+//! Cells, elements and pairs of them that springs couple, are split at the median of their centroids along the longer side
+//! of their bounding box; what both halves share is the separator and is numbered after both; and so on down. A pair has the
+//! deflections of its nodes alone, so that these and slopes are parts of their own.
 
 use crate::plate::Plate;
 
-/// Elements in a part that is not split further.
+/// Cells in a part that is not split further.
 const LEAF: usize = 2;
 
-/// Nodes in elimination order: every node that has dofs of its own appears once.
-pub fn nested_dissection(plate: &Plate) -> Vec<usize> {
-    let centroids: Vec<[f64; 2]> = (0..plate.elements().len()).map(|e| plate.centroid(e)).collect();
-    let mut parts = Dissection {
+/// Dofs in elimination order: every one of a node that follows no other appears once.
+pub fn nested_dissection(plate: &Plate, pairs: &[[u32; 2]]) -> Vec<usize> {
+    let mut centroids: Vec<[f64; 2]> = (0..plate.elements().len()).map(|e| plate.centroid(e)).collect();
+    for pair in pairs {
+        let [p, q] = pair.map(|e| centroids[e as usize]);
+        centroids.push([0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]);
+    }
+    let mut cells: Vec<usize> = (0..centroids.len()).collect();
+    let mut all = Dissection {
         plate,
+        pairs,
         centroids,
-        seen: vec![0; plate.node_count()],
+        seen: vec![0; 2 * plate.node_count()],
         stamp: 0,
-        placed: vec![false; plate.node_count()],
-        order: Vec::with_capacity(plate.node_count()),
+        placed: vec![false; 2 * plate.node_count()],
+        order: Vec::with_capacity(2 * plate.node_count()),
     };
-    let mut elements: Vec<usize> = (0..plate.elements().len()).collect();
-    parts.split(&mut elements);
-    parts.order
+    all.split(&mut cells);
+    let dofs = |part: usize| {
+        if part % 2 == 0 { 3 * (part / 2)..3 * (part / 2) + 1 } else { 3 * (part / 2) + 1..3 * (part / 2) + 3 }
+    };
+    all.order.into_iter().flat_map(dofs).collect()
 }
 
+/// A node has two parts: its deflection is 2n, its slopes are 2n + 1.
 struct Dissection<'a> {
     plate: &'a Plate,
+    /// Cells behind those of the elements.
+    pairs: &'a [[u32; 2]],
     centroids: Vec<[f64; 2]>,
     seen: Vec<usize>,
     stamp: usize,
@@ -33,80 +45,91 @@ struct Dissection<'a> {
     order: Vec<usize>,
 }
 
-impl Dissection<'_> {
-    fn split(&mut self, elements: &mut [usize]) {
-        if elements.len() <= LEAF {
-            let nodes = self.unplaced(elements);
-            self.place(&nodes);
+impl<'a> Dissection<'a> {
+    /// Parts of a cell's nodes.
+    fn parts(&self, cell: usize) -> impl Iterator<Item = usize> + use<'a> {
+        let plate = self.plate;
+        let (elements, own) = match cell.checked_sub(plate.elements().len()) {
+            None => ([Some(cell), None], 2),
+            Some(pair) => (self.pairs[pair].map(|e| Some(e as usize)), 1),
+        };
+        let nodes = elements.into_iter().flatten().flat_map(|e| *plate.leading(e));
+        nodes.flat_map(move |node| 2 * node..2 * node + own)
+    }
+
+    fn split(&mut self, cells: &mut [usize]) {
+        if cells.len() <= LEAF {
+            let parts = self.unplaced(cells);
+            self.place(&parts);
             return;
         }
-        let axis = self.longer_side(elements);
-        let middle = elements.len() / 2;
+        let axis = self.longer_side(cells);
+        let middle = cells.len() / 2;
         let centroids = &self.centroids;
-        elements.select_nth_unstable_by(middle, |&a, &b| {
-            let key = |e: usize| (centroids[e][axis], centroids[e][1 - axis]);
+        cells.select_nth_unstable_by(middle, |&a, &b| {
+            let key = |cell: usize| (centroids[cell][axis], centroids[cell][1 - axis]);
             let ((p, q), (r, s)) = (key(a), key(b));
             p.total_cmp(&r).then(q.total_cmp(&s)).then(a.cmp(&b))
         });
-        let (left, right) = elements.split_at_mut(middle);
+        let (left, right) = cells.split_at_mut(middle);
         let separator = self.shared(left, right, 1 - axis);
         self.split(left);
         self.split(right);
         self.order.extend_from_slice(&separator);
     }
 
-    fn longer_side(&self, elements: &[usize]) -> usize {
+    fn longer_side(&self, cells: &[usize]) -> usize {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
-        for &e in elements {
+        for &cell in cells {
             for a in 0..2 {
-                low[a] = low[a].min(self.centroids[e][a]);
-                high[a] = high[a].max(self.centroids[e][a]);
+                low[a] = low[a].min(self.centroids[cell][a]);
+                high[a] = high[a].max(self.centroids[cell][a]);
             }
         }
         usize::from(high[1] - low[1] > high[0] - low[0])
     }
 
-    /// Nodes of both halves that no earlier separator took, in order along the cut; they are taken.
+    /// Parts of both halves that no earlier separator took, in order along the cut; they are taken.
     fn shared(&mut self, left: &[usize], right: &[usize], along: usize) -> Vec<usize> {
         self.stamp += 1;
-        for &e in left {
-            for &node in self.plate.leading(e) {
-                self.seen[node] = self.stamp;
+        for &cell in left {
+            for part in self.parts(cell) {
+                self.seen[part] = self.stamp;
             }
         }
-        let mut nodes = Vec::new();
-        for &e in right {
-            for &node in self.plate.leading(e) {
-                if self.seen[node] == self.stamp && !self.placed[node] {
-                    self.placed[node] = true;
-                    nodes.push(node);
+        let mut shared = Vec::new();
+        for &cell in right {
+            for part in self.parts(cell) {
+                if self.seen[part] == self.stamp && !self.placed[part] {
+                    self.placed[part] = true;
+                    shared.push(part);
                 }
             }
         }
-        nodes.sort_unstable_by(|&a, &b| {
-            let [p, q] = [a, b].map(|n| self.plate.point(n)[along]);
+        shared.sort_unstable_by(|&a, &b| {
+            let [p, q] = [a, b].map(|part| self.plate.point(part / 2)[along]);
             p.total_cmp(&q).then(a.cmp(&b))
         });
-        nodes
+        shared
     }
 
-    fn unplaced(&self, elements: &[usize]) -> Vec<usize> {
-        let mut nodes: Vec<usize> =
-            elements.iter().flat_map(|&e| *self.plate.leading(e)).filter(|&n| !self.placed[n]).collect();
-        // Nodes of one element only go first: they fill nothing.
-        nodes.sort_unstable();
-        let count = |n: usize| nodes.iter().filter(|&&m| m == n).count();
-        let mut unique: Vec<(usize, usize)> = nodes.iter().map(|&n| (count(n), n)).collect();
+    fn unplaced(&self, cells: &[usize]) -> Vec<usize> {
+        let mut parts: Vec<usize> =
+            cells.iter().flat_map(|&cell| self.parts(cell)).filter(|&part| !self.placed[part]).collect();
+        // Those of one cell only go first: they fill nothing.
+        parts.sort_unstable();
+        let count = |part: usize| parts.iter().filter(|&&other| other == part).count();
+        let mut unique: Vec<(usize, usize)> = parts.iter().map(|&part| (count(part), part)).collect();
         unique.sort_unstable();
         unique.dedup();
-        unique.into_iter().map(|(_, n)| n).collect()
+        unique.into_iter().map(|(_, part)| part).collect()
     }
 
-    fn place(&mut self, nodes: &[usize]) {
-        for &node in nodes {
-            self.placed[node] = true;
-            self.order.push(node);
+    fn place(&mut self, parts: &[usize]) {
+        for &part in parts {
+            self.placed[part] = true;
+            self.order.push(part);
         }
     }
 }

@@ -5,6 +5,7 @@
 //! (c, s) and (−s, c), so that one of them can be held alone.
 
 use crate::bodies::Bodies;
+use crate::components::Components;
 use crate::double_double::DoubleDouble;
 use crate::element::thin::{self, Strains};
 use crate::element::{self, Centre, DOFS, Geometry, Kind, Material, Materials, PACKED, Sections, Thickness, shape};
@@ -84,6 +85,7 @@ pub struct Plate {
     thin: Vec<bool>,
     stress_nodes: Option<StressNodes>,
     bodies: Arc<Bodies>,
+    components: Components,
     /// With bodies, elements by the nodes that theirs follow, and which elements are within one.
     leading: Vec<[usize; 8]>,
     rigid: Vec<bool>,
@@ -155,6 +157,7 @@ impl Plate {
             thin: Vec::new(),
             stress_nodes: None,
             bodies: Arc::default(),
+            components: Components::default(),
             leading: Vec::new(),
             rigid: Vec::new(),
         };
@@ -184,6 +187,7 @@ impl Plate {
             });
         });
         (plate.stiffness, plate.centres, plate.thin) = (stiffness, centres, thin);
+        plate.components = Components::new(plate.node_count(), plate.elements.iter().map(<[_; 8]>::as_slice));
         Ok(plate)
     }
 
@@ -213,6 +217,9 @@ impl Plate {
             return Err(PlateError::Range { what: "leaders", index });
         }
         self.bodies = Arc::new(Bodies::new(&self.points, leader));
+        let links: Vec<[usize; 2]> = leader.iter().enumerate().map(|(node, &leader)| [node, leader]).collect();
+        let elements = self.elements.iter().map(<[_; 8]>::as_slice);
+        self.components = Components::new(self.node_count(), elements.chain(links.iter().map(<[_; 2]>::as_slice)));
         self.leading = self.elements.iter().map(|nodes| nodes.map(|node| leader[node])).collect();
         self.rigid = self.leading.iter().map(|nodes| nodes.iter().all(|node| *node == nodes[0])).collect();
         Ok(self)
@@ -220,6 +227,11 @@ impl Plate {
 
     pub fn bodies(&self) -> &Arc<Bodies> {
         &self.bodies
+    }
+
+    /// The plates that it is made of: what elements and bodies connect.
+    pub fn components(&self) -> &Components {
+        &self.components
     }
 
     /// The nodes whose dofs move an element's nodes: their own, or those that they follow.

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 pub struct Rows {
     pub element: Vec<usize>,
     pub coefficient: Vec<[f64; DOFS]>,
-    /// What rows, few of them, have in further elements: means over footprints. No dof stands twice in a row.
+    /// What rows have in further elements: of another plate, or under a footprint. No dof stands twice in a row.
     pub further: BTreeMap<usize, Vec<(usize, [f64; DOFS])>>,
 }
 
@@ -58,6 +58,14 @@ impl Rows {
         }
         self.element.push(other.element[row]);
         self.coefficient.push(other.coefficient[row]);
+    }
+
+    /// The elements of a row over two of them.
+    pub fn pair(&self, row: usize) -> Option<[u32; 2]> {
+        match self.further.get(&row)?[..] {
+            [(second, _)] => Some([self.element[row] as u32, second as u32]),
+            _ => None,
+        }
     }
 
     /// The dof and coefficient pairs of one row, zeros left out.

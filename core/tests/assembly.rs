@@ -1,8 +1,9 @@
 //! Orderings, assembly and factors against dense sums.
 use faer::Mat;
 use proptest::prelude::*;
-use signorini_core::assembly::{Assembly, HELD, LowerTriangle, Numbering};
+use signorini_core::assembly::{Assembly, Bedding, HELD, LowerTriangle, Numbering};
 use signorini_core::cholesky::{Analysis, FactorError};
+use signorini_core::contact::{Graph, Points};
 use signorini_core::element::{DOFS, Kind, Layered, Material, Thickness, packed};
 use signorini_core::ordering::nested_dissection;
 use signorini_core::plate::Plate;
@@ -109,16 +110,17 @@ proptest! {
     #[test]
     fn dissection_is_a_permutation(nx in 1usize..9, ny in 1usize..9, seed in 0u64..100) {
         let plate = plate(nx, ny, seed);
-        let mut order = nested_dissection(&plate);
+        let last = plate.elements().len() as u32 - 1;
+        let mut order = nested_dissection(&plate, &[[0, last], [last / 2, last]]);
         order.sort_unstable();
-        prop_assert!(order.into_iter().eq(0..plate.node_count()));
+        prop_assert!(order.into_iter().eq(0..plate.dof_count()));
     }
 
     #[test]
     fn numbering_leaves_out_held_dofs_and_puts_contact_dofs_last(nx in 1usize..6, ny in 1usize..6, seed in 0u64..100) {
         let plate = plate(nx, ny, seed);
         let (held, contact) = (marks(plate.dof_count(), seed, 20), marks(plate.dof_count(), seed + 1, 15));
-        let numbering = Numbering::new(&plate, &held, &contact);
+        let numbering = Numbering::new(&plate, &[], &held, &contact);
         let free = held.iter().filter(|h| !**h).count();
         prop_assert_eq!(numbering.len(), free);
         for (dof, &column) in numbering.column.iter().enumerate() {
@@ -135,8 +137,39 @@ proptest! {
         let plate = plate(nx, ny, seed);
         let springs = springs(&plate, seed);
         let held = marks(plate.dof_count(), seed, 15);
-        let numbering = Numbering::new(&plate, &held, &marks(plate.dof_count(), seed + 2, 20));
-        let sparse = unpacked(&Assembly::new(&plate, &springs, &[], &numbering).lower_triangle());
+        let numbering = Numbering::new(&plate, &[], &held, &marks(plate.dof_count(), seed + 2, 20));
+        let sparse = unpacked(&Assembly::new(&plate, &springs, &Bedding::default(), &numbering).lower_triangle());
+        let all = dense(&plate, &springs);
+        let expected = Mat::from_fn(numbering.len(), numbering.len(), |i, j| all[(numbering.dof[i], numbering.dof[j])]);
+        prop_assert!(largest(&(sparse - &expected)) <= 1e-12 * largest(&expected));
+    }
+
+    /// Of two elements far apart, and of two that share an edge.
+    #[test]
+    fn bedding_of_two_elements_is_the_sum_of_its_springs(nx in 2usize..5, ny in 1usize..4, seed in 0u64..100) {
+        let plate = plate(nx, ny, seed);
+        let mut springs = Springs::default();
+        let deflections = |e: usize, xi: f64, nodes: &[usize]| {
+            let row = plate.interpolation_row(e, xi, 0.4 * xi, 0).0;
+            std::array::from_fn(|j| if j % 3 == 0 && !nodes.contains(&plate.elements()[e][j / 3]) { row[j] } else { 0.0 })
+        };
+        let mut points = Points::default();
+        let law = points.add_graph(Graph::two_sided(1.0));
+        for (i, [first, second]) in [[0, nx * ny - 1], [1, 0], [0, nx * ny - 1], [0, 0]].into_iter().enumerate() {
+            let xi = ((i as u64 + seed) as f64).sin();
+            springs.rows.element.push(first);
+            springs.rows.coefficient.push(deflections(first, xi, &[]));
+            if first != second {
+                let others = deflections(second, -xi, &plate.elements()[first]).map(|c: f64| -c);
+                springs.rows.further.insert(i, vec![(second, others)]);
+            }
+            springs.stiffness.push(10.0 + i as f64);
+            points.push_row(&plate, &springs.rows, i, law, 0.0, springs.stiffness[i]);
+        }
+        let bedding = points.bedding(&plate, &springs.stiffness);
+        let held = marks(plate.dof_count(), seed, 15);
+        let numbering = Numbering::new(&plate, bedding.pairs, &held, &marks(plate.dof_count(), seed + 2, 20));
+        let sparse = unpacked(&Assembly::new(&plate, &Springs::default(), &bedding, &numbering).lower_triangle());
         let all = dense(&plate, &springs);
         let expected = Mat::from_fn(numbering.len(), numbering.len(), |i, j| all[(numbering.dof[i], numbering.dof[j])]);
         prop_assert!(largest(&(sparse - &expected)) <= 1e-12 * largest(&expected));
@@ -148,8 +181,9 @@ proptest! {
         let springs = springs(&plate, seed);
         let mut held = marks(plate.dof_count(), seed, 10);
         held[..9].fill(true);
-        let numbering = Numbering::new(&plate, &held, &marks(plate.dof_count(), seed + 2, 20));
-        let matrix = Assembly::new(&plate, &springs, &[], &numbering);
+        let numbering = Numbering::new(&plate, &[], &held, &marks(plate.dof_count(), seed + 2, 20));
+        let none = Bedding::default();
+        let matrix = Assembly::new(&plate, &springs, &none, &numbering);
         let (full, factor) = (unpacked(&matrix.lower_triangle()), Analysis::new(&matrix).unwrap().factorize(&matrix).unwrap());
         let n = numbering.len();
         let right = Mat::from_fn(n, 1, |i, _| (i as f64 + seed as f64).sin());
@@ -189,7 +223,8 @@ fn a_plate_that_springs_push_has_no_factor() {
     let numbering = Numbering::natural(&plate);
     let mut springs = springs(&plate, 1);
     springs.stiffness.fill(-1e4);
-    let matrix = Assembly::new(&plate, &springs, &[], &numbering);
+    let none = Bedding::default();
+    let matrix = Assembly::new(&plate, &springs, &none, &numbering);
     let found = Analysis::new(&matrix).unwrap().factorize(&matrix);
     assert!(matches!(found, Err(FactorError::NotPositiveDefinite { .. })));
 }

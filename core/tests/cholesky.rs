@@ -1,6 +1,6 @@
 //! Factors against dense arithmetic and on any number of threads; one right-hand side against several side by side.
 
-use signorini_core::assembly::{Assembly, LowerTriangle, Numbering};
+use signorini_core::assembly::{Assembly, Bedding, LowerTriangle, Numbering};
 use signorini_core::cholesky::{Analysis, Factor, FactorError, Graph, Matrix, Reader};
 use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::plate::Plate;
@@ -60,9 +60,9 @@ fn matrices() -> [Stored; 2] {
     [(3, 2), (40, 20)].map(|(columns, rows)| {
         let (plate, springs) = strip(columns, rows);
         let free = vec![false; plate.dof_count()];
-        let numbering = Numbering::new(&plate, &free, &free);
+        let numbering = Numbering::new(&plate, &[], &free, &free);
         let blocks = (0..=numbering.len()).step_by(3).collect();
-        Stored { blocks, lower: Assembly::new(&plate, &springs, &[], &numbering).lower_triangle() }
+        Stored { blocks, lower: Assembly::new(&plate, &springs, &Bedding::default(), &numbering).lower_triangle() }
     })
 }
 

@@ -8,7 +8,7 @@ use common::{SIZE, largest, plate_in};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use proptest::prelude::*;
-use signorini_core::assembly::{Assembly, Numbering};
+use signorini_core::assembly::{Assembly, Bedding, Numbering};
 use signorini_core::contact::{ContactProblem, ContactSolution, Form, Graph, Method, Outcome, Points, Supported};
 use signorini_core::plate::Plate;
 use signorini_core::rows::Springs;
@@ -71,7 +71,7 @@ fn load(plate: &Plate, force: &[f64]) -> Vec<f64> {
 fn stiffness(plate: &Plate) -> Mat<f64> {
     let numbering = Numbering::natural(plate);
     let springs = Springs::default();
-    let lower = Assembly::new(plate, &springs, &[], &numbering).lower_triangle();
+    let lower = Assembly::new(plate, &springs, &Bedding::default(), &numbering).lower_triangle();
     let mut k = Mat::zeros(numbering.len(), numbering.len());
     for column in 0..numbering.len() {
         for at in lower.column_start[column]..lower.column_start[column + 1] {

@@ -1,15 +1,23 @@
 //! Contact points: rows over dofs, and the law of force over travel of each.
 
 use super::graph::{Graph, Piece};
+use crate::assembly::Bedding;
 use crate::displacement::Displacement;
 use crate::element::packed;
 use crate::plate::Plate;
 use crate::rows::Rows;
 use crate::vectorized::vectorized;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
-/// Marks a row that is over more than one element.
-const NO_ELEMENT: u32 = u32::MAX;
+/// The elements whose dofs a row is over.
+#[derive(Clone, Copy, Debug)]
+enum Over {
+    One(u32),
+    /// By its number.
+    Pair(u32),
+    Several,
+}
 
 /// Contact points in the caller's order. Point i travels by (row_i·u − shift_i) / unit_i and pushes with weight_i times the force
 /// of its graph at that travel, against its row: Ku + Gᵀr = f.
@@ -18,9 +26,12 @@ pub struct Points {
     start: Vec<usize>,
     dof: Vec<u32>,
     coefficient: Vec<f64>,
-    /// The element whose dofs a row is over, if it is one, and whether it is over its deflections alone.
-    element: Vec<u32>,
+    over: Vec<Over>,
+    /// Whether a row is over deflections alone.
     deflects: Vec<bool>,
+    /// Elements of every pair, and the number of each.
+    pairs: Vec<[u32; 2]>,
+    pair: HashMap<[u32; 2], u32>,
     graphs: Vec<Graph>,
     graph: Vec<u32>,
     /// Travel of the row before the graph's begins: a gap, a settlement.
@@ -67,7 +78,7 @@ impl Points {
         }
         self.start.push(self.dof.len());
         self.arm.push(1.0);
-        self.element.push(NO_ELEMENT);
+        self.over.push(Over::Several);
         self.deflects.push(self.dof[self.start[self.len()]..].iter().all(|dof| dof % 3 == 0));
         self.graph.push(graph);
         self.shift.push(shift);
@@ -78,8 +89,32 @@ impl Points {
     /// Puts row i of a table behind the others.
     pub fn push_row(&mut self, plate: &Plate, rows: &Rows, i: usize, graph: u32, shift: f64, weight: f64) {
         self.push(rows.entries(plate, i), graph, shift, weight);
-        if !rows.further.contains_key(&i) {
-            *self.element.last_mut().expect("just pushed") = rows.element[i] as u32;
+        let over = match rows.pair(i) {
+            Some(pair) => Over::Pair(self.number_of(pair)),
+            None if rows.further.contains_key(&i) => Over::Several,
+            None => Over::One(rows.element[i] as u32),
+        };
+        *self.over.last_mut().expect("just pushed") = over;
+    }
+
+    fn number_of(&mut self, elements: [u32; 2]) -> u32 {
+        *self.pair.entry(elements).or_insert_with(|| {
+            self.pairs.push(elements);
+            self.pairs.len() as u32 - 1
+        })
+    }
+
+    /// The pairs of elements that rows are over.
+    pub(super) fn pairs(&self) -> &[[u32; 2]] {
+        &self.pairs
+    }
+
+    /// The elements of a row, if they are no more than two.
+    fn elements(&self, i: usize) -> &[u32] {
+        match &self.over[i] {
+            Over::One(element) => std::slice::from_ref(element),
+            Over::Pair(pair) => &self.pairs[*pair as usize],
+            Over::Several => &[],
         }
     }
 
@@ -209,40 +244,50 @@ impl Points {
 
     /// Whether a row is over the dofs of one element.
     pub(super) fn is_narrow(&self, i: usize) -> bool {
-        self.element[i] != NO_ELEMENT
+        matches!(self.over[i], Over::One(_))
     }
 
-    /// Whether springs of a point are summed with its element's matrix.
+    /// Whether springs of a point are summed with the matrices of its elements.
     pub(super) fn is_bedding(&self, i: usize) -> bool {
-        self.is_narrow(i) && self.deflects[i]
+        self.deflects[i] && !matches!(self.over[i], Over::Several)
     }
 
     /// The thinnest of some lengths by element, at the elements of rows.
     pub(super) fn least_at(&self, of_element: impl Fn(usize) -> f64 + Sync) -> f64 {
-        let elements = self.element.par_iter().with_min_len(4096).filter(|&&element| element != NO_ELEMENT);
-        elements.map(|&element| of_element(element as usize)).reduce(|| f64::INFINITY, f64::min)
+        let least = |i: usize| self.elements(i).iter().map(|&e| of_element(e as usize)).fold(f64::INFINITY, f64::min);
+        (0..self.len()).into_par_iter().with_min_len(4096).map(least).reduce(|| f64::INFINITY, f64::min)
     }
 
-    /// Σ k r rᵀ of every element's points over its eight deflections, as packed lower triangles; empty without points.
-    pub fn stiffness_by_element(&self, plate: &Plate, stiffness: &[f64]) -> Vec<[f64; 36]> {
+    /// Springs on the points, those that are no bedding left out.
+    pub fn bedding(&self, plate: &Plate, stiffness: &[f64]) -> Bedding<'_> {
+        let mut bedding = Bedding { pairs: &self.pairs, ..Bedding::default() };
         if stiffness.iter().all(|&k| k == 0.0) {
-            return Vec::new();
+            return bedding;
         }
-        let mut out = vec![[0.0; 36]; plate.elements().len()];
+        bedding.own.resize(plate.elements().len(), [0.0; 36]);
+        bedding.across.resize(self.pairs.len(), [[0.0; 8]; 8]);
         for i in (0..self.len()).filter(|&i| self.is_bedding(i) && stiffness[i] != 0.0) {
-            let element = self.element[i] as usize;
-            let nodes = plate.leading(element);
-            let mut row = [0.0; 8];
+            let elements = self.elements(i);
+            let mut rows = [[0.0; 8]; 2];
             for (dof, coefficient) in self.row(i) {
-                row[nodes.iter().position(|&node| node == dof / 3).expect("a node of its element")] += coefficient;
+                let in_element = |&e: &u32| plate.leading(e as usize).iter().position(|&node| node == dof / 3);
+                let mut places = elements.iter().map(in_element).zip(&mut rows);
+                let (at, row) = places.find_map(|(at, row)| Some((at?, row))).expect("a node of its elements");
+                row[at] += coefficient;
             }
-            let sum = &mut out[element];
-            for a in 0..8 {
-                for b in 0..=a {
-                    sum[packed(a, b)] += stiffness[i] * row[a] * row[b];
+            for (&element, row) in elements.iter().zip(&rows) {
+                let sum = &mut bedding.own[element as usize];
+                for a in 0..8 {
+                    for b in 0..=a {
+                        sum[packed(a, b)] += stiffness[i] * row[a] * row[b];
+                    }
                 }
             }
+            let Over::Pair(pair) = self.over[i] else { continue };
+            for (sums, own) in bedding.across[pair as usize].iter_mut().zip(rows[0]) {
+                sums.iter_mut().zip(rows[1]).for_each(|(sum, other)| *sum += stiffness[i] * own * other);
+            }
         }
-        out
+        bedding
     }
 }

@@ -4,7 +4,7 @@ use super::floating::Floating;
 use super::graph::Piece;
 use super::interface::Interface;
 use super::points::Points;
-use super::rigid::nearest_motion;
+use super::rigid::nearest_motions;
 use super::scale::Scale;
 use super::solution::ContactSolution;
 use super::system::{Blueprint, System};
@@ -70,7 +70,7 @@ pub struct ContactProblem {
     shear: Vec<f64>,
     /// The limit of springs that the active set begins with.
     pub(super) first_limit: f64,
-    /// The rigid motions, where no dof is held.
+    /// The rigid motions of plates of which no dof is held.
     pub(super) floating: Option<Arc<Floating>>,
     /// Part of its own by which every dof is stiffer in a factor.
     firmer: f64,
@@ -173,7 +173,7 @@ impl ContactProblem {
         self.interface.as_ref().expect("the points are condensed")
     }
 
-    /// No load: held dofs are where they are held, and the plate goes with them as a rigid one, as far as that can, which
+    /// No load: held dofs are where they are held, and every plate goes with its own as a rigid one, as far as that can, which
     /// strains it least.
     pub(super) fn at_rest(&self, held_value: &[f64]) -> ContactSolution {
         let mut displacement = self.carried_along(held_value);
@@ -186,21 +186,18 @@ impl ContactProblem {
         ContactSolution { displacement, reaction: none.clone(), gap: none, piece, ..ContactSolution::default() }
     }
 
-    /// The rigid motion nearest to what dofs are held at. Twice, so that it misses only what strains the plate.
+    /// The rigid motions nearest to what dofs are held at. Twice, so that they miss only what strains the plates.
     fn carried_along(&self, held_value: &[f64]) -> Displacement {
         let mut displacement = Displacement::zeros(self.plate.dof_count());
         for _ in 0..2 {
             let missed = self.missed(held_value, &displacement);
-            let motion = nearest_motion(&self.plate, &self.scale, &self.held, &missed);
-            if motion == [0.0; 3] {
-                break;
-            }
-            displacement.add_rigid(&self.plate, self.scale.centre, motion);
+            let Some(motions) = nearest_motions(&self.plate, &self.scale, &self.held, &missed) else { break };
+            displacement.add_rigid(&self.plate, self.scale.centre, &motions);
         }
         displacement
     }
 
-    /// What held dofs are held at, past that motion.
+    /// What held dofs are held at, past these motions.
     pub(super) fn strained(&self, held_value: &[f64]) -> Vec<f64> {
         self.missed(held_value, &self.carried_along(held_value))
     }

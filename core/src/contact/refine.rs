@@ -127,9 +127,9 @@ pub(super) fn refine(
 impl ContactSolution {
     /// Goes along a correction.
     pub(super) fn follow(&mut self, problem: &ContactProblem, direction: &Correction, length: f64) {
-        if direction.rigid != [0.0; 3] {
-            let rigid = direction.rigid.map(|motion| length * motion);
-            self.displacement.add_rigid(&problem.plate, problem.scale.centre, rigid);
+        if !direction.rigid.is_empty() {
+            let rigid: Vec<[f64; 3]> = direction.rigid.iter().map(|motion| motion.map(|part| length * part)).collect();
+            self.displacement.add_rigid(&problem.plate, problem.scale.centre, &rigid);
         }
         for (dof, value) in direction.nodal.iter().enumerate() {
             self.displacement.add(dof, length * value);
@@ -144,13 +144,13 @@ impl ContactSolution {
 
 impl Correction {
     fn subtract(&mut self, part: f64, other: &Self) {
-        subtract(&mut self.rigid, part, &other.rigid);
+        subtract(self.rigid.as_flattened_mut(), part, other.rigid.as_flattened());
         subtract(&mut self.nodal, part, &other.nodal);
         subtract(&mut self.reaction, part, &other.reaction);
     }
 
     fn divide(&mut self, by: f64) {
-        let all = self.rigid.iter_mut().chain(&mut self.nodal).chain(&mut self.reaction);
+        let all = self.rigid.as_flattened_mut().iter_mut().chain(&mut self.nodal).chain(&mut self.reaction);
         all.for_each(|value| *value /= by);
     }
 }

@@ -1,9 +1,12 @@
-//! Rigid motions of a plate: the motions at its dofs, and three equations in double-double.
+//! Rigid motions of plates: the motions at their dofs, and equations in double-double.
 
 use super::scale::Scale;
 use super::tolerances;
 use crate::double_double::DoubleDouble;
 use crate::plate::Plate;
+
+/// A small matrix, row by row.
+pub(super) type Matrix = Vec<Vec<DoubleDouble>>;
 
 /// The motions w, w + x and w + y about the middle, over the plate's size, as nodal vectors.
 pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) -> [Vec<f64>; 3] {
@@ -19,34 +22,39 @@ pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) 
     [motion(0), motion(1), motion(2)]
 }
 
-/// The rigid motion, deflection and slopes at the middle, that is nearest to values of held dofs in least squares.
-pub(super) fn nearest_motion(plate: &Plate, scale: &Scale, held: &[bool], value: &[f64]) -> [f64; 3] {
-    let held: Vec<usize> = (0..held.len()).filter(|&dof| held[dof]).collect();
-    if held.iter().all(|&dof| value[dof] == 0.0) {
-        return [0.0; 3];
+/// The rigid motion of every component, deflection and slopes at the middle, that is nearest to values of its held dofs in
+/// least squares; nothing where none has moved.
+pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value: &[f64]) -> Option<Vec<[f64; 3]>> {
+    if (0..held.len()).all(|dof| !held[dof] || value[dof] == 0.0) {
+        return None;
     }
-    let motions = rigid_motions(plate, scale);
-    let mut matrix = [[DoubleDouble::default(); 3]; 3];
-    let mut right = [DoubleDouble::default(); 3];
-    for dof in held {
+    let (components, motions) = (plate.components(), rigid_motions(plate, scale));
+    let mut matrix = vec![vec![vec![DoubleDouble::default(); 3]; 3]; components.count()];
+    let mut right = vec![vec![DoubleDouble::default(); 3]; components.count()];
+    for dof in (0..held.len()).filter(|&dof| held[dof]) {
+        let component = components.of(dof / 3);
         let weight = if dof % 3 == 0 { 1.0 } else { scale.size };
         let arm = [0, 1, 2].map(|k| weight * motions[k][dof]);
         for j in 0..3 {
-            (0..3).for_each(|k| matrix[j][k].add_product(arm[j], arm[k]));
-            right[j].add_product(arm[j], weight * value[dof]);
+            (0..3).for_each(|k| matrix[component][j][k].add_product(arm[j], arm[k]));
+            right[component][j].add_product(arm[j], weight * value[dof]);
         }
     }
-    let ([w, x, y], _) = eliminated(matrix, right);
-    [w, x / scale.size, y / scale.size]
+    let of = |(matrix, right)| {
+        let amount = eliminated(matrix, right).0;
+        [amount[0], amount[1] / scale.size, amount[2] / scale.size]
+    };
+    Some(matrix.into_iter().zip(right).map(of).collect())
 }
 
 /// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.
-pub(super) fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleDouble; 3]) -> ([f64; 3], f64) {
+pub(super) fn eliminated(mut matrix: Matrix, mut right: Vec<DoubleDouble>) -> (Vec<f64>, f64) {
+    let n = right.len();
     let mut order = Vec::new();
     let mut largest = 0.0_f64;
     let mut least = f64::INFINITY;
     loop {
-        let left = (0..3).filter(|i| !order.contains(i));
+        let left = (0..n).filter(|i| !order.contains(i));
         let Some(pivot) = left.max_by(|&a, &b| matrix[a][a].hi.total_cmp(&matrix[b][b].hi)) else { break };
         largest = largest.max(matrix[pivot][pivot].hi);
         if matrix[pivot][pivot].hi <= tolerances::HELD * largest {
@@ -54,17 +62,17 @@ pub(super) fn eliminated(mut matrix: [[DoubleDouble; 3]; 3], mut right: [DoubleD
         }
         order.push(pivot);
         least = matrix[pivot][pivot].hi;
-        for row in (0..3).filter(|i| !order.contains(i)) {
+        for row in (0..n).filter(|i| !order.contains(i)) {
             let factor = quotient(matrix[row][pivot], matrix[pivot][pivot]);
-            for column in 0..3 {
+            for column in 0..n {
                 matrix[row][column] = matrix[row][column] - factor.times_sum(matrix[pivot][column]);
             }
             right[row] = right[row] - factor.times_sum(right[pivot]);
         }
     }
-    let mut unknown = [0.0; 3];
+    let mut unknown = vec![0.0; n];
     for &row in order.iter().rev() {
-        let known: f64 = (0..3).filter(|&k| k != row).map(|k| matrix[row][k].value() * unknown[k]).sum();
+        let known: f64 = (0..n).filter(|&k| k != row).map(|k| matrix[row][k].value() * unknown[k]).sum();
         unknown[row] = (right[row].value() - known) / matrix[row][row].value();
     }
     (unknown, least)
@@ -85,7 +93,7 @@ mod tests {
         // 1e14 (1, 1, 1)ᵀ(1, 1, 1) + 1e-6 (0, 1, 2)ᵀ(0, 1, 2) and nothing else.
         let stiff = [1.0, 1.0, 1.0];
         let soft = [0.0, 1.0, 2.0];
-        let mut matrix = [[DoubleDouble::default(); 3]; 3];
+        let mut matrix = vec![vec![DoubleDouble::default(); 3]; 3];
         for j in 0..3 {
             for k in 0..3 {
                 matrix[j][k].add_product(1e14 * stiff[j], stiff[k]);
@@ -93,8 +101,9 @@ mod tests {
             }
         }
         // The force of a unit of the soft direction alone: its stretch must be 1 and that of the stiff one 0.
-        let right = soft.map(|s| DoubleDouble::from(1e-6 * s));
-        let ([a, b, c], least) = eliminated(matrix, right);
+        let right = soft.map(|s| DoubleDouble::from(1e-6 * s)).to_vec();
+        let (unknown, least) = eliminated(matrix, right);
+        let [a, b, c] = unknown[..] else { panic!("three unknowns") };
         assert!((b + 2.0 * c - 1.0).abs() < 1e-9 && (a + b + c).abs() < 1e-9, "{a} {b} {c}");
         assert!(least < 1e-5);
     }

@@ -22,8 +22,8 @@ enum Owner {
 
 /// What every factor of a plate has in common: its columns, and which rows are borders.
 ///
-/// Springs over the deflections of one element may be summed with its matrix. Those of all other rows stay outside K, their
-/// forces as unknowns, and the matrix is quasi-definite.
+/// Springs over the deflections of one or two elements may be summed with their matrices. Those of all other rows stay outside
+/// K, their forces as unknowns, and the matrix is quasi-definite.
 pub(super) struct Blueprint {
     pub(super) numbering: Numbering,
     owners: Vec<Owner>,
@@ -31,7 +31,7 @@ pub(super) struct Blueprint {
     is_border: Vec<bool>,
     /// Borders without a force.
     absent: Vec<Border>,
-    /// Springs over single elements.
+    /// Springs over one element or two.
     narrow: Springs,
     bodies: Arc<Bodies>,
     analysis: OnceLock<Analysis>,
@@ -57,8 +57,12 @@ impl Blueprint {
     ) -> Self {
         let mut narrow = Springs::default();
         let (mut owners, mut absent) = (Vec::new(), Vec::new());
+        let mut pairs = points.pairs().to_vec();
+        pairs.extend(springs.rows.further.keys().filter_map(|&row| springs.rows.pair(row)));
+        pairs.sort_unstable();
+        pairs.dedup();
         for (row, &stiffness) in springs.stiffness.iter().enumerate() {
-            if springs.rows.further.contains_key(&row) {
+            if springs.rows.further.contains_key(&row) && springs.rows.pair(row).is_none() {
                 owners.push(Owner::Spring(row));
                 absent.push(Border::new(springs.rows.entries(plate, row), f64::INFINITY));
             } else {
@@ -76,7 +80,7 @@ impl Blueprint {
                 absent.push(Border::new(dofs.clone().zip(row), f64::INFINITY));
             }
         }
-        let numbering = Numbering::with_borders(plate, held, trailing, &absent);
+        let numbering = Numbering::with_borders(plate, &pairs, held, trailing, &absent);
         let is_border = (0..points.len()).map(bordered).collect();
         Self { numbering, owners, is_border, absent, narrow, bodies: plate.bodies().clone(), analysis: OnceLock::new() }
     }
@@ -101,7 +105,7 @@ impl Blueprint {
         let borders: Vec<Border> = self.owners.iter().zip(&self.absent).map(border).collect();
         let of_elements = |(&slope, &is_border): (&f64, &bool)| if is_border { 0.0 } else { slope };
         let of_elements: Vec<f64> = carried.iter().zip(&self.is_border).map(of_elements).collect();
-        let bedding = points.stiffness_by_element(plate, &of_elements);
+        let bedding = points.bedding(plate, &of_elements);
         let matrix = Assembly::new(plate, &self.narrow, &bedding, &self.numbering).bordered(&borders).firmer(firmer);
         let analysis = match self.analysis.get() {
             Some(analysis) => analysis,

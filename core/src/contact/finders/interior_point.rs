@@ -57,7 +57,7 @@ fn interior_point(
     watch: &mut Watch<'_>,
 ) -> ContactSolution {
     let ContactProblem { plate, points, held, .. } = problem;
-    let numbering = Numbering::new(plate, held, &vec![false; held.len()]);
+    let numbering = Numbering::new(plate, &[], held, &vec![false; held.len()]);
     let mut solution = problem.at_rest(held_value);
     let program = Program::pose(problem, &numbering, load, &solution);
     let settings = DefaultSettings {

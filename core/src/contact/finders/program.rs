@@ -1,6 +1,6 @@
 //! The contact problem as a quadratic program, and what proves that it has no solution.
 
-use crate::assembly::{Assembly, HELD, Numbering};
+use crate::assembly::{Assembly, Bedding, HELD, Numbering};
 use crate::contact::points::Points;
 use crate::contact::problem::ContactProblem;
 use crate::contact::scale::largest;
@@ -44,7 +44,7 @@ impl Program {
     /// In units of force and length that the load sets, or, without one, the gaps.
     pub(super) fn pose(problem: &ContactProblem, numbering: &Numbering, load: &[f64], rest: &ContactSolution) -> Self {
         let ContactProblem { plate, springs, points, .. } = problem;
-        let matrix = Assembly::new(plate, springs, &[], numbering).lower_triangle();
+        let matrix = Assembly::new(plate, springs, &Bedding::default(), numbering).lower_triangle();
         let (n, m) = (numbering.len(), points.len());
         let lower = || (0..n).flat_map(|j| (matrix.column_start[j]..matrix.column_start[j + 1]).map(move |at| (j, at)));
         let mut unit = vec![1.0; n];

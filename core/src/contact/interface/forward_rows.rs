@@ -1,7 +1,8 @@
 //! Rows after forward substitution: the product of two is what a force on the one moves the other by.
 //!
-//! The dofs of narrow rows, those of one element, are the last columns. A wide row, the mean over a footprint, would make
-//! hundreds of dofs such; it is substituted instead, and reaches only what stands above its dofs in the elimination tree.
+//! The dofs of narrow rows, those of one element, are the last columns. A wide row, between two plates or the mean over a
+//! footprint, would make hundreds of dofs such; it is substituted instead, and reaches only what stands above its dofs in
+//! the elimination tree.
 //! The matrix is L S Lᵀ with a sign −1 at every border; a row is kept as SL⁻¹rᵀ.
 
 use crate::cholesky::{Factor, FactorError, LANES};

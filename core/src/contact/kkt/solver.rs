@@ -11,7 +11,7 @@ pub(in crate::contact) trait Kkt {
     /// What residuals ask for; `None` where the pieces do not hold the plate.
     fn solve(&mut self, right: &Residual) -> Result<Option<Correction>, FactorError>;
 
-    /// Where no dof holds the plate, the rigid motion that a residual asks for, and the increments of reaction that go with
+    /// Where no dof holds a plate, the rigid motions that a residual asks for, and the increments of reaction that go with
     /// it: made first, and added exactly.
     fn rigid(&self, _right: &Residual) -> Option<Correction> {
         None
@@ -23,18 +23,18 @@ pub(in crate::contact) trait Kkt {
     }
 }
 
-/// A rigid motion of the plate, a motion of its nodes on top of it, and increments of reaction.
+/// Rigid motions of the plates, a motion of its nodes on top of it, and increments of reaction.
 #[derive(Clone)]
 pub(in crate::contact) struct Correction {
-    /// Deflection and slopes at the middle of the plate.
-    pub(in crate::contact) rigid: [f64; 3],
+    /// Deflection and slopes at the middle of every component; empty of a solver without them.
+    pub(in crate::contact) rigid: Vec<[f64; 3]>,
     pub(in crate::contact) nodal: Vec<f64>,
     pub(in crate::contact) reaction: Vec<f64>,
 }
 
 impl Correction {
-    /// Without a rigid motion apart.
+    /// Without rigid motions apart.
     pub(in crate::contact) fn of(nodal: Vec<f64>, reaction: Vec<f64>) -> Self {
-        Self { rigid: [0.0; 3], nodal, reaction }
+        Self { rigid: Vec::new(), nodal, reaction }
     }
 }

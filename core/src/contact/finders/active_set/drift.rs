@@ -1,11 +1,9 @@
-//! Rigid motions of least energy of a plate on soft supports, for the shape that it has.
+//! Rigid motions of least energy of plates on soft supports, for the shapes that they have.
 
 use super::descent::Descent;
-use crate::contact::floating::Floating;
 use crate::contact::kkt::Afloat;
 use crate::contact::rigid::eliminated;
 use crate::contact::tolerances;
-use crate::superposition::sum_in_order;
 
 /// At most this many steps at a time.
 const STEPS: usize = 100;
@@ -30,38 +28,37 @@ impl Descent<'_> {
 
     fn drifted(&mut self, afloat: &Afloat<'_>) -> bool {
         let Afloat { floating, load, magnitude } = afloat;
-        let Floating { points, springs: arms, .. } = floating;
-        let springs = &self.problem.springs;
-        let all = (0..points.len()).map(|i| self.problem.steepest(i).in_series(self.kkt.series[i])).sum::<f64>()
+        let (springs, points) = (&self.problem.springs, self.problem.points.len());
+        let all = (0..points).map(|i| self.problem.steepest(i).in_series(self.kkt.series[i])).sum::<f64>()
             + springs.stiffness.iter().sum::<f64>();
         let mut moved = false;
         for _ in 0..STEPS {
-            let (mut resultant, mut magnitude) = (*load, *magnitude);
-            let mut push = |force: f64, arm: &[f64; 3]| {
+            let (mut resultant, mut magnitude) = (load.clone(), *magnitude);
+            let mut push = |force: f64, arm: &[f64]| {
                 magnitude += force.abs();
-                (0..3).for_each(|k| resultant[k].add_product(-force, arm[k]));
+                resultant.iter_mut().zip(arm).for_each(|(sum, arm)| sum.add_product(-force, *arm));
             };
-            for (i, (stiffness, arm)) in springs.stiffness.iter().zip(arms).enumerate() {
+            for (i, (stiffness, arm)) in springs.stiffness.iter().zip(floating.of_springs()).enumerate() {
                 let u = &self.solution.displacement;
                 push(stiffness * springs.rows.beyond(&self.problem.plate, i, u, springs.base[i]), arm);
             }
-            (0..points.len()).for_each(|i| push(self.force(i), &points[i]));
+            (0..points).for_each(|i| push(self.force(i), floating.of_point(i)));
             if resultant.iter().all(|sum| sum.value().abs() <= tolerances::newton::RESULTANT * magnitude) {
                 break;
             }
             let mut matrix = floating.holding(|i| self.resistance(i), &springs.stiffness);
-            (0..3).for_each(|k| matrix[k][k] += tolerances::newton::LEAST * all);
-            let (step, _) = eliminated(matrix, resultant);
-            let along = |arm: &[f64; 3]| (0..3).map(|k| arm[k] * step[k]).sum::<f64>();
-            let change: Vec<f64> = points.iter().map(along).collect();
-            let elastic = arms.iter().zip(&springs.stiffness).map(|(arm, k)| k * along(arm).powi(2)).sum();
-            let start = -sum_in_order(3, 3, |k| resultant[k].value() * step[k]);
+            (0..matrix.len()).for_each(|k| matrix[k][k] += tolerances::newton::LEAST * all);
+            let (step, _) = eliminated(matrix, resultant.clone());
+            let along = |arm: &[f64]| arm.iter().zip(&step).map(|(arm, step)| arm * step).sum::<f64>();
+            let change: Vec<f64> = (0..points).map(|i| along(floating.of_point(i))).collect();
+            let elastic = floating.of_springs().zip(&springs.stiffness).map(|(arm, k)| k * along(arm).powi(2)).sum();
+            let start = -resultant.iter().zip(&step).map(|(sum, step)| sum.value() * step).sum::<f64>();
             let length = self.least_energy(start, elastic, &change);
             if !(length > 0.0) {
                 break;
             }
-            let motion = floating.motion(step.map(|s| length * s));
-            self.solution.displacement.add_rigid(&self.problem.plate, self.problem.scale.centre, motion);
+            let motion = floating.motion(&step.iter().map(|s| length * s).collect::<Vec<_>>());
+            self.solution.displacement.add_rigid(&self.problem.plate, self.problem.scale.centre, &motion);
             self.measure_stretches();
             moved = true;
         }
