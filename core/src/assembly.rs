@@ -57,7 +57,8 @@ impl Numbering {
         Self { column, dof, trailing }
     }
 
-    /// The same with borders, each before the last of its nodes: what comes before holds still as long as that node does.
+    /// The same with borders, each before the last of its nodes in whichever plate that comes first: what comes before holds
+    /// still as long as that node does.
     pub fn with_borders(
         plate: &Plate,
         pairs: &[[u32; 2]],
@@ -73,8 +74,13 @@ impl Numbering {
             .iter()
             .enumerate()
             .map(|(at, border)| {
-                let last = border.row.iter().filter_map(|&(node, _)| first_of(node)).max();
-                (last.unwrap_or(0).min(leading), dofs + at)
+                let mut last: BTreeMap<usize, usize> = BTreeMap::new();
+                for &(node, _) in &border.row {
+                    let Some(column) = first_of(node) else { continue };
+                    let last = last.entry(plate.components().of(node)).or_default();
+                    *last = column.max(*last);
+                }
+                (last.into_values().min().unwrap_or(0).min(leading), dofs + at)
             })
             .collect();
         placed.sort_unstable();
