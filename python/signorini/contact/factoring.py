@@ -43,11 +43,11 @@ _CARRIED = 100.0
 
 
 def method_of(discretisation: Discretisation) -> Method:
-    """The method asked for, or else the better one; without one-sided points all come to Lemke's without a pivot."""
+    """The method asked for, or else the better one; without one-sided points few come to Lemke's without a pivot."""
     asked, contacts = discretisation.model.solver.method, discretisation.contacts
     one_sided = ~contacts.two_sided
     if not one_sided.any():
-        return "lemke"
+        return "lemke" if len(contacts) <= _FEW_RIGID else "active_set"
     if asked != "auto":
         return asked
     in_areas = np.array([support.area is not None for support in discretisation.model.support])[contacts.support]

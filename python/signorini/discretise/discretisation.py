@@ -255,7 +255,7 @@ class Discretisation(Remade):
         firsts = [plate.elements.start for plate in self.plates]
         result = np.zeros((len(at), len(firsts), 3))
         result[np.arange(len(at)), np.searchsorted(firsts, elements, side="right") - 1] = at
-        return result.reshape(len(at), -1)
+        return result.reshape(len(at), 3 * len(firsts))
 
     def moved(self, hi: Floats, lo: Floats, motions: Floats) -> tuple[Floats, Floats]:
         """Displacements (3n,) with rigid motions (3p,) of the plates beside them: w and the slopes about the middle."""

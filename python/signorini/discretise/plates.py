@@ -296,7 +296,8 @@ def _of_whole(
         number = numbers.index(joint.support)
         tables.append(replace(table, support=np.full(len(table), number)))
         places.append(behind)
-        beneath[number] = other, _deflection_at(one.mesh, each[other].mesh)
+        if one.model.support[number].area is not None:
+            beneath[number] = other, _deflection_at(one.mesh, each[other].mesh)
     contacts = ContactPoints.join(tables)
     follows = csr_array(one.repeated.follows)
     more = csr_array((len(one.repeated), len(contacts) - follows.shape[1]))

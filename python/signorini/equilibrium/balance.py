@@ -177,7 +177,7 @@ def _arms(discretisation: Discretisation, positions: Floats, supports: Ints) -> 
         result[own, names.index(upper)] = at[own]
         for name in lower:
             result[own, names.index(name)] = -at[own]
-    return result.reshape(len(positions), -1)
+    return result.reshape(len(positions), 3 * len(names))
 
 
 def _name_motion(loose: Floats, discretisation: Discretisation) -> str:
