@@ -1,9 +1,10 @@
 """What contact costs on top of a linear solve of the same mesh.
 
-Three plates, each on supports that only push and on the same supports acting both ways, which is a linear problem: slab
+Four plates, each on supports that only push and on the same supports acting both ways, which is a linear problem: slab
 A on soil, whose two-way springs are part of the matrix; the same slab on 100 rigid points instead, which held both ways
-are dofs without an equation; and on 36 rigid footprints of a tenth of its sides, beside points held both ways in their
-middles, since footprints held both ways are rows of contact too. The runs take turns in one process; figures are
+are dofs without an equation; on 36 rigid footprints of a tenth of its sides, beside points held both ways in their
+middles, since footprints held both ways are rows of contact too; and on a second slab on the soil, an elastic layer
+between them. The runs take turns in one process; figures are
 medians, and ratios those of the medians.
 
 "core" is from the discretised model to displacements and reactions: equilibrium check of the supports, ordering,
@@ -27,7 +28,7 @@ from signorini.contact.problem import contact_problem
 from signorini.discretise import discretise
 
 LINEAR, CONTACT = "both", "down"
-TARGETS = {"soil": 1.5, "100 points": 1.2, "36 footprints": 1.5}
+TARGETS = {"soil": 1.5, "100 points": 1.2, "36 footprints": 1.5, "two slabs": 1.5}
 
 
 def on_soil(elements: int, resists: str) -> Model:
@@ -44,7 +45,15 @@ def on_footprints(elements: int, resists: str) -> Model:
     return on_points(elements, resists, 6, **({"patch": [1.0, 1.0]} if resists == CONTACT else {}))
 
 
-ALIKE: dict[str, Callable[[int, str], Model]] = {"soil": on_soil, "100 points": on_points}
+def on_a_slab(elements: int, resists: str) -> Model:
+    given = slab_a(elements, resists=resists).model_dump(exclude_unset=True)
+    plate, (soil,) = given.pop("plate"), given.pop("support")
+    layer = {"between": ["upper", "lower"], "area": "all", "stiffness": 1e9, "resists": resists}
+    tables = {"plates": {"upper": plate, "lower": plate}, "support": [{"plate": "lower", **soil}, layer]}
+    return Model.model_validate({**given, **tables, "load": [{"plate": "upper", **load} for load in given["load"]]})
+
+
+ALIKE: dict[str, Callable[[int, str], Model]] = {"soil": on_soil, "100 points": on_points, "two slabs": on_a_slab}
 """Those that are one problem while every point stays closed."""
 
 PLATES = ALIKE | {"36 footprints": on_footprints}
@@ -93,7 +102,8 @@ def check():
     for name, plate in ALIKE.items():
         found = []
         for way in (LINEAR, CONTACT):
-            tables = {**plate(20, way).model_dump(exclude_unset=True), "load": [{"pressure": 2e3}]}
+            tables = plate(20, way).model_dump(exclude_unset=True)
+            tables["load"] = [{"pressure": 2e3} | ({"plate": "upper"} if "plates" in tables else {})]
             found.append(whole_solve(Model.model_validate(tables))[1])
         linear, contact = found
         closed = contact.supports[0].open_count == 0

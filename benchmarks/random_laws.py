@@ -1,7 +1,9 @@
 """Random small plates on supports with limits, laws and gaps: is every answer that of a quadratic program?
 
-The plates are those of methods_agree.py. Their supports get limits, laws, tables of stiffness and springs on slopes
-besides. The judge shares K, G, f and the laws with the program, and nothing else. It looks for the least potential
+The plates are those of methods_agree.py. Their supports get limits, laws, tables of stiffness, springs on slopes and
+preloads besides, and on half of them lie one or two more plates, in contact and tied or bolted to what is below. Bolts
+must have their preloads once they are tightened, which the judge solves too. The judge shares K, G, f and the laws with
+the program, and nothing else. It looks for the least potential
 energy over all dofs and all pieces of the laws by Clarabel (Goulart & Chen 2024), and sharpens that on the pieces that
 it finds. Deflections, and reactions where they are unique, agree to 1e-8 of the largest; where one finds no
 equilibrium, so does the other. Where the plate moves a million times as far as it bends, K in doubles says too little:
@@ -29,7 +31,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fuzz"))
 import campaign
 import methods_agree
 
-from signorini import InputError, Model, contact_problem
+from signorini import InputError, Model, NoEquilibriumError, contact_problem, tightened
 from signorini.contact.problem import ContactProblem
 from signorini.contact.strategy import answered
 from signorini.equilibrium.imbalance import imbalance
@@ -77,7 +79,65 @@ def tables(seed: int) -> Tables:
             corners = [low + size * at for at in ((0, 0), (1, 0), (1, 1), (0, 1), (0.4, 0.3))]
             values = (support["stiffness"] * 10 ** rng.uniform(-1, 0, len(corners))).tolist()
             support["stiffness"] = [[*at.tolist(), value] for at, value in zip(corners, values, strict=True)]
+    if rng.random() < 0.5:
+        _stack(rng, drawn, sag, pressure)
+    for support in drawn["support"]:
+        holds = support.get("resists") in ("up", "both") and "at" in support and "fix" not in support
+        if holds and rng.random() < 0.3:
+            most = support.get("limit") or (support["law"][-1][1] if "law" in support else np.inf)
+            support["preload"] = float(min(0.9 * most, pressure * span**2 * 10 ** rng.uniform(-2, 0)))
+            support["order"] = int(rng.integers(1, 3))
+            # A gap is taken up, and a settlement comes after the preload.
+            support.pop("gap", None)
+            support.pop("settlement", None)
     return drawn
+
+
+def _stack(rng: np.random.Generator, drawn: Tables, sag: float, pressure: float) -> None:
+    """Lay one or two plates on the one that is drawn, and move some of its loads onto them."""
+    plate, mesh = drawn.pop("plate"), drawn.pop("mesh")
+    young, disc = drawn["material"]["E"], plate["shape"] == "disc"
+    size = np.array(2 * [2 * plate["radius"]] if disc else plate["size"])
+    low, span = (-0.5 if disc else 0.0) * size, size.max()
+    drawn["plates"] = {"p0": {**plate, "mesh": mesh}}
+    drawn["contact"] = []
+    for table in (*drawn["support"], *drawn["load"]):
+        table["plate"] = "p0"
+    for number in range(1, 2 + int(rng.random() < 0.3)):
+        name, below = f"p{number}", f"p{number - 1}"
+        part, thickness = rng.uniform(0.3, 0.6), plate["thickness"] * 10 ** rng.uniform(-0.5, 0.3)
+        # Within the disc, on which others lie in its middle.
+        at = low + size * (0.5 - 0.5 * part + 0.1 * rng.uniform(-1, 1, 2))
+        rigidity = young * thickness**3 / 12
+        drawn["plates"][name] = {
+            **{"shape": "rectangle", "size": (part * size).tolist(), "origin": at.tolist()},
+            **{"thickness": float(thickness), "mesh": {"divisions": rng.integers(1, 6, 2).tolist()}},
+        }
+
+        def inside(reach: float = 0.4, at: np.ndarray = at, part: float = part) -> list[float]:
+            return [float(x) for x in at + part * size * (0.5 + reach * rng.uniform(-1, 1, 2))]
+
+        kind = rng.choice(["area", "area", "at", "line"])
+        dimension = {"area": 2, "at": 0, "line": 1}[kind]
+        where = {"area": "all", "at": [inside() for _ in range(rng.integers(1, 5))], "line": [inside(), inside()]}[kind]
+        contact: Tables = {"between": [name, below], kind: where}
+        if rng.random() < 0.7:
+            contact["stiffness"] = float(rigidity / span ** (2 + dimension) * 10 ** rng.uniform(1, 6))
+        if rng.random() < 0.3:
+            contact["gap"] = float(sag * 10 ** rng.uniform(-2, 0))
+        if rng.random() < 0.2:
+            contact["limit"] = float(pressure * span ** (2 - dimension) * 10 ** rng.uniform(-0.5, 1))
+        drawn["contact"].append(contact)
+        if rng.random() < 0.6:
+            tie = {"between": [name, below], "at": [inside() for _ in range(rng.integers(1, 4))]}
+            tie["resists"] = str(rng.choice(["up", "up", "both"]))
+            if rng.random() < 0.7:
+                tie["stiffness"] = float(rigidity / span**2 * 10 ** rng.uniform(0, 5))
+            drawn["support"].append(tie)
+        drawn["load"].append({"plate": name, "pressure": float(pressure * rng.uniform(-0.2, 1.0))})
+        drawn["load"].append(
+            {"plate": name, "force": float(pressure * span**2 * rng.uniform(-0.1, 0.5)), "at": inside()}
+        )
 
 
 def _law(rng: np.random.Generator, travel: float, force: float) -> list[list[float]]:
@@ -115,10 +175,11 @@ class Program:
         size = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
         # Points that only move held dofs push against nothing.
         self.size = np.where(size > 0.0, size, 1.0)
-        self.force = np.abs(right).max()
+        gaps = (self.laws.distance - G @ values) / self.size
+        self.force = np.abs(right).max() or np.abs(gaps).max(initial=0.0) or 1.0
         self.K = csc_array(diags_array(self.dof) @ K[self.free][:, self.free] @ diags_array(self.dof))
         self.G = csc_array(diags_array(1.0 / self.size) @ rows)
-        self.right, self.gap = right / self.force, (self.laws.distance - G @ values) / (self.force * self.size)
+        self.right, self.gap = right / self.force, gaps / self.force
 
     def vertices(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         """Vertices (v, 2) of a point's law, travel and force, and slopes (v + 1,) between and beyond them."""
@@ -206,6 +267,19 @@ class Program:
         return Solution(displacement, self.force * r / self.size, is_exact)
 
 
+def _loosely(problem: ContactProblem) -> list[str]:
+    """What bolts have beside their preloads before other loads act, by the program."""
+    bolts = problem.discretisation.contacts.preload
+    program = Program(problem, np.zeros(len(problem.held)))
+    solution = program.solve()
+    if solution is None or not solution.is_exact or program.is_far(solution.displacement):
+        return []
+    (tight,) = np.nonzero([one.preload is not None for one in problem.discretisation.model.support])
+    own = np.isin(problem.discretisation.contacts.support, tight)
+    apart = np.abs(solution.reaction - bolts)[own].max() / np.abs(bolts).max()
+    return [f"preloads differ by {apart:.1e}"] if apart > TOLERANCE else []
+
+
 def draw(seed: int) -> tuple[Counter[str], list[str]]:
     """Solve a plate as `signorini.solve` does, and its program."""
     given = tables(seed)
@@ -214,6 +288,12 @@ def draw(seed: int) -> tuple[Counter[str], list[str]]:
     except InputError:
         return Counter({"refused": 1}), []
     load = problem.discretisation.cases["load"]
+    try:
+        problem = tightened(problem, "all")
+    except (InputError, NoEquilibriumError):
+        return Counter({"cannot be tightened": 1}), []
+    if problem.discretisation.tightening and (wrong := _loosely(problem)):
+        return Counter({"solved": 1}), wrong
     program = Program(problem, load.nodal)
     solution = program.solve()
     if imbalance(problem.discretisation, problem.freedom, load.weighing) is not None:
