@@ -1,4 +1,4 @@
-"""Several plates: how two share a load, lift off each other and tip on one another, against statics and closed forms."""
+"""Several plates: how they share a load, lift off each other and tip, against statics and closed forms."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 import pickle
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 
@@ -167,6 +168,65 @@ def test_what_nothing_holds_down_lifts_off():
     mechanism = model.model_dump(exclude_unset=True) | {"contact": (), "support": [*model.support, bolted]}
     with pytest.raises(InputError, match='Nothing holds the plate against this motion: "upper"'):
         solve(Model(**mechanism))
+
+
+@pytest.mark.parametrize("pull", [0.0, 0.5, 0.99, 1.2])
+def test_bolts_through_two_plates_hold_a_preloaded_joint(pull):
+    """n bolts tightened to F on a layer of stiffness K: F + k P / (n k + K) up to P = n F (n k + K) / K, then P / n."""
+    count, bolt, preload, layer = 4, 2e7, 5e4, 1e9
+    total = layer * 1.0
+    separates = count * preload * (count * bolt + total) / total
+    model = Model(
+        material=STEEL,
+        plates={
+            name: {"shape": "rectangle", "size": [1, 1], "thickness": 0.1, "mesh": {"divisions": divisions}}
+            for name, divisions in (("cover", [4, 4]), ("base", [3, 5]))
+        },
+        zone=[rigid("cover", [0, 0, 1, 1]), rigid("base", [0, 0, 1, 1])],
+        support=[
+            {"plate": "base", "at": [[0, 0], [1, 0], [0, 1]], "fix": "simple"},
+            {
+                "name": "bolts",
+                "between": ["cover", "base"],
+                "at": [[0.2, 0.2], [0.8, 0.2], [0.8, 0.8], [0.2, 0.8]],
+                "resists": "up",
+                "stiffness": bolt,
+                "preload": preload,
+            },
+        ],
+        contact=[{"name": "gasket", "between": ["cover", "base"], "area": "all", "stiffness": layer}],
+        load=[{"plate": "cover", "pressure": -pull * separates}],
+    )
+    result = solve(model)["all"]
+    bolts = next(one for one in result.supports if one.name == "bolts")
+    expected = preload + bolt * pull * separates / (count * bolt + total) if pull < 1.0 else pull * separates / count
+    np.testing.assert_allclose(-bolts.reactions, expected, rtol=1e-8)
+    assert bolts.preloads is not None
+    np.testing.assert_allclose(-bolts.preloads, preload, rtol=1e-12)
+    assert result.reactions["gasket"] == pytest.approx(max(0.0, count * expected - pull * separates), abs=1e-4)
+
+
+def test_a_plate_from_a_mesh_file_lies_on_another(tmp_path):
+    """The same square, made here and read from a file; where it lies on the other one is given."""
+    upper = {**SQUARE, "thickness": 0.2, "mesh": {"divisions": [6, 6]}}
+    lower = {**SQUARE, "thickness": 0.3, "mesh": {"divisions": [5, 5]}}
+    tables: dict[str, Any] = {
+        "material": STEEL,
+        "support": [{"plate": "lower", "area": "all", "resists": "down", "stiffness": 1e7}],
+        "contact": [{"name": "pad", "between": ["upper", "lower"], "area": {"rectangle": [0, 0, 4, 4]}}],
+        "load": [{"plate": "upper", "force": 1e4, "at": [1, 1]}],
+    }
+    made = Model(**tables, plates={"upper": upper, "lower": lower})
+    mesh = solve(made)["all"].plates["upper"].mesh
+    file = tmp_path / "upper.vtu"
+    meshio.Mesh(np.column_stack([mesh.points, np.zeros(mesh.node_count)]), [("quad8", mesh.elements)]).write(file)
+    read = Model(**tables, plates={"upper": {"shape": "mesh", "file": file, "thickness": 0.2}, "lower": lower})
+    one, other = (solve(model)["all"] for model in (made, read))
+    assert other.reactions["pad"] == pytest.approx(one.reactions["pad"], rel=1e-9)
+    assert other.plates["upper"].deflection.max() == pytest.approx(one.plates["upper"].deflection.max(), rel=1e-9)
+    everywhere = tables | {"contact": [{"between": ["upper", "lower"], "area": "all"}]}
+    with pytest.raises(InputError, match="of which one is read from a file"):
+        Model(**everywhere, plates={"upper": {"shape": "mesh", "file": file, "thickness": 0.2}, "lower": lower})
 
 
 def mats() -> dict[str, Any]:
