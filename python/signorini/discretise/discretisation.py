@@ -356,7 +356,9 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
             with problems.collected():
                 raise InputError("None of its stations is on the plate. Move it onto the plate.", ("profile", index))
     problems.tell()
-    require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
+    if not any(support.between for support in model.support):
+        # What holds one of several plates is not all known yet.
+        require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
     problems.tell()
     contacts, repeated = that_can_act(model, mesh, held, contacts)
     require_preloads(model, mesh, contacts, repeated, problems)

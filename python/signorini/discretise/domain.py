@@ -97,9 +97,12 @@ def require_domain(
     rigid |= set(np.flatnonzero(total > RIGID).tolist())
     nominal = np.broadcast_to(thickness.nominal.min(axis=1), len(mesh.elements))
     least = np.asarray((1.0 - _ROUNDING) * Tolerances(mesh.diameter, nominal).apart)
-    for error in _too_near(model, mesh, sorted(rigid), least):
-        with problems.collected():
-            raise error
+    # What is between two plates says nothing of where one is held.
+    for between in dict.fromkeys(model.support[index].between for index in sorted(rigid)):
+        alike = [index for index in sorted(rigid) if model.support[index].between == between]
+        for error in _too_near(model, mesh, alike, least):
+            with problems.collected():
+                raise error
 
 
 def _require_wide(mesh: Mesh, thickness: Thickness) -> None:

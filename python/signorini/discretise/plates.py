@@ -14,6 +14,7 @@ from scipy.sparse import block_diag, csr_array, hstack
 from signorini import _core
 from signorini.base.arguments import made_by
 from signorini.discretise.discretisation import Discretisation, OfWhole, discretise_plate, plate_of
+from signorini.discretise.domain import require_domain
 from signorini.discretise.held import Bodies, Held
 from signorini.discretise.loads import CaseLoad, Cases
 from signorini.discretise.placed import placed
@@ -144,7 +145,14 @@ def _joined(
     )
     require_preloads(model, mesh, contacts, whole.repeated, problems, between=True)
     problems.tell()
-    return replace(whole, plates=tuple(_of_whole(parts, each, joints, at, whole) for at in range(len(parts))))
+    plates = tuple(_of_whole(parts, each, joints, at, whole) for at in range(len(parts)))
+    for part, plate in zip(parts, plates, strict=True):
+        with placing(part.place):
+            one = plate.own
+            of = one.zones, one.thickness, one.held, one.springs, one.contacts
+            require_domain(one.model, one.mesh, *of, problems)
+    problems.tell()
+    return replace(whole, plates=plates)
 
 
 _Table = TypeVar("_Table", Springs, ContactPoints)
