@@ -21,7 +21,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from signorini import InputError, Model, NoEquilibriumError, solve
-from signorini.discretise.discretisation import discretise
+from signorini.discretise import discretise
 from signorini.discretise.meshing import mesh_of
 from signorini.mesh import Mesh
 

@@ -27,7 +27,7 @@ from signorini.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results.envelope import NONE
 from signorini.results.of_plates import places_in_plates
-from signorini.results.quantities import Catalogue, Number
+from signorini.results.quantities import Number
 from signorini.results.rows import Column, Layout
 from signorini.results.support_points import catalogue_of
 from signorini.singularities.named import singularities_of
@@ -204,7 +204,7 @@ class _Rows:
         if not self.discretisation.plates:
             return np.arange(len(numbers)), list(numbers)
         own = [catalogue_of(one, self.layout.fields).in_tables for one in self.discretisation.each]
-        places = places_in_plates(self.layout.model, Catalogue(tuple(numbers)), own)
+        places = places_in_plates(self.layout.model, numbers, own)
         pairs = [(row, own[plate].numbers[at]) for row, of in enumerate(places) for which, at in of if which == plate]
         return np.array([row for row, _ in pairs], np.int64), [one for _, one in pairs]
 

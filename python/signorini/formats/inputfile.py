@@ -147,8 +147,8 @@ def schema() -> dict[str, Any]:
 
     Examples
     --------
-    >>> sorted(schema()["required"])
-    ['load', 'plate']
+    >>> schema()["required"], schema()["oneOf"]
+    (['load'], [{'required': ['plate']}, {'required': ['plates']}])
     """
     body: dict[str, Any] = _for_toml(Model.model_json_schema(schema_generator=_SchemaGenerator))
     return {

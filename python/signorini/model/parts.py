@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, Literal, Protocol, Self, TypeVar
 
 from signorini.errors import InputError, Place, unknown
@@ -81,51 +82,49 @@ M = TypeVar("M", bound=Whole)
 class Part(Generic[M]):
     """One of several plates: a model of its own, whose supports are those of the plate and those between it and others.
 
-    ``numbers`` say which of the whole model's tables its own are, by key; ``own`` names those that stand in the plate.
+    ``numbers`` say which of the whole model's tables its own are, by key.
     """
 
     name: str
-    model: M
-    own: tuple[str, ...]
+    whole: M
     numbers: Mapping[str, tuple[int, ...]]
-    first_contact: int
+
+    @cached_property
+    def model(self) -> M:
+        """The plate by itself."""
+        whole, plate = self.whole, self.whole.plates[self.name]
+        tables: dict[str, object] = {
+            key: tuple(getattr(whole, key)[at] for at in own) for key, own in self.numbers.items()
+        }
+        tables["support"] = tuple(_seen_from(whole, whole.support[at], self.name) for at in self.numbers["support"])
+        own = {key: getattr(plate, key) for key in self._own}
+        title = ", ".join(part for part in (whole.title, self.name) if part)
+        # Combinations name the cases of all plates; a copy keeps what is computed of them.
+        _ = whole.effective_combinations
+        return whole.model_copy(update={**tables, **own, "plate": plate, "plates": {}, "contact": (), "title": title})
+
+    @property
+    def _own(self) -> tuple[str, ...]:
+        """Tables that stand in the plate."""
+        return tuple(key for key in ("mesh", "material") if getattr(self.whole.plates[self.name], key) is not None)
 
     def place(self, place: Place) -> Place:
         """Where in the whole model a place of this one is."""
         key, *rest = place or ("",)
-        if key == "plate" or key in self.own:
+        if key == "plate" or key in self._own:
             return ("plates", self.name, *(rest if key == "plate" else place))
         if key in self.numbers and rest and isinstance(rest[0], int):
-            number = self.numbers[str(key)][rest[0]]
-            return (*(_place_of(number, self.first_contact) if key == "support" else (key, number)), *rest[1:])
+            number, first = self.numbers[str(key)][rest[0]], len(self.whole.support) - len(self.whole.contact)
+            return (*(_place_of(number, first) if key == "support" else (key, number)), *rest[1:])
         return place
 
 
 def parts_of(model: M) -> tuple[Part[M], ...]:
     """The plates of a model, each by itself; none where there is one plate alone."""
-    # Combinations name the cases of all plates; a copy keeps what is computed of them.
-    _ = model.effective_combinations if model.plates else None
-    return tuple(_part(model, name) for name in model.plates)
-
-
-def _part(model: M, name: str) -> Part[M]:
-    plate = model.plates[name]
-    numbers = {
-        key: tuple(at for at, one in enumerate(getattr(model, key)) if name in _plates_of(one)) for key in ON_PLATES
-    }
-    tables: dict[str, Sequence[OnPlate]] = {
-        key: tuple(getattr(model, key)[at] for at in own) for key, own in numbers.items()
-    }
-    tables["support"] = tuple(_seen_from(model, one, name) for one in tables["support"] if isinstance(one, Support))
-    own = {key: getattr(plate, key) for key in ("mesh", "material") if getattr(plate, key) is not None}
-    title = ", ".join(part for part in (model.title, name) if part)
-    alone: dict[str, object] = {"plate": plate, "plates": {}, "contact": (), "title": title}
-    return Part(
-        name,
-        model.model_copy(update={**tables, **own, **alone}),
-        tuple(own),
-        numbers,
-        len(model.support) - len(model.contact),
+    on = {key: [_plates_of(one) for one in getattr(model, key)] for key in ON_PLATES}
+    return tuple(
+        Part(name, model, {key: tuple(at for at, of in enumerate(each) if name in of) for key, each in on.items()})
+        for name in model.plates
     )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 from pydantic import (
     AfterValidator,
     BeforeValidator,
+    ConfigDict,
     Field,
     PlainSerializer,
     ValidationError,
@@ -27,7 +28,7 @@ from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, explained, tables_of
 from signorini.model.support import Contact, Support
-from signorini.model.where import Acting, Located, worth_following
+from signorini.model.where import Acting, Located, one_of, worth_following
 
 _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
@@ -86,6 +87,8 @@ class Model(Table):
     >>> model.support[0].name, model.cases
     ('support 1', ('load',))
     """
+
+    model_config = ConfigDict(json_schema_extra={"oneOf": one_of(("plate", "plates"))})
 
     title: Text = Field(default="", description="Title of the calculation.")
     units: Units = Field(default=Units(), description="Labels of the units, for the output.")
@@ -160,8 +163,9 @@ class Model(Table):
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """The plate's material, and those that zones have."""
-        return (self.material, *(zone.material for zone in self.zone if zone.material is not None))
+        """The plates' materials, and those that zones have."""
+        plates = tuple(plate.material or self.material for plate in self.plates.values()) or (self.material,)
+        return (*plates, *(zone.material for zone in self.zone if zone.material is not None))
 
     @property
     def divisions(self) -> tuple[int, int] | None:
@@ -186,10 +190,8 @@ class Model(Table):
     @property
     def young(self) -> float:
         """Young's modulus, the largest there is; of sections whose stiffness is given that of solid ones as stiff."""
-        if self.plates:
-            return max(part.model.young for part in self.parts)
         result = [material.young for material in self.materials if material.is_elastic]
-        for part in (self.plate, *self.zone):
+        for part in (*(self.plates.values() or (self.plate,)), *self.zone):
             if part.stiffness is not None:
                 result.append(part.stiffness.equivalent[1])
         return max(result)

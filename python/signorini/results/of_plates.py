@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from signorini.model import Model
-from signorini.results.quantities import Catalogue
+from signorini.results.quantities import Catalogue, Number
 
 Place = tuple[int, int]
 """Number of a plate, and of a number in that plate's own catalogue."""
 
 
-def places_in_plates(model: Model, whole: Catalogue, own: Sequence[Catalogue]) -> list[list[Place]]:
+def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalogue]) -> tuple[tuple[Place, ...], ...]:
     """Where each number of a model of several plates is among those of one; extremes over all are in every one.
 
     What acts between two plates is the upper one's.
     """
     names, homes = list(model.plates), _homes(model)
-    result: list[list[Place]] = []
+    result: list[tuple[Place, ...]] = []
     for one in whole:
         path, key = one.path, str(one.path[0])
         if key == "plates":
@@ -29,8 +29,8 @@ def places_in_plates(model: Model, whole: Catalogue, own: Sequence[Catalogue]) -
             table = "supports" if key == "contacts" else key
             plate, local = homes[table][one.owner]
             plates, path = [plate], (table, local, *path[2:])
-        result.append([(plate, own[plate].by_path[path]) for plate in plates])
-    return result
+        result.append(tuple((plate, own[plate].by_path[path]) for plate in plates))
+    return tuple(result)
 
 
 def _homes(model: Model) -> Mapping[str, Mapping[int, Place]]:

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from signorini.base.on_demand import kept
 from signorini.base.remade import Brief
 from signorini.contact.certificate import imbalances
 from signorini.contact.selection import Answer, NotUnique
@@ -129,11 +130,14 @@ class Switched:
         return tuple(map(Switch, names, places, changes[told].tolist()))
 
 
+@kept
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
     """What stops tell; of points of supports at points only where these are not many."""
     whole = catalogue_of(discretisation, ("deflection",)).along_paths
     many = len(whole.at("point", "reaction")) > _MOST_POINTS
-    return Catalogue(tuple(one for one in whole if one.home != "point")) if many else whole
+    told = tuple(one for one in whole if one.home != "point" or not many)
+    own = [catalogue_of(plate.own, ("deflection",)).along_paths for plate in discretisation.plates]
+    return Catalogue(told, places_in_plates(discretisation.model, told, own) if own else ())
 
 
 def path_stops(
@@ -215,7 +219,7 @@ def _of_plates(
         on = [load.plates[at] for load in loads], [answer.on(plate) for answer in answers]
         each.append(_numbers(plate.own, own[at], *on, None, beneath))
     result = np.empty((len(answers), len(catalogue)))
-    for place, of in enumerate(places_in_plates(discretisation.model, catalogue, own)):
+    for place, of in enumerate(catalogue.in_plates):
         values = [each[plate][:, number] for plate, number in of]
         smallest = catalogue.numbers[place].what == "min"
         result[:, place] = np.min(values, axis=0) if smallest else np.max(values, axis=0)

@@ -339,6 +339,8 @@ class Catalogue:
     """The numbers of a model's results that every mesh has, in their order."""
 
     numbers: tuple[Number, ...]
+    in_plates: tuple[tuple[tuple[int, int], ...], ...] = ()
+    """Of several plates the numbers of plates that each of these is, and of which of their numbers it is one."""
 
     @classmethod
     def of(

@@ -43,7 +43,6 @@ from signorini.results.local_results import (
 )
 from signorini.results.marks import panel, support_marks
 from signorini.results.notebook import supports_table
-from signorini.results.of_plates import Place, places_in_plates
 from signorini.results.quantities import (
     FIELDS,
     LINEAR,
@@ -373,7 +372,7 @@ class Result(Remade):
             return result
         if self.plates:
             each = list(self.plates.values())
-            for place, numbers in enumerate(self.numbers_of_plates):
+            for place, numbers in enumerate(self.catalogue.in_plates):
                 values = [each[plate].numbers[number] for plate, number in numbers]
                 result[place] = min(values) if self.catalogue.numbers[place].what == "min" else max(values)
             return result
@@ -415,11 +414,6 @@ class Result(Remade):
         for side in SIDES:
             result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
         return result
-
-    @cached_property
-    def numbers_of_plates(self) -> list[list[Place]]:
-        """Of several plates where each of the numbers is among those of one, see `places_in_plates`."""
-        return places_in_plates(self.model, self.catalogue, [one.catalogue for one in self.plates.values()])
 
     def probe(self, points: Points) -> list[ProbeResult]:
         """Results at points (q, 2) of the plate.
