@@ -15,14 +15,13 @@ from signorini.model.plate import (
     MeshOptions,
     MeshPlate,
     OutlinedPlate,
+    Plate,
     PolygonPlate,
     RectanglePlate,
     Refinement,
 )
 from signorini.model.support import Support
 from signorini.model.whole import Model, Solver, Units, validate
-
-Plate = RectanglePlate | DiscPlate | AnnulusPlate | PolygonPlate | MeshPlate
 
 __all__ = [
     "ENVELOPED",

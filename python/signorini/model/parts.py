@@ -12,20 +12,11 @@ from signorini.errors import InputError, Place, unknown
 from signorini.model.base import Complaint, OnPlate
 from signorini.model.material import Material
 from signorini.model.places import Arc, Area, Form
-from signorini.model.plate import (
-    AnnulusPlate,
-    DiscPlate,
-    MeshOptions,
-    MeshPlate,
-    OutlinedPlate,
-    PolygonPlate,
-    RectanglePlate,
-)
+from signorini.model.plate import MeshOptions, MeshPlate, OutlinedPlate, Plate
 from signorini.model.problems import describe
 from signorini.model.support import Support
 from signorini.shapes.outlines import Contour
 
-Plate = RectanglePlate | DiscPlate | AnnulusPlate | PolygonPlate | MeshPlate
 ON_PLATES = ("zone", "support", "load", "moving", "probe", "section", "strip", "profile")
 """Tables of what is on one plate."""
 _ALIKE = 1e-9

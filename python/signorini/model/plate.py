@@ -369,7 +369,8 @@ class MeshPlate(_Plate):
         return None
 
 
-AnyPlate = Annotated[RectanglePlate | DiscPlate | AnnulusPlate | PolygonPlate | MeshPlate, Field(discriminator="shape")]
+Plate = RectanglePlate | DiscPlate | AnnulusPlate | PolygonPlate | MeshPlate
+AnyPlate = Annotated[Plate, Field(discriminator="shape")]
 BRANCHES["plate"] = {
     "rectangle": RectanglePlate,
     "disc": DiscPlate,
