@@ -41,14 +41,15 @@ pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value
         }
     }
     let of = |(matrix, right)| {
-        let amount = eliminated(matrix, right).0;
+        let amount = eliminated(matrix, right, 0.0).0;
         [amount[0], amount[1] / scale.size, amount[2] / scale.size]
     };
     Some(matrix.into_iter().zip(right).map(of).collect())
 }
 
-/// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero.
-pub(super) fn eliminated(mut matrix: Matrix, mut right: Vec<DoubleDouble>) -> (Vec<f64>, f64) {
+/// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero, as are right sides of no
+/// more than `rounding`.
+pub(super) fn eliminated(mut matrix: Matrix, mut right: Vec<DoubleDouble>, rounding: f64) -> (Vec<f64>, f64) {
     let n = right.len();
     let mut order = Vec::new();
     let mut largest = 0.0_f64;
@@ -61,6 +62,9 @@ pub(super) fn eliminated(mut matrix: Matrix, mut right: Vec<DoubleDouble>) -> (V
             break;
         }
         order.push(pivot);
+        if right[pivot].value().abs() <= rounding {
+            right[pivot] = DoubleDouble::default();
+        }
         least = matrix[pivot][pivot].hi;
         for row in (0..n).filter(|i| !order.contains(i)) {
             let factor = quotient(matrix[row][pivot], matrix[pivot][pivot]);
@@ -102,7 +106,7 @@ mod tests {
         }
         // The force of a unit of the soft direction alone: its stretch must be 1 and that of the stiff one 0.
         let right = soft.map(|s| DoubleDouble::from(1e-6 * s)).to_vec();
-        let (unknown, least) = eliminated(matrix, right);
+        let (unknown, least) = eliminated(matrix, right, 0.0);
         let [a, b, c] = unknown[..] else { panic!("three unknowns") };
         assert!((b + 2.0 * c - 1.0).abs() < 1e-9 && (a + b + c).abs() < 1e-9, "{a} {b} {c}");
         assert!(least < 1e-5);

@@ -55,7 +55,12 @@ impl Descent<'_> {
     /// Follows a direction to the least energy on it; what is out of balance then is known without the refined residual.
     pub(super) fn advance(&mut self, direction: &Direction, pieces: &[u8]) {
         let points = &self.problem.points;
-        let change = points.change(&direction.nodal);
+        let mut change = points.change(&direction.nodal);
+        if direction.is_free {
+            // What holds does not move; the rounding of plates that go together would stop them far away.
+            let holds = |i: &usize| points.piece(*i, pieces[*i]).holds();
+            (0..change.len()).filter(holds).for_each(|i| change[i] = 0.0);
+        }
         let length = self.line_search(direction, &change, pieces);
         for (dof, value) in direction.nodal.iter().enumerate() {
             self.solution.displacement.add(dof, length * value);

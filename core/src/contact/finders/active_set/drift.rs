@@ -43,13 +43,19 @@ impl Descent<'_> {
                 push(stiffness * springs.rows.beyond(&self.problem.plate, i, u, springs.base[i]), arm);
             }
             (0..points).for_each(|i| push(self.force(i), floating.of_point(i)));
-            if resultant.iter().all(|sum| sum.value().abs() <= tolerances::newton::RESULTANT * magnitude) {
+            let rounding = tolerances::newton::RESULTANT * magnitude;
+            if resultant.iter().all(|sum| sum.value().abs() <= rounding) {
                 break;
             }
             let mut matrix = floating.holding(|i| self.resistance(i), &springs.stiffness);
             (0..matrix.len()).for_each(|k| matrix[k][k] += tolerances::newton::LEAST * all);
-            let (step, _) = eliminated(matrix, resultant.clone());
-            let along = |arm: &[f64]| arm.iter().zip(&step).map(|(arm, step)| arm * step).sum::<f64>();
+            let (step, _) = eliminated(matrix, resultant.clone(), rounding);
+            // Plates that go together press nothing between them: what is left of the sum is rounding.
+            let along = |arm: &[f64]| {
+                let terms = arm.iter().zip(&step).map(|(arm, step)| arm * step);
+                let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term: f64| (sum + term, size + term.abs()));
+                if sum.abs() > tolerances::newton::FREE * size { sum } else { 0.0 }
+            };
             let change: Vec<f64> = (0..points).map(|i| along(floating.of_point(i))).collect();
             let elastic = floating.of_springs().zip(&springs.stiffness).map(|(arm, k)| k * along(arm).powi(2)).sum();
             let start = -resultant.iter().zip(&step).map(|(sum, step)| sum.value() * step).sum::<f64>();

@@ -33,7 +33,7 @@ impl Descent<'_> {
         if !direction.is_free && (0..change.len()).all(stays) {
             return 1.0;
         }
-        let elastic = self.elastic_curvature(direction, change);
+        let elastic = if direction.is_free { 0.0 } else { self.elastic_curvature(direction, change) };
         self.least_energy(-dot(&direction.nodal, &self.residual.imbalance), elastic, change)
     }
 
