@@ -237,6 +237,7 @@ class Program:
         """Solve exactly on the pieces that a solution is on, until they are those of what is solved."""
         u, r = displacement[self.free] / (self.force * self.dof), reaction * self.size / self.force
         every, before, rounding = [self.vertices(i) for i in range(len(r))], None, np.inf
+        matrix, right, x = self.K, self.right, u
         for _ in range(_SHARPER):
             travel = self.G @ u - self.gap
             stretch = travel + r

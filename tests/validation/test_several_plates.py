@@ -141,6 +141,24 @@ def see_saw(force: float) -> Model:
     )
 
 
+@pytest.mark.parametrize("places", [{"line": [[2, 0], [2, 0.5]]}, {"at": [[2, 0], [2, 0.25], [2, 0.5]]}])
+def test_plates_tied_rigidly_sag_alike_there(places):
+    """Alike and one of them loaded, each takes half of the load at midspan, along a line of the mesh as at points."""
+    model = Model(
+        material=STEEL,
+        plates={name: strip(0.05, (16, 2)) for name in ("upper", "lower")},
+        support=[
+            *({"plate": name, "edge": ["left", "right"], "fix": "simple"} for name in ("upper", "lower")),
+            {"name": "tie", "between": ["upper", "lower"], "resists": "both", **places},
+        ],
+        load=[{"plate": "upper", "line_load": 1e3, "line": [[2, 0], [2, 0.5]]}],
+    )
+    result = solve(model)["all"]
+    assert result.reactions["tie"] == pytest.approx(250.0, rel=1e-3)
+    upper, lower = (result.plates[name].probe([2, 0.25])[0].deflection for name in ("upper", "lower"))
+    assert upper == pytest.approx(lower, rel=1e-9)
+
+
 def test_a_see_saw_on_a_plate_tips_about_the_edge_of_its_pad():
     """4 kN × 0.2 m = P × 1.8 m: the force at which it tips, by statics."""
     most = 4e3 * 0.2 / 1.8
@@ -295,8 +313,10 @@ def test_a_table_of_combinations_and_plus_minus_are_those_of_single_ones():
 
 
 def test_results_are_told_of_all_and_by_plate(tmp_path):
-    results = solve(Model(**mats()))
+    profiles = [{"name": name, "plate": name, "line": [[0.5, 2], [0.9, 2]]} for name in ("top", "left")]
+    results = solve(Model(**mats(), profile=profiles))
     files = {file.name for file in write(results, tmp_path)}
+    assert {"profiles.csv", "profile-top.png", "profile-left.png"} <= files
     assert {f"all-{name}.vtu" for name in ("top", "left", "right")} <= files
     assert {"all-top.png", "all-left-moments.png", "all-right-pressure.png"} <= files
     (told,) = json.loads((tmp_path / "results.json").read_text("utf-8"))["combinations"]
@@ -306,6 +326,11 @@ def test_results_are_told_of_all_and_by_plate(tmp_path):
     assert told["deflection"]["max"] == max(one["deflection"]["max"] for one in told["plates"].values())
     assert told["plus_minus"]["plates"]["top"]["fields"]["mx"]["max"] > 0.0
     result = results["all"]
+    # The pressure on a plate's bed, not that of what lies on the plate; that of a contact by what parts the two.
+    pressed = meshio.read(tmp_path / "all-left.vtu").point_data["contact_pressure"]
+    np.testing.assert_allclose(pressed, 2e7 * np.maximum(result.plates["left"].deflection, 0.0), atol=1e-6)
+    pressed = meshio.read(tmp_path / "all-top.vtu").point_data["contact_pressure"]
+    assert pressed.max() < 2 * max(one.max_pressure for one in result.supports if one.name in ("left", "right"))
     assert told["plates"]["top"]["fields"]["mx"]["max"] == result.plates["top"].extremes["mx"].max
     again = pickle.loads(pickle.dumps(results))["all"]
     assert again.plates["left"].reactions["left"] == -result.reactions["left"]
@@ -335,6 +360,14 @@ def test_units_and_the_order_of_plates_change_nothing():
         ({"support": [{"plate": "left", "edge": "lft"}]}, r"support\[1\].edge: Unknown edge 'lft'"),
         ({"probe": [{"plate": "top", "at": [9, 9]}]}, r"probe\[1\].at: The point \[9, 9\] is not on"),
         ({"mesh": {"accuracy": 0.1}}, "mesh.accuracy: found accuracy beside several plates"),
+        (
+            {
+                "contact": [
+                    {"between": [one, "left" if one == "top" else "top"], "area": "all"} for one in ("top", "left")
+                ]
+            },
+            r"contact\[2\].between: found \"left\" on \"top\", on which it lies itself",
+        ),
     ],
 )
 def test_bad_input_is_refused_with_its_place(change, message):
@@ -343,3 +376,42 @@ def test_bad_input_is_refused_with_its_place(change, message):
     given["plates"] = {**given["plates"], **({"far": far} if "far" in str(change) else {})}
     with pytest.raises(InputError, match=message):
         solve(Model(**given | change))
+
+
+@pytest.mark.parametrize("seed", [6, 7, 9, 12])
+@pytest.mark.parametrize("unit", [1.0, 1e3], ids=["m", "mm"])
+def test_plates_that_float_are_pressed_as_on_three_points_that_carry_nothing(seed: int, unit: float) -> None:
+    rng = np.random.default_rng([34, seed])
+    corner, part, thickness = rng.uniform(0.5, 1.5, 2), rng.uniform(0.8, 2.0, 2), rng.uniform(0.03, 0.08)
+
+    def stack(ground: list[dict[str, object]]) -> Model:
+        at = [(unit * (corner + place * part)).tolist() for place in ((0.1, 0.15), (0.9, 0.15), (0.15, 0.9))]
+        bolts = {"name": "bolts", "between": ["foot", "slab"], "at": at, "resists": "up"}
+        force = {"force": 5e4, "at": (unit * (corner + 0.45 * part)).tolist()}
+        return Model(
+            material={"E": 30e9 / unit**2, "nu": 0.2},
+            plates={
+                "slab": {
+                    **{"shape": "rectangle", "size": [4 * unit, 3 * unit], "thickness": 0.2 * unit},
+                    "mesh": {"divisions": [6, 5]},
+                },
+                "foot": {
+                    **{"shape": "rectangle", "size": (unit * part).tolist(), "origin": (unit * corner).tolist()},
+                    **{"thickness": thickness * unit, "mesh": {"divisions": [7, 5]}},
+                },
+            },
+            contact=[{"name": "grout", "between": ["foot", "slab"], "area": "all", "stiffness": 5e10 / unit**3}],
+            support=[*ground, {**bolts, "stiffness": 2e8 / unit, "preload": 4e4}],
+            load=[{"plate": "foot", **force}, {"plate": "slab", **force, "force": -5e4}],
+        )
+
+    soil = {"name": "soil", "plate": "slab", "area": "all", "resists": "down", "stiffness": 3e7 / unit**3}
+    feet = {"name": "feet", "plate": "slab", "at": (unit * np.array([[0, 0], [4, 0], [0, 3]])).tolist()}
+    floats, stands = solve(stack([soil]))["all"], solve(stack([feet]))["all"]
+    assert np.abs(stands.supports[0].reactions).max() < 1e-6
+    for name in ("bolts", "grout"):
+        ours, theirs = (next(s for s in one.supports if s.name == name).reactions for one in (floats, stands))
+        np.testing.assert_allclose(ours, theirs, atol=1e-8 * np.abs(theirs).max())
+    # They rest where the deflection is least: near the soil, within what bends them.
+    most = [np.abs(one.plates["slab"].deflection).max() for one in (floats, stands)]
+    assert most[0] < 2 * most[1]

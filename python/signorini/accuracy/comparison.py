@@ -284,7 +284,7 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
     }
     own = [one.widths for one in each.values()]
     # Of an extreme over all plates the widest: any of them may have it.
-    widths = np.array([max(own[plate][place] for plate, place in of) for of in result.catalogue.in_plates])
+    widths = np.array([np.max([own[plate][place] for plate, place in of]) for of in result.catalogue.in_plates])
     by_path = {one.path: known(width) for one, width in zip(result.catalogue, widths.tolist(), strict=True)}
     by_path |= boundary_widths(result, others[0])
     for name, one in result.plates.items():

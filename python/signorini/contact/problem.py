@@ -139,6 +139,7 @@ class Statement:
         ((2, 63), [1.0, 1.0], 1)
         """
         known(of, _PARTS, "part", "of", "A displacement")
+        _require_one_plate(self.discretisation, "rows_at")
         result, positions = self.discretisation, points_of_plate(points)
         where = result.mesh.locate(positions)
         if not where.inside.all():
@@ -408,6 +409,7 @@ class ContactProblem(Statement, Remade):
         True 21060.0
         """
         made_by(model, Model, "Make one with signorini.Model(...) or signorini.load(file).", "model")
+        _require_one_plate(self.discretisation, "with_model")
         mine = self.discretisation.model.plate
         if model.plate.model_dump(exclude=_NOT_OUTLINE) != mine.model_dump(exclude=_NOT_OUTLINE):
             raise InputError(
@@ -479,3 +481,8 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     method = method_of(result)
     base = base_of(result, method)
     return ContactProblem(result, freedom, method, _cores={base: factored(result, freedom, base)})
+
+
+def _require_one_plate(discretisation: Discretisation, what: str) -> None:
+    if discretisation.plates:
+        raise InputError(f"{what} is of one plate, and there are several.", place="plates")

@@ -417,6 +417,7 @@ class OfWhole(Remade):
     ``nodes``, ``elements`` and ``stress_nodes`` (s,) say which these are, ``springs`` and ``points`` (m + r,) which of
     springs and of ``points``, ``numbers`` by key which of the model's tables. Of what acts between plates ``beneath``
     has, by the own number of the support, another plate's number and what takes its deflections to own nodes (n, n').
+    ``upon`` are the own numbers of supports of other plates that lie on this one.
     """
 
     name: str
@@ -428,6 +429,7 @@ class OfWhole(Remade):
     points: Ints
     numbers: Mapping[str, tuple[int, ...]]
     beneath: Mapping[int, tuple[int, csr_array]]
+    upon: frozenset[int]
 
     @property
     def dofs(self) -> slice:

@@ -20,7 +20,7 @@ from signorini.discretise.loads import CaseLoad, Cases
 from signorini.discretise.placed import placed
 from signorini.discretise.points import ContactPoints, Springs
 from signorini.discretise.preloads import require_preloads
-from signorini.discretise.repeated import Repeated
+from signorini.discretise.repeated import Repeated, not_held
 from signorini.discretise.rows import Further, Ints, Rows
 from signorini.discretise.sections import Sections
 from signorini.discretise.stressnodes import StressNodes
@@ -116,12 +116,15 @@ def _joined(
     at = list(zip(each, elements.tolist(), supports, strict=False))
     own = [_shared(_moved(one.contacts, first, of), first) for one, first, of in at]
     repeated = [_shared(_moved(one.repeated.points, first, of), first) for one, first, of in at]
+    held = _held([one.held for one in each], nodes, supports, mesh)
     between = [_over_both(one, elements) for one in joints]
+    acting = [not_held(mesh, held, one) for one in between]
+    between = [one.pick(those) for one, those in zip(between, acting, strict=True)]
+    joints = [replace(one, points=one.points.pick(those)) for one, those in zip(joints, acting, strict=True)]
     contacts = ContactPoints.join([*own, *between]) if joints else ContactPoints.join(own)
     again = ContactPoints.join(repeated)
     follows = csr_array(block_diag([one.repeated.follows for one in each], "csr"))
     follows = csr_array(hstack([follows, csr_array((len(again), len(contacts) - follows.shape[1]))], "csr"))
-    held = _held([one.held for one in each], nodes, supports, mesh)
     stress_nodes = _stress_nodes(mesh, [one.stress_nodes for one in each], nodes, elements)
     zones, thickness = ZonesOfPlates.join(model, [one.zones for one in each]), _thickness(each, elements)
     whole = Discretisation(
@@ -291,7 +294,9 @@ def _of_whole(
     starts = np.cumsum([0, *(len(plate.mesh.elements) for plate in each)])
     counts = {key: np.cumsum([0, *(len(getattr(plate, key)) for plate in each)]) for key in ("springs", "contacts")}
     own = np.arange(*counts["contacts"][at : at + 2])
-    first, tables, places, beneath = int(counts["contacts"][-1]), [one.contacts], [own], {}
+    first, tables, places = int(counts["contacts"][-1]), [one.contacts], [own]
+    beneath: dict[int, tuple[int, csr_array]] = {}
+    upon = set()
     for joint in joints:
         sides = [joint.upper, joint.lower]
         behind = np.arange(first, first := first + len(joint.points))
@@ -302,6 +307,8 @@ def _of_whole(
         if side:
             table = replace(table, direction=-table.direction, shared=np.full_like(table.shared, -1))
         number = numbers.index(joint.support)
+        if side:
+            upon.add(number)
         tables.append(replace(table, support=np.full(len(table), number)))
         places.append(behind)
         if one.model.support[number].area is not None:
@@ -330,6 +337,7 @@ def _of_whole(
         np.concatenate([*places, np.arange(again[at], again[at + 1])]),
         parts[at].numbers,
         beneath,
+        frozenset(upon),
     )
 
 

@@ -170,7 +170,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     Of the latter slopes, and points of a line or area that follow from others of the same, are left out too: results
     do not tell their reactions. Rigid ones at one place that ask for different deflections are refused.
     """
-    contacts = _not_held(mesh, held, contacts)
+    contacts = contacts.pick(not_held(mesh, held, contacts))
     _require_agreement(mesh, held, contacts)
     _require_agreement_on_areas(model, mesh, held, contacts)
     equations = np.flatnonzero(contacts.two_sided)
@@ -247,10 +247,10 @@ def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools
     return np.asarray(~repeated.points.slope & (at_points | with_others))
 
 
-def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
-    """Leave out points whose every dof is held, unless they are compliant and pressed there."""
+def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
+    """Which points (k,) act: not those whose every dof is held, unless they are compliant and pressed there."""
     if not held.dofs.any():
-        return contacts
+        return np.arange(len(contacts))
     rows = _over_dofs(mesh, held, contacts)
     fixed = ~((abs(rows) > SAME) @ ~held.dofs)
     beyond = rows @ held.values - contacts.distance
@@ -263,11 +263,11 @@ def _not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> ContactPoints:
         by = held.support[rows[[first]].indices].max()
         raise contradiction(contacts.positions[first], mesh.size, by, contacts.support[first], float(beyond[first]))
     if not (fixed & pressed).any():
-        return contacts.pick(~fixed)
+        return np.flatnonzero(~fixed)
     # Beside those pressed stay those of the same points' travel the other way.
     spots = np.column_stack([contacts.support, contacts.slope, contacts.positions])
     _, spot = np.unique(spots, axis=0, return_inverse=True)
-    return contacts.pick(~fixed | np.isin(spot, spot[fixed & pressed]))
+    return np.flatnonzero(~fixed | np.isin(spot, spot[fixed & pressed]))
 
 
 def _rounding(mesh: Mesh, held: Held, contacts: ContactPoints) -> Floats:

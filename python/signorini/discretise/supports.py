@@ -226,7 +226,8 @@ def _along_line(on: Ground, placed: Placed) -> list[_Acting]:
         in_means = not can_let_go(support) and len(np.unique(points.elements)) >= _ROW
     else:
         nodes, lengths = edge_nodes(mesh, placed.sides)
-        held_there = bool(support.fixed) or holds_deflection(support)
+        # Nodes hold nothing against another plate.
+        held_there = on.beneath is None and (bool(support.fixed) or holds_deflection(support))
         some = np.flatnonzero(on.held.bodies.inside[nodes] | (not held_there))
         if not len(some):
             return []

@@ -419,15 +419,15 @@ def nearest_limit(
     """Find the case, and the factor on top of its own, by which the combination comes to the limit of equilibrium.
 
     All other cases stay as they are. Of several the nearest to 1 in ratio, of equally near ones the case that the
-    combination names last. Reactions of one-sided supports make a cone, so a load alone has no limit: where it can be
-    balanced, any multiple of it can. None where no case on its own has a limit, or where the combination is out of
-    balance and none brings it back.
+    combination names last. Without limits reactions of one-sided supports make a cone, so that a load alone has no end:
+    where it can be balanced, any multiple of it can. None where no case on its own has an end, or where the combination
+    is out of balance and none brings it back.
     """
     preloads = discretisation.model.preload_cases
     acting = {case: factor for case, factor in (combination.factors or {}).items() if factor and case not in preloads}
     nodal = {case: factor * discretisation.cases[case].weighing for case, factor in acting.items()}
     whole = discretisation.load(combination).weighing
-    if len(acting) < 2 or not freedom.count or not whole.any():
+    if (len(acting) < 2 and not freedom.outline.limited) or not freedom.count or not whole.any():
         return None
     limits = [
         (case, limit)

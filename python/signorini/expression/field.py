@@ -103,14 +103,14 @@ class Field:
     def _values(self, positions: _Array, place: str | Place) -> _Array:
         """Values (q,) at positions (q, 2)."""
         if callable(self.given):
-            values = np.asarray(self.given(*positions.T), dtype=np.float64)
-            if values.shape != (len(positions),):
+            values = np.asarray(self.given(*positions.T))
+            if values.shape != (len(positions),) or values.dtype.kind not in "iuf":
                 raise InputError(
-                    f"{self} gives an array {values.shape} for x and y ({len(positions)},); it must give one number a "
-                    "point.",
+                    f"{self} gives an array {values.shape} of {values.dtype} for x and y ({len(positions)},); it must "
+                    "give one real number a point.",
                     place=place,
                 )
-            return values
+            return values.astype(np.float64)
         mesh, at = self._triangles, self._scaled(positions)
         triangle = mesh.find_simplex(at, tol=_ON_OUTLINE)
         part = np.einsum("qij,qj->qi", mesh.transform[triangle, :2], at - mesh.transform[triangle, 2])

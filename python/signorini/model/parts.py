@@ -196,12 +196,15 @@ def plate_complaints(model: Whole) -> Iterator[Complaint]:
                 ("plates", name),
                 f"found the name {describe(name)}; files have it: take up to 40 letters, digits, - or _.",
             )
-    wrong = list(_of_tables(model))
+    wrong = [*_of_tables(model), *_in_circles(model)]
     yield from wrong
     if len({plate.element for plate in model.plates.values()}) > 1:
         yield ("plates",), "found plates of different elements; all have one, mitc9 or q8r."
     if given and model.mesh.accuracy is not None:
         yield ("mesh", "accuracy"), "found accuracy beside several plates; refine their meshes by hand, as ± says."
+    for name, plate in model.plates.items():
+        for key in plate.mesh.given(("accuracy", "error")) if plate.mesh is not None else ():
+            yield ("plates", name, "mesh", key), f"found {key} of one plate. [mesh] error is of all; refine by hand."
     if wrong or not given:
         return
     first = len(model.support) - len(model.contact)
@@ -232,6 +235,21 @@ def _of_tables(model: Whole) -> Iterator[Complaint]:
                 if name not in model.plates:
                     where = "plate" if one.plate is not None else "between"
                     yield (*place, where), unknown("plate", name, model.plates, "This model")
+
+
+def _in_circles(model: Whole) -> Iterator[Complaint]:
+    """Plates that lie on each other."""
+    first, below = len(model.support) - len(model.contact), dict[str, set[str]]()
+    for index, (upper, lower) in ((at, one.between) for at, one in enumerate(model.support) if one.between):
+        if upper in below.get(lower, ()):
+            yield (
+                (*_place_of(index, first), "between"),
+                f'found "{upper}" on "{lower}", on which it lies itself. Name the upper plate first, then the lower.',
+            )
+            return
+        beneath = {lower} | below.get(lower, set())
+        for name in [upper, *(one for one, of in below.items() if upper in of)]:
+            below[name] = below.get(name, set()) | beneath
 
 
 def _place_of(index: int, first: int) -> Place:

@@ -13,6 +13,7 @@ from typing import Any, Literal
 from signorini.analysis.results import Results
 from signorini.model import Model
 from signorini.results.result import Result
+from signorini.results.support_result import areas_below
 
 JSON, CSV, TABLE = "results.json", "reactions.csv", "combinations.parquet"
 GOVERNING = "governing.csv"
@@ -44,7 +45,6 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | None]]:
     """Name every file of the results: the combination that it is of, None if of all, its kind and its name."""
-    endings = {_KINDS[ending]: f"{ending}.png" for ending in pictures_of(results)}
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
     if results.model.profile:
@@ -62,7 +62,8 @@ def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | N
     drawn = {one.name for one, _ in pictured(results, pictures)}
     for one, slug in slugs(results):
         named.append((one.name, "vtu", f"{slug}.vtu"))
-        named += [(one.name, kind, slug + ending) for kind, ending in endings.items() if one.name in drawn]
+        endings = pictures_of(one) if one.name in drawn else {}
+        named += [(one.name, _KINDS[ending], f"{slug}{ending}.png") for ending in endings]
     return [{"combination": name, "kind": kind, "file": file} for name, kind, file in named]
 
 
@@ -124,9 +125,9 @@ def profiled(results: Results, pictures: Pictures) -> list[Result]:
     return [one for one, _ in pictured(results, pictures)]
 
 
-def pictures_of(results: Results) -> dict[str, tuple[str, ...]]:
+def pictures_of(result: Result) -> dict[str, tuple[str, ...]]:
     """Fields of every picture of a combination, by the ending of its name; pressures where the plate rests on areas."""
-    areas = any(support.area is not None for support in results.model.support)
+    areas = bool(areas_below(result.supports))
     return {ending: fields for ending, fields in PICTURES.items() if ending != PRESSURE or areas}
 
 

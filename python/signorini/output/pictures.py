@@ -69,7 +69,7 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
     for one, slug in named:
         marks = support_marks(one.mesh, one.model.support, one.supports)
         grouped.setdefault(groups.get(one.name, ""), []).append((one, slug, marks))
-    for ending, fields in pictures_of(results).items():
+    for ending, fields in pictures_of(named[0][0]).items() if named else ():
         for those in grouped.values():
             ranges = {field: [field_range(field, one) for one, *_ in those] for field in fields}
             limits = {field: (min(of)[0], max(high for _, high in of)) for field, of in ranges.items()}
@@ -143,7 +143,7 @@ def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) 
 
     units, shown = results.model.units, profiled(results, pictures)
     for profile, file in zip(results.model.profile, profile_pictures(results.model), strict=True) if shown else ():
-        curves = {one.name: one.profiles[profile.name] for one in shown}
+        curves = {one.name: one.profiles[profile.name] for one in shown if profile.name in one.profiles}
         panels = {
             PICTURED[name].label(units): {key: one.values[name] for key, one in curves.items()} for name in _PROFILED
         }

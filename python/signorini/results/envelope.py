@@ -217,7 +217,7 @@ class Envelope:
                 pressure = layout.pressures.on_elements(forces)
             else:
                 deflection = block.on_areas[np.ix_(rows, np.searchsorted(layout.around_areas, nodes))]
-                pressure = layout.pressures.at_nodes(deflection, forces)
+                pressure = layout.pressures.at_nodes([deflection] * len(forces), forces)
             extremes.take(pressure, who, _size(pressure))
 
     def meet(self, other: Envelope) -> None:

@@ -15,7 +15,7 @@ from signorini.mesh import Location, Mesh
 from signorini.model.output import Profile
 from signorini.results.contact_field.area_contact import without_shared_borders
 from signorini.results.quantities import PRESSURE, design_moments, face_stresses, principal_moments, shear_stresses
-from signorini.results.support_result import SupportResult
+from signorini.results.support_result import SupportResult, areas_below
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Fl
 
 def total_pressure(supports: Sequence[SupportResult], where: Location) -> Floats:
     """Sum (q,) of the pressures of area supports, where they only touch that of one; NaN where none is."""
-    areas = [support.area for support in supports if support.area is not None]
+    areas = areas_below(supports)
     if not areas:
         return np.full(len(where.elements), np.nan)
     result = np.array([area.pressure(where.elements, where.xi) for area in areas])

@@ -34,7 +34,7 @@ from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.extremes import FieldExtremes
 from signorini.results.quantities import KINDS, PICTURED, PRESSURE
-from signorini.results.support_result import SupportResult, describe
+from signorini.results.support_result import SupportResult, areas_below, describe
 from signorini.shapes import Polyline, Region, Ring
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.singularity import Singularity
@@ -362,7 +362,7 @@ def field_range(field: str, result: Shown) -> tuple[float, float]:
     if field != PRESSURE.name:
         ends = _ends(field, result)
         return ends.min, ends.max
-    ranges = [support.area.range for support in result.supports if support.area is not None]
+    ranges = [area.range for area in areas_below(result.supports)]
     return min(low for low, _ in ranges), max(high for _, high in ranges)
 
 
@@ -374,12 +374,13 @@ def panel(
     label, map_of = of.label(result.model.units), KINDS[of.kind].colours
     limits = limits or field_range(field, result)
     if field == PRESSURE.name:
-        areas = [(index, one.area) for index, one in enumerate(result.supports) if one.area is not None]
-        index, most = max(areas, key=lambda result: result[1].largest[0])
+        areas = areas_below(result.supports)
+        most = max(areas, key=lambda area: area.largest[0])
+        index = next(index for index, one in enumerate(result.supports) if one.area is most)
         value, at = most.largest
         width = None if widths is None else widths["supports"][index]["max_pressure"]
         words = extreme("max", value, widths is not None, width)
-        layers = [pressure_layer(area) for _, area in areas]
+        layers = [pressure_layer(area) for area in areas]
         return Panel(layers, limits, label, map_of, [(words, at.tolist())] if value > 0 else [])
     ends, values = _ends(field, result), None
     if widths is not None and field in result.extremes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -57,7 +57,7 @@ from signorini.results.quantities import (
     derived,
 )
 from signorini.results.support_points import catalogue_of
-from signorini.results.support_result import SupportResult, support_result
+from signorini.results.support_result import SupportResult, areas_below, support_result
 from signorini.results.warnings import model_warnings, result_warnings, sentences
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
@@ -156,12 +156,14 @@ class Result(Remade):
         certificate: Certificate,
         stress: Floats | None = None,
         beneath: Mapping[int, Floats] | None = None,
+        upon: Collection[int] = (),
     ) -> Self:
         """Recover every field from a contact solution; the last of ``methods`` found it.
 
         ``load_of`` is the combination, or the name of a load that is none.
         ``stress`` (s, 5) are the moments and shears at the nodes, where they are known already; ``beneath`` the
-        deflections (n,) of other plates, by the number of the support between this one and them.
+        deflections (n,) of other plates, by the number of the support between this one and them; ``upon`` those of
+        supports by which another plate lies on this one.
         """
         if discretisation.plates:
             return cls._of_plates(discretisation, load_of, methods, load, answer, certificate)
@@ -187,7 +189,8 @@ class Result(Remade):
         lift = lift if lift > NO_FORCE * np.abs(forces).sum() else np.nan
         supports = tuple(
             support_result(
-                discretisation, index, held_force[::3], held_couple, pull, answer, lift, (beneath or {}).get(index, 0.0)
+                *(discretisation, index, held_force[::3], held_couple, pull, answer, lift),
+                *((beneath or {}).get(index, 0.0), index in upon),
             )
             for index in range(len(discretisation.model.support))
         )
@@ -240,8 +243,8 @@ class Result(Remade):
         plates: dict[str, Self] = {}
         for one, own in zip(each, load.plates, strict=True):
             beneath = {number: matrix @ deflections[other] for number, (other, matrix) in one.beneath.items()}
-            part = answer.on(one), certificate
-            plates[one.name] = cls.of(one.own, load_of, methods, own, *part, beneath=beneath)
+            part = answer.on(one), certificate, None
+            plates[one.name] = cls.of(one.own, load_of, methods, own, *part, beneath, one.upon)
 
         def in_order(key: str, of: Callable[[Self], Sequence[Any]]) -> tuple[Any, ...]:
             """What plates have for each table of the model, in its order; of what is between two the upper one's."""
@@ -494,8 +497,8 @@ class Result(Remade):
         if ax is not None and not hasattr(ax, "tricontourf"):
             raise InputError(f"found {ax!r}; it must be axes of matplotlib, or None for new ones.", place="ax")
         self._require_fields()
-        if field == "pressure" and not any(support.area is not None for support in self.model.support):
-            raise InputError('There is no "pressure": no support of this model is an area.', place="field")
+        if field == "pressure" and not areas_below(self.supports):
+            raise InputError('There is no "pressure": the plate rests on no area.', place="field")
         nodes, units = self.stress_nodes, self.model.units
         plan = Plan(nodes.points, nodes.elements, nodes.left_out)
         marks = support_marks(self.mesh, self.model.support, self.supports)
@@ -602,12 +605,12 @@ def vtk_fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
     of_elements = {}
     if any(support.on_nodes for support in result.model.support):
         data["reaction"] = result.nodal_reaction
-    if areas := [support.area for support in result.supports if support.area is not None]:
+    if areas := areas_below(result.supports):
         pressures, forces = Pressures(areas), [area.reactions for area in areas]
         if any(area.support.modulus is not None for area in areas):
             on = pressures.nodes
             data["contact_pressure"] = np.zeros(result.mesh.node_count)
-            data["contact_pressure"][on] = pressures.at_nodes(result.deflection[on], forces)
+            data["contact_pressure"][on] = pressures.at_nodes([area.deflection[on] for area in areas], forces)
         if any(area.support.modulus is None for area in areas):
             of_elements["rigid_contact_pressure"] = np.zeros(len(result.mesh.elements))
             of_elements["rigid_contact_pressure"][pressures.elements] = pressures.on_elements(forces)

@@ -176,6 +176,8 @@ class SupportResult(Remade):
         Of points with a preload, their reactions when all bolts are tightened and before other loads act.
     pull : float
         With which the loads pull the plate up, their resultant; NaN where they do not.
+    upon : bool
+        Whether it is one by which another plate lies on this one.
     """
 
     name: str
@@ -195,6 +197,7 @@ class SupportResult(Remade):
     moments: Floats | None
     preloads: Floats | None
     pull: float
+    upon: bool = False
 
     @property
     def changes(self) -> Floats | None:
@@ -269,12 +272,13 @@ def support_result(
     answer: Answer,
     lift: float,
     beneath: Floats | float = 0.0,
+    upon: bool = False,
 ) -> SupportResult:
     """Say what a support does in an answer.
 
     From the upward force (n,) and the couples (n, 2) on every held node, the upward force (s,) of every spring, and the
     force with which the loads lift the plate, NaN where they do not. Of one between two plates ``beneath`` (n,) is the
-    deflection of the other plate.
+    deflection of the other plate; ``upon`` says that the other lies on this one.
     """
     support = discretisation.model.support[index]
     points = SupportPoints.of(discretisation, index)
@@ -310,7 +314,13 @@ def support_result(
         points.moments(pull) if len(points.turning) else None,
         None if support.preload is None else points.preloads(discretisation),
         lift,
+        upon,
     )
+
+
+def areas_below(supports: Sequence[SupportResult]) -> list[AreaContact]:
+    """Give the areas that a plate lies on, without those by which others lie on it."""
+    return [one.area for one in supports if one.area is not None and not one.upon]
 
 
 def area_contact(

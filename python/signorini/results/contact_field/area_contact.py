@@ -329,11 +329,12 @@ class Pressures:
         """Elements (k,) with a part of a rigid area."""
         return np.flatnonzero(np.any([area.covered > 0 for area in self._rigid], axis=0))
 
-    def at_nodes(self, deflection: Floats, forces: Sequence[Floats]) -> Floats:
-        """Pressure (..., k) at ``nodes``, from deflections (..., k) there and every area's forces (..., p)."""
-        total = np.zeros(deflection.shape)
+    def at_nodes(self, deflections: Sequence[Floats], forces: Sequence[Floats]) -> Floats:
+        """Pressure (..., k) at ``nodes``, from deflections (..., k) over every area and its forces (..., p)."""
+        total = np.zeros(deflections[0].shape)
         for area, on in zip(self._elastic, self._acting, strict=True):
-            total += on * area.nodal(self.nodes, deflection, forces[self.areas.index(area)])
+            own = self.areas.index(area)
+            total += on * area.nodal(self.nodes, deflections[own], forces[own])
         return total
 
     def on_elements(self, forces: Sequence[Floats]) -> Floats:
