@@ -149,6 +149,12 @@ fn by_enumeration(points: &[Point], d: &[f64], p: &Mat<f64>) -> Vec<f64> {
 /// Columns and coefficients of a row, and its right-hand side.
 type Row = (Vec<(usize, f64)>, f64);
 
+/// Travel and force from which energies are counted: where the first piece ends.
+fn begin(graph: &Graph) -> [f64; 2] {
+    let first = graph.piece(0);
+    graph.ends(0)[1].unwrap_or([first.travel, first.force])
+}
+
 /// Least energy, by a convex quadratic program over all dofs and the travels along pieces; `None` where there is none.
 fn by_program(plate: &Plate, held: &[bool], points: &[Point], load: &[f64]) -> Option<f64> {
     let k = stiffness(plate);
@@ -174,23 +180,24 @@ fn by_program(plate: &Plate, held: &[bool], points: &[Point], load: &[f64]) -> O
             }
             length.into_iter().for_each(|length| bounds.push((vec![(column, 1.0)], length)));
         };
-        let first = graph.piece(0);
+        let (first, begin) = (graph.piece(0), begin(graph));
         if graph.is_straight() {
             if first.slope.is_finite() {
-                along(first.slope, first.force, 1.0, None, false);
+                along(first.slope, begin[1], 1.0, None, false);
             }
         } else {
             if first.slope.is_finite() {
-                along(first.slope, first.force, -1.0, None, true);
+                along(first.slope, begin[1], -1.0, None, true);
             }
             for number in 1..graph.pieces() as u8 {
                 let (piece, [low, high]) = (graph.piece(number), graph.ends(number));
                 if piece.slope.is_finite() {
-                    along(piece.slope, piece.force, 1.0, high.zip(low).map(|(h, l)| h[0] - l[0]), true);
+                    let force = low.map_or(piece.force, |low| low[1]);
+                    along(piece.slope, force, 1.0, high.zip(low).map(|(h, l)| h[0] - l[0]), true);
                 }
             }
         }
-        equations.push((entries, point.shift + first.travel));
+        equations.push((entries, point.shift + begin[0]));
     }
     for dof in (0..n).filter(|&dof| held[dof]) {
         equations.push((vec![(dof, 1.0)], 0.0));
@@ -241,7 +248,7 @@ fn energy(plate: &Plate, points: &[Point], load: &[f64], found: &ContactSolution
         let travel = row(plate, point).iter().map(|&(dof, c)| c * u[dof]).sum::<f64>() - point.shift;
         let (graph, force) = (&point.graph, force / point.weight);
         // From vertex to vertex to where the point is, trapezoid by trapezoid.
-        let mut at = [graph.piece(0).travel, graph.piece(0).force];
+        let mut at = begin(graph);
         let passed = (1..graph.pieces() as u8).filter_map(|number| graph.ends(number)[1]);
         for to in passed.filter(|to| to[0] + to[1] < travel + force).chain([[travel, force]]) {
             terms.push(point.weight * 0.5 * (at[1] + to[1]) * (to[0] - at[0]));
