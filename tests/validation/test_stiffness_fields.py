@@ -215,7 +215,7 @@ def test_a_file_that_is_no_table_of_points_is_refused(tmp_path, monkeypatch, con
         ([(0, 0, 1e7), (0.5, 0, 1e7), (0, 4, 1e7)], {"area": None, "edge": ["bottom", "right"]}, "to 0.062 of the"),
         (HALF, {"area": None, "at": [[1, 1], [1, 3], [3, 2]]}, "gives no stiffness at [3, 2]. Leave that point out"),
         (lambda x, y: x - 1.0, {}, "it must be finite and not negative"),
-        (lambda x, y: 1e7, {}, "it must give one number a point"),
+        (lambda x, y: 1e7, {}, "it must give one real number a point"),
         ({"fil": "bedding.csv"}, {}, 'found a table of fil; it must be { file = "…" }'),
         ([(0, 0), (1, 1), (0, 1)], {}, "found (0, 0); it must be a point [x, y, value]."),
     ],

@@ -104,7 +104,7 @@ impl Floating {
 
     /// The softest that they hold a motion.
     pub(super) fn softest(&self, of_points: impl Fn(usize) -> f64 + Sync, of_springs: &[f64]) -> f64 {
-        eliminated(self.holding(of_points, of_springs), vec![DoubleDouble::default(); self.count], 0.0).1
+        eliminated(self.holding(of_points, of_springs), vec![DoubleDouble::default(); self.count]).least
     }
 
     /// Resultants of nodal forces (n,).

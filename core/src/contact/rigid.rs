@@ -41,15 +41,23 @@ pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value
         }
     }
     let of = |(matrix, right)| {
-        let amount = eliminated(matrix, right, 0.0).0;
+        let amount = eliminated(matrix, right).unknown;
         [amount[0], amount[1] / scale.size, amount[2] / scale.size]
     };
     Some(matrix.into_iter().zip(right).map(of).collect())
 }
 
-/// Elimination with complete pivoting, and the least pivot; unknowns that nothing holds are zero, as are right sides of no
-/// more than `rounding`.
-pub(super) fn eliminated(mut matrix: Matrix, mut right: Vec<DoubleDouble>, rounding: f64) -> (Vec<f64>, f64) {
+/// What elimination with complete pivoting finds.
+pub(super) struct Eliminated {
+    /// Unknowns; those that nothing holds are zero.
+    pub(super) unknown: Vec<f64>,
+    /// The least pivot.
+    pub(super) least: f64,
+    /// The largest right side that is left where nothing holds.
+    pub(super) left: f64,
+}
+
+pub(super) fn eliminated(mut matrix: Matrix, mut right: Vec<DoubleDouble>) -> Eliminated {
     let n = right.len();
     let mut order = Vec::new();
     let mut largest = 0.0_f64;
@@ -62,9 +70,6 @@ pub(super) fn eliminated(mut matrix: Matrix, mut right: Vec<DoubleDouble>, round
             break;
         }
         order.push(pivot);
-        if right[pivot].value().abs() <= rounding {
-            right[pivot] = DoubleDouble::default();
-        }
         least = matrix[pivot][pivot].hi;
         for row in (0..n).filter(|i| !order.contains(i)) {
             let factor = quotient(matrix[row][pivot], matrix[pivot][pivot]);
@@ -79,7 +84,8 @@ pub(super) fn eliminated(mut matrix: Matrix, mut right: Vec<DoubleDouble>, round
         let known: f64 = (0..n).filter(|&k| k != row).map(|k| matrix[row][k].value() * unknown[k]).sum();
         unknown[row] = (right[row].value() - known) / matrix[row][row].value();
     }
-    (unknown, least)
+    let left = (0..n).filter(|i| !order.contains(i)).map(|i| right[i].value().abs()).fold(0.0, f64::max);
+    Eliminated { unknown, least, left }
 }
 
 fn quotient(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
@@ -106,9 +112,9 @@ mod tests {
         }
         // The force of a unit of the soft direction alone: its stretch must be 1 and that of the stiff one 0.
         let right = soft.map(|s| DoubleDouble::from(1e-6 * s)).to_vec();
-        let (unknown, least) = eliminated(matrix, right, 0.0);
+        let Eliminated { unknown, least, left } = eliminated(matrix, right);
         let [a, b, c] = unknown[..] else { panic!("three unknowns") };
         assert!((b + 2.0 * c - 1.0).abs() < 1e-9 && (a + b + c).abs() < 1e-9, "{a} {b} {c}");
-        assert!(least < 1e-5);
+        assert!(least < 1e-5 && left < 1e-9);
     }
 }

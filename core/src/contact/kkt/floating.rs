@@ -23,7 +23,7 @@ impl<'a> Held<'a> {
         // Of rigid points there is more than these equations.
         compliance.iter_mut().for_each(|own| *own = own.filter(|&c| c > 0.0));
         let matrix = floating.holding(|i| compliance[i].map_or(0.0, |c| 1.0 / c), &problem.springs.stiffness);
-        let softest = eliminated(matrix.clone(), vec![DoubleDouble::default(); matrix.len()], 0.0).1;
+        let softest = eliminated(matrix.clone(), vec![DoubleDouble::default(); matrix.len()]).least;
         (softest < problem.scale.stiffness).then_some(Self { floating, compliance, matrix })
     }
 
@@ -38,7 +38,7 @@ impl<'a> Held<'a> {
                 force.add_product(root * arm, root * right.violation[i]);
             }
         }
-        let (amount, _) = eliminated(matrix.clone(), forces, 0.0);
+        let amount = eliminated(matrix.clone(), forces).unknown;
         let along = |arm: &[f64]| arm.iter().zip(&amount).map(|(arm, amount)| arm * amount).sum::<f64>();
         let push =
             |(i, c): (usize, &Option<f64>)| c.map_or(0.0, |c| (along(floating.of_point(i)) - right.violation[i]) / c);

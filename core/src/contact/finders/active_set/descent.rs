@@ -4,6 +4,7 @@ use crate::contact::kkt::{Afloat, Direction, Factored};
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::{Residual, rounding};
 use crate::contact::solution::ContactSolution;
+use crate::contact::tolerances;
 use rayon::prelude::*;
 
 /// Points that are worth a thread.
@@ -57,9 +58,11 @@ impl Descent<'_> {
         let points = &self.problem.points;
         let mut change = points.change(&direction.nodal);
         if direction.is_free {
-            // What holds does not move; the rounding of plates that go together would stop them far away.
-            let holds = |i: &usize| points.piece(*i, pieces[*i]).holds();
-            (0..change.len()).filter(holds).for_each(|i| change[i] = 0.0);
+            // The rounding of plates that go together would stop them far away.
+            let size = |i: usize| points.row(i).map(|(dof, c)| (c * direction.nodal[dof]).abs()).sum::<f64>();
+            let is_rounding = |i: &usize| change[*i].abs() <= tolerances::newton::FREE * size(*i);
+            let none: Vec<usize> = (0..change.len()).filter(is_rounding).collect();
+            none.into_iter().for_each(|i| change[i] = 0.0);
         }
         let length = self.line_search(direction, &change, pieces);
         for (dof, value) in direction.nodal.iter().enumerate() {

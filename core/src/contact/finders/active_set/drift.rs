@@ -48,8 +48,12 @@ impl Descent<'_> {
                 break;
             }
             let mut matrix = floating.holding(|i| self.resistance(i), &springs.stiffness);
-            (0..matrix.len()).for_each(|k| matrix[k][k] += tolerances::newton::LEAST * all);
-            let (step, _) = eliminated(matrix, resultant.clone(), rounding);
+            let mut found = eliminated(matrix.clone(), resultant.clone());
+            if found.left > rounding {
+                (0..matrix.len()).for_each(|k| matrix[k][k] += tolerances::newton::LEAST * all);
+                found = eliminated(matrix, resultant.clone());
+            }
+            let step = found.unknown;
             // Plates that go together press nothing between them: what is left of the sum is rounding.
             let along = |arm: &[f64]| {
                 let terms = arm.iter().zip(&step).map(|(arm, step)| arm * step);
