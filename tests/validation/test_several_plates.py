@@ -336,6 +336,17 @@ def test_results_are_told_of_all_and_by_plate(tmp_path):
     assert again.plates["left"].reactions["left"] == -result.reactions["left"]
 
 
+def test_what_has_no_limit_is_told_with_its_plate():
+    """The pressure of a contact is the upper plate's: the lower one says nothing of it."""
+    plates = two_squares(0.04, 0.02, "upper")
+    force = {"plate": "upper", "at": [2, 2], "force": 1e3}
+    result = solve(Model(**plates.model_dump() | {"load": [force]}))["all"]
+    named = {(one.plate, one.source) for one in result.singular}
+    assert ("upper", "load") in named and ("lower", "load") not in named
+    grows = [said for said in estimate(result).warnings if "show no limit" in said]
+    assert grows and all(said.startswith("upper: ") for said in grows)
+
+
 def test_units_and_the_order_of_plates_change_nothing():
     """In millimetres and kilonewtons, and with plates named in another order."""
     one = solve(Model(**mats()))["all"]

@@ -53,8 +53,8 @@ pub(super) struct Eliminated {
     pub(super) unknown: Vec<f64>,
     /// The least pivot.
     pub(super) least: f64,
-    /// The largest right side that is left where nothing holds.
-    pub(super) left: f64,
+    /// The largest right side that nothing holds.
+    pub(super) unbalanced: f64,
 }
 
 pub(super) fn eliminated(mut matrix: Matrix, mut right: Vec<DoubleDouble>) -> Eliminated {
@@ -84,8 +84,8 @@ pub(super) fn eliminated(mut matrix: Matrix, mut right: Vec<DoubleDouble>) -> El
         let known: f64 = (0..n).filter(|&k| k != row).map(|k| matrix[row][k].value() * unknown[k]).sum();
         unknown[row] = (right[row].value() - known) / matrix[row][row].value();
     }
-    let left = (0..n).filter(|i| !order.contains(i)).map(|i| right[i].value().abs()).fold(0.0, f64::max);
-    Eliminated { unknown, least, left }
+    let unbalanced = (0..n).filter(|i| !order.contains(i)).map(|i| right[i].value().abs()).fold(0.0, f64::max);
+    Eliminated { unknown, least, unbalanced }
 }
 
 fn quotient(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
@@ -112,9 +112,9 @@ mod tests {
         }
         // The force of a unit of the soft direction alone: its stretch must be 1 and that of the stiff one 0.
         let right = soft.map(|s| DoubleDouble::from(1e-6 * s)).to_vec();
-        let Eliminated { unknown, least, left } = eliminated(matrix, right);
+        let Eliminated { unknown, least, unbalanced } = eliminated(matrix, right);
         let [a, b, c] = unknown[..] else { panic!("three unknowns") };
         assert!((b + 2.0 * c - 1.0).abs() < 1e-9 && (a + b + c).abs() < 1e-9, "{a} {b} {c}");
-        assert!(least < 1e-5 && left < 1e-9);
+        assert!(least < 1e-5 && unbalanced < 1e-9);
     }
 }

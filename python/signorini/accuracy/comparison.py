@@ -33,6 +33,7 @@ from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
+from signorini.results.of_plates import said_of
 from signorini.results.quantities import SIDES, Number, Path, place_of
 from signorini.results.result import Result, in_notebook
 from signorini.shapes.distances import Targets
@@ -269,6 +270,9 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     warnings = [warning] if warning else []
     # Extremes that are still beside a singularity are told there, with what to do.
     growing = [one for one, grows in zip(numbers, grow[:, 0].tolist(), strict=True) if grows and one.home != "field"]
+    # What lies on a plate is told with the plate that it carries.
+    upon = {index for index, support in enumerate(result.supports) if support.upon}
+    growing = [one for one in growing if not (one.path[0] == "supports" and one.owner in upon)]
     if growing:
         warnings.append(
             f"As the mesh is refined these grow and show no limit: {named_numbers(growing, model, probes)}. The "
@@ -291,7 +295,7 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
         of_plate = {path[2:]: width for path, width in by_path.items() if path[:2] == ("plates", name)}
         by_path |= {("plates", name, *path): width for path, width in places_of_extremes(one, of_plate).items()}
     by_path |= places_of_extremes(result, by_path)
-    warnings = tuple(dict.fromkeys(said for one in each.values() for said in one.warnings))
+    warnings = said_of({name: one.warnings for name, one in each.items()})
     elements = tuple(sum(counts) for counts in zip(*(one.elements for one in each.values()), strict=True))
     return Estimate(result, widths, with_widths(figures(result), by_path), elements, warnings, each)
 

@@ -413,7 +413,8 @@ def _print_singular(console: Console, named: Iterable[Singularity], model: Model
         kinds: dict[str, list[Singularity]] = {}
         for one in those:
             of = f' (case "{one.source}")' if one.source in cases else ""
-            kinds.setdefault(_PLACES.sub("", one.what) + of, []).append(one)
+            plate = f"{one.plate}: " if one.plate else ""
+            kinds.setdefault(plate + _PLACES.sub("", one.what) + of, []).append(one)
         if not kinds:
             continue
         result = []

@@ -120,6 +120,7 @@ def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
             "numbers": list(one.numbers),
             "source": one.source,
             "advice": one.advice,
+            **({"plate": one.plate} if one.plate else {}),
         }
         for one in named
     ]

@@ -33,6 +33,16 @@ def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalo
     return tuple(result)
 
 
+def said_of(each: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
+    """Say which of several plates sentences are of, each by its name; nothing of what is said of all."""
+    plates: dict[str, list[str]] = {}
+    for name, sentences in each.items():
+        for sentence in dict.fromkeys(sentences):
+            plates.setdefault(sentence, []).append(name)
+    alike = len(each)
+    return tuple(said if len(names) == alike else f"{' and '.join(names)}: {said}" for said, names in plates.items())
+
+
 def _homes(model: Model) -> Mapping[str, Mapping[int, Place]]:
     """Of supports, probes, sections and strips the plate of each, and its number there; probes point by point."""
     result: dict[str, dict[int, Place]] = {"supports": {}, "probes": {}, "sections": {}, "strips": {}}

@@ -43,6 +43,7 @@ from signorini.results.local_results import (
 )
 from signorini.results.marks import panel, support_marks
 from signorini.results.notebook import supports_table
+from signorini.results.of_plates import said_of
 from signorini.results.quantities import (
     FIELDS,
     LINEAR,
@@ -278,8 +279,8 @@ class Result(Remade):
             sections=in_order("section", lambda of: of.sections),
             strips=in_order("strip", lambda of: of.strips),
             seconds=time.perf_counter() - begun,
-            warnings=tuple(dict.fromkeys(one for of in alike for one in of.warnings)) + sentences(answer.not_unique),
-            singular=tuple(one for of in alike for one in of.singular),
+            warnings=said_of({name: of.warnings for name, of in plates.items()}) + sentences(answer.not_unique),
+            singular=singularities(discretisation, load.acting),
             thickness=discretisation.node_thickness,
             catalogue=catalogue_of(discretisation, TOLD),
             plates=plates,

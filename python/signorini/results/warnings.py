@@ -19,6 +19,7 @@ from signorini.errors import point
 from signorini.model import Load, MeshPlate, Model, Support
 from signorini.model.material import ZONE_KEYS
 from signorini.model.where import Acting
+from signorini.results.of_plates import said_of
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult
 from signorini.results.unit_slips import unit_slips
@@ -51,7 +52,7 @@ Covers of flanges, thick and on many bolts, have half."""
 def model_warnings(discretisation: Discretisation) -> tuple[str, ...]:
     """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place."""
     if discretisation.plates:
-        return tuple(dict.fromkeys(said for plate in discretisation.plates for said in model_warnings(plate.own)))
+        return said_of({plate.name: model_warnings(plate.own) for plate in discretisation.plates})
     of_plate = unit_slips, _one_element, _one_across, _unrefined, _unfollowed, _zones, _left_out
     of_supports = _one_place, _overlaps, _never_act, _beds_both_ways, _couples, _wheels_off
     return tuple(said for check in (*of_plate, *of_supports) for said in check(discretisation))

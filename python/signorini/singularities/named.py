@@ -35,8 +35,6 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
 
     Supports are there whether they act or not: that is known only when it is solved.
     """
-    if discretisation.plates:
-        return tuple(dict.fromkeys(one for plate in discretisation.plates for one in singularities(plate.own, cases)))
     acting = [case for case in discretisation.cases if cases is None or case in cases]
     return (
         *(one for case in acting for one in singularities_of(discretisation, case)),
@@ -48,8 +46,8 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
 def singularities_of(discretisation: Discretisation, case: str | None = None) -> tuple[Singularity, ...]:
     """Name those of one load case alone; of none those that are always there."""
     if discretisation.plates:
-        each = [singularities_of(plate.own, case) for plate in discretisation.plates]
-        return tuple(dict.fromkeys(one for of in each for one in of))
+        each = discretisation.plates
+        return tuple(replace(one, plate=plate.name) for plate in each for one in singularities_of(plate.own, case))
     if case is not None:
         return _measured(discretisation, _of_loads(discretisation, case))
     always = *_of_supports(discretisation), *_of_corners(discretisation), *_of_zones(discretisation)

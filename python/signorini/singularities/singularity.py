@@ -23,7 +23,7 @@ class Singularity:
     area, or along a line per length) or "reaction" (of a support at points). ``source`` is the support's name, the load
     case, or "plate". What is ``limited`` has a limit, of which elements of this size know nothing: a footprint smaller
     than they are. Numbers ``within`` a distance are taken for its peak: the thickness there, of a zone's border the
-    thinner side's; 0 of nodes of cut elements.
+    thinner side's; 0 of nodes of cut elements. Of several plates ``plate`` is the one that it is in.
     """
 
     where: tuple[tuple[float, float], ...]
@@ -34,6 +34,7 @@ class Singularity:
     line: bool = False
     limited: bool = False
     within: float = 0.0
+    plate: str = ""
 
     def __str__(self) -> str:
         """Say it in a sentence."""

@@ -49,7 +49,7 @@ impl Descent<'_> {
             }
             let mut matrix = floating.holding(|i| self.resistance(i), &springs.stiffness);
             let mut found = eliminated(matrix.clone(), resultant.clone());
-            if found.left > rounding {
+            if found.unbalanced > rounding {
                 (0..matrix.len()).for_each(|k| matrix[k][k] += tolerances::newton::LEAST * all);
                 found = eliminated(matrix, resultant.clone());
             }
