@@ -138,7 +138,7 @@ def kill_amid_the_exchange(slab: Path, kill_at: int) -> None:
     running.communicate()
 
 
-@pytest.mark.parametrize("kill_at", [1, 2, 5, 8])
+@pytest.mark.parametrize("kill_at", [1, 8])
 def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) -> None:
     """results.json goes first and comes last of the eight, so what is found without it is not taken for results."""
     kill_amid_the_exchange(slab, kill_at)

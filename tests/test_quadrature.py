@@ -209,7 +209,7 @@ def test_rings_anywhere_have_their_circumference_and_centre(name, x, y, radius):
     assert q.normals == pytest.approx(outward, abs=1e-10)
 
 
-@pytest.mark.parametrize("away", [0.0, *(sign * 1.07 * 2.0**n for n in range(6, 24, 2) for sign in (1, -1))])
+@pytest.mark.parametrize("away", [0.0, *(sign * 1.07 * 2.0**n for n in (6, 14, 22) for sign in (1, -1))])
 @pytest.mark.parametrize("shape", ["circle", "ring", "square", "tilted"])
 def test_what_touches_mesh_lines_far_from_the_origin_keeps_its_area(away, shape):
     """As at site coordinates: rounding must not tell a circle that touches a line from one that crosses it."""

@@ -168,7 +168,7 @@ def test_a_vtu_file_has_every_field(one: Result, tmp_path: Path) -> None:
             assert np.array_equal(found[name][:, axis], one.stress_nodes.spread(one.fields[part]))
 
 
-@pytest.mark.parametrize("seed", [8, 13, 17, 27, 32])
+@pytest.mark.parametrize("seed", [8, 17, 27])
 def test_results_are_the_same_in_whatever_order_they_are_read(seed: int) -> None:
     given = validate(random_models.model(Random(seed)))
     try:

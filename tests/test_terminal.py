@@ -50,11 +50,11 @@ def model(count: int, **changes: object) -> signorini.Model:
     return rectangular(**data | changes)
 
 
-def shown(printed: object, found: object, width: int) -> str:
+def shown(printed: object, found: object, width: int, widths: object = None) -> str:
     console = Console(file=io.StringIO(), width=width, markup=False, highlight=False, emoji=False, soft_wrap=True)
     if printed in (print_results, print_path):
         asked = found.model.estimated  # type: ignore[attr-defined]
-        printed(console, found, estimate(found) if asked else None)  # type: ignore[operator, call-overload]
+        printed(console, found, widths or estimate(found) if asked else None)  # type: ignore[operator, call-overload]
     else:
         printed(console, found)  # type: ignore[operator]
     return console.file.getvalue()  # type: ignore[attr-defined,no-any-return]
@@ -66,14 +66,15 @@ def figures(text: str) -> set[str]:
 
 
 def held(printed: object, found: object) -> None:
-    wide = shown(printed, found, WIDE)
+    widths = estimate(found) if printed in (print_results, print_path) else None  # type: ignore[call-overload]
+    wide = shown(printed, found, WIDE, widths)
     for width in (40, 80, 120):
-        text = shown(printed, found, width)
+        text = shown(printed, found, width, widths)
         assert max(map(len, text.splitlines())) <= width
         assert figures(text) >= figures(wide), (width, figures(wide) - figures(text))
 
 
-@pytest.mark.parametrize("count", [1, 2, 8, 40])
+@pytest.mark.parametrize("count", [1, 40])
 def test_no_number_is_broken_on_a_terminal_of_any_width(count: int) -> None:
     results = signorini.solve(model(count))
     held(print_results, results)

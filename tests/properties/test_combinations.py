@@ -32,7 +32,7 @@ def combined_models(draw, drawing):
     }
 
 
-@settings(max_examples=120)
+@settings(max_examples=50)
 @given(data=st.data())
 def test_a_batch_is_its_combinations_one_by_one(data, drawing, dense):
     tables = data.draw(combined_models(drawing))

@@ -81,7 +81,7 @@ def reactions(made: Model) -> Floats:
     return np.array([support.reaction for support in result.supports])
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("mesh", [{"divisions": [9, 6]}, {"size": 0.7}], ids=["rows", "size"])
 @pytest.mark.parametrize("kind", ["point", "footprint", "end of a line", "line", "area", "load"])
 def test_nothing_jumps_as_a_support_or_a_load_passes_a_node_a_side_or_a_line(

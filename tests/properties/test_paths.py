@@ -62,7 +62,7 @@ def condition(twin, closed):
 
 
 @pytest.mark.parametrize("method", ["auto", "active_set"])
-@settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.filter_too_much])
 @given(data=st.data())
 def test_inside_a_segment_the_path_is_the_direct_solution(drawing, dense, method, data):
     found = traced(data, drawing, method)
@@ -106,7 +106,7 @@ def slowness(found, segment, points):
         return ((b - a) / np.where(found.problem.two_sided | (segment.pieces > 0), reacting, away)[points]).max()
 
 
-@settings(max_examples=50, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.filter_too_much])
 @given(data=st.data())
 def test_events_are_where_bisection_of_direct_solutions_finds_them(drawing, dense, data):
     found = traced(data, drawing, "auto", kinds=("at", "at", "edge"))
@@ -136,7 +136,7 @@ def test_events_are_where_bisection_of_direct_solutions_finds_them(drawing, dens
         assert event.t == pytest.approx(low, rel=1e-12, abs=least * slow)
 
 
-@settings(max_examples=25, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=10, suppress_health_check=[HealthCheck.filter_too_much])
 @given(data=st.data())
 def test_named_events_of_points_are_those_of_the_exact_path(drawing, dense, data):
     exact = traced(data, drawing, "auto", kinds=("at", "at"))

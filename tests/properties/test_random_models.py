@@ -24,7 +24,7 @@ def posed(tables, dense):
     return None if twin.redundant else (problem, load, twin)
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(data=st.data())
 def test_answers_satisfy_the_conditions_or_no_reactions_exist(data, drawing, dense, equilibrium_exists):
     tables = data.draw(drawing.models())
@@ -50,7 +50,7 @@ def test_answers_satisfy_the_conditions_or_no_reactions_exist(data, drawing, den
     assert np.array_equal(result.deflection, (answer.hi + answer.lo)[::3])
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_few_points_agree_with_every_contact_state_tried(data, drawing, dense):
     tables = data.draw(drawing.models(kinds=("at",)))
@@ -68,7 +68,7 @@ def test_few_points_agree_with_every_contact_state_tried(data, drawing, dense):
         assert apart <= twin.length(u)
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_dual_and_stiffness_forms_agree(data, drawing, dense):
     tables = data.draw(drawing.models(shapes=("rectangle", "annulus")))

@@ -68,8 +68,9 @@ def test_nodal_reactions_are_of_points_lines_and_edges_only(tmp_path: Path) -> N
     assert ["reaction" in meshio.read(tmp_path / name).point_data for name in ("a.vtu", "b.vtu")] == [False, True]
 
 
-@pytest.mark.parametrize("divisions", [2, 12])
-@pytest.mark.parametrize("law", [{"stiffness": "2e3*(1+x)"}, {}, {"stiffness": 1e9}])
+@pytest.mark.parametrize(
+    ("divisions", "law"), [(12, {"stiffness": "2e3*(1+x)"}), (2, {}), (12, {}), (2, {"stiffness": 1e9})]
+)
 def test_pressures_of_a_table_are_those_of_its_combinations(divisions: int, law: dict, tmp_path: Path) -> None:
     loads = [{"case": "g", "pressure": 10.0}, {"case": "q", "force": 300, "at": [1, 1]}]
     factors = [(1, 0), (1, 1), (1, -0.1), (0.5, 3)]
@@ -86,8 +87,8 @@ def test_pressures_of_a_table_are_those_of_its_combinations(divisions: int, law:
     every = {name: result.supports[0].max_pressure for name, result in results.items()}
     assert largest["max"] == pytest.approx(max(every.values()), rel=1e-9)
     assert every[largest["max_by"]] == pytest.approx(largest["max"], rel=1e-9)
-    written = write(results, tmp_path / "out")
-    assert len(written) and json.loads((tmp_path / "out" / "results.json").read_text())["envelope"]["fields"]
+    write(results, tmp_path / "out", pictures="none")
+    assert json.loads((tmp_path / "out" / "results.json").read_text())["envelope"]["fields"]
     envelope = meshio.read(tmp_path / "out" / "envelope.vtu")
     singles = [meshio.read(tmp_path / "out" / f"c{i}.vtu") for i in range(len(factors))]
     name = "contact_pressure" if law else "rigid_contact_pressure"

@@ -53,7 +53,7 @@ TIPPING = {
 
 
 @pytest.mark.parametrize("inside", [0, 1e-9, 1e-5])
-@pytest.mark.parametrize("stiffness", [2e5, 3e7, 1e9, 1e13])
+@pytest.mark.parametrize("stiffness", [2e5, 1e9, 1e13])
 @pytest.mark.parametrize("where", TIPPING)
 def test_on_the_verge_of_tipping_an_active_set_settles_by_itself(where: str, stiffness: float, inside: float) -> None:
     n, area, outline = TIPPING[where]

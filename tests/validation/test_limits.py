@@ -300,6 +300,7 @@ def test_pieces_tell_open_closed_and_yielding_points_apart_in_files(tmp_path):
     piles, _, tie = written["supports"]
     by_state = {"open": 0, "closed": 1, "yields": 2}
     assert [one["piece"] for one in piles["points"]] == [by_state[one["state"]] for one in piles["points"]]
+    assert [one["yielded"] for one in piles["points"]] == [one["state"] == "yields" for one in piles["points"]]
     assert isinstance(tie["points"][0]["piece"], int)
     assert written["plus_minus"]["supports"][0]["points"][0]["piece"] is None
 

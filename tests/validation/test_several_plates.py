@@ -338,9 +338,11 @@ def test_results_are_told_of_all_and_by_plate(tmp_path):
 
 def test_what_has_no_limit_is_told_with_its_plate():
     """The pressure of a contact is the upper plate's: the lower one says nothing of it."""
-    plates = two_squares(0.04, 0.02, "upper")
+    plates = two_squares(0.04, 0.02, "upper", (3, 3))
     force = {"plate": "upper", "at": [2, 2], "force": 1e3}
-    result = solve(Model(**plates.model_dump() | {"load": [force]}))["all"]
+    tables = plates.model_dump() | {"load": [force]}
+    tables["plates"]["upper"]["mesh"] = {"divisions": [4, 4]}
+    result = solve(Model(**tables))["all"]
     named = {(one.plate, one.source) for one in result.singular}
     assert ("upper", "load") in named and ("lower", "load") not in named
     grows = [said for said in estimate(result).warnings if "show no limit" in said]

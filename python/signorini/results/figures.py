@@ -104,7 +104,8 @@ def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
     """Say what a support does at each of its points; of a held edge the consistent nodal forces."""
     columns = (support.positions.tolist(), support.reactions.tolist(), support.gaps.tolist(), support.states)
     for at, reaction, gap, state in zip(*columns, strict=True):
-        yield {"at": at, "reaction": reaction, "gap": gap, "state": state}
+        point = {"at": at, "reaction": reaction, "gap": gap, "state": state}
+        yield point if support.pieces is None else {**point, "yielded": state == "yields"}
 
 
 def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> dict[str, Any]:
