@@ -310,6 +310,26 @@ def test_a_table_of_combinations_and_plus_minus_are_those_of_single_ones():
     told = alone.plus_minus
     assert told is not None
     assert widths.half_width("reaction:soil right", 6) == pytest.approx(told["supports"][1]["reaction"], rel=0.02)
+    assert widths.half_width("max:left.mx", 6) == pytest.approx(told["plates"]["left"]["fields"]["mx"]["max"], rel=0.02)
+
+
+def test_envelopes_of_several_plates_are_those_of_each_over_its_combinations(tmp_path):
+    factors = [{"G": 1.0, "Q": 0.3 * at} for at in range(1, 14)]
+    combinations = [{"name": f"c{at}", "factors": one} for at, one in enumerate(factors)]
+    results = solve(Model(**mats() | {"mesh": {"error": False}}, combination=combinations, output={"fields": "all"}))
+    write(results, tmp_path, pictures="none")
+    envelope = json.loads((tmp_path / "results.json").read_text("utf-8"))["envelope"]
+    for name in ("top", "left"):
+        each = [result.plates[name] for result in results.values()]
+        low, high = zip(*((one.extremes["mx"].min, one.extremes["mx"].max) for one in each), strict=True)
+        told = envelope["plates"][name]
+        assert (told["fields"]["mx"]["max"], told["fields"]["mx"]["min"]) == pytest.approx((max(high), min(low)))
+        assert told["fields"]["mx"]["max_by"] == f"c{np.argmax(high)}"
+        assert told["fields"]["mx"]["max_at"] == list(each[int(np.argmax(high))].extremes["mx"].max_at)
+        written = meshio.read(tmp_path / told["file"]).point_data
+        moment, deflection = (np.array([one.fields[field] for one in each]) for field in ("mx", "deflection"))
+        np.testing.assert_allclose(written["mx_max"], moment.max(axis=0), atol=1e-6)
+        np.testing.assert_allclose(written["deflection_min"], deflection.min(axis=0), atol=1e-12)
 
 
 def test_results_are_told_of_all_and_by_plate(tmp_path):

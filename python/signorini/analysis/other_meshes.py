@@ -194,9 +194,12 @@ class _Rows:
             for at, plate in enumerate(self.discretisation.each):
                 mine, own = self._of_plate(at, numbers)
                 named, probes = self._named(plate, combinations[rows]), plate.probe_positions
-                told_by = compared(values[:, mine], own, self.meshes.of_plate(at), plate.model, probes, named)[0]
-                # Of an extreme over several plates the widest: any of them may have it.
-                out[mine, rows] = np.fmax(out[mine, rows], told_by)
+                meshes = self.meshes.of_plate(at)
+                out[mine, rows] = compared(values[:, mine], own, meshes, plate.model, probes, named)[0]
+        by_path, plates = {one.path: row for row, one in enumerate(numbers)}, self.layout.model.plates
+        for row in (row for row, one in enumerate(numbers) if plates and one.over_plates):
+            # Of an extreme over several plates the widest: any of them may have it.
+            out[row] = np.max([out[by_path["plates", name, *numbers[row].path]] for name in plates], axis=0)
         return {one.column + ENDING: width for one, width in zip(numbers, out, strict=True)}
 
     def _of_plate(self, plate: int, numbers: Sequence[Number]) -> tuple[Ints, list[Number]]:
@@ -205,7 +208,12 @@ class _Rows:
             return np.arange(len(numbers)), list(numbers)
         own = [catalogue_of(one, self.layout.fields).in_tables for one in self.discretisation.each]
         places = places_in_plates(self.layout.model, numbers, own)
-        pairs = [(row, own[plate].numbers[at]) for row, of in enumerate(places) for which, at in of if which == plate]
+        pairs = [
+            (row, own[plate].numbers[at])
+            for row, of in enumerate(places)
+            for which, at in of
+            if which == plate and not numbers[row].over_plates
+        ]
         return np.array([row for row, _ in pairs], np.int64), [one for _, one in pairs]
 
     @staticmethod

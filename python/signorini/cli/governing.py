@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -115,13 +116,16 @@ def _print_fields(console: Console, results: Results, group: str, widths: Widths
     at = Column(f"at{in_unit(units.length)}", number=True, spare=True)
     columns = [*numbers("largest"), at, Column("of"), *numbers("smallest"), at, Column("of")]
     shown, mesh = Grid([Column("field"), *columns], unknown=UNSETTLED), results.discretisation.mesh
-    for name, places in zip(envelope.layout.fields, envelope.places, strict=True):
-        ends = envelope.field(name)
+    for plate, name in product(results.model.plates or ("",), envelope.layout.fields):
+        of, path = (f"{plate}.{name}", ("plates", plate, "fields", name)) if plate else (name, ("fields", name))
+        ends, places = envelope.field(of), envelope.places_of(of)
         most, least = (
-            [cell(value, widths, ("fields", name, side), size_of([ends.max, ends.min])), point(at.tolist(), mesh.size)]
+            [cell(value, widths, (*path, side), size_of([ends.max, ends.min])), point(at.tolist(), mesh.size)]
             for side, value, at in (("max", ends.max, places[0]), ("min", ends.min, places[1]))
         )
-        shown.add(FIELDS[name].label(units), *most, results.key(ends.max_by), *least, results.key(ends.min_by))
+        label = FIELDS[name].label(units)
+        label = f"{plate}: {label}" if plate else label
+        shown.add(label, *most, results.key(ends.max_by), *least, results.key(ends.min_by))
     shown.show(console)
     console.print()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +24,7 @@ from signorini.results.quantities import SIDES, Number, Path, Quantity, place_of
 from signorini.results.warnings import idle_cases, model_warnings, too_far
 from signorini.singularities.named import singularities
 
-_ESTIMATED = ("fields", "supports", "probes", "sections", "strips")
+_ESTIMATED = ("fields", "supports", "contacts", "probes", "sections", "strips", "plates")
 
 
 def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
@@ -64,20 +64,29 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
     plus_minus, tree = None, own.tree(results)
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
     told = [one for combined, mesh in others if (one := _Shown.of(combined, mesh, group)) is not None]
-    if told and estimates is not None and not results.model.plates:
-        meshes = Meshes.of(own.mesh, [one.mesh for one in told], bool(estimates.no_others))
-        every = [next(one for one in (own, *told) if one.mesh is mesh) for mesh in meshes.every]
-        numbers = [number for number, *_ in own.wholes()]
-        values = np.array([[value for _, value, *_ in one.wholes()] for one in every])[:, :, None]
-        named = [(singularities(results.discretisation), np.ones(1, np.bool_))]
-        layout = results.combined.layout
-        result, _ = compared(values, numbers, meshes, results.model, layout.probes, named)
-        widths = {one.path: known(width) for one, (width,) in zip(numbers, result.tolist(), strict=True)}
+    if told and estimates is not None:
+        # Of several plates meshes are compared one by one, and these numbers are of all.
+        widths = {} if results.model.plates else _widths_of_wholes(results, estimates, own, told)
         for number, path, side, row in own.ends():
             known_row = number.estimated and row != NONE
             widths[*path, side] = estimates.half_width(number.column, row) if known_row else None
-        plus_minus = with_widths({key: tree[key] for key in _ESTIMATED}, widths)
+        plus_minus = with_widths({key: tree[key] for key in _ESTIMATED if key in tree}, widths)
+    for plate in results.model.plates:
+        tree["plates"][plate]["file"] = envelope_file(results, group, plate)
     return {"file": envelope_file(results, group), **tree, "plus_minus": plus_minus}
+
+
+def _widths_of_wholes(
+    results: Results, estimates: Estimates, own: _Shown, others: Sequence[_Shown]
+) -> dict[Path, float | None]:
+    """Half-widths of what is largest over nodes or points, of which rows have no number."""
+    meshes = Meshes.of(own.mesh, [one.mesh for one in others], bool(estimates.no_others))
+    every = [next(one for one in (own, *others) if one.mesh is mesh) for mesh in meshes.every]
+    numbers = [number for number, *_ in own.wholes()]
+    values = np.array([[value for _, value, *_ in one.wholes()] for one in every])[:, :, None]
+    named = [(singularities(results.discretisation), np.ones(1, np.bool_))]
+    result, _ = compared(values, numbers, meshes, results.model, results.combined.layout.probes, named)
+    return {one.path: known(width) for one, (width,) in zip(numbers, result.tolist(), strict=True)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +141,7 @@ class _Shown:
         contacts = len(layout.model.contact)
         result: dict[str, Any] = {
             "fields": {name: {} for name in layout.fields},
+            **({"plates": {plate: {} for plate in layout.model.plates}} if layout.model.plates else {}),
             "supports": [self._support(index) for index in range(len(layout.supports) - contacts)],
             **(
                 {"contacts": [self._support(len(layout.supports) - contacts + at) for at in range(contacts)]}

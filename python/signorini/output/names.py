@@ -7,6 +7,7 @@ import io
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any, Literal
 
@@ -87,18 +88,20 @@ def expected_names(model: Model) -> Iterator[str]:
         yield from (f"{slug}{ending}" for ending in (".vtu", *(f"{ending}.png" for ending in PICTURES)))
 
 
-def envelope_files(results: Results) -> dict[str, str]:
-    """Name the files of the envelopes by group, that of all combinations by no name; a group of all has no other."""
-    if results.model.plates or not (results.model.tabulated and results.envelope.fields):
+def envelope_files(results: Results) -> dict[tuple[str, str], str]:
+    """Name the files of the envelopes by group and plate: all combinations, and the only plate, have no name.
+
+    A group of all combinations has no other file.
+    """
+    if not (results.model.tabulated and results.envelope.fields):
         return {}
-    groups = ("", *_parts(results.model))
-    result = zip(groups, unique_slugs(_envelopes(results.model)), strict=True)
-    return {group: f"{slug}.vtu" for group, slug in result if not group or group in results.groups}
+    named = zip(_enveloped(results.model), unique_slugs(_envelopes(results.model)), strict=True)
+    return {(group, plate): f"{slug}.vtu" for (group, plate), slug in named if not group or group in results.groups}
 
 
-def envelope_file(results: Results, group: str) -> str | None:
+def envelope_file(results: Results, group: str, plate: str = "") -> str | None:
     """Name the file that has the envelope of a group, None where there is none."""
-    return envelope_files(results).get(group if group in _parts(results.model) else "")
+    return envelope_files(results).get((group if group in _parts(results.model) else "", plate))
 
 
 def envelope_pictures(results: Results, file: str) -> dict[str, str]:
@@ -139,7 +142,12 @@ def _taken(model: Model) -> list[str]:
 
 
 def _envelopes(model: Model) -> list[str]:
-    return ["envelope", *(f"envelope {group}" for group in _parts(model))]
+    return [" ".join(filter(None, ("envelope", *of))) for of in _enveloped(model)]
+
+
+def _enveloped(model: Model) -> list[tuple[str, str]]:
+    """The groups and plates that envelopes are of."""
+    return list(product(("", *_parts(model)), model.plates or ("",)))
 
 
 def _parts(model: Model) -> list[str]:

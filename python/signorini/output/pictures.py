@@ -9,6 +9,7 @@ from signorini.accuracy.meshes import ORDER
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit
+from signorini.discretise.discretisation import Discretisation, OfWhole
 from signorini.output.names import (
     DEFORMED,
     REFINEMENT,
@@ -39,10 +40,10 @@ def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = 
     named = list(pictured(results, pictures)) if pictures != "none" else []
     plates = results.discretisation.plates
     jobs = []
-    for of in results.discretisation.each:
+    for of, plate in zip(results.discretisation.each, plates or (None,), strict=True):
         mine = [one for one in named if one[0].mesh is of.mesh]
         sheets = [*_sheets(results, estimates, mine)]
-        sheets += _envelope_sheets(results, estimates) if pictures != "none" and not plates else ()
+        sheets += _envelope_sheets(results, estimates, of, plate) if pictures != "none" else ()
         nodes = of.stress_nodes
         if sheets:
             jobs.append(Job(nodes.points, nodes.elements, sheets, results.model.units.length, nodes.left_out))
@@ -91,20 +92,25 @@ def _views(files: list[str], pictures: list[Picture], results: list[Result]) -> 
     return Sheet(files, views, seen=places)
 
 
-def _envelope_sheets(results: Results, estimates: Estimates | None) -> Iterator[Sheet]:
+def _envelope_sheets(
+    results: Results, estimates: Estimates | None, result: Discretisation, plate: OfWhole | None
+) -> Iterator[Sheet]:
     """Plan the pictures of fields' largest and smallest values, over all combinations and over each group."""
-    result, title = results.discretisation, results.model.title
-    for group, file in envelope_files(results).items():
+    for (group, name_of), file in envelope_files(results).items():
+        if name_of != ("" if plate is None else plate.name):
+            continue
         what = f"envelope of {group}" if group else f"envelope of {results.combined.solved} combinations"
-        words = ", ".join(part for part in (title, what) if part)
+        words = ", ".join(part for part in (result.model.title, what) if part)
         envelope, marks = results.combined.over(group), unsolved_marks(result)
+        at_nodes = envelope.on(plate).fields
         for ending, name in envelope_pictures(results, file).items():
             panels = []
             for end, side in enumerate(("largest", "smallest")):
                 for field in enveloped(results, ending):
-                    ends, at = envelope.field(field), envelope.places[envelope.layout.fields.index(field), end].tolist()
-                    said, above = _end(results, estimates, field, SIDES[end], ends)
-                    shown = result.stress_nodes.spread(getattr(envelope.fields[field], side))
+                    of = f"{name_of}.{field}" if name_of else field
+                    ends, at = envelope.field(of), envelope.places_of(of)[end].tolist()
+                    said, above = _end(results, estimates, of, SIDES[end], ends)
+                    shown = result.stress_nodes.spread(getattr(at_nodes[field], side))
                     label = f"{side} {PICTURED[field].label(result.model.units)}"
                     limits = ends.min, ends.max
                     panels.append(Panel(shown, limits, label, KINDS[PICTURED[field].kind].colours, [(said, at)], above))

@@ -129,8 +129,11 @@ def write_results(
             if results.model.profile:
                 (beside / PROFILES_CSV).write_text(profiles_csv(results), encoding="utf-8")
                 draw_profiles(results, beside, pictures)
-            for group, name in envelope_files(results).items():
-                write_envelope(results.discretisation.stress_nodes, results.combined.over(group), beside / name)
+            plates = {one.name: one for one in results.discretisation.plates}
+            for (group, plate), name in envelope_files(results).items():
+                of = plates.get(plate)
+                nodes = (results.discretisation if of is None else of.own).stress_nodes
+                write_envelope(nodes, results.combined.over(group).on(of), beside / name)
             if table is not None:
                 Path(table).rename(beside / TABLE)
             elif results.model.tabulated:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -14,6 +14,7 @@ from signorini import _core
 from signorini.base.remade import Brief, Remade
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import Discretisation
+from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
@@ -93,6 +94,10 @@ class Extremes:
             result.append(better)
         return result
 
+    def pick(self, which: Ints) -> Extremes:
+        """Those of some of the numbers."""
+        return Extremes(*(getattr(self, one.name)[which] for one in fields(self)))
+
     @property
     def ends(self) -> tuple[int, int]:
         """Which of these numbers is the largest of all, and which the smallest; of equals that of the first result."""
@@ -131,7 +136,7 @@ class Envelope:
 
     layout: Layout
     values: Extremes  # of every number of the layout's catalogue (n,)
-    places: Floats  # (f, 2, 2): where the largest and the smallest value of each field is
+    places: Floats  # (f, 2, 2): where the largest and the smallest value of each field is, then of each plate's
     # (2, e, b): the reactions of all bearings where what the layout calls governed is largest, and smallest
     beside: Floats
     fields: dict[str, Extremes]  # at every node of a field, by its name; "reaction" is that of supports on nodes
@@ -154,12 +159,12 @@ class Envelope:
         for index, (support, points) in enumerate(zip(layout.model.support, layout.supports, strict=True)):
             if index in layout.at_rest:
                 along[index] = Extremes.none(len(layout.at_rest[index].pressure_places))
-            elif support.place != "at":
+            elif support.place != "at" and support.area is None:
                 along[index] = Extremes.none(len(points.positions))
         return cls(
             layout,
             Extremes.none(len(layout.catalogue)),
-            np.full((len(layout.fields), len(SIDES), 2), np.nan),
+            np.full((len(layout.catalogue.at("field", "max")), len(SIDES), 2), np.nan),
             np.full((2, len(layout.governed), len(layout.bearings)), np.nan),
             {name: Extremes.none(len(layout.nodes if name in PEAKING else mesh.points)) for name in names},
             {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
@@ -174,9 +179,26 @@ class Envelope:
         return Ends(largest, int(of.largest_by[at]), smallest, int(of.smallest_by[at]))
 
     def field(self, name: str) -> Ends:
-        """Extremes of a field over all results and its nodes, away from where it has no limit."""
+        """Extremes of a field over all results and its nodes, away from where it has no limit.
+
+        Of several plates "plate.field" is one plate's.
+        """
         high, low = self[f"max:{name}"], self[f"min:{name}"]
         return Ends(high.max, high.max_by, low.min, low.min_by)
+
+    def places_of(self, name: str) -> Floats:
+        """Where (2, 2) the largest and the smallest value of such a field are."""
+        catalogue = self.layout.catalogue
+        places: Floats = self.places[catalogue.numbers[catalogue.by_column[f"max:{name}"]].owner]
+        return places
+
+    def on(self, plate: OfWhole | None) -> Envelope:
+        """Those at the nodes of one of several plates; all of them where there is one alone."""
+        if plate is None:
+            return self
+        nodes = np.arange(plate.nodes.start, plate.nodes.stop)
+        at = {name: plate.stress_nodes if name in PEAKING else nodes for name in self.fields}
+        return replace(self, fields={name: one.pick(at[name]) for name, one in self.fields.items()})
 
     def take_fields(self, result: Result, who: Ints) -> None:
         """Meet the fields of one result (1,)."""

@@ -314,10 +314,16 @@ class Number:
         return str(self.path[-1]) if self.home == "field" else self.quantity.name
 
     @property
+    def over_plates(self) -> bool:
+        """Whether it is an extreme over all plates."""
+        return self.home == "field" and self.path[0] != "plates"
+
+    @property
     def envelope_path(self) -> Path:
         """Where its extremes stand in an envelope, of which results.json names the quantities of probes and points."""
         if self.home == "field":
-            return ("fields", self.subject)
+            plate = self.path[:2] if self.path[0] == "plates" else ()
+            return (*plate, "fields", self.quantity.name)
         own = len(self.path) - len(self.quantity.path)
         return (*self.path[:own], self.quantity.name) if self.home in ("probe", "point") else self.path
 
@@ -383,14 +389,11 @@ class Catalogue:
                 for one in MEANS:
                     path = ("strips", index, "stations", station, *one.path)
                     result.append(Number(one, "station", index, path, f"{subject}[{station + 1}]", station))
-        for index, name in enumerate(fields):
-            of: Path = (name,) if name == "deflection" else ("fields", name)
-            result += [Number(FIELDS[name], "field", index, (*of, side), name) for side in SIDES]
-        for plate in model.plates:
-            for index, name in enumerate(fields):
-                of = ("plates", plate, *((name,) if name == "deflection" else ("fields", name)))
-                subject = f"{plate}.{name}"
-                result += [Number(FIELDS[name], "field", index, (*of, side), subject, 0, False) for side in SIDES]
+        enveloped = [(plate, name) for plate in ("", *model.plates) for name in fields]
+        for index, (plate, name) in enumerate(enveloped):
+            on, of = ("plates", plate) if plate else (), (name,) if name == "deflection" else ("fields", name)
+            subject = f"{plate}.{name}" if plate else name
+            result += [Number(FIELDS[name], "field", index, (*on, *of, side), subject) for side in SIDES]
         return cls(tuple(result))
 
     def __len__(self) -> int:

@@ -208,7 +208,8 @@ class Block:
     reaction: Floats  # (k, p): of every point of every support
     closed: Bools  # (k, p)
     on_areas: Floats  # (k, a): deflections of the nodes around elastic areas
-    places: Floats  # (k, f, 2, 2): where the largest and the smallest value of each enveloped field is
+    # (k, f, 2, 2): where the largest and the smallest value of each enveloped field is, behind them those of each plate
+    places: Floats
 
     @classmethod
     def empty(cls, layout: Layout, first: int, count: int) -> Block:
@@ -230,7 +231,7 @@ class Block:
             nan(layout.point_count),
             np.zeros((count, layout.point_count), np.bool_),
             nan(len(layout.around_areas)),
-            nan(len(layout.fields), len(SIDES), 2),
+            nan(len(layout.catalogue.at("field", "max")), len(SIDES), 2),
         )
 
     @property
@@ -254,8 +255,8 @@ class Block:
         self.on_areas[row] = result.deflection[layout.around_areas]
         by_path = result.catalogue.by_path
         self.values[row] = result.numbers[[by_path[one.path] for one in layout.catalogue]]
-        for at, name in enumerate(layout.fields):
-            ends = result.extremes[name]
+        each = [one.extremes[name] for one in (result, *result.plates.values()) for name in layout.fields]
+        for at, ends in enumerate(each):
             self.places[row, at] = ends.max_at, ends.min_at
 
     def put_supports(
