@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import json
 import sys
+import warnings
 from collections import Counter
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -36,6 +37,7 @@ from signorini.contact.problem import ContactProblem
 from signorini.contact.strategy import answered
 from signorini.equilibrium.imbalance import imbalance
 
+warnings.simplefilter("error", RuntimeWarning)
 TOLERANCE = 1e-8
 _BALANCED = 1e-9
 """What may be out of balance in a solution, over the largest force: elsewhere the plate flies off."""
@@ -243,9 +245,12 @@ class Program:
             stretch = travel + r
             pieces = [int((at.sum(axis=1) < s).sum()) for (at, _), s in zip(every, stretch, strict=True)]
             if pieces == before:
-                left = np.abs(self.K @ u + self.G.T @ r - self.right).max()
-                if left <= _BALANCED * max(1.0, np.abs(r).max(initial=0.0)):
-                    rounding = self._rounding(matrix, right, x, len(u))
+                size = max(1.0, np.abs(r).max(initial=0.0))
+                left = np.abs(self.K @ u + self.G.T @ r - self.right).max() / size
+                # Displacements that are rounded are out of balance by so much.
+                lost = np.finfo(float).eps * (abs(self.K) @ np.abs(u)).max() / size
+                if left <= max(_BALANCED, lost):
+                    rounding = max(left, self._rounding(matrix, right, x, len(u)))
                 break
             before = pieces
             at = np.array([law[max(piece - 1, 0)] for (law, _), piece in zip(every, pieces, strict=True)]).reshape(
@@ -272,9 +277,14 @@ class Program:
         return Solution(displacement, self.force * r / self.size, rounding)
 
     def _rounding(self, matrix: csc_array, right: np.ndarray, x: np.ndarray, n: int) -> float:
-        """By how much of the largest another rounding of a matrix moves its solution x: n dofs, then reactions."""
-        other = matrix.copy()
-        other.data *= 1.0 + np.finfo(float).eps * np.random.default_rng(n).choice([-1.0, 1.0], len(other.data))
+        """By how much of the largest another rounding of K moves its solution x: n dofs, then reactions.
+
+        The entries of K, whose diagonal is one here, are sums of elements' entries of that size.
+        """
+        noise = self.K.copy()
+        noise.data = np.finfo(float).eps * np.random.default_rng(n).choice([-1.0, 1.0], len(noise.data))
+        noise.resize(matrix.shape)
+        other = csc_array(matrix + noise)
         apart = np.abs(splu(other).solve(right) - x)
         u, moved = self.dof * x[:n], self.dof * apart[:n]
         return float(
@@ -314,11 +324,16 @@ def draw(seed: int) -> tuple[Counter[str], list[str]]:
         return Counter({"solved": 1}), wrong
     program = Program(problem, load.nodal)
     solution = program.solve()
-    if imbalance(problem.discretisation, problem.freedom, load.weighing) is not None:
-        found = solution is not None and solution.is_exact
-        outcome = Counter({"no equilibrium": 1, "so the program": int(solution is None)})
-        return outcome, ["the program finds one"] if found else []
+    none = Counter({"no equilibrium": 1, "so the program": int(solution is None)})
+    found = ["the program finds one"] if solution is not None and solution.is_exact else []
+    try:
+        if imbalance(problem.discretisation, problem.freedom, load.weighing) is not None:
+            return none, found
+    except InputError:
+        return Counter({"refused": 1}), found
     tried = answered(problem, load)
+    if tried.contradiction:
+        return none, found
     if not tried.passed:
         return Counter({"not certified": 1}), [f"{tried.answer.status}, not certified"]
     answer, outcome = tried.answer, Counter({"solved": 1, "by another method": int(len(tried.methods) > 1)})

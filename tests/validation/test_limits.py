@@ -293,6 +293,19 @@ def test_points_are_on_the_piece_of_their_law_that_has_their_force(method, how, 
         assert result.supports[0].pieces.tolist() == [piece] * 4
 
 
+@pytest.mark.parametrize("how", [{"law": [[0, 0], [3, 180]]}, {"law": [[-1, -60], [0, 0], [3, 180], [4, 300]]}])
+def test_a_law_on_a_held_edge_that_settles_has_the_reaction_of_its_travel(how):
+    """Only held dofs move there: the reaction follows from no other."""
+    held, law = {"edge": "left", "fix": "simple"}, {"edge": "left", "resists": "both", "settlement": -0.5, **how}
+    plate = {"shape": "rectangle", "size": [4, 3], "thickness": 0.1}
+    model = signorini.Model(
+        material={"E": 30e9, "nu": 0.2}, plate=plate, support=[law, held, {"edge": "right"}], load=[{"pressure": 1e3}]
+    )
+    reactions = signorini.solve(model)["all"].reactions
+    assert reactions["support 1"] == pytest.approx(3 * 60 * 0.5, rel=1e-12)
+    assert sum(reactions.values()) == pytest.approx(12e3, rel=1e-9)
+
+
 def test_pieces_tell_open_closed_and_yielding_points_apart_in_files(tmp_path):
     result = signorini.solve(raft(force=90e3))
     signorini.write(result, tmp_path, signorini.estimate(result))

@@ -173,7 +173,9 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     contacts = contacts.pick(not_held(mesh, held, contacts))
     _require_agreement(mesh, held, contacts)
     _require_agreement_on_areas(model, mesh, held, contacts)
-    equations = np.flatnonzero(contacts.two_sided)
+    rows = _over_dofs(mesh, held, contacts)
+    # What is pressed where every dof is held has a reaction that follows from no other.
+    equations = np.flatnonzero(contacts.two_sided & _moves(rows, held))
     if len(equations) > _MOST:
         raise InputError(
             f"Found {len(equations)} rigid points between the mesh's nodes that hold both ways; at most {_MOST} can be "
@@ -181,7 +183,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
             place=("support", int(contacts.support[equations[0]])),
         )
     points = contacts.pick(equations)
-    whole = _over_dofs(mesh, held, points)
+    whole = rows[equations]
     free = within(whole, ~held.dofs)
     scale = lengths(free)
     result = followers(times(free, 1.0 / scale))
@@ -247,12 +249,17 @@ def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools
     return np.asarray(~repeated.points.slope & (at_points | with_others))
 
 
+def _moves(rows: csr_array, held: Held) -> Bools:
+    """Which rows (m,) have a part in dofs that are not held."""
+    return np.asarray((abs(rows) > SAME) @ ~held.dofs)
+
+
 def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
     """Which points (k,) act: not those whose every dof is held, unless they are compliant and pressed there."""
     if not held.dofs.any():
         return np.arange(len(contacts))
     rows = _over_dofs(mesh, held, contacts)
-    fixed = ~((abs(rows) > SAME) @ ~held.dofs)
+    fixed = ~_moves(rows, held)
     beyond = rows @ held.values - contacts.distance
     both_ways = contacts.limits[0] < 0.0
     beyond[both_ways] = np.abs(beyond[both_ways])
