@@ -387,7 +387,9 @@ def test_a_second_run_replaces_the_first_and_nothing_else(results: signorini.Res
     ]
 
 
-@pytest.mark.parametrize("names", ['["../precious.vtu", "/etc/passwd"]', "7", '[{"file": 7}]'])
+@pytest.mark.parametrize(
+    "names", ['["../precious.vtu", "/etc/passwd"]', "7", '{"a": 1}', "[3]", '[{"a": 1}]', '[{"file": 7}]']
+)
 def test_a_forged_list_of_former_files_removes_nothing_else(
     results: signorini.Results, tmp_path: Path, names: str
 ) -> None:

@@ -182,7 +182,7 @@ class TestThinPlates:
         assert max(certificate.penetration, certificate.tension, certificate.complementarity) < signs
 
     def test_clamped(self):
-        for thickness, n in ((1e-3, 80), (1e-5, 80)):
+        for thickness, n in ((1e-3, 80), (1e-5, 160)):
             deflection, result = thin({"fix": "clamped"}, thickness, n)
             assert deflection == pytest.approx(0.00126532, rel=1e-4)
             self.check(result, thickness)
@@ -194,13 +194,13 @@ class TestThinPlates:
         160 × 160 elements see a third. The thin limit itself has converged on 80 × 80.
         """
         found = {}
-        for thickness, n in ((1e-3, 160), (1e-4, 80), (1e-5, 160)):
+        for thickness, n in ((1e-3, 160), (2e-4, 80), (1e-4, 80), (1e-5, 160)):
             found[thickness], result = thin({"resists": "down"}, thickness, n)
             self.check(result, thickness)
         limit = found[1e-5]
         coarse, d = square({"resists": "down"}, 1e-5, 40)
         assert limit == pytest.approx(coarse.deflection.max() * d, rel=1e-4)
-        assert found[1e-4] == pytest.approx(limit, rel=1e-4)
+        assert [found[1e-4], found[2e-4]] == pytest.approx([limit, limit], rel=1e-4)
         assert 1e-4 < found[1e-3] / limit - 1 < 4.5e-4
 
 
