@@ -29,7 +29,7 @@ from signorini.errors import point
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import governing_reactions
 from signorini.output.names import GOVERNING, JSON
-from signorini.results.quantities import FIELDS, LINEAR, MEANS, SIDES, THROUGH, place_of
+from signorini.results.quantities import FIELDS, LINEAR, MEANS, SIDES, THROUGH, on_plate, place_of
 
 Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None where there are none."""
@@ -117,7 +117,7 @@ def _print_fields(console: Console, results: Results, group: str, widths: Widths
     columns = [*numbers("largest"), at, Column("of"), *numbers("smallest"), at, Column("of")]
     shown, mesh = Grid([Column("field"), *columns], unknown=UNSETTLED), results.discretisation.mesh
     for plate, name in product(results.model.plates or ("",), envelope.layout.fields):
-        of, path = (f"{plate}.{name}", ("plates", plate, "fields", name)) if plate else (name, ("fields", name))
+        of, path = on_plate(name, plate), (*(("plates", plate) if plate else ()), "fields", name)
         ends, places = envelope.field(of), envelope.places_of(of)
         most, least = (
             [cell(value, widths, (*path, side), size_of([ends.max, ends.min])), point(at.tolist(), mesh.size)]

@@ -28,7 +28,7 @@ from signorini.plot.picture import Job, Panel, Picture, Sheet, SupportMark
 from signorini.plot.view import exaggeration, seen
 from signorini.results.envelope import Ends
 from signorini.results.marks import extreme, field_range, panel, support_marks, unsolved_marks, view_of
-from signorini.results.quantities import KINDS, PICTURED, RESULTANTS, SIDES
+from signorini.results.quantities import KINDS, PICTURED, RESULTANTS, SIDES, on_plate
 from signorini.results.result import Result
 
 _LONGEST = 44
@@ -107,7 +107,7 @@ def _envelope_sheets(
             panels = []
             for end, side in enumerate(("largest", "smallest")):
                 for field in enveloped(results, ending):
-                    of = f"{name_of}.{field}" if name_of else field
+                    of = on_plate(field, name_of)
                     ends, at = envelope.field(of), envelope.places_of(of)[end].tolist()
                     said, above = _end(results, estimates, of, SIDES[end], ends)
                     shown = result.stress_nodes.spread(getattr(at_nodes[field], side))

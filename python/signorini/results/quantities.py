@@ -334,6 +334,11 @@ class Number:
         return self.home, kind, self.owner if kind in ("pressure", "area") else -1
 
 
+def on_plate(field: str, plate: str) -> str:
+    """Name a field in columns: of one of several plates with its name, of all or of the only one without."""
+    return f"{plate}.{field}" if plate else field
+
+
 def place_of(model: Model, index: int) -> Path:
     """Where a support stands in results.json; contacts, the last ones, stand apart."""
     first = len(model.support) - len(model.contact)
@@ -392,8 +397,8 @@ class Catalogue:
         enveloped = [(plate, name) for plate in ("", *model.plates) for name in fields]
         for index, (plate, name) in enumerate(enveloped):
             on, of = ("plates", plate) if plate else (), (name,) if name == "deflection" else ("fields", name)
-            subject = f"{plate}.{name}" if plate else name
-            result += [Number(FIELDS[name], "field", index, (*on, *of, side), subject) for side in SIDES]
+            path, subject = (*on, *of), on_plate(name, plate)
+            result += [Number(FIELDS[name], "field", index, (*path, side), subject) for side in SIDES]
         return cls(tuple(result))
 
     def __len__(self) -> int:
