@@ -17,8 +17,8 @@ from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import Answer
 from signorini.contact.strategy import answered, uncertain
 from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.laws import can_let_go
 from signorini.discretise.rows import Floats
-from signorini.discretise.supports import can_let_go
 from signorini.equilibrium.imbalance import (
     CONTRADICTION,
     explain,

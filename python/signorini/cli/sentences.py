@@ -13,8 +13,8 @@ from signorini.analysis.results import Results
 from signorini.base.numbers import ROUNDING, size_of
 from signorini.cli.grid import cell, in_contact, unit_of
 from signorini.discretise import Discretisation
+from signorini.discretise.laws import can_let_go
 from signorini.discretise.rows import Bools, Floats
-from signorini.discretise.supports import can_let_go
 from signorini.errors import point
 from signorini.model import MeshPlate, Support
 from signorini.output.envelope_json import envelope_json

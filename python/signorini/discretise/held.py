@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 
 from signorini.base.components import components
 from signorini.base.remade import Brief
+from signorini.discretise.laws import can_let_go
 from signorini.discretise.meshing import to_follow
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
@@ -264,14 +265,7 @@ def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Probl
 
 def holds_deflection(support: Support) -> bool:
     """Whether a support holds the deflection both ways, rigidly and without a gap."""
-    no_gap = support.gap.is_constant and support.gap.value == 0
-    return (
-        support.modulus is None
-        and support.limit is None
-        and support.law is None
-        and support.preload is None
-        and ("w" in support.fixed or (support.resists == "both" and no_gap))
-    )
+    return support.is_rigid and support.preload is None and not can_let_go(support)
 
 
 def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.model import Support
 
 _ROUNDING = 1e-12
 """Part by which slopes of a drawn line differ that is straight: its points are rounded."""
@@ -184,6 +185,23 @@ LAWS += tuple(Law(ends=(slope, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(((0.0, 0.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 LAWS += tuple(Law(((-travel, -1.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 """Of supports that push, that hold both ways, and the same with a limit of 1; each with a spring, and rigid."""
+
+
+def can_let_go(support: Support) -> bool:
+    """Whether the law of a support has a kink: the support lets go, yields, or changes its slope.
+
+    Examples
+    --------
+    >>> can_let_go(Support(area="all", resists="both", law=[[0, 0], [1e-3, 1e4]]))
+    False
+    >>> can_let_go(Support(area="all", resists="both", stiffness=1e7, limit=1e4))
+    True
+    """
+    if support.limit is not None or (support.fix is None and support.resists != "both"):
+        return True
+    if support.law is not None and not Law.drawn(support.law, both=True).straight:
+        return True
+    return not (support.gap.is_constant and support.gap.value == 0)
 
 
 def laws_of(both: bool, limited: bool) -> tuple[Law, Law]:

@@ -24,7 +24,7 @@ from signorini.discretise.repeated import Repeated, not_held
 from signorini.discretise.rows import Further, Ints, Rows
 from signorini.discretise.sections import Sections
 from signorini.discretise.stressnodes import StressNodes
-from signorini.discretise.supports import Ground, between
+from signorini.discretise.supports import Ground, points_of
 from signorini.discretise.thickness import PlateStiffness, Thickness
 from signorini.discretise.zones import ZonesOfPlates
 from signorini.errors import Problems, placing
@@ -92,7 +92,7 @@ def _between(
         own = parts[upper].numbers["support"].index(index)
         mine = [one for one in at[upper] if one.index == own]
         with placing(parts[upper].place):
-            points = between(replace(grounds[upper], beneath=grounds[lower]), mine, problems)
+            points = points_of(replace(grounds[upper], beneath=grounds[lower]), mine, problems)
         result.append(_Joint(index, upper, lower, replace(points, support=np.full(len(points), index))))
     return result
 

@@ -99,6 +99,12 @@ class ContactPoints(Table, Brief):
         return np.asarray(self.unit / (self.scale * slope))
 
     @cached_property
+    def stiffness(self) -> Floats:
+        """Force over travel (m,) where the law is steepest; infinite where it is rigid."""
+        slope: Floats = np.array([law.slopes.max() for law in self.laws])[self.law]
+        return np.asarray(self.scale * slope / self.unit)
+
+    @cached_property
     def limits(self) -> tuple[Floats, Floats]:
         """Least and largest force (m,) that points can give; infinite where there is no end to it."""
         least, most = np.array([law.forces for law in self.laws])[self.law].T
@@ -173,8 +179,13 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def two_sided(self) -> Bools:
-        """Points (m,) that never let go or yield, and so are equations."""
+        """Points (m,) with a straight law, Gu − Cλ = g: they neither let go nor yield."""
         return np.array([law.straight for law in self.laws], np.bool_)[self.law]
+
+    @cached_property
+    def equations(self) -> Bools:
+        """Points (m,) with a straight law of zero compliance, Gu = g: constraints that may depend on each other."""
+        return np.asarray(self.two_sided & (self.compliance == 0.0))
 
     @cached_property
     def holds_both_ways(self) -> Bools:
@@ -190,6 +201,18 @@ class ContactPoints(Table, Brief):
     def averaged(self) -> Bools:
         """Which (m,) are of areas that act on means of elements, and at points on their outline."""
         return self.shared[:, 0] >= 0
+
+
+def partition(points: ContactPoints, tightened: Ints) -> tuple[Springs, ContactPoints]:
+    """Split points into springs, with a straight law of compliance C > 0, and contact points, all others.
+
+    Tightening moves the laws of the supports ``tightened`` (t,), by number: their points stay contact points, but for
+    slopes.
+    """
+    linear = points.two_sided & ~points.equations & (points.slope | ~np.isin(points.support, tightened))
+    of = points.pick(np.flatnonzero(linear))
+    springs = Springs(of.rows, of.stiffness, of.distance, of.positions, of.weights, of.support, of.numbers, of.slope)
+    return springs, points.pick(~linear)
 
 
 @dataclass(frozen=True, eq=False)

@@ -143,7 +143,7 @@ def _clearly_independent(products: csr_array) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Repeated:
-    """Two-sided points (r,) that follow from others, which carry the reactions of all in the equations.
+    """Rigid two-sided points (r,) that follow from others, which carry the reactions of all in the equations.
 
     ``follows`` (r, m) has each row as a combination of the rows of contact points.
     """
@@ -165,7 +165,7 @@ class Shared:
 
 
 def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[ContactPoints, Repeated]:
-    """Leave out points that are held at every dof, and set apart two-sided ones that follow from others.
+    """Leave out points that are held at every dof, and set apart equations that follow from others.
 
     Of the latter slopes, and points of a line or area that follow from others of the same, are left out too: results
     do not tell their reactions. Rigid ones at one place that ask for different deflections are refused.
@@ -175,7 +175,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     _require_agreement_on_areas(model, mesh, held, contacts)
     rows = _over_dofs(mesh, held, contacts)
     # What is pressed where every dof is held has a reaction that follows from no other.
-    equations = np.flatnonzero(contacts.two_sided & _moves(rows, held))
+    equations = np.flatnonzero(contacts.equations & _moves(rows, held))
     if len(equations) > _MOST:
         raise InputError(
             f"Found {len(equations)} rigid points between the mesh's nodes that hold both ways; at most {_MOST} can be "

@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
-from signorini.discretise.laws import LAWS, Law, laws_of
+from signorini.discretise.laws import LAWS, Law, can_let_go, laws_of
 from signorini.discretise.placed import Placed, mean_deflections
 from signorini.discretise.places import (
     MOST,
@@ -21,10 +21,10 @@ from signorini.discretise.places import (
     missing_corners,
     outline_points,
 )
-from signorini.discretise.points import ContactPoints, Springs
+from signorini.discretise.points import ContactPoints, Springs, partition
 from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
-from signorini.discretise.rows import Floats, Ints, Rows, Table
+from signorini.discretise.rows import Bools, Floats, Ints, Rows, Table
 from signorini.discretise.thickness import PlateStiffness
 from signorini.errors import InputError, Problems, point
 from signorini.expression import Expression, Field
@@ -120,49 +120,25 @@ def springs_and_contacts(
     supports: Sequence[Placed],
     problems: Problems,
 ) -> tuple[Springs, ContactPoints]:
-    """What the supports do beyond the dofs that they hold at nodes."""
-    none = np.zeros(0)
-    flags, who, place = np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros((0, 2))
-    result: list[Springs | ContactPoints] = [
-        Springs(Rows.join([]), none, none, place, none, who, who, flags),
-        ContactPoints.none(),
-    ]
-    ground = Ground(shape, mesh, plate, held, stiffness)
-    for placed in supports:
-        with problems.collected():
-            for acting in _acting(ground, placed):
-                result += _springs_or_contacts(ground, placed, acting)
-            if placed.support.rotational_stiffness is not None:
-                result += _turning(ground, placed, placed.support.rotational_stiffness)
-    return (
-        Springs.join([one for one in result if isinstance(one, Springs)]),
-        ContactPoints.join([one for one in result if isinstance(one, ContactPoints)]),
-    )
+    """Partition the points of all supports, beyond the dofs that these hold at nodes."""
+    tightened = [placed.index for placed in supports if placed.support.preload is not None]
+    points = points_of(Ground(shape, mesh, plate, held, stiffness), supports, problems)
+    return partition(points, np.array(tightened, np.int64))
 
 
-def between(upper: Ground, supports: Sequence[Placed], problems: Problems) -> ContactPoints:
-    """What acts between a plate and the one beneath it, as points of supports (`placed`) of the upper one.
+def points_of(on: Ground, supports: Sequence[Placed], problems: Problems) -> ContactPoints:
+    """Points with row and law of every support, beyond the dofs that it holds at nodes.
 
-    Their rows are over both, see `Rows.beside`.
+    Between a plate and the one beneath it their rows are over both, see `Rows.beside`.
     """
     result = [ContactPoints.none()]
     for placed in supports:
         with problems.collected():
-            for acting in _acting(upper, placed):
-                result += [one for one in _springs_or_contacts(upper, placed, acting) if isinstance(one, ContactPoints)]
+            for acting in _acting(on, placed):
+                result += _with_law(on, placed, acting)
+            if placed.support.rotational_stiffness is not None:
+                result += _turning(on, placed, placed.support.rotational_stiffness)
     return ContactPoints.join(result)
-
-
-def can_let_go(support: Support) -> bool:
-    """Whether there are deflections at which the support does not act, or gives no more than its limit."""
-    if support.fix is not None:
-        return False
-    return (
-        support.limit is not None
-        or support.law is not None
-        or support.resists != "both"
-        or not (support.gap.is_constant and support.gap.value == 0)
-    )
 
 
 def _places(support: Support, acting: _Acting) -> Floats:
@@ -286,61 +262,43 @@ def _on_area(on: Ground, placed: Placed) -> _Acting:
     return _with(on, placed, _means(on, through), outline_points(mesh, on.shape, support.where, covered))
 
 
-def _springs_or_contacts(on: Ground, placed: Placed, acting: _Acting) -> list[Springs | ContactPoints]:
+def _with_law(on: Ground, placed: Placed, acting: _Acting) -> list[ContactPoints]:
+    """Give points the law of their support; with travel both ways a table for each way."""
     support, place, count = placed.support, placed.place, len(acting)
-    positions, weights, numbers = acting.positions, acting.weights, acting.numbers
     at = _places(support, acting)
     slope = ~np.isnan(acting.slope)
     settlement = acting.slope if slope.any() else support.settlement(*at.T, place=(*place, "settlement"))
     gap = support.gap(*at.T, at_least=0.0, place=(*place, "gap"))
-    who = np.full(count, placed.index, dtype=np.int64)
-    two_way = support.fix is not None or support.resists == "both"
-    equation = two_way and not gap.any()
+    both = (support.fix is not None or support.resists == "both") and not gap.any()
     elastic, stiffness = np.zeros(count, np.bool_), np.ones(count)
     if support.modulus is not None:
-        shear = on.stiffness.in_shear[acting.rows.elements]
-        stiffness = weights * support.modulus(*at.T, above=0.0, place=(*place, "stiffness"))
-        if support.law is not None and (stiffness >= STIFFEST_SPRING * shear).any():
+        most = STIFFEST_SPRING * on.stiffness.in_shear[acting.rows.elements]
+        stiffness = acting.weights * support.modulus(*at.T, above=0.0, place=(*place, "stiffness"))
+        if support.law is not None and (stiffness >= most).any():
             steepest = float(support.modulus(0.0, 0.0))
             raise InputError(
                 f"found a part that rises by {steepest:.4g} for a travel of 1, which is as good as rigid. Draw it "
                 "without travel, or less steep.",
                 place=(*place, "law"),
             )
-        alone = support.preload is None and support.between is None
-        if equation and support.law is None and support.limit is None and alone:
-            stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
-            return [Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers, slope)]
-        elastic = stiffness < STIFFEST_SPRING * shear
+        elastic = stiffness < most
+        if both and support.limit is None:
+            # A spring, however stiff, is no equation.
+            elastic, stiffness = np.ones(count, np.bool_), np.minimum(stiffness, most)
     laws: tuple[Law, ...] = LAWS
-    law = np.where(elastic, *(LAWS.index(law) for law in laws_of(both=equation, limited=support.limit is not None)))
+    law = np.where(elastic, *(LAWS.index(law) for law in laws_of(both=both, limited=support.limit is not None)))
     scale, unit = np.where(elastic, stiffness, 1.0), np.ones(count)
     if support.limit is not None:
-        scale = weights * support.limit(*at.T, above=0.0, place=(*place, "limit"))
+        scale = acting.weights * support.limit(*at.T, above=0.0, place=(*place, "limit"))
         unit = np.where(elastic, scale / stiffness, 1.0)
     if support.law is not None:
-        laws, law = (Law.drawn(support.law, both=equation),), np.zeros(count, np.int64)
-        scale, unit = weights, np.ones(count)
-    ways = [1.0] * (equation or support.resists != "up") + [-1.0] * (not equation and support.resists != "down")
-    of_points = slope, positions, weights, who, acting.shared, numbers
-    return [
-        ContactPoints(
-            acting.rows if way > 0 else -acting.rows,
-            gap + way * settlement,
-            way * settlement,
-            np.zeros(count),
-            law,
-            scale,
-            unit,
-            np.full(count, way),
-            *of_points,
-            laws,
-        )
-        for way in ways
-    ]
+        laws, law = (Law.drawn(support.law, both=both),), np.zeros(count, np.int64)
+        scale, unit = acting.weights, np.ones(count)
+    ways = [1.0] * (both or support.resists != "up") + [-1.0] * (not both and support.resists != "down")
+    return [_points(placed, acting, way, gap, settlement, (law, scale, unit), laws, slope) for way in ways]
 
 
-def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> list[Springs | ContactPoints]:
+def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> list[ContactPoints]:
     """Springs on the slope across a line, or on both at points."""
     mesh, support, place = on.mesh, placed.support, (*placed.place, "rotational_stiffness")
     if placed.points is None:
@@ -356,16 +314,45 @@ def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> lis
     x, y = on.rows(points, 1), on.rows(points, 2)
     rotation = prescribed_rotations(placed, points.positions)
     most = STIFFEST_SPRING * on.stiffness.in_shear[points.elements] * mesh.element_area[points.elements]
-    result: list[Springs | ContactPoints] = []
+    count, (linear, _) = len(points.elements), laws_of(both=True, limited=False)
+    result = []
     for formula, along in each:
         rows = Rows(points.elements, along[:, :1] * x.coefficients + along[:, 1:] * y.coefficients)
         values = points.weights * formula(*points.within.T, above=0.0, place=place)
-        who, slope = np.full(len(values), placed.index, np.int64), np.ones(len(values), np.bool_)
-        base = (along * rotation).sum(axis=1)
-        result.append(
-            Springs(rows, np.minimum(values, most), base, points.positions, points.weights, who, numbers, slope)
-        )
+        graph = np.zeros(count, np.int64), np.minimum(values, most), np.ones(count)
+        acting = _Acting.of(rows, points, (along * rotation).sum(axis=1), numbers)
+        slope = np.ones(count, np.bool_)
+        result.append(_points(placed, acting, 1.0, np.zeros(count), acting.slope, graph, (linear,), slope))
     return result
+
+
+def _points(
+    placed: Placed,
+    acting: _Acting,
+    way: float,
+    gap: Floats,
+    settlement: Floats,
+    graph: tuple[Ints, Floats, Floats],
+    laws: tuple[Law, ...],
+    slope: Bools,
+) -> ContactPoints:
+    """Points that push the plate one way; ``graph`` is the law's number, scale and unit of each (m,)."""
+    count = len(acting)
+    return ContactPoints(
+        acting.rows if way > 0 else -acting.rows,
+        gap + way * settlement,
+        way * settlement,
+        np.zeros(count),
+        *graph,
+        np.full(count, way),
+        slope,
+        acting.positions,
+        acting.weights,
+        np.full(count, placed.index, np.int64),
+        acting.shared,
+        acting.numbers,
+        laws,
+    )
 
 
 def _means(on: Ground, through: _Acting) -> _Acting:

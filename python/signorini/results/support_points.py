@@ -129,7 +129,7 @@ class SupportPoints:
         if len(own) == 2:
             last = np.array([len(law.slopes) - 1 for law in contacts.laws])[contacts.law[self.rows[1]]]
             own = own[:1] + last - own[1:]
-        return np.asarray(own[0][self.order])
+        return np.concatenate([np.zeros(self.fixed, np.int64), own[0]])[self.order]
 
     def yielded(self, discretisation: Discretisation, reaction: Floats) -> Bools:
         """Whether every point (p,) gives all that it can, from the reactions of all points (m + r,)."""

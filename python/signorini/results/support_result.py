@@ -13,9 +13,10 @@ from signorini.base.remade import Remade
 from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.discretise.held import sides_that_hold_turns
+from signorini.discretise.laws import can_let_go
 from signorini.discretise.places import quadratic_tangents, side_lengths
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
+from signorini.discretise.supports import STIFFEST_SPRING
 from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.results.contact_field.area_contact import AreaContact

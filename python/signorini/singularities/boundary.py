@@ -15,9 +15,9 @@ import numpy.typing as npt
 
 from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
+from signorini.discretise.laws import can_let_go
 from signorini.discretise.places import quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.mesh.sides import onto
 from signorini.model import Support

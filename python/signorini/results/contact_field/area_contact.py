@@ -10,8 +10,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini.base.remade import Remade
+from signorini.discretise.laws import can_let_go
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.supports import can_let_go
 from signorini.expression import Field
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import real_sides
