@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 from signorini import InputError, Model, path, solve
 from signorini.analysis.check import check
 from signorini.cli import app
+from signorini.discretise import discretise
 
 SIZE, THICKNESS = 10.0, 0.4
 LEAST = 0.1 * THICKNESS
@@ -91,15 +92,109 @@ ONE_PLACE = {
         WALL,
         PAD,
         {"area": {"rectangle": [6, 5, 8, 7]}, "resists": "down"},
-        {"line": [[4.01, 5.01], [4.01, 6.99]], "fix": "simple"},
+        {"line": [[4.01, 5.01], [4.01, 6.99]], "resists": "down"},
     ],
-    "a point in an area": [WALL, PAD, {"at": [5.99, 6], "fix": "simple"}],
+    "a point in an area": [WALL, PAD, {"at": [5.99, 6], "resists": "down"}],
 }
 
 
 @pytest.mark.parametrize("supports", ONE_PLACE.values(), ids=ONE_PLACE)
 def test_rigid_supports_at_one_place_are_certified(supports) -> None:
     assert is_certified(model(*supports))
+
+
+FLOOR = {"name": "floor", "area": "all", "resists": "down"}
+ANCHORS = {"name": "anchors", "resists": "up"}
+BOLTED = [[2, 2], [8, 2], [8, 8], [2, 8]]
+OPPOSED: dict[str, list[dict]] = {
+    "points": [FLOOR, ANCHORS | {"at": BOLTED}],
+    "points that hold both ways": [FLOOR, ANCHORS | {"at": BOLTED, "resists": "both"}],
+    "points that hold all": [FLOOR, ANCHORS | {"at": BOLTED, "resists": None, "fix": "clamped"}],
+    "points between nodes": [FLOOR, ANCHORS | {"at": [[2.3, 2.1], [7.2, 6.7]]}],
+    "a vertical law": [FLOOR, ANCHORS | {"at": BOLTED, "law": [[0, 0], [0, 5e3]]}],
+    "preloaded bolts": [FLOOR, ANCHORS | {"at": BOLTED, "preload": 5e3}],
+    "washers": [FLOOR, ANCHORS | {"at": BOLTED, "radius": 0.3}],
+    "square washers": [FLOOR, ANCHORS | {"at": BOLTED, "patch": [0.5, 0.3], "fix": "simple", "resists": None}],
+    "points at an edge": [FLOOR, ANCHORS | {"at": [[0, 3], [0, 7]]}],
+    "a line": [FLOOR, ANCHORS | {"line": [[2, 2], [2, 8]]}],
+    "a circle": [FLOOR, ANCHORS | {"circle": {"center": [5, 5], "radius": 3}, "fix": "simple", "resists": None}],
+    "an area": [FLOOR, ANCHORS | {"area": {"rectangle": [2, 2, 4, 8]}}],
+    "a point within one area": [WALL, PAD, ANCHORS | {"at": [5, 6]}],
+    "a line on the outline of an area": [WALL, PAD, ANCHORS | {"line": [[4, 4], [4, 8]]}],
+    "an area that holds down": [WALL, FLOOR | {"resists": "up"}, ANCHORS | {"at": BOLTED, "resists": "down"}],
+    "settled alike": [FLOOR | {"settlement": 0.01}, ANCHORS | {"at": BOLTED, "settlement": 0.01}],
+    "gaps alike": [WALL, FLOOR | {"gap": 0.01}, ANCHORS | {"at": BOLTED, "settlement": 0.01}],
+}
+
+
+@pytest.mark.parametrize("supports", OPPOSED.values(), ids=OPPOSED)
+def test_rigid_supports_that_oppose_each_other_are_refused(supports) -> None:
+    given = [{key: value for key, value in one.items() if value is not None} for one in supports]
+    words = said(model(*given))
+    assert "floor" in words or "pad" in words
+    assert "anchors" in words and "both are rigid" in words and "Give one of the two a stiffness" in words
+    *others, anchors = given
+    if "law" not in anchors and anchors.get("fix") != "clamped":
+        discretise(model(*others, anchors | {"stiffness": 1e7}))
+
+
+BODY = {"rigid": True, "area": {"rectangle": [0, 0, 5, 5]}}
+NOT_OPPOSED: dict[str, list[dict]] = {
+    "the edge of the plate": [FLOOR, {"edge": "left", "resists": "both"}],
+    "a line along the edge of the plate": [FLOOR, {"line": [[0, 0], [0, 10]], "resists": "up"}],
+    "corners of the plate": [FLOOR, {"at": [[0, 0], [0, 10], [10, 0], [10, 10]], "resists": "up"}],
+    "a line that holds its slope": [FLOOR, {"line": [[2, 2], [2, 8]], "fix": "clamped"}],
+    "points within a rigid zone": [FLOOR, {"at": [[1.5, 1.5], [2.5, 3]], "resists": "up"}],
+    "washers within a rigid zone": [FLOOR, {"at": [[1.5, 1.5], [2.5, 3]], "radius": 0.2, "resists": "up"}],
+    "points that push as the area does": [FLOOR, {"at": BOLTED, "resists": "down"}],
+    "an area that holds both ways": [FLOOR | {"resists": "both"}, {"at": BOLTED, "resists": "up"}],
+    "clearance": [FLOOR | {"gap": 0.001}, {"at": BOLTED, "resists": "up"}],
+    "anchors that yield": [FLOOR, {"at": BOLTED, "resists": "up", "limit": 1e4}],
+    "beside the area": [WALL, PAD, {"at": [3.5, 6], "resists": "up"}],
+    "areas that touch": [WALL, PAD, {"area": {"rectangle": [6, 5, 8, 7]}, "resists": "up"}],
+}
+
+
+@pytest.mark.parametrize("supports", NOT_OPPOSED.values(), ids=NOT_OPPOSED)
+def test_others_do_not_oppose_each_other(supports) -> None:
+    zone = [BODY] if supports[-1].get("at") in ([[1.5, 1.5], [2.5, 3]],) else []
+    assert is_certified(model(*supports, zone=zone))
+
+
+def test_opposed_supports_between_plates_are_refused() -> None:
+    plate = {"shape": "rectangle", "size": [4, 4], "thickness": 0.2}
+    given = {
+        "material": {"E": 30e9, "nu": 0.2},
+        "plates": {"upper": plate, "lower": plate},
+        "mesh": {"divisions": [4, 4], "error": False},
+        "contact": [{"name": "bearing", "between": ["upper", "lower"], "area": "all"}],
+        "load": [{"plate": "upper", "pressure": 1e3}],
+    }
+    bolts = {"name": "bolts", "between": ["upper", "lower"], "at": [[1, 1], [3, 3]], "resists": "up"}
+    base = {"plate": "lower", "edge": ["left", "right"], "fix": "simple"}
+    words = said(Model(**given, support=[base, bolts | {"radius": 0.1}]))
+    assert "bolts" in words and "bearing" in words and "both are rigid" in words
+    assert is_certified(Model(**given, support=[base, bolts | {"stiffness": 1e8}]))
+
+
+@pytest.mark.parametrize("washers", [{}, {"radius": 20}])
+def test_reactions_of_elastic_anchors_on_a_rigid_floor_have_a_limit(washers) -> None:
+    def base_plate(size: int) -> Model:
+        couple = {"couple_about": {"y": -30e6}, "at": [200, 150], "patch": [120, 120]}
+        return Model(
+            material={"E": 210e3, "nu": 0.3},
+            plate={"shape": "rectangle", "size": [400, 300], "thickness": 20},
+            mesh={"size": size, "error": False},
+            support=[
+                FLOOR,
+                ANCHORS | washers | {"at": [[50, 50], [350, 50], [350, 250], [50, 250]], "stiffness": 3e5},
+            ],
+            load=[{"force": 50e3, "at": [200, 150], "patch": [120, 120]}, couple],
+        )
+
+    pulls = [solve(base_plate(size))["all"].supports[1].reactions.min() for size in (40, 20)]
+    assert pulls[0] == pytest.approx(pulls[1], rel=0.01)
+    assert pulls[1] == pytest.approx(-73e3, rel=0.03)
 
 
 def test_the_thickness_is_that_where_supports_are() -> None:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from signorini.discretise.held import Held
+from signorini.discretise.held import Held, rounding_of
 from signorini.discretise.points import ContactPoints, Springs
 from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
@@ -22,7 +22,7 @@ from signorini.mesh.sides import Sides
 from signorini.model import Model, OutlinedPlate, Support
 from signorini.model.plate import SLIMMEST
 from signorini.shapes import Region
-from signorini.shapes.distances import Targets, edges_of
+from signorini.shapes.distances import Targets, depth, edges_of
 from signorini.shapes.extent import Tolerances
 
 LONGEST = 1000.0
@@ -48,6 +48,10 @@ _RANK = 1e-9
 _ALONG = 0.02
 """Slope of the distance between two lines up to which one runs along the other. Lines that meet or cross at more, which
 is about a degree, are at one place there: they pry no more than parallel ones at the least distance."""
+_AROUND = 64
+"""Directions in which the plate is looked for around a place."""
+_HALF_AT_POINT, _HALF_ON_LINE = 0.375, 0.625
+"""Parts of a turn: a corner of the plate has less than the first, 135°, and its edge less than the second."""
 _OF_SIDE, _OF_CIRCLE, _MOST = 8, 64, 1000
 """Pieces of a side of a line and of a circle that are looked at, at least, and of either, about at most."""
 
@@ -97,6 +101,9 @@ def require_domain(
     rigid |= set(np.flatnonzero(total > RIGID).tolist())
     nominal = np.broadcast_to(thickness.nominal.min(axis=1), len(mesh.elements))
     least = np.asarray((1.0 - _ROUNDING) * Tolerances(mesh.diameter, nominal).apart)
+    for error in _opposed(model, mesh, held, contacts, least):
+        with problems.collected():
+            raise error
     # What is between two plates says nothing of where one is held.
     for between in dict.fromkeys(model.support[index].between for index in sorted(rigid)):
         alike = [index for index in sorted(rigid) if model.support[index].between == between]
@@ -255,6 +262,77 @@ def _too_near(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> 
                     what = _name(model.support[other.index], other, near[0])
                     yield _in_words(model, ("support", index, support.place), *near, what)
                     break
+
+
+def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, least: Floats) -> Iterator[InputError]:
+    """Pairs of a rigid one-sided area and a rigid support on it that holds the plate against it.
+
+    w ≤ g on the area and w ≥ g at a support on it leave no lever but the distance to the next point of the area.
+    """
+    nodes, holders = held.holders.T
+    at, who = np.concatenate([mesh.points[nodes], contacts.positions]), np.append(holders, contacts.support)
+    value = np.append(held.values[3 * nodes], contacts.direction * contacts.distance)
+    pushes, holds = (np.append(np.ones(len(nodes), np.bool_), one & ~contacts.slope) for one in contacts.rigid_ways)
+    told = set[frozenset[int]]()
+    rounding = rounding_of(float(np.abs(value).max(initial=0.0)), mesh.points)
+    for index in np.unique(contacts.support).tolist():
+        floor, own = model.support[index], who == index
+        up = bool(pushes[own].any())
+        if floor.area is None or up == bool(holds[own].any()) or up != (floor.resists == "down"):
+            continue
+        others = np.flatnonzero((holds if up else pushes) & ~own & _against(model, mesh, floor, at, who))
+        places = at[others].T
+        gap = floor.gap(*places, at_least=0.0, place=("support", index, "gap"))
+        level = floor.settlement(*places, place=("support", index, "settlement")) + (gap if up else -gap)
+        others = others[np.abs(value[others] - level) <= rounding]
+        others = others[_can_turn(model, mesh, held, contacts, least, others)]
+        for other in np.unique(who[others]).tolist():
+            if frozenset((index, other)) in told:
+                continue
+            told.add(frozenset((index, other)))
+            found = at[others[who[others] == other][0]]
+            support, (holding, pushing) = model.support[other], ("down", "up") if up else ("up", "down")
+            yield InputError(
+                f"{support.name} holds the plate {holding} at {point(found, mesh.size)}, where {floor.name}, "
+                f"{path_in_words(('support', index))}, pushes it {pushing}; both are rigid. Their reactions grow "
+                "without limit as elements become smaller. Give one of the two a stiffness.",
+                place=("support", other, support.place),
+            )
+
+
+def _against(model: Model, mesh: Mesh, floor: Support, at: Floats, who: Ints) -> Bools:
+    """Which points (q,) at positions (q, 2), of supports (q,), are on an area; points of areas must be inside it."""
+    may = np.array([one.between == floor.between for one in model.support], np.bool_)
+    # A line that holds its slope needs no lever.
+    may &= [one.at is not None or "slope" not in one.fixed for one in model.support]
+    if floor.where.region is None:
+        return np.asarray(may[who])
+    areas = np.array([one.area is not None for one in model.support], np.bool_)[who]
+    return np.asarray(may[who] & (depth(floor.where.region, at) >= np.where(areas, 1.0, -1.0) * mesh.near.place))
+
+
+def _can_turn(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, least: Floats, which: Ints) -> Bools:
+    """Which (k,) of held nodes and, behind them, contact points have plate that bends around them on both sides.
+
+    Those do not that are within a rigid zone, at a corner of the plate or, of lines, on its edge.
+    """
+    nodes, holders = held.holders.T
+    who = np.append(holders, contacts.support)[which]
+    spread = np.array([not support.on_nodes for support in model.support], np.bool_)[who]
+    rows = contacts.rows
+    bends = (held.bodies.rigid[rows.elements] == 0).astype(np.int64)
+    np.add.at(bends, rows.further.owners, ~held.bodies.rigid[rows.further.elements])
+    result = np.append(np.zeros(len(nodes), np.bool_), bends > 0)[which]
+    alone = np.flatnonzero(~spread)
+    middle = mesh.nearest(np.concatenate([mesh.points[nodes], contacts.positions])[which[alone]])
+    turn = 2.0 * np.pi / _AROUND * (0.5 + np.arange(_AROUND))
+    arms = least[middle.elements][:, None, None] * np.column_stack([np.cos(turn), np.sin(turn)])
+    where = mesh.locate((mesh.map(middle.elements, middle.xi)[:, None] + arms).reshape(-1, 2))
+    inside, rigid = where.inside.reshape(-1, _AROUND), held.bodies.rigid[where.elements].reshape(-1, _AROUND)
+    points = np.array([support.at is not None for support in model.support], np.bool_)[who[alone]]
+    around = inside.sum(axis=1) >= np.where(points, _HALF_AT_POINT, _HALF_ON_LINE) * _AROUND
+    result[alone] = around & (inside & ~rigid).any(axis=1)
+    return result
 
 
 def _in_words(model: Model, place: Place, at: Floats, distance: float, least: float, other: str) -> InputError:

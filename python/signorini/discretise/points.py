@@ -197,6 +197,13 @@ class ContactPoints(Table, Brief):
         """Points (m,) that no force makes travel."""
         return np.isinf([law.ends[1] for law in self.laws])[self.law]
 
+    @cached_property
+    def rigid_ways(self) -> tuple[Bools, Bools]:
+        """Points (m,) that no force moves down, and points that no force moves up: vertical ends of their laws."""
+        before, beyond = np.isinf([law.ends for law in self.laws])[self.law].T
+        pushes_up = self.direction > 0.0
+        return np.where(pushes_up, beyond, before), np.where(pushes_up, before, beyond)
+
     @property
     def averaged(self) -> Bools:
         """Which (m,) are of areas that act on means of elements, and at points on their outline."""
