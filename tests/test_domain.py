@@ -193,7 +193,7 @@ def test_reactions_of_elastic_anchors_on_a_rigid_floor_have_a_limit(washers) -> 
         )
 
     pulls = [solve(base_plate(size))["all"].supports[1].reactions.min() for size in (40, 20)]
-    assert pulls[0] == pytest.approx(pulls[1], rel=0.01)
+    assert pulls[0] == pytest.approx(pulls[1], rel=0.02)
     assert pulls[1] == pytest.approx(-73e3, rel=0.03)
 
 

@@ -166,6 +166,35 @@ def test_the_lcp_says_what_its_unknowns_are_and_leads_back_to_reactions(support,
         assert left == pytest.approx(gap, abs=1e-9 * (np.abs(p) @ np.abs(reaction)).max())
 
 
+WITH_LAWS = {
+    "a limit": {"at": OFF_NODES, "resists": "down", "limit": 6e3},
+    "a spring with a limit": {"at": OFF_NODES, "resists": "down", "stiffness": 1e7, "limit": 6e3},
+    "a limit both ways": {"at": OFF_NODES, "resists": "both", "stiffness": 1e7, "limit": 6e3},
+    "a limit and travel both ways": {"at": OFF_NODES, "resists": "both", "gap": 1e-4, "stiffness": 1e8, "limit": 6e3},
+    "a law": {"at": OFF_NODES, "resists": "down", "law": [[0, 0], [0, 2e3], [1e-3, 5e3], [2e-3, 5e3]]},
+    "a law both ways": {"at": OFF_NODES, "law": [[-2e-3, -3e4], [-1e-3, -3e4], [0, 0], [2e-3, 5e3], [3e-3, 9e3]]},
+    "soil that crushes": {"area": "all", "resists": "down", "stiffness": 1e6, "limit": 5e3},
+}
+
+
+@pytest.mark.parametrize("form", ["dual", "stiffness"])
+@pytest.mark.parametrize("law", WITH_LAWS)
+def test_rows_of_limits_and_laws_lead_back_to_the_reactions_of_their_points(law, form):
+    problem = problem_of([CLAMPED, WITH_LAWS[law], {"at": [3.71, 1.1], "resists": "both"}])
+    load = problem.load("all")
+    posed = problem.lcp(load, form)
+    assert len(posed.q) > len(np.unique(posed.points))
+    answer = signorini.lemke(posed.M, posed.q)
+    reactions = np.full(len(problem.gaps), np.nan)
+    reactions[posed.points], gaps = posed.contact(answer.z)
+    wanted = problem.solve(problem.discretisation.cases["load"])
+    assert reactions[posed.points] == pytest.approx(wanted.reaction[posed.points], abs=1e-7 * wanted.reaction.max())
+    travel = problem.G @ (wanted.hi + wanted.lo) - problem.gaps
+    found = (problem.compliance * wanted.reaction - travel)[posed.points]
+    assert gaps == pytest.approx(found, abs=1e-7 * np.abs(wanted.hi[::3]).max())
+    assert signorini.recover(problem, "all", reactions).certificate.passed
+
+
 def test_there_is_no_dual_where_one_sided_supports_alone_hold_the_plate():
     problem = problem_of(ALONE["edges"])
     with pytest.raises(signorini.SignoriniError, match="need K to be regular"):

@@ -10,14 +10,17 @@ from numpy.typing import ArrayLike
 from signorini import _core
 from signorini._core import LcpSolution
 from signorini.base.arguments import array
+from signorini.discretise.laws import Law
+from signorini.discretise.points import ContactPoints
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError
 
 
 class Lcp(NamedTuple):
-    """w = Mz + q with w, z ≥ 0 and zᵀw = 0, over one-sided contact points.
+    """w = Mz + q with w, z ≥ 0 and zᵀw = 0, over the vertices of the laws of contact points.
 
-    Two-sided points, whose reaction may have either sign, are eliminated.
+    A point that only pushes has one row, a point with a limit or a law one row for each vertex. A point with a straight
+    law, whose reaction may have either sign, is eliminated.
 
     Parameters
     ----------
@@ -26,21 +29,75 @@ class Lcp(NamedTuple):
     points : (k,) array
         Contact point of each row, a row of the problem's G.
     gap_is_z : (k,) array
-        Rows that are exchanged: there z is the gap and w the reaction; elsewhere z is the reaction and w the gap.
+        Rows that are exchanged: there z is the gap and w the reaction; elsewhere z is the reaction and w the gap. A row
+        of a limit or a law has in w the part before its vertex, and in z the part beyond it.
+    reaction_from, gap_from : (k, 3) arrays
+        Terms a + b z + c w of each row, of which the reaction and the gap of its point are the sums.
     """
 
     M: Floats
     q: Floats
     points: Ints
     gap_is_z: Bools
+    reaction_from: Floats
+    gap_from: Floats
 
     def contact(self, z: Floats) -> tuple[Floats, Floats]:
         """Reactions (k,) and gaps (k,) of ``points``, given z (k,); z need not solve the problem.
 
+        Rows of one point have the same. Gaps are ρ = g − Gu + Cλ, negative where a point has yielded.
         `signorini.recover` makes of the reactions a certified result.
         """
-        w = self.M @ z + self.q
-        return np.where(self.gap_is_z, w, z), np.where(self.gap_is_z, z, w)
+        known = np.column_stack([np.ones_like(z), z, self.M @ z + self.q])
+        each = ((terms * known).sum(axis=1) for terms in (self.reaction_from, self.gap_from))
+        reaction, gap = (np.bincount(self.points, terms)[self.points] if len(z) else z for terms in each)
+        return reaction, gap
+
+
+def lcp_of(matrix: Floats, q: Floats, points: Ints, w_is_force: Bools, contacts: ContactPoints) -> Lcp:
+    """Pose an LCP whose rows belong to the vertices of the laws of contact points, as the core orders them."""
+    reaction, gap = np.zeros((2, len(q), 3))
+    reaction[np.arange(len(q)), np.where(w_is_force, 2, 1)] = 1.0
+    gap[np.arange(len(q)), np.where(w_is_force, 1, 2)] = 1.0
+    single = np.array([law.only_pushes for law in contacts.laws], np.bool_)[contacts.law[points]]
+    order = np.argsort(points, kind="stable")
+    order = order[~single[order]]
+    for rows in np.split(order, np.flatnonzero(np.diff(points[order])) + 1) if len(order) else ():
+        i = points[rows[0]]
+        law, unit, scale = contacts.laws[contacts.law[i]], contacts.unit[i], contacts.scale[i]
+        reaction[rows], travel = _along(law, unit, scale, w_is_force[rows])
+        gap[rows] = contacts.compliance[i] * reaction[rows] - travel
+    return Lcp(matrix, q, points, w_is_force, reaction, gap)
+
+
+def _along(law: Law, unit: float, scale: float, w_is_force: Bools) -> tuple[Floats, Floats]:
+    """Terms (v, 3) of a point's force and travel in the rows of its law's vertices.
+
+    The point begins on the first piece that holds, or on the first that does not. w is the distance to a vertex, z the
+    distance beyond it: a force on a piece that holds, else a travel.
+    """
+    holds, vertex = law.slopes > 0.0, np.arange(len(law.slopes) - 1)
+    for wanted in (True, False):
+        base = int(np.argmax(holds == wanted))
+        upward = vertex >= base
+        before, beyond = vertex + ~upward, vertex + upward
+        if holds[before].sum() == w_is_force.sum():
+            break
+    adjoins = (vertex == base) | (vertex + 1 == base)
+    gaps = adjoins & ~upward & holds[base] & ~holds[beyond]
+    order = np.lexsort((vertex, np.where(gaps, 0, np.where(adjoins & upward & ~holds[base], 1, 2))))
+    first = base if base < len(vertex) else base - 1
+    with np.errstate(divide="ignore"):
+        compliance = unit / (scale * law.slopes)
+    sign = np.where(upward, 1.0, -1.0)
+    # Travel and force of a unit along each piece.
+    along = np.array([np.where(holds, compliance, 1.0), holds])
+    result = np.zeros((2, len(vertex), 3))
+    result[:, :, 1] = sign * along[:, beyond]
+    result[:, first, 0] = np.array(law.vertices[first]) * [unit, scale]
+    result[:, first, 2] = -sign[first] * along[:, base]
+    travel, force = result[:, order]
+    return force, travel
 
 
 def lemke(

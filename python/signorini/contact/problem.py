@@ -18,7 +18,7 @@ from signorini.base.arguments import points as points_of_plate
 from signorini.base.memory import require_memory_for_interior_point
 from signorini.base.remade import Remade
 from signorini.contact.factoring import Method, base_of, core_problem, factored, method_of, regularization
-from signorini.contact.lcp import Lcp
+from signorini.contact.lcp import Lcp, lcp_of
 from signorini.contact.selection import Answer, chosen
 from signorini.discretise import CaseLoad, Discretisation, discretise
 from signorini.discretise.rows import Bools, Floats, Rows
@@ -72,7 +72,7 @@ class Statement:
 
     @property
     def two_sided(self) -> Bools:
-        """Contact points (m,) that hold both ways, without travel: equations Gu = gaps, whose reaction has any sign."""
+        """Contact points (m,) with a straight law, Gu − Cλ = gaps, whose reaction has either sign."""
         return self.discretisation.contacts.two_sided
 
     @property
@@ -277,7 +277,8 @@ class ContactProblem(Statement, Remade):
         load = vector(load, self.discretisation.dof_count, "load")
         known(form, _FORMS, "form", "form", "The LCP")
         held = self.discretisation.held.values
-        posed = Lcp(*self.condensed.core.lcp(load, held, self.better_form if form == "auto" else form))
+        given = self.condensed.core.lcp(load, held, self.better_form if form == "auto" else form)
+        posed = lcp_of(*given, self.discretisation.contacts)
         if not np.isfinite(posed.M).all() or (form == "stiffness" and self.discretisation.repeats_itself):
             raise SignoriniError(
                 "This problem has no such form: rigid points repeat each other, so that their gaps cannot be chosen "
@@ -303,7 +304,8 @@ class ContactProblem(Statement, Remade):
         whatever stiffness that has; C is `compliance` on the diagonal. Where held dofs have values, K⁻¹ f is the
         displacement under the load with these values. Two-sided points are among the rows: their gap is 0 and their
         reaction has either sign, so where there are any, P and −s are not yet an LCP. That of `lcp` has eliminated
-        them. A point that gives its `limits` has a gap below 0, by what it has yielded.
+        them. P and s know no limit and no law but by C: a point that gives its `limits` has a gap below 0, by what it
+        has yielded, and ``lemke(P, -s)`` may pass its limit. `lcp` has a row for each vertex of such a law.
 
         Raises
         ------

@@ -334,7 +334,7 @@ class Support(Acting, base.Named):
                 said = f"found {list(other)} after {list(one)}, where the law rises without travel"
                 yield ("law", at), f"{said}; it may do so at travel 0 alone. Draw it less steep."
         at_rest = [force for travel, force in law if travel == 0.0]
-        if self.resists != "both" or law[0][0] >= 0.0:
+        if (self.resists or self.unsaid) != "both" or law[0][0] >= 0.0:
             if law[0] != (0.0, 0.0) or law[1][1] <= 0.0:
                 yield (
                     ("law",),
