@@ -2,7 +2,8 @@
 
 The plates are those of methods_agree.py. Their supports get limits, laws, tables of stiffness, springs on slopes and
 preloads besides, and on half of them lie one or two more plates, in contact and tied or bolted to what is below. Bolts
-must have their preloads once they are tightened, which the judge solves too. The judge shares K, G, f and the laws with
+must have their preloads once they are tightened, which the judge solves too. Straight laws must give what their
+stiffnesses give. Rigid areas that other rigid supports oppose are refused. The judge shares K, G, f and the laws with
 the program, and nothing else. It looks for the least potential
 energy over all dofs and all pieces of the laws by Clarabel (Goulart & Chen 2024), and sharpens that on the pieces that
 it finds. Deflections, and reactions where they are unique, agree to 1e-8 of the largest; where one finds no
@@ -34,6 +35,7 @@ import methods_agree
 
 from signorini import InputError, Model, NoEquilibriumError, contact_problem, tightened
 from signorini.contact.problem import ContactProblem
+from signorini.contact.selection import Answer
 from signorini.contact.strategy import answered
 from signorini.equilibrium.imbalance import imbalance
 
@@ -81,6 +83,17 @@ def tables(seed: int) -> Tables:
             corners = [low + size * at for at in ((0, 0), (1, 0), (1, 1), (0, 1), (0.4, 0.3))]
             values = (support["stiffness"] * 10 ** rng.uniform(-1, 0, len(corners))).tolist()
             support["stiffness"] = [[*at.tolist(), value] for at, value in zip(corners, values, strict=True)]
+    for support in list(drawn["support"]):
+        if "area" in support and rng.random() < 0.15:
+            # Rigid, and opposed by what holds down on it, which is refused.
+            support.pop("stiffness", None)
+            continue
+        if "area" in support and rng.random() < 0.2:
+            support["resists"] = "both"
+        if support.get("resists") == "both" and "stiffness" in support and rng.random() < 0.5:
+            support.pop("gap", None)
+            support.pop("limit", None)
+            drawn["support"] += _straight(rng, support, sag)
     if rng.random() < 0.5:
         _stack(rng, drawn, sag, pressure)
     for support in drawn["support"]:
@@ -131,15 +144,45 @@ def _stack(rng: np.random.Generator, drawn: Tables, sag: float, pressure: float)
             contact["limit"] = float(pressure * span ** (2 - dimension) * 10 ** rng.uniform(-0.5, 1))
         drawn["contact"].append(contact)
         if rng.random() < 0.6:
-            tie = {"between": [name, below], "at": [inside() for _ in range(rng.integers(1, 4))]}
+            tie: Tables = {"between": [name, below], "at": [inside() for _ in range(rng.integers(1, 4))]}
+            if rng.random() < 0.2:
+                tie = {"between": [name, below], "line": [inside(), inside()]}
             tie["resists"] = str(rng.choice(["up", "up", "both"]))
             if rng.random() < 0.7:
-                tie["stiffness"] = float(rigidity / span**2 * 10 ** rng.uniform(0, 5))
+                tie["stiffness"] = float(rigidity / span ** (3 if "line" in tie else 2) * 10 ** rng.uniform(0, 5))
             drawn["support"].append(tie)
+            if tie["resists"] == "both" and "stiffness" in tie and rng.random() < 0.5:
+                drawn["support"] += _straight(rng, tie, sag)
         drawn["load"].append({"plate": name, "pressure": float(pressure * rng.uniform(-0.2, 1.0))})
         drawn["load"].append(
             {"plate": name, "force": float(pressure * span**2 * rng.uniform(-0.1, 0.5)), "at": inside()}
         )
+
+
+def _straight(rng: np.random.Generator, support: Tables, travel: float) -> list[Tables]:
+    """Give a support a straight law in place of its stiffness; half of the time share it with another one."""
+    stiffness, others = support.pop("stiffness"), []
+    if not isinstance(stiffness, float):
+        support["stiffness"] = stiffness
+        return []
+    if rng.random() < 0.5:
+        share = rng.random()
+        others, stiffness = [{**support, "stiffness": float(stiffness * (1.0 - share))}], stiffness * share
+    support["law"] = [[0.0, 0.0], [float(travel), float(stiffness * travel)]]
+    return others
+
+
+def with_stiffness(tables: Tables) -> Tables:
+    """Write straight laws both ways as stiffnesses."""
+
+    def written(support: Tables) -> Tables:
+        law = support.get("law", [])
+        if len(law) != 2 or support["resists"] != "both" or law[1][0] == 0.0:
+            return support
+        rest = {key: value for key, value in support.items() if key != "law"}
+        return {**rest, "stiffness": law[1][1] / law[1][0]}
+
+    return {**tables, "support": [written(support) for support in tables["support"]]}
 
 
 def _law(rng: np.random.Generator, travel: float, force: float) -> list[list[float]]:
@@ -308,6 +351,21 @@ def _loosely(problem: ContactProblem) -> list[str]:
     return [f"preloads differ by {apart:.1e}"] if apart > TOLERANCE else []
 
 
+def _otherwise(given: Tables, answer: Answer) -> list[str]:
+    """Whether the same supports by their stiffnesses give the same deflections."""
+    other = with_stiffness(given)
+    if other == given or answer.not_unique:
+        return []
+    problem = contact_problem(Model(**other))
+    problem = tightened(problem, "all")
+    tried = answered(problem, problem.discretisation.cases["load"])
+    if not tried.passed:
+        return ["not certified by stiffnesses"]
+    w, others = (answer.hi + answer.lo)[::3], (tried.answer.hi + tried.answer.lo)[::3]
+    apart = np.abs(w - others).max() / (np.abs(w).max() or 1.0)
+    return [f"laws and stiffnesses differ by {apart:.1e}"] if apart > TOLERANCE else []
+
+
 def draw(seed: int) -> tuple[Counter[str], list[str]]:
     """Solve a plate as `signorini.solve` does, and its program."""
     given = tables(seed)
@@ -337,6 +395,7 @@ def draw(seed: int) -> tuple[Counter[str], list[str]]:
     if not tried.passed:
         return Counter({"not certified": 1}), [f"{tried.answer.status}, not certified"]
     answer, outcome = tried.answer, Counter({"solved": 1, "by another method": int(len(tried.methods) > 1)})
+    wrong = _otherwise(given, answer)
     if solution is None:
         # A solution of all equations refutes that there is none.
         outcome["refuted"] = 1
@@ -344,9 +403,8 @@ def draw(seed: int) -> tuple[Counter[str], list[str]]:
         if solution.rounding == np.inf:
             return outcome, ["the program finds no equilibrium"]
     if not solution.is_exact:
-        return outcome + Counter({"beyond the judge": 1}), []
+        return outcome + Counter({"beyond the judge": 1}), wrong
     w, others = (answer.hi + answer.lo)[::3], solution.displacement[::3]
-    wrong = []
     for what, is_one, mine, theirs in zip(
         ("deflections", "reactions"),
         methods_agree.unique(problem, answer, np.abs(w).max()),
