@@ -50,7 +50,7 @@ class Lcp(NamedTuple):
         """
         known = np.column_stack([np.ones_like(z), z, self.M @ z + self.q])
         each = ((terms * known).sum(axis=1) for terms in (self.reaction_from, self.gap_from))
-        reaction, gap = (np.bincount(self.points, terms)[self.points] if len(z) else z for terms in each)
+        reaction, gap = (np.asarray(np.bincount(self.points, terms), np.float64)[self.points] for terms in each)
         return reaction, gap
 
 
