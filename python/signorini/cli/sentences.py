@@ -10,7 +10,7 @@ import numpy as np
 from signorini.accuracy.half_width import away
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
-from signorini.base.numbers import ROUNDING, size_of
+from signorini.base.numbers import ROUNDING, number, size_of
 from signorini.cli.grid import cell, in_contact, unit_of
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
@@ -18,7 +18,7 @@ from signorini.discretise.supports import can_let_go
 from signorini.errors import point
 from signorini.model import MeshPlate, Support
 from signorini.output.envelope_json import envelope_json
-from signorini.results.figures import figures
+from signorini.results.figures import figures, joints
 from signorini.results.quantities import FIELDS, RESULTANTS, SIDES, place_of
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
@@ -55,8 +55,14 @@ def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -
             yield in_contact(values.name, f"{touching:.6g}", touching, whole, "length", unit_of(units.length))
 
 
-def prying(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
-    """Say of bolts how their force compares with the pull of the loads."""
+def of_bolts(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
+    """Say the sums of bolts' forces, and how these compare with the pull of the loads."""
+    unit = unit_of(result.model.units.force)
+    for joint in joints(result):
+        names = joint.supports[0] if len(joint.supports) == 1 else f"{len(joint.supports)} supports with bolts"
+        size = max(abs(joint.preload), abs(joint.reaction))
+        sums = f"preload {number(joint.preload, size)}{unit}, reaction {number(joint.reaction, size)}{unit}"
+        yield f"{names}, sum of {joint.bolts} bolts: {sums}"
     for index, values in enumerate(result.supports):
         if values.preloads is not None and not np.isnan(values.prying):
             times = cell(values.prying, widths, ("supports", index, "prying"))

@@ -269,7 +269,7 @@ def holds_deflection(support: Support) -> bool:
         support.modulus is None
         and support.limit is None
         and support.law is None
-        and support.preload is None
+        and not support.is_bolt
         and ("w" in support.fixed or (support.resists == "both" and no_gap))
     )
 

@@ -307,7 +307,7 @@ def _springs_or_contacts(on: Ground, placed: Placed, acting: _Acting) -> list[Sp
                 "without travel, or less steep.",
                 place=(*place, "law"),
             )
-        alone = support.preload is None and support.between is None
+        alone = not support.is_bolt and support.between is None
         if equation and support.law is None and support.limit is None and alone:
             stiffness = np.minimum(stiffness, STIFFEST_SPRING * shear)
             return [Springs(acting.rows, stiffness, settlement, positions, weights, who, numbers, slope)]
@@ -328,6 +328,7 @@ def _springs_or_contacts(on: Ground, placed: Placed, acting: _Acting) -> list[Sp
             acting.rows if way > 0 else -acting.rows,
             gap + way * settlement,
             way * settlement,
+            np.zeros(count),
             np.zeros(count),
             law,
             scale,

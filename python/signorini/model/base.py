@@ -87,6 +87,11 @@ class Table(BaseModel, metaclass=_InWords):
         return [key for key in keys if getattr(self, key) is not None]
 
 
+def miscounted(found: int, points: int) -> str:
+    """Say that a list does not have one value a point."""
+    return f"found a list of {found} for {points} point{'s' * (points != 1)}; give one value a point, or one for all."
+
+
 def number(value: object) -> float:
     """Accept an int or float (NumPy's too) that is finite; never a bool or text."""
     if isinstance(value, bool) or not isinstance(value, Real):

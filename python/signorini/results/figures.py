@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -88,6 +89,33 @@ def _support(support: SupportResult) -> dict[str, Any]:
         columns = support.edge.sides.tolist(), support.edge.couples.tolist()
         result["line"] = [{"from": a, "to": b, "couple": couple} for (a, b), couple in zip(*columns, strict=True)]
     return result | {"points" if support.place == "at" else "nodes": list(point_figures(support))}
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Bolts that hold one plate, or the same two plates together: names of their supports, and sums of forces."""
+
+    supports: tuple[str, ...]
+    bolts: int
+    preload: float
+    reaction: float
+
+
+def joints(result: Result) -> list[Joint]:
+    """Sum the preloads and reactions of the bolts of every joint; empty where there is no bolt."""
+    groups: dict[object, list[SupportResult]] = {}
+    for support, values in zip(result.model.support, result.supports, strict=False):
+        if values.preloads is not None:
+            groups.setdefault(support.between or support.plate, []).append(values)
+    return [
+        Joint(
+            tuple(one.name for one in bolts),
+            sum(len(one.reactions) for one in bolts),
+            sum(one.preload for one in bolts),
+            sum(one.reaction for one in bolts),
+        )
+        for bolts in groups.values()
+    ]
 
 
 def total(support: SupportResult) -> dict[str, Any]:
