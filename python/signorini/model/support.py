@@ -156,8 +156,8 @@ class Support(Acting, base.Named):
     )
     gap: NonNegativePointScalar = Field(
         default=Expression(0.0),
-        description="Free travel before it acts, either way it resists: a number, an expression, or a list with one value "
-        "a point; default 0.",
+        description="Free travel before it acts, either way it resists: a number, an expression, or a list with one "
+        "value a point; default 0.",
     )
     stiffness: PointFieldScalar | None = Field(
         default=None,
@@ -228,7 +228,7 @@ class Support(Acting, base.Named):
 
     def on_points(self, value: Any) -> Any:
         """Return a list with one value a point on the points of this support, and any other value as it is."""
-        return value.on(self.at) if isinstance(value, PointValues) else value
+        return value.on(self.at or ()) if isinstance(value, PointValues) else value
 
     def as_bolt(self) -> Self:
         """Return the same support with points that [[tightening]] tightens."""

@@ -45,10 +45,10 @@ from signorini.results.marks import panel, support_marks
 from signorini.results.notebook import supports_table
 from signorini.results.of_plates import said_of
 from signorini.results.quantities import (
+    AT_BOLTS,
     FIELDS,
     LINEAR,
     OF_AREAS,
-    AT_BOLTS,
     OF_BOLTS,
     OF_LIMITED_AREAS,
     SIDES,
