@@ -35,7 +35,7 @@ def tightened(problem: ContactProblem, combination: str) -> ContactProblem:
     ----------
     problem : ContactProblem
     combination : str
-        Whose factors the preloads have.
+        Name of the combination whose factors multiply the preloads.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def _done(discretisation: Discretisation) -> dict[tuple[float, ...], Discretisat
 
 @kept
 def loosened(discretisation: Discretisation, tightening: tuple[float, ...]) -> str:
-    """Why no reactions balance the bolts as they are tightened; empty where they do."""
+    """Message if no reactions balance the forces of a stage; empty if equilibrium exists."""
     for stage in _stages(discretisation, tightening):
         result, load = stage.posed(discretisation, discretisation.contacts.distance)
         try:
@@ -126,12 +126,12 @@ class _Stage:
         return replace(base, contacts=contacts, repeated=repeated), replace(nothing, nodal=nodal, weighing=nodal)
 
     def said(self, message: str) -> str:
-        """Say what happens while they are tightened."""
+        """Put the stage in front of a message."""
         return f"While {self.what}: {message[0].lower()}{message[1:]}"
 
     @property
     def what(self) -> str:
-        """What is done, in words."""
+        """Name of the stage in messages."""
         return f"tightening {' and '.join(self.names)}"
 
 
@@ -141,15 +141,15 @@ def _stages(base: Discretisation, tightening: tuple[float, ...]) -> list[_Stage]
     force = defaultdict[tuple[int, int], Floats](lambda: np.zeros(count))
     names = defaultdict[tuple[int, int], list[str]](list)
     tables = len(model.rounds) - len(model.tightening)
-    acting = [(number, one) for number, one in enumerate(model.rounds) if tightening and tightening[number]]
-    for number, one in acting:
-        groups = bolt_groups(model, contacts, one)
+    acting = [number for number, factor in enumerate(tightening) if factor]
+    for number in acting:
+        name, groups = model.rounds[number].support, bolt_groups(model, contacts, model.rounds[number])
         for turn, points, values in groups:
             key = max(0, number - tables + 1), turn
             force[key][points] = -contacts.direction[points] * tightening[number] * values
-            each = [f"{one.support}[{at + 1}]" for at in contacts.numbers[points].tolist()]
-            names[key] += [one.support] if number < tables or len(groups) == 1 else each
-    bolts = {one.support for _, one in acting}
+            each = [f"{name}[{at + 1}]" for at in contacts.numbers[points].tolist()]
+            names[key] += [name] if number < tables or len(groups) == 1 else each
+    bolts = {model.rounds[number].support for number in acting}
     absent = np.array([support.name in bolts for support in model.support], np.bool_)[contacts.support]
     result = []
     for key in sorted(force):
@@ -176,7 +176,7 @@ def _tighten(base: Discretisation, tightening: tuple[float, ...], watcher: Watch
             raise NotCertifiedError(refusal(stage.what, result, load, tried.answer, tried.certificate))
         if any(later.there.tobytes() == present for later in stages[number:]):
             factored[present] = problem
-        # Bolts that no round tightens are in contact at last, without force.
+        # After the last stage the graphs of bolts that no round tightens begin at the travel of the plate.
         now = np.flatnonzero(~stage.there if number == len(stages) else stage.force)
         points, force = contacts.pick(now), stage.force[now]
         preload[stage.there], preload[now] = tried.answer.reaction, force

@@ -59,10 +59,9 @@ def of_bolts(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
     """Say the sums of bolts' forces, and how these compare with the pull of the loads."""
     unit = unit_of(result.model.units.force)
     for joint in joints(result):
-        names = joint.supports[0] if len(joint.supports) == 1 else f"{len(joint.supports)} supports with bolts"
-        size = max(abs(joint.preload), abs(joint.reaction))
-        sums = f"preload {number(joint.preload, size)}{unit}, reaction {number(joint.reaction, size)}{unit}"
-        yield f"{names}, sum of {joint.bolts} bolts: {sums}"
+        size = max(abs(joint["preload"]), abs(joint["reaction"]))
+        sums = (f"{name} {number(joint[name], size)}{unit}" for name in ("preload", "reaction"))
+        yield f"{' + '.join(joint['supports'])}: {joint['bolts']} bolts, sum of {', of '.join(sums)}"
     for index, values in enumerate(result.supports):
         if values.preloads is not None and not np.isnan(values.prying):
             times = cell(values.prying, widths, ("supports", index, "prying"))

@@ -290,8 +290,8 @@ def _print_points(console: Console, result: Result, widths: Widths, largest: Map
         reaction = cell(float(one.reactions[at]), widths, (*path, "reaction"), largest["reaction"])
         place = point(one.positions[at].tolist(), size)
         before = [""] * len(AT_BOLTS) * tightened
-        if one.before:
-            columns = ((of.name, float(one.before[of.name][at])) for of in AT_BOLTS)
+        if one.bolt_forces:
+            columns = ((of.name, float(one.bolt_forces[of.name][at])) for of in AT_BOLTS)
             before = [cell(value, widths, (*path, name), largest["reaction"]) for name, value in columns]
         shown.add(name, place, reaction, *before, gap, one.states[at])
     console.print()

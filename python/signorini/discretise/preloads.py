@@ -1,4 +1,4 @@
-"""Forces of bolts in every round of tightening, and forces that bolts cannot be given."""
+"""Groups of bolts that are tightened together, their forces, and the check of these forces."""
 
 from __future__ import annotations
 
@@ -15,30 +15,30 @@ from signorini.model import Model, Tightening
 
 
 def bolt_groups(
-    model: Model, contacts: ContactPoints, one: Tightening, place: Place = ()
+    model: Model, contacts: ContactPoints, bolt_round: Tightening, place: Place = ()
 ) -> list[tuple[int, Ints, Floats]]:
     """Return the groups of a round as (order, points (k,), forces (k,)); forces are positive.
 
     A support with a preload has a group for each value of ``order``, and a [[tightening]] one for each of its sequence.
     """
-    (index,) = (at for at, support in enumerate(model.support) if support.name == one.support)
+    (index,) = (at for at, support in enumerate(model.support) if support.name == bolt_round.support)
     support = model.support[index]
     (own,) = np.nonzero(contacts.support == index)
     numbers = contacts.numbers[own]
-    force = support.on_points(one.force)(*contacts.positions[own].T, above=0.0, place=place)
+    force = support.on_points(bolt_round.force)(*contacts.positions[own].T, above=0.0, place=place)
     if support.preload is not None:
         order = np.broadcast_to(support.order or 1, support.point_count)[numbers]
         return [(turn, own[order == turn], force[order == turn]) for turn in np.unique(order).tolist()]
-    groups = [np.isin(numbers, group) for group in one.turns(support.point_count)]
+    groups = [np.isin(numbers + 1, group) for group in bolt_round.sequence or (numbers + 1,)]
     return [(turn, own[group], force[group]) for turn, group in enumerate(groups)]
 
 
 def require_preloads(
     model: Model, mesh: Mesh, contacts: ContactPoints, repeated: Repeated, problems: Problems, between: bool = False
 ) -> None:
-    """Refuse forces beyond what bolts can give, and bolts where rigid supports hold the plate.
+    """Refuse forces above the strength of bolts, and bolts where rigid supports hold the plate.
 
-    Of bolts of one plate, or those between two.
+    ``between`` selects the bolts between two plates; otherwise those of one plate.
     """
     followed = np.zeros(len(contacts), np.bool_)
     followed[repeated.follows.indices] = True
@@ -46,19 +46,19 @@ def require_preloads(
     strength = np.where(contacts.direction < 0.0, most, -least)
     names = [support.name for support in model.support if (support.between is not None) == between]
     tables = len(model.rounds) - len(model.tightening)
-    for number, one in enumerate(model.rounds):
-        if one.support not in names:
+    for number, bolt_round in enumerate(model.rounds):
+        if bolt_round.support not in names:
             continue
-        index = [support.name for support in model.support].index(one.support)
+        index = [support.name for support in model.support].index(bolt_round.support)
         place = ("support", index, "preload") if number < tables else ("tightening", number - tables, "force")
         with problems.collected():
             _require_free(model, index, contacts.numbers[(contacts.support == index) & ~followed])
-            groups = bolt_groups(model, contacts, one, place)
-            for factor, where in _factors(model, one, place):
+            groups = bolt_groups(model, contacts, bolt_round, place)
+            for factor, where in _factors(model, bolt_round, place):
                 for _, at, force in groups:
                     if (beyond := factor * force > strength[at]).any():
                         worst = int(np.argmax(beyond))
-                        times = "" if factor == 1.0 else f", {factor:g} times the preload of {one.support}"
+                        times = "" if factor == 1.0 else f", {factor:g} times the preload of {bolt_round.support}"
                         raise InputError(
                             f"found {factor * force[worst]:g}{times}; at "
                             f"{point(contacts.positions[at][worst], mesh.size)} the bolt gives "
@@ -68,7 +68,7 @@ def require_preloads(
 
 
 def _require_free(model: Model, index: int, numbers: Ints) -> None:
-    """Refuse bolts of which some have no contact point of their own; ``numbers`` are of points that have one."""
+    """Refuse a support with a bolt that has no contact point; ``numbers`` are the points that have one."""
     support = model.support[index]
     key = "at" if support.nodes is None else "nodes"
     for number in range(support.point_count):
@@ -80,10 +80,10 @@ def _require_free(model: Model, index: int, numbers: Ints) -> None:
             )
 
 
-def _factors(model: Model, one: Tightening, place: Place) -> Iterator[tuple[float, Place]]:
+def _factors(model: Model, bolt_round: Tightening, place: Place) -> Iterator[tuple[float, Place]]:
     """Factors of the forces of a round, with the places where they stand."""
     yield 1.0, place
-    if one.case is not None:
+    if bolt_round.case is not None:
         for number, combination in enumerate(model.combination):
-            for factor in sorted(combination.factors_of(one.case)):
-                yield factor, ("combination", number, *combination.cases[one.case])
+            for factor in sorted(combination.factors_of(bolt_round.case)):
+                yield factor, ("combination", number, *combination.cases[bolt_round.case])

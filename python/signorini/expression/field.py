@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -143,11 +143,11 @@ class PointValues:
     values : (k,) tuple of float
         The values, in the order of the points.
     points : (k, 2) tuple
-        Coordinates of the points; `on` sets them.
+        Coordinates of the points, which the support gives.
 
     Examples
     --------
-    >>> gap = PointValues((0.0, 0.3)).on([(1.0, 1.0), (4.0, 1.0)])
+    >>> gap = PointValues((0.0, 0.3), ((1.0, 1.0), (4.0, 1.0)))
     >>> gap([4.0, 1.0], [1.0, 1.0])
     array([0.3, 0. ])
     """
@@ -155,10 +155,6 @@ class PointValues:
     values: tuple[float, ...]
     points: tuple[tuple[float, float], ...] = field(default=(), compare=False, repr=False)
     levels: ClassVar[tuple[Level, ...]] = ()
-
-    def on(self, points: Sequence[tuple[float, float]]) -> PointValues:
-        """Return the same values on these points (k, 2)."""
-        return replace(self, points=tuple(points))
 
     @property
     def is_constant(self) -> bool:

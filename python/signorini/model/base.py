@@ -234,6 +234,12 @@ def _several(kind: type, what: str) -> BeforeValidator:
     return BeforeValidator(read)
 
 
+def _listed_once(value: object) -> object:
+    """Read a single value as a list of one."""
+    value = as_list(value)
+    return value if isinstance(value, list | tuple) else [value]
+
+
 def vector(length: int, form: str) -> tuple[BeforeValidator, WithJsonSchema]:
     """Annotations of a key that takes a list of so many numbers, described by ``form``."""
     return BeforeValidator(listed(length, form)), WithJsonSchema(_numbers_schema(length))
@@ -243,6 +249,16 @@ Number = Annotated[float, BeforeValidator(number)]
 Positive = Annotated[float, Field(gt=0), AfterValidator(_not_tiny), BeforeValidator(number)]
 NonNegative = Annotated[float, Field(ge=0), BeforeValidator(number)]
 Count = Annotated[int, Field(ge=1, le=100_000), BeforeValidator(_whole)]
+Counts = Annotated[
+    tuple[Count, ...],
+    Field(min_length=1),
+    BeforeValidator(_listed_once),
+    PlainSerializer(lambda counts: counts[0] if len(counts) == 1 else counts),
+    WithJsonSchema(
+        {"type": ["integer", "array"], "minimum": 1, "minItems": 1, "items": {"type": "integer", "minimum": 1}}
+    ),
+]
+"""One count or a list of counts."""
 Stations = Annotated[int, Field(ge=2, le=1000), BeforeValidator(_whole)]
 Text = Annotated[str, Field(strict=True, max_length=200), AfterValidator(_printable)]
 

@@ -116,7 +116,7 @@ def _or_list(
 
     number: dict[str, Any] = {"type": "number", **limits}
     every = [*(schemas or [number, {"type": "string"}]), {"type": "array", "items": number, "minItems": 1}]
-    return PlainValidator(each), PlainSerializer(lambda one: one.source), WithJsonSchema({"anyOf": every})
+    return PlainValidator(each), PlainSerializer(lambda value: value.source), WithJsonSchema({"anyOf": every})
 
 
 _ABOVE = {"exclusiveMinimum": 0.0}

@@ -109,25 +109,6 @@ Turning = Annotated[
 ]
 
 
-def _order(value: object) -> object:
-    value = as_list(value)
-    return value if isinstance(value, list | tuple) else [value]
-
-
-Order = Annotated[
-    tuple[base.Count, ...],
-    BeforeValidator(_order),
-    PlainSerializer(lambda order: order[0] if len(order) == 1 else order),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "integer", "minimum": 1},
-                {"type": "array", "items": {"type": "integer", "minimum": 1}, "minItems": 1},
-            ]
-        }
-    ),
-]
-
 _PER_POINT = ("gap", "settlement", "stiffness", "limit", "preload")
 """Keys that take a list with one value a point; so does order."""
 _OF_ONE_PLATE = ("plate", "fix", "nodes", "edge", "rotational_stiffness", "rotation")
@@ -200,7 +181,7 @@ class Support(Acting, base.Named):
         description="The preload is a case of this name: combinations give its factor, and where it has none the bolts "
         "are not tightened. Left out: factor 1 in all.",
     )
-    order: Order | None = Field(
+    order: base.Counts | None = Field(
         default=None,
         description="Bolts of one order are tightened together, after those of lower ones; one number, or a list with "
         "one a point.",
@@ -228,7 +209,7 @@ class Support(Acting, base.Named):
 
     def on_points(self, value: Any) -> Any:
         """Return a list with one value a point on the points of this support, and any other value as it is."""
-        return value.on(self.at or ()) if isinstance(value, PointValues) else value
+        return PointValues(value.values, self.at or ()) if isinstance(value, PointValues) else value
 
     def as_bolt(self) -> Self:
         """Return the same support with points that [[tightening]] tightens."""

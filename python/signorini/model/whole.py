@@ -135,8 +135,8 @@ class Model(Table):
 
     def model_post_init(self, context: Any) -> None:
         """Put contacts among the supports, which they are, of two plates; a dump tells them apart again."""
-        bolts = {one.support for one in self.tightening}
-        alone = (one.as_bolt() if one.name in bolts else one for one in self._alone(self.support))
+        bolts = {bolt_round.support for bolt_round in self.tightening}
+        alone = (support.as_bolt() if support.name in bolts else support for support in self._alone(self.support))
         self.__dict__["support"] = (*alone, *self.contact)
 
     @field_serializer("support")
@@ -156,21 +156,21 @@ class Model(Table):
     @property
     def preload_cases(self) -> tuple[str, ...]:
         """Names of the cases that preloads are, in the order in which they first appear."""
-        return tuple(dict.fromkeys(one.case for one in self.rounds if one.case is not None))
+        return tuple(dict.fromkeys(each.case for each in self.rounds if each.case is not None))
 
     @property
     def rounds(self) -> tuple[Tightening, ...]:
         """Rounds of tightening: a round for every support with a preload, and behind them those of [[tightening]]."""
         preloaded = (
-            Tightening.model_construct(support=one.name, force=one.preload, case=one.preload_case)
-            for one in self.support
-            if one.preload is not None
+            Tightening.model_construct(support=support.name, force=support.preload, case=support.preload_case)
+            for support in self.support
+            if support.preload is not None
         )
         return (*preloaded, *self.tightening)
 
     def round_factors(self, factors: Mapping[str, float]) -> tuple[float, ...]:
         """Factors (t,) of the forces of all `rounds` beside cases with these factors; empty where all are 0."""
-        result = tuple(1.0 if one.case is None else factors.get(one.case, 0.0) for one in self.rounds)
+        result = tuple(1.0 if each.case is None else factors.get(each.case, 0.0) for each in self.rounds)
         return result if any(result) else ()
 
     @property
@@ -350,16 +350,16 @@ class Model(Table):
     def _preload_complaints(self) -> Iterator[Complaint]:
         of_loads = {load.case for load in self.load}
         named = {case for combination in self.combination for case in combination.cases}
-        by_name = {one.name: one for one in self.support}
-        for index, one in enumerate(self.tightening):
-            if one.support not in by_name:
-                yield ("tightening", index, "support"), unknown("support", one.support, tuple(by_name))
+        by_name = {support.name: support for support in self.support}
+        for index, bolt_round in enumerate(self.tightening):
+            if bolt_round.support not in by_name:
+                yield ("tightening", index, "support"), unknown("support", bolt_round.support, tuple(by_name))
                 continue
-            for place, message in one.complaints_of(by_name[one.support]):
+            for place, message in bolt_round.complaints_of(by_name[bolt_round.support]):
                 yield ("tightening", index, *place), message
         cases: list[tuple[Place, str | None]] = []
-        cases += [(("support", index, "preload_case"), one.preload_case) for index, one in enumerate(self.support)]
-        cases += [(("tightening", index, "case"), one.case) for index, one in enumerate(self.tightening)]
+        cases += [(("support", index, "preload_case"), bolt.preload_case) for index, bolt in enumerate(self.support)]
+        cases += [(("tightening", index, "case"), bolt_round.case) for index, bolt_round in enumerate(self.tightening)]
         for place, case in cases:
             if case in of_loads:
                 yield place, f'"{case}" is a case of [[load]] too; give the preload a case of its own.'

@@ -90,7 +90,7 @@ def _combination(results: Results, result: Result, estimates: Estimates | None) 
         "singular": singular_json(result.singular),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         **figures(result),
-        "joints": [asdict(joint) for joint in joints(result)],
+        "joints": joints(result),
         "profiles": [{"name": one.name, "stations": list(one.rows())} for one in result.profiles.values()],
         "plus_minus": None if estimate is None else estimate.plus_minus,
     }
@@ -145,7 +145,7 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
                 x, y = point.pop("at")
                 at_point = width["points"][number - 1] if "points" in width else {}
                 place = {"point": number, "x": x, "y": y, "node": node + 1 if node >= 0 else None}
-                place |= {name: float(values[number - 1]) for name, values in support.before.items()}
+                place |= {name: float(values[number - 1]) for name, values in support.bolt_forces.items()}
                 yield row | place | point | _half_widths(at_point)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -91,29 +90,19 @@ def _support(support: SupportResult) -> dict[str, Any]:
     return result | {"points" if support.place == "at" else "nodes": list(point_figures(support))}
 
 
-@dataclass(frozen=True)
-class Joint:
-    """Bolts that hold one plate, or the same two plates together: names of their supports, and sums of forces."""
-
-    supports: tuple[str, ...]
-    bolts: int
-    preload: float
-    reaction: float
-
-
-def joints(result: Result) -> list[Joint]:
-    """Sum the preloads and reactions of the bolts of every joint; empty where there is no bolt."""
+def joints(result: Result) -> list[dict[str, Any]]:
+    """Sum preloads and reactions over the bolts of each joint: those that hold one plate, or the same two plates."""
     groups: dict[object, list[SupportResult]] = {}
     for support, values in zip(result.model.support, result.supports, strict=False):
-        if values.preloads is not None:
+        if support.is_bolt:
             groups.setdefault(support.between or support.plate, []).append(values)
     return [
-        Joint(
-            tuple(one.name for one in bolts),
-            sum(len(one.reactions) for one in bolts),
-            sum(one.preload for one in bolts),
-            sum(one.reaction for one in bolts),
-        )
+        {
+            "supports": [values.name for values in bolts],
+            "bolts": sum(len(values.reactions) for values in bolts),
+            "preload": sum(values.preload for values in bolts),
+            "reaction": sum(values.reaction for values in bolts),
+        }
         for bolts in groups.values()
     ]
 

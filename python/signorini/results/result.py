@@ -393,8 +393,8 @@ class Result(Remade):
         put("support", limited, *(one.name for one in OF_LIMITED_AREAS))
         bolts = [one for one in self.supports if one.preloads is not None]
         put("support", bolts, *(one.name for one in OF_BOLTS))
-        for one in AT_BOLTS if bolts else ():
-            result[at("point", one.name)] = np.concatenate([bolt.before[one.name] for bolt in bolts])
+        for quantity in AT_BOLTS if bolts else ():
+            result[at("point", quantity.name)] = np.concatenate([bolt.bolt_forces[quantity.name] for bolt in bolts])
         put("section", self.sections, "moment", "twist", "shear")
         put("station", [station for strip in self.strips for station in strip.stations], "moment", "twist", "shear")
         result[at("support", "closed", "open")] = [(one.closed_count, one.open_count) for one in self.supports]

@@ -208,8 +208,8 @@ class SupportResult(Remade):
         return None if self.preloads is None else self.reactions - self.preloads
 
     @property
-    def before(self) -> Mapping[str, Floats]:
-        """What bolts have at their points (k,), by the names of results.json; empty of other supports."""
+    def bolt_forces(self) -> Mapping[str, Floats]:
+        """Forces (k,) of bolts by their names in results.json; empty for other supports."""
         columns = {"tightened_to": self.tightened_to, "preload": self.preloads, "change": self.changes}
         return {name: values for name, values in columns.items() if values is not None}
 

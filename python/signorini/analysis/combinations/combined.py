@@ -290,9 +290,11 @@ class _Run:
         if of_points:
             all_forces, gaps, all_closed = (np.concatenate(column, axis=1) for column in zip(*of_points, strict=True))
             of, supports = self.problem.discretisation, self.layout.supports
-            tightened_to = np.concatenate([one.tightened_to(of) for one in supports])
-            preload = np.concatenate([one.preloads(of) for one in supports])
-            block.put_supports(rows, self.layout, all_forces, gaps, all_closed, tightened_to, preload)
+            bolts = {
+                "tightened_to": np.concatenate([points.tightened_to(of) for points in supports]),
+                "preload": np.concatenate([points.preloads(of) for points in supports]),
+            }
+            block.put_supports(rows, self.layout, all_forces, gaps, all_closed, bolts)
 
     def _put_areas(self, block: Block, rows: Ints) -> None:
         """Largest pressures and areas in contact of rows of which the deflections around areas are known."""
