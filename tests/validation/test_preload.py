@@ -602,7 +602,7 @@ def test_bolts_of_rounds_are_tightened_beyond_nothing_that_holds_the_plate() -> 
 
 WRONG_ROUNDS: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     ({"support": "bolt"}, {}, "tightening[1].support: Unknown support 'bolt'"),
-    ({}, {"preload": 1e3}, 'tightening[1].support: "bolts" has the key preload'),
+    ({}, {"preload": 1e3}, 'tightening[1].support: "bolts" has a preload'),
     ({}, {"resists": "down"}, "tightening[1].support: found resists = down"),
     ({}, {"gap": 1e-3}, "tightening[1].support: a gap does not go with a preload"),
     ({"support": "bed"}, {}, "tightening[1].support: found resists = down"),

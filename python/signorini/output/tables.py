@@ -90,7 +90,7 @@ def _combination(results: Results, result: Result, estimates: Estimates | None) 
         "singular": singular_json(result.singular),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         **figures(result),
-        "joints": joints(result),
+        **({"joints": of_bolts} if (of_bolts := joints(result)) else {}),
         "profiles": [{"name": one.name, "stations": list(one.rows())} for one in result.profiles.values()],
         "plus_minus": None if estimate is None else estimate.plus_minus,
     }
