@@ -445,7 +445,7 @@ STAR = [[1, 4], [2, 5], [3, 6]]
 
 def flange(rounds: list[dict[str, Any]], **bolt: Any) -> Model:
     """A blind flange on a ring with a gasket between, in N and mm; bolts on a circle of 160."""
-    ring = {"shape": "annulus", "inner": 103.25, "outer": 187.5, "thickness": 34, "mesh": {"size": 50}}
+    ring = {"shape": "annulus", "inner": 103.25, "outer": 187.5, "thickness": 34, "mesh": {"size": 60}}
     turn = np.arange(6) * np.pi / 3
     named = {"bolts": 1} if "preload_case" in bolt or any("case" in one for one in rounds) else {}
     bolts = {
@@ -461,7 +461,7 @@ def flange(rounds: list[dict[str, Any]], **bolt: Any) -> Model:
             "material": {"E": 205e3, "nu": 0.3},
             "mesh": {"error": False},
             "plates": {
-                "blind": {"shape": "disc", "radius": 187.5, "thickness": 36, "mesh": {"size": 50}},
+                "blind": {"shape": "disc", "radius": 187.5, "thickness": 36, "mesh": {"size": 60}},
                 "ring": ring,
             },
             "contact": [

@@ -1,7 +1,7 @@
 """Preloaded bolts, tightened and locked before other loads act: a settlement of each, found by solving.
 
 While a group of bolts is tightened, these bolts are forces on the plate. Bolts that were tightened before hold by their
-graphs. All other bolts are hand-tight: they carry nothing. Then the graphs of the group are moved, so that each bolt
+graphs. All other bolts are hand-tight: their force is 0. Then the graphs of the group are moved, so that each bolt
 has its force at the travel that it has. Nothing else knows of preloads: loads act on the moved graphs.
 """
 

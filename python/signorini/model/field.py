@@ -98,7 +98,7 @@ FieldScalar = Annotated[
 def _or_list(
     read: Callable[[object], Any], limits: dict[str, float], schemas: list[dict[str, Any]] | None = None
 ) -> tuple[PlainValidator, PlainSerializer, WithJsonSchema]:
-    """Annotations of a key that takes what ``read`` reads, or a list of numbers, one for each point."""
+    """Annotations of a key that takes a value, which ``read`` reads, or a list with one number for each point."""
 
     def each(value: object) -> Any:
         value = as_list(value)

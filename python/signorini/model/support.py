@@ -350,7 +350,7 @@ class Support(Acting, base.Named):
             if self.place != "at":
                 yield (
                     (key,),
-                    f"found {describe(values)}; a list with one value a point goes with at or nodes, not with "
+                    f"found {describe(values)}; a list with one value a point is for at or nodes, not for "
                     f"{self.place}. Give one value.",
                 )
             elif len(values) != self.point_count:

@@ -32,7 +32,7 @@ class Tightening(base.Table):
     )
 
     def complaints_of(self, support: Support) -> Iterator[base.Complaint]:
-        """Yield what is wrong with this round of a support, relative to this table."""
+        """Yield the faults of this round of a support, with places relative to this table."""
         if support.preload is not None:
             yield ("support",), f'"{support.name}" has a preload. Leave preload and order out there: force stands here.'
         yield from ((("support",), message) for _, message in support.bolt_complaints())

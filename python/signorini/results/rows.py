@@ -262,7 +262,7 @@ class Block:
     def put_supports(
         self, rows: Ints, layout: Layout, reaction: Floats, gap: Floats, closed: Bools, bolts: Mapping[str, Floats]
     ) -> None:
-        """Fill rows (r,) with what all points do (r, p); ``bolts`` are ``tightened_to`` and ``preload`` (p,)."""
+        """Fill rows (r,) with values at all points (r, p); ``bolts`` are ``tightened_to`` and ``preload`` (p,)."""
         self.reaction[rows], self.closed[rows] = reaction, closed
         at, values = layout.catalogue.at, self.values
         for column, where in zip(at("support", "reaction", "closed", "open"), layout.slices, strict=True):
