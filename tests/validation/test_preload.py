@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from models import rectangular as build
+from scipy.sparse.linalg import spsolve
 
 import signorini
 from signorini import (
@@ -436,3 +437,205 @@ def test_a_load_that_changes_a_preload_does_not_grow_along_a_path() -> None:
     start, end = (path(model, "tight", "P", until=1e5).stops[at].reactions for at in (0, -1))
     assert start == pytest.approx([4 * FORCE, -4 * FORCE], rel=1e-12)
     assert end == pytest.approx([one.reaction for one in solve(model)["both"].supports], rel=1e-9)
+
+
+STAR = [[1, 4], [2, 5], [3, 6]]
+"""Six bolts on a circle, those that face each other together."""
+
+
+def flange(rounds: list[dict[str, Any]], **bolt: Any) -> Model:
+    """A blind flange on a ring with a gasket between, in N and mm; bolts on a circle of 160."""
+    ring = {"shape": "annulus", "inner": 103.25, "outer": 187.5, "thickness": 34, "mesh": {"size": 60}}
+    turn = np.arange(6) * np.pi / 3
+    named = {"bolts": 1} if "preload_case" in bolt or any("case" in one for one in rounds) else {}
+    bolts = {
+        "name": "bolts",
+        "between": ["blind", "ring"],
+        "at": (160 * np.column_stack([np.cos(turn), np.sin(turn)])).tolist(),
+        "radius": 20,
+        "resists": "up",
+        "stiffness": 1e6,
+    }
+    return validate(
+        {
+            "material": {"E": 205e3, "nu": 0.3},
+            "mesh": {"error": False},
+            "plates": {
+                "blind": {"shape": "disc", "radius": 187.5, "thickness": 36, "mesh": {"size": 60}},
+                "ring": ring,
+            },
+            "contact": [
+                {
+                    "name": "gasket",
+                    "between": ["blind", "ring"],
+                    "area": {"annulus": {"inner": 110, "outer": 140}},
+                    "stiffness": 500,
+                }
+            ],
+            "support": [
+                {"plate": "ring", "edge": "inner", "fix": "simple", "rotational_stiffness": 1e6},
+                bolts | bolt,
+            ],
+            "tightening": rounds,
+            "load": [{"case": "p", "plate": "blind", "pressure": -4, "area": {"circle": {"radius": 110}}}],
+            "combination": [{"name": "tightened", "factors": named}, {"factors": {"p": 1} | named}],
+        }
+    )
+
+
+def left_by_lengths(model: Model, turns: list[tuple[list[int], float]]) -> np.ndarray:
+    """Forces that are left in the bolts, by an own solution that tracks the unstressed length of each bolt.
+
+    K of the plates and rows G of bolts and gasket are sparse matrices; an active set says where these press.
+    """
+    problem = contact_problem(model)
+    free = np.flatnonzero(~problem.held)
+    K, G = problem.K[free][:, free], problem.G[:, free]
+    k, length = 1.0 / problem.compliance, problem.gaps.copy()
+    (bolts,) = np.nonzero(problem.discretisation.contacts.support == 1)
+    there, closed = np.ones(len(k), np.bool_), np.ones(len(k), np.bool_)
+    there[bolts] = False
+
+    def settled(pull: np.ndarray) -> np.ndarray:
+        for _ in range(50):
+            on = np.flatnonzero(there & closed)
+            u = spsolve((K + G[on].T @ (k[on, None] * G[on])).tocsc(), G[on].T @ (k[on] * length[on]) - G.T @ pull)
+            before = closed[there]
+            closed[there] = (G @ u > length)[there]
+            if (closed[there] == before).all():
+                return np.asarray(G @ u)
+        raise AssertionError("no contact set")
+
+    for group, force in turns:
+        now = bolts[np.array(group) - 1]
+        there[now], pull = False, np.zeros(len(k))
+        pull[now] = force
+        length[now] = settled(pull)[now] - force / k[now]
+        there[now] = closed[now] = True
+    return np.asarray((k * np.maximum(settled(np.zeros(len(k))) - length, 0.0))[bolts])
+
+
+def test_rounds_of_tightening_leave_the_forces_of_bolts_whose_lengths_are_tracked() -> None:
+    scatter = [52e3, 47e3, 50e3, 49e3, 51e3, 48e3]
+    check = [{"support": "bolts", "force": 110e3, "sequence": [[6], [2]]}]
+    rounds = [{"support": "bolts", "force": scatter, "sequence": STAR}, {"support": "bolts", "force": 100e3}]
+    model = flange([*rounds[:1], rounds[1] | {"sequence": STAR}, *check])
+    turns: list[tuple[list[int], Any]] = [(group, np.array(scatter)[np.array(group) - 1]) for group in STAR]
+    wanted = left_by_lengths(model, [*turns, *((group, 100e3) for group in STAR), ([6], 110e3), ([2], 110e3)])
+    own = solve(model)["tightened"].supports[1]
+    assert own.preloads is not None and own.tightened_to is not None
+    assert -own.preloads == pytest.approx(wanted, rel=1e-9)
+    assert -own.tightened_to == pytest.approx([100e3, 110e3, 100e3, 100e3, 100e3, 110e3], rel=1e-12)
+    assert own.preload == pytest.approx(-wanted.sum()) and wanted.min() < 95e3
+    # All together at last, every bolt has the force of the last round.
+    together = solve(flange(rounds))["tightened"].supports[1]
+    assert together.preloads == pytest.approx(np.full(6, -100e3), rel=1e-12)
+
+
+def test_a_round_is_what_a_preload_with_an_order_is() -> None:
+    by_order = flange([], preload=[8e4, 9e4, 1e5, 7e4, 8e4, 9e4], order=[1, 2, 3, 1, 2, 3], preload_case="bolts")
+    force = list(by_order.support[1].preload.source)
+    by_round = flange([{"support": "bolts", "force": force, "sequence": STAR, "case": "bolts"}])
+    for one, other in zip(solve(by_order).values(), solve(by_round).values(), strict=True):
+        for name in ("tightened_to", "preloads", "reactions"):
+            assert getattr(one.supports[1], name) == pytest.approx(getattr(other.supports[1], name), rel=1e-12)
+
+
+def test_a_bolt_that_no_round_tightens_is_in_contact_without_force_when_all_are_tightened() -> None:
+    model = flange([{"support": "bolts", "force": 50e3, "sequence": [[1, 4], 2]}])
+    tightened_only, loaded = (one.supports[1] for one in solve(model).values())
+    assert tightened_only.preloads is not None and tightened_only.tightened_to is not None
+    assert tightened_only.reactions == pytest.approx(tightened_only.preloads, rel=1e-7, abs=1e-4)
+    assert tightened_only.preloads[[2, 4, 5]] == pytest.approx(np.zeros(3), abs=1e-9)
+    assert (tightened_only.tightened_to[[2, 4, 5]] == 0.0).all()
+    assert tightened_only.gaps == pytest.approx(np.zeros(6), abs=1e-12)
+    # The pressure opens the joint, and these bolts take part of it.
+    assert (loaded.reactions[[2, 4, 5]] < -1e3).all()
+
+
+def test_results_of_rounds_tell_each_bolt_and_the_sum_of_the_joint(tmp_path: Any) -> None:
+    bare = {key: value for key, value in bolts().items() if key != "preload"}
+    others = bolts(name="others", at=[0.5, 0.5])
+    rounds = [{"support": "bolts", "force": [5e4, 6e4, 7e4, 8e4], "sequence": [[1, 4], [2, 3]]}]
+    signorini.write(solve(block(bare, others, tightening=rounds)), tmp_path)
+    (combination,) = json.loads((tmp_path / "results.json").read_text())["combinations"]
+    _, own, other = combination["supports"]
+    assert [one["tightened_to"] for one in own["points"]] == pytest.approx([-5e4, -6e4, -7e4, -8e4])
+    assert own["preload"] == pytest.approx(sum(one["preload"] for one in own["points"]))
+    (joint,) = combination["joints"]
+    assert (joint["supports"], joint["bolts"]) == (["bolts", "others"], 5)
+    assert joint["preload"] == pytest.approx(own["preload"] + other["preload"])
+    assert joint["reaction"] == pytest.approx(own["reaction"] + other["reaction"])
+    with (tmp_path / "reactions.csv").open() as file:
+        rows = {row["point"]: row for row in csv.DictReader(file) if row["support"] == "bolts"}
+    assert float(rows["2"]["tightened_to"]) == pytest.approx(-6e4)
+    assert float(rows["total"]["preload"]) == pytest.approx(own["preload"])
+
+
+def test_a_table_of_combinations_has_the_forces_of_tightening() -> None:
+    rounds = [{"support": "anchors", "force": [10e3, 12e3, 14e3], "sequence": [[3], [1, 2]], "case": "bolts"}]
+    bare = {key: value for key, value in ANCHORS.items() if key != "preload"}
+    factors = {"permanent": {"bolts": [0.8, 1.2], "G": [1.0]}, "variable": {"Q": [1.5]}}
+    model = plate(
+        bare,
+        load=[{"case": "G", "pressure": 5e3}, {"case": "Q", "force": -30e3, "at": [2, 1]}],
+        tightening=rounds,
+        combination=[{"name": "ULS", "generate": "patterns", **factors}],
+        output={"combinations": "table"},
+    )
+    results = solve(model)
+    table = results.table
+    assert set(np.round(table["tightened_to_at:anchors[2]"], 6)) == {-0.8 * 12e3, -1.2 * 12e3}
+    points = sum(table[f"preload_at:anchors[{number}]"] for number in (1, 2, 3))
+    assert table["preload:anchors"] == pytest.approx(points)
+    for row, name in enumerate(results):
+        assert table["preload:anchors"][row] == pytest.approx(results[name].supports[1].preload, rel=1e-9)
+
+
+def test_bolts_of_rounds_are_tightened_beyond_nothing_that_holds_the_plate() -> None:
+    pads = {"name": "pads", "area": {"rectangle": [1, 1, 3, 3]}, "resists": "down", "stiffness": 1e7}
+    bolt = {"name": "bolt", "at": [[2, 2], [3.5, 2]], "resists": "up", "stiffness": 1e6}
+    rounds = [{"support": "bolt", "force": 1e3, "sequence": [2, 1]}]
+    with pytest.raises(NoEquilibriumError, match=r"While tightening bolt\[2\]: the plate tips"):
+        solve(build(load=[{"pressure": 1e3}], support=[pads, bolt], tightening=rounds))
+
+
+WRONG_ROUNDS: list[tuple[dict[str, Any], dict[str, Any], str]] = [
+    ({"support": "bolt"}, {}, "tightening[1].support: Unknown support 'bolt'"),
+    ({}, {"preload": 1e3}, 'tightening[1].support: "bolts" has a preload'),
+    ({}, {"resists": "down"}, "tightening[1].support: found resists = down"),
+    ({}, {"gap": 1e-3}, "tightening[1].support: a gap does not go with a preload"),
+    ({"support": "bed"}, {}, "tightening[1].support: found resists = down"),
+    ({"force": [1e3, 2e3]}, {}, "tightening[1].force: found a list of 2 for 4 points"),
+    ({"force": 0}, {}, "tightening[1].force: found 0; it must be greater than 0"),
+    ({"sequence": [[1, 5]]}, {}, 'tightening[1].sequence[1]: found point 5; "bolts" has the points 1 to 4'),
+    ({"sequence": [[1], [2, 1]]}, {}, "tightening[1].sequence[2]: found point 1 twice"),
+    ({"sequence": [[0]]}, {}, "tightening[1].sequence"),
+    ({"sequence": []}, {}, "tightening[1].sequence"),
+    ({"case": "P"}, {}, 'tightening[1].case: "P" is a case of [[load]] too'),
+    ({"case": "C"}, {}, 'tightening[1].case: no combination names the case "C"'),
+    ({}, {"limit": 40e3}, "tightening[1].force: found 50000; at [0.25, 0.25] the bolt gives 40000 at most"),
+    ({}, {"limit": [60e3, 60e3, 40e3, 60e3]}, "tightening[1].force: found 50000; at [0.25, 0.75]"),
+]
+
+
+@pytest.mark.parametrize(("table", "keys", "message"), WRONG_ROUNDS)
+def test_a_round_that_no_bolt_can_have_is_refused_with_its_place(
+    table: dict[str, Any], keys: dict[str, Any], message: str
+) -> None:
+    own = {key: value for key, value in (bolts(preload=None) | keys).items() if value is not None}
+    rounds = [{"support": "bolts", "force": FORCE} | table]
+    with pytest.raises(InputError) as caught:
+        discretise(block(own, tightening=rounds, combination=[{"factors": {"P": 1}}]))
+    assert message in str(caught.value)
+
+
+def test_a_round_has_the_factor_of_its_case_and_is_left_out_without_one() -> None:
+    rounds = [{"support": "bolts", "force": 20e3}, {"support": "bolts", "force": FORCE, "case": "second"}]
+    factors = {"first only": {}, "both": {"second": 1.0}, "more": {"second": 1.2}}
+    named = [{"name": name, "factors": {"P": 1} | own} for name, own in factors.items()]
+    results = solve(
+        block({key: value for key, value in bolts().items() if key != "preload"}, tightening=rounds, combination=named)
+    )
+    for name, force in {"first only": 20e3, "both": FORCE, "more": 1.2 * FORCE}.items():
+        assert results[name].supports[1].preloads == pytest.approx(np.full(4, -force), rel=1e-12)

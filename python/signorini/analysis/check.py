@@ -286,6 +286,6 @@ def _of(
     if why is not None and why.axis is not None:
         (ax, ay), (bx, by) = why.axis.ends(discretisation.middle, discretisation.mesh.size).tolist()
         axis = (ax, ay), (bx, by)
-    tightening = discretisation.model.tightening(combination.factors or {})
+    tightening = discretisation.model.round_factors(combination.factors or {})
     message = explain(discretisation, why) or loosened(discretisation, tightening)
     return Resultant(combination.name, force, at, (mx, my), message, brink, limit, axis)

@@ -1,13 +1,14 @@
 """Preloaded bolts, tightened and locked before other loads act: a settlement of each, found by solving.
 
-While bolts of one order are tightened they are forces on the plate, those of later orders are not there yet, and those
-of earlier ones hold by their graphs. Then the graphs of the bolts are moved, so that each has its preload at the travel
-that it has. Nothing else knows of preloads: loads act on the moved graphs.
+While a group of bolts is tightened, these bolts are forces on the plate. Bolts that were tightened before hold by their
+graphs. All other bolts are hand-tight: their force is 0. Then the graphs of the group are moved, so that each bolt
+has its force at the travel that it has. Nothing else knows of preloads: loads act on the moved graphs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from signorini.base.progress import Watcher, steps_of
 from signorini.contact.problem import ContactProblem, contact_problem
 from signorini.contact.strategy import answered, refusal, uncertain
 from signorini.discretise import CaseLoad, ContactPoints, Discretisation
+from signorini.discretise.preloads import bolt_groups
 from signorini.discretise.rows import Bools, Floats
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.imbalance import CONTRADICTION, explain, imbalance
@@ -33,7 +35,7 @@ def tightened(problem: ContactProblem, combination: str) -> ContactProblem:
     ----------
     problem : ContactProblem
     combination : str
-        Whose factors the preloads have.
+        Name of the combination whose factors multiply the preloads.
 
     Raises
     ------
@@ -72,7 +74,7 @@ def tightened(problem: ContactProblem, combination: str) -> ContactProblem:
 
 def tightened_by(problem: ContactProblem, factors: Mapping[str, float], watcher: Watcher) -> ContactProblem:
     """Tighten the bolts by factors of cases; the same bolts by the same factors once on a mesh."""
-    wanted = problem.discretisation.model.tightening(factors)
+    wanted = problem.discretisation.model.round_factors(factors)
     if wanted == problem.discretisation.tightening:
         return problem
     base = problem if problem.unmoved is None else problem.unmoved
@@ -88,13 +90,13 @@ def tightened_by(problem: ContactProblem, factors: Mapping[str, float], watcher:
 
 @kept
 def _done(discretisation: Discretisation) -> dict[tuple[float, ...], Discretisation]:
-    """Discretisations with their bolts tightened, by the factors."""
+    """Discretisations with their bolts tightened, by the factors of the rounds."""
     return {}
 
 
 @kept
 def loosened(discretisation: Discretisation, tightening: tuple[float, ...]) -> str:
-    """Why no reactions balance the bolts as they are tightened; empty where they do."""
+    """Message if no reactions balance the forces of a stage; empty if equilibrium exists."""
     for stage in _stages(discretisation, tightening):
         result, load = stage.posed(discretisation, discretisation.contacts.distance)
         try:
@@ -124,46 +126,61 @@ class _Stage:
         return replace(base, contacts=contacts, repeated=repeated), replace(nothing, nodal=nodal, weighing=nodal)
 
     def said(self, message: str) -> str:
-        """Say what happens while they are tightened."""
+        """Put the stage in front of a message."""
         return f"While {self.what}: {message[0].lower()}{message[1:]}"
 
     @property
     def what(self) -> str:
-        """What is done, in words."""
+        """Name of the stage in messages."""
         return f"tightening {' and '.join(self.names)}"
 
 
-def _stages(base: Discretisation, tightening: tuple[float, ...]) -> Iterator[_Stage]:
-    """The stages of tightening, in their order."""
-    contacts, supports = base.contacts, base.model.support
-    order = np.array([support.stage for support in supports])[contacts.support]
-    factors = np.array(tightening or [0.0] * len(supports))
-    tight = factors[contacts.support] != 0.0
-    for now in np.unique(order[tight]).tolist():
-        force, names = np.zeros(len(contacts)), []
-        for index, (support, factor) in enumerate(zip(supports, factors.tolist(), strict=True)):
-            if factor and support.preload is not None and support.stage == now:
-                (own,) = np.nonzero(contacts.support == index)
-                force[own] = -contacts.direction[own] * factor * support.preload(*contacts.positions[own].T)
-                names.append(support.name)
-        yield _Stage(tuple(names), force, ~tight | (order < now))
+def _stages(base: Discretisation, tightening: tuple[float, ...]) -> list[_Stage]:
+    """The stages of tightening, in their order: preloads by their order, then the groups of every table."""
+    contacts, model, count = base.contacts, base.model, len(base.contacts)
+    force = defaultdict[tuple[int, int], Floats](lambda: np.zeros(count))
+    names = defaultdict[tuple[int, int], list[str]](list)
+    tables = len(model.rounds) - len(model.tightening)
+    acting = [number for number, factor in enumerate(tightening) if factor]
+    for number in acting:
+        name, groups = model.rounds[number].support, bolt_groups(model, contacts, model.rounds[number])
+        for turn, points, values in groups:
+            key = max(0, number - tables + 1), turn
+            force[key][points] = -contacts.direction[points] * tightening[number] * values
+            each = [f"{name}[{at + 1}]" for at in contacts.numbers[points].tolist()]
+            names[key] += [name] if number < tables or len(groups) == 1 else each
+    bolts = {model.rounds[number].support for number in acting}
+    absent = np.array([support.name in bolts for support in model.support], np.bool_)[contacts.support]
+    result = []
+    for key in sorted(force):
+        absent = absent & (force[key] == 0.0)
+        result.append(_Stage(tuple(names[key]), force[key], ~absent & (force[key] == 0.0)))
+    return result
 
 
 def _tighten(base: Discretisation, tightening: tuple[float, ...], watcher: Watcher) -> Discretisation:
-    contacts = base.contacts
-    distance, preload, movement = contacts.distance, np.zeros(len(contacts)), np.zeros(len(contacts))
-    for stage in _stages(base, tightening):
+    contacts, stages = base.contacts, _stages(base, tightening)
+    distance, movement = contacts.distance, np.zeros(len(contacts))
+    tightened_to, preload = np.zeros((2, len(contacts)))
+    factored: dict[bytes, ContactProblem] = {}
+    for number, stage in enumerate(stages, start=1):
         result, load = stage.posed(base, distance)
-        tried = answered(contact_problem(result), load, steps_of(stage.what, watcher))
+        present = stage.there.tobytes()
+        problem = factored.pop(present).moved(result) if present in factored else contact_problem(result)
+        tried = answered(problem, load, steps_of(stage.what, watcher))
         if tried.contradiction:
             raise NoEquilibriumError(stage.said(CONTRADICTION))
         if tried.certificate is None:
             raise NotCertifiedError(stage.said(f"there is no answer that could be certified. {uncertain(result)}"))
         if not tried.passed:
             raise NotCertifiedError(refusal(stage.what, result, load, tried.answer, tried.certificate))
-        now = np.flatnonzero(stage.force)
+        if any(later.there.tobytes() == present for later in stages[number:]):
+            factored[present] = problem
+        # After the last stage the graphs of bolts that no round tightens begin at the travel of the plate.
+        now = np.flatnonzero(~stage.there if number == len(stages) else stage.force)
         points, force = contacts.pick(now), stage.force[now]
         preload[stage.there], preload[now] = tried.answer.reaction, force
+        tightened_to = np.where(stage.force != 0.0, stage.force, tightened_to)
         travel = -base.plate.openings(*points.rows.arrays, np.zeros(len(now)), tried.answer.hi, tried.answer.lo)
         movement[now] = travel - _first_travel(points, force)
         distance = np.where(stage.force != 0.0, movement, distance)
@@ -171,6 +188,7 @@ def _tighten(base: Discretisation, tightening: tuple[float, ...], watcher: Watch
         contacts,
         distance=contacts.distance + movement,
         settlement=contacts.settlement + movement,
+        tightened_to=tightened_to,
         preload=preload,
     )
     return base.tightened(placed, tightening)

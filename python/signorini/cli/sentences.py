@@ -10,7 +10,7 @@ import numpy as np
 from signorini.accuracy.half_width import away
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
-from signorini.base.numbers import ROUNDING, size_of
+from signorini.base.numbers import ROUNDING, number, size_of
 from signorini.cli.grid import cell, in_contact, unit_of
 from signorini.discretise import Discretisation
 from signorini.discretise.laws import can_let_go
@@ -18,7 +18,7 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.errors import point
 from signorini.model import MeshPlate, Support
 from signorini.output.envelope_json import envelope_json
-from signorini.results.figures import figures
+from signorini.results.figures import figures, joints
 from signorini.results.quantities import FIELDS, RESULTANTS, SIDES, place_of
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
@@ -55,8 +55,13 @@ def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -
             yield in_contact(values.name, f"{touching:.6g}", touching, whole, "length", unit_of(units.length))
 
 
-def prying(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
-    """Say of bolts how their force compares with the pull of the loads."""
+def of_bolts(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
+    """Say the sums of bolts' forces, and how these compare with the pull of the loads."""
+    unit = unit_of(result.model.units.force)
+    for joint in joints(result):
+        size = max(abs(joint["preload"]), abs(joint["reaction"]))
+        sums = (f"{name} {number(joint[name], size)}{unit}" for name in ("preload", "reaction"))
+        yield f"{' + '.join(joint['supports'])}: {joint['bolts']} bolts, sum of {', of '.join(sums)}"
     for index, values in enumerate(result.supports):
         if values.preloads is not None and not np.isnan(values.prying):
             times = cell(values.prying, widths, ("supports", index, "prying"))

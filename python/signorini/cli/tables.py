@@ -18,7 +18,7 @@ from signorini.analysis.results import Results
 from signorini.base.numbers import compared, in_unit, number, size_of
 from signorini.cli.governing import print_combined, print_governing
 from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers, say, unit_of
-from signorini.cli.sentences import lifted, prying, resting, too_wide
+from signorini.cli.sentences import lifted, of_bolts, resting, too_wide
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.errors import length, point
@@ -253,7 +253,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
         rows.add("", "all", "", number(total, load), str(closed), str(opened))
     rows.show(console)
     _print_points(console, result, widths, largest)
-    for sentence in (*resting(result, widths, largest["pressure"]), *prying(result, widths), lifted(result)):
+    for sentence in (*resting(result, widths, largest["pressure"]), *of_bolts(result, widths), lifted(result)):
         if sentence:
             say(console, sentence)
     for name, plate in result.plates.items() or [("", result)]:
@@ -280,7 +280,7 @@ def _print_points(console: Console, result: Result, widths: Widths, largest: Map
     most = sorted(every, key=lambda one: -abs(supports[one[0]].reactions[one[1]]))[:_MOST_POINTS]
     titles = [f"at{in_unit(units.length)}", f"reaction{in_unit(units.force)}"]
     tightened = any(supports[index].preloads is not None for index, _ in most)
-    titles += [f"{one.name}{in_unit(units.force)}" for one in AT_BOLTS if tightened]
+    titles += [f"{one.name.replace('_', ' ')}{in_unit(units.force)}" for one in AT_BOLTS if tightened]
     titles.append(f"gap{in_unit(units.length)}")
     shown = Grid([Column("point"), *numbers(*titles), Column("state")])
     for index, at in sorted(most):
@@ -290,9 +290,9 @@ def _print_points(console: Console, result: Result, widths: Widths, largest: Map
         reaction = cell(float(one.reactions[at]), widths, (*path, "reaction"), largest["reaction"])
         place = point(one.positions[at].tolist(), size)
         before = [""] * len(AT_BOLTS) * tightened
-        if one.preloads is not None and one.changes is not None:
-            columns = zip(AT_BOLTS, (one.preloads[at], one.changes[at]), strict=True)
-            before = [cell(float(value), widths, (*path, of.name), largest["reaction"]) for of, value in columns]
+        if one.bolt_forces:
+            columns = ((of.name, float(one.bolt_forces[of.name][at])) for of in AT_BOLTS)
+            before = [cell(value, widths, (*path, name), largest["reaction"]) for name, value in columns]
         shown.add(name, place, reaction, *before, gap, one.states[at])
     console.print()
     shown.show(console)

@@ -74,7 +74,7 @@ class Discretisation(Remade):
     plates: tuple[OfWhole, ...] = ()
     """Of several plates each, of which the arrays here are put together."""
     tightening: tuple[float, ...] = ()
-    """Factors (s,) by which supports' preloads are tightened, as `Model.tightening` gives them."""
+    """Factors (t,) of the rounds in which bolts are tightened, as `Model.round_factors` gives them."""
 
     _made = MappingProxyType({"plate": lambda result: result.made()})
 
@@ -306,13 +306,18 @@ class Discretisation(Remade):
         return self.cases[case] if case in self.cases else replace(self.no_load, acting=frozenset([case]))
 
     def tightened(self, contacts: ContactPoints, tightening: tuple[float, ...]) -> Discretisation:
-        """The same with contact points at other distances, as bolts are tightened by these factors of the supports."""
+        """The same with contact points at other distances, as bolts are tightened by these factors (t,) of rounds."""
         plates = []
         for one in self.plates:
             own, mine = one.own.contacts, contacts.pick(one.points[: len(one.own.contacts)])
-            moved = replace(own, distance=mine.distance, settlement=mine.settlement, preload=mine.preload)
-            factors = tuple(tightening[number] for number in one.numbers["support"])
-            plates.append(replace(one, own=one.own.tightened(moved, factors)))
+            moved = replace(
+                own,
+                distance=mine.distance,
+                settlement=mine.settlement,
+                tightened_to=mine.tightened_to,
+                preload=mine.preload,
+            )
+            plates.append(replace(one, own=one.own.tightened(moved, tightening)))
         return replace(self, contacts=contacts, tightening=tightening, plates=tuple(plates))
 
     def load(self, combination: Combination) -> CaseLoad:

@@ -265,7 +265,7 @@ def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Probl
 
 def holds_deflection(support: Support) -> bool:
     """Whether a support holds the deflection both ways, rigidly and without a gap."""
-    return support.is_rigid and support.preload is None and not can_let_go(support)
+    return support.is_rigid and not support.is_bolt and not can_let_go(support)
 
 
 def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:

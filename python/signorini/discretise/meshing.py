@@ -32,7 +32,7 @@ from signorini.model import (
     Support,
     Zone,
 )
-from signorini.model.field import FieldScalar
+from signorini.model.field import PointFieldScalar
 from signorini.model.where import Acting, Located, Where, worth_following
 from signorini.model.whole import acting_on
 from signorini.shapes import Curve, Polyline, Region, Ring
@@ -332,7 +332,7 @@ def _radii(model: Model, center: Point, outer: float) -> list[float]:
 
 def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
     """Where expressions jump, as far as a mesh may follow it, within a box and that of what each acts on."""
-    items: list[tuple[Acting | Zone | None, FieldScalar | None]] = [(None, model.plate.thickness)]
+    items: list[tuple[Acting | Zone | None, PointFieldScalar | None]] = [(None, model.plate.thickness)]
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
         if support.area is None and (support.modulus is None or support.at is not None):

@@ -53,7 +53,8 @@ class ContactPoints(Table, Brief):
 
     ``law`` (m,) numbers the `laws`. Of ``distance`` the part ``settlement`` is that of the base in the row's direction;
     the rest is free travel.
-    ``preload`` (m,) is the reaction when all bolts are tightened and before other loads act, 0 where none is.
+    ``tightened_to`` (m,) is the reaction to which bolts were last tightened, ``preload`` (m,) that of all points when
+    all bolts are tightened and before other loads act; 0 where no bolt is tightened.
     ``direction`` is +1 where the support pushes the plate up and −1 where it holds it down (its row is turned round).
     ``slope`` marks two-sided points that hold a slope instead of the deflection. ``shared`` (m, 4) names the elements
     of which points of an averaged area stand for part, by their areas; −1 where there is none. ``numbers`` (m,) say
@@ -63,6 +64,7 @@ class ContactPoints(Table, Brief):
     rows: Rows
     distance: Floats
     settlement: Floats
+    tightened_to: Floats
     preload: Floats
     law: Ints
     scale: Floats
@@ -82,7 +84,7 @@ class ContactPoints(Table, Brief):
         none, who = np.zeros(0), np.zeros(0, np.int64)
         flags, place = np.zeros(0, np.bool_), np.zeros((0, 2))
         shared = np.zeros((0, 4), np.int64)
-        columns = none, none, none, who, none, none, none, flags, place, none, who, shared, who
+        columns = none, none, none, none, who, none, none, none, flags, place, none, who, shared, who
         return cls(Rows.join([]), *columns, LAWS)
 
     @classmethod

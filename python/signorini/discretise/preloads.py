@@ -1,4 +1,4 @@
-"""Preloads that bolts cannot be given."""
+"""Groups of bolts that are tightened together, their forces, and the check of these forces."""
 
 from __future__ import annotations
 
@@ -8,57 +8,82 @@ import numpy as np
 
 from signorini.discretise.points import ContactPoints
 from signorini.discretise.repeated import Repeated
+from signorini.discretise.rows import Floats, Ints
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
-from signorini.model import Model, Support
+from signorini.model import Model, Tightening
+
+
+def bolt_groups(
+    model: Model, contacts: ContactPoints, bolt_round: Tightening, place: Place = ()
+) -> list[tuple[int, Ints, Floats]]:
+    """Return the groups of a round as (order, points (k,), forces (k,)); forces are positive.
+
+    A support with a preload has a group for each value of ``order``, and a [[tightening]] one for each of its sequence.
+    """
+    (index,) = (at for at, support in enumerate(model.support) if support.name == bolt_round.support)
+    support = model.support[index]
+    (own,) = np.nonzero(contacts.support == index)
+    numbers = contacts.numbers[own]
+    force = support.on_points(bolt_round.force)(*contacts.positions[own].T, above=0.0, place=place)
+    if support.preload is not None:
+        order = np.broadcast_to(support.order or 1, support.point_count)[numbers]
+        return [(turn, own[order == turn], force[order == turn]) for turn in np.unique(order).tolist()]
+    groups = [np.isin(numbers + 1, group) for group in bolt_round.sequence or (numbers + 1,)]
+    return [(turn, own[group], force[group]) for turn, group in enumerate(groups)]
 
 
 def require_preloads(
     model: Model, mesh: Mesh, contacts: ContactPoints, repeated: Repeated, problems: Problems, between: bool = False
 ) -> None:
-    """Refuse preloads beyond what bolts can give, and those of bolts where rigid supports hold the plate.
+    """Refuse forces above the strength of bolts, and bolts where rigid supports hold the plate.
 
-    Of bolts of one plate, or those between two.
+    ``between`` selects the bolts between two plates; otherwise those of one plate.
     """
     followed = np.zeros(len(contacts), np.bool_)
     followed[repeated.follows.indices] = True
-    for index, support in enumerate(model.support):
-        if support.preload is None or (support.between is not None) != between:
+    least, most = contacts.limits
+    strength = np.where(contacts.direction < 0.0, most, -least)
+    names = [support.name for support in model.support if (support.between is not None) == between]
+    tables = len(model.rounds) - len(model.tightening)
+    for number, bolt_round in enumerate(model.rounds):
+        if bolt_round.support not in names:
             continue
-        own = contacts.pick(np.flatnonzero((contacts.support == index) & ~followed))
+        index = [support.name for support in model.support].index(bolt_round.support)
+        place = ("support", index, "preload") if number < tables else ("tightening", number - tables, "force")
         with problems.collected():
-            _require_free(support, own, ("support", index))
-            force = support.preload(*own.positions.T, above=0.0, place=("support", index, "preload"))
-            least, most = own.limits
-            strength = np.where(own.direction < 0.0, most, -least)
-            for factor, place in _factors(model, index):
-                if (beyond := factor * force > strength).any():
-                    at = int(np.argmax(beyond))
-                    times = "" if factor == 1.0 else f", {factor:g} times the preload of {support.name}"
-                    raise InputError(
-                        f"found {factor * force[at]:g}{times}; at {point(own.positions[at], mesh.size)} the bolt gives "
-                        f"{strength[at]:g} at most. Tighten it less, or raise its limit or law.",
-                        place=place,
-                    )
+            _require_free(model, index, contacts.numbers[(contacts.support == index) & ~followed])
+            groups = bolt_groups(model, contacts, bolt_round, place)
+            for factor, where in _factors(model, bolt_round, place):
+                for _, at, force in groups:
+                    if (beyond := factor * force > strength[at]).any():
+                        worst = int(np.argmax(beyond))
+                        times = "" if factor == 1.0 else f", {factor:g} times the preload of {bolt_round.support}"
+                        raise InputError(
+                            f"found {factor * force[worst]:g}{times}; at "
+                            f"{point(contacts.positions[at][worst], mesh.size)} the bolt gives "
+                            f"{strength[at][worst]:g} at most. Tighten it less, or raise its limit or law.",
+                            place=where,
+                        )
 
 
-def _require_free(support: Support, own: ContactPoints, place: Place) -> None:
-    """Refuse bolts of which some have no contact point of their own."""
+def _require_free(model: Model, index: int, numbers: Ints) -> None:
+    """Refuse a support with a bolt that has no contact point; ``numbers`` are the points that have one."""
+    support = model.support[index]
     key = "at" if support.nodes is None else "nodes"
-    for number in range(len(getattr(support, key))):
-        if number not in own.numbers:
+    for number in range(support.point_count):
+        if number not in numbers:
             raise InputError(
                 "rigid supports hold the plate both ways there, so that the bolt would carry its preload whatever "
                 "acts. Leave out its preload, or give those supports a stiffness.",
-                place=(*place, key, number),
+                place=("support", index, key, number),
             )
 
 
-def _factors(model: Model, index: int) -> Iterator[tuple[float, Place]]:
-    """Factors of a support's preload, with the places where they stand."""
-    case = model.support[index].preload_case
-    yield 1.0, ("support", index, "preload")
-    if case is not None:
+def _factors(model: Model, bolt_round: Tightening, place: Place) -> Iterator[tuple[float, Place]]:
+    """Factors of the forces of a round, with the places where they stand."""
+    yield 1.0, place
+    if bolt_round.case is not None:
         for number, combination in enumerate(model.combination):
-            for factor in sorted(combination.factors_of(case)):
-                yield factor, ("combination", number, *combination.cases[case])
+            for factor in sorted(combination.factors_of(bolt_round.case)):
+                yield factor, ("combination", number, *combination.cases[bolt_round.case])

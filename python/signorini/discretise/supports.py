@@ -121,7 +121,7 @@ def springs_and_contacts(
     problems: Problems,
 ) -> tuple[Springs, ContactPoints]:
     """Partition the points of all supports, beyond the dofs that these hold at nodes."""
-    tightened = [placed.index for placed in supports if placed.support.preload is not None]
+    tightened = [placed.index for placed in supports if placed.support.is_bolt]
     points = points_of(Ground(shape, mesh, plate, held, stiffness), supports, problems)
     return partition(points, np.array(tightened, np.int64))
 
@@ -342,6 +342,7 @@ def _points(
         acting.rows if way > 0 else -acting.rows,
         gap + way * settlement,
         way * settlement,
+        np.zeros(count),
         np.zeros(count),
         *graph,
         np.full(count, way),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -132,3 +132,56 @@ class Field:
         """Positions (q, 2) about the points' middle, over their extent, so that units and place do not matter."""
         low, high = self._table[:, :2].min(axis=0), self._table[:, :2].max(axis=0)
         return np.asarray((positions - 0.5 * (low + high)) / ((high - low).max() or 1.0))
+
+
+@dataclass(frozen=True)
+class PointValues:
+    """A list with one value for each point of a support.
+
+    Parameters
+    ----------
+    values : (k,) tuple of float
+        The values, in the order of the points.
+    points : (k, 2) tuple
+        Coordinates of the points, which the support gives.
+
+    Examples
+    --------
+    >>> gap = PointValues((0.0, 0.3), ((1.0, 1.0), (4.0, 1.0)))
+    >>> gap([4.0, 1.0], [1.0, 1.0])
+    array([0.3, 0. ])
+    """
+
+    values: tuple[float, ...]
+    points: tuple[tuple[float, float], ...] = field(default=(), compare=False, repr=False)
+    levels: ClassVar[tuple[Level, ...]] = ()
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether all values are equal."""
+        return len(set(self.values)) == 1
+
+    @property
+    def value(self) -> float:
+        """The first value; that of all points where these are equal."""
+        return self.values[0]
+
+    @property
+    def source(self) -> list[float]:
+        """The list of the input."""
+        return list(self.values)
+
+    def __call__(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        *,
+        above: float | None = None,
+        at_least: float | None = None,
+        place: str | Place = "",
+    ) -> _Array:
+        """Return the value of the nearest point; bounds are checked when the list is read."""
+        from scipy.spatial import cKDTree
+
+        at = np.stack(np.broadcast_arrays(np.asarray(x, np.float64), np.asarray(y, np.float64)), axis=-1)
+        return np.array(self.values)[cKDTree(self.points).query(at)[1]]

@@ -21,6 +21,7 @@ from signorini.model.plate import (
     Refinement,
 )
 from signorini.model.support import Support
+from signorini.model.tightening import Tightening
 from signorini.model.whole import Model, Solver, Units, validate
 
 __all__ = [
@@ -49,6 +50,7 @@ __all__ = [
     "Solver",
     "Strip",
     "Support",
+    "Tightening",
     "Units",
     "Zone",
     "validate",

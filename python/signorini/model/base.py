@@ -87,6 +87,11 @@ class Table(BaseModel, metaclass=_InWords):
         return [key for key in keys if getattr(self, key) is not None]
 
 
+def miscounted(found: int, points: int) -> str:
+    """Say that a list does not have one value a point."""
+    return f"found a list of {found} for {points} point{'s' * (points != 1)}; give one value a point, or one for all."
+
+
 def number(value: object) -> float:
     """Accept an int or float (NumPy's too) that is finite; never a bool or text."""
     if isinstance(value, bool) or not isinstance(value, Real):
@@ -229,6 +234,12 @@ def _several(kind: type, what: str) -> BeforeValidator:
     return BeforeValidator(read)
 
 
+def _listed_once(value: object) -> object:
+    """Read a single value as a list of one."""
+    value = as_list(value)
+    return value if isinstance(value, list | tuple) else [value]
+
+
 def vector(length: int, form: str) -> tuple[BeforeValidator, WithJsonSchema]:
     """Annotations of a key that takes a list of so many numbers, described by ``form``."""
     return BeforeValidator(listed(length, form)), WithJsonSchema(_numbers_schema(length))
@@ -238,6 +249,16 @@ Number = Annotated[float, BeforeValidator(number)]
 Positive = Annotated[float, Field(gt=0), AfterValidator(_not_tiny), BeforeValidator(number)]
 NonNegative = Annotated[float, Field(ge=0), BeforeValidator(number)]
 Count = Annotated[int, Field(ge=1, le=100_000), BeforeValidator(_whole)]
+Counts = Annotated[
+    tuple[Count, ...],
+    Field(min_length=1),
+    BeforeValidator(_listed_once),
+    PlainSerializer(lambda counts: counts[0] if len(counts) == 1 else counts),
+    WithJsonSchema(
+        {"type": ["integer", "array"], "minimum": 1, "minItems": 1, "items": {"type": "integer", "minimum": 1}}
+    ),
+]
+"""One count or a list of counts."""
 Stations = Annotated[int, Field(ge=2, le=1000), BeforeValidator(_whole)]
 Text = Annotated[str, Field(strict=True, max_length=200), AfterValidator(_printable)]
 

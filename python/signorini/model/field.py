@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import pydantic
 from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
 
 from signorini.errors import InputError
-from signorini.expression import LARGEST, Expression, Field
+from signorini.expression import LARGEST, Expression, Field, PointValues
 from signorini.model import base
 from signorini.model.csv_cells import number_in, read_cells
 from signorini.model.problems import as_list, describe
@@ -76,23 +76,52 @@ def _read(value: object) -> Expression | Field:
     return base.reader(above=0.0)(value)
 
 
+_FIELD_SCHEMAS: list[dict[str, Any]] = [
+    {"type": "number", "exclusiveMinimum": 0},
+    {"type": "string"},
+    FieldFile.model_json_schema(),
+    {
+        "type": "array",
+        "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
+        "minItems": 3,
+    },
+]
 FieldScalar = Annotated[
     Expression | Field,
     PlainValidator(_read),
     PlainSerializer(lambda one: one.source),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "number", "exclusiveMinimum": 0},
-                {"type": "string"},
-                FieldFile.model_json_schema(),
-                {
-                    "type": "array",
-                    "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
-                    "minItems": 3,
-                },
-            ]
-        }
-    ),
+    WithJsonSchema({"anyOf": _FIELD_SCHEMAS}),
 ]
 """A positive number, an expression, or a field: a table with its file, points, or a function."""
+
+
+def _or_list(
+    read: Callable[[object], Any], limits: dict[str, float], schemas: list[dict[str, Any]] | None = None
+) -> tuple[PlainValidator, PlainSerializer, WithJsonSchema]:
+    """Annotations of a key that takes a value, which ``read`` reads, or a list with one number for each point."""
+
+    def each(value: object) -> Any:
+        value = as_list(value)
+        if isinstance(value, PointValues):
+            return value
+        if not isinstance(value, list | tuple) or not value or isinstance(as_list(value[0]), list | tuple):
+            return read(value)
+        values = []
+        for position, number in enumerate(value, start=1):
+            try:
+                values.append(float(read(base.number(number)).value))
+            except ValueError as error:
+                raise ValueError(f"value {position} of the list: {error}") from None
+        return PointValues(tuple(values))
+
+    number: dict[str, Any] = {"type": "number", **limits}
+    every = [*(schemas or [number, {"type": "string"}]), {"type": "array", "items": number, "minItems": 1}]
+    return PlainValidator(each), PlainSerializer(lambda value: value.source), WithJsonSchema({"anyOf": every})
+
+
+_ABOVE = {"exclusiveMinimum": 0.0}
+PointScalar = Annotated[Expression | PointValues, *_or_list(base.reader(), {})]
+PositivePointScalar = Annotated[Expression | PointValues, *_or_list(base.reader(above=0.0), _ABOVE)]
+NonNegativePointScalar = Annotated[Expression | PointValues, *_or_list(base.reader(at_least=0.0), {"minimum": 0.0})]
+PointFieldScalar = Annotated[Expression | Field | PointValues, *_or_list(_read, _ABOVE, _FIELD_SCHEMAS)]
+"""The same as scalars and fields, or a list with one value for each point."""

@@ -47,7 +47,7 @@ def as_list(value: Any) -> Any:
 
 _MOST_READ = 1000
 
-LISTS = ("zone", "support", "contact", "load", "combination", "moving", "probe", "section", "strip")
+LISTS = ("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip")
 """Tables that stand in double brackets."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}

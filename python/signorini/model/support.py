@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -12,14 +12,15 @@ from pydantic import (
     Field,
     PlainSerializer,
     PlainValidator,
+    PrivateAttr,
     WithJsonSchema,
     field_serializer,
     model_validator,
 )
 
-from signorini.expression import LARGEST, Expression
+from signorini.expression import LARGEST, Expression, PointValues
 from signorini.model import base
-from signorini.model.field import FieldScalar
+from signorini.model.field import NonNegativePointScalar, PointFieldScalar, PointScalar, PositivePointScalar
 from signorini.model.problems import as_list, describe
 from signorini.model.where import Acting, one_of
 
@@ -108,6 +109,8 @@ Turning = Annotated[
 ]
 
 
+_PER_POINT = ("gap", "settlement", "stiffness", "limit", "preload")
+"""Keys that take a list with one value a point; so does order."""
 _OF_ONE_PLATE = ("plate", "fix", "nodes", "edge", "rotational_stiffness", "rotation")
 """Keys of a support that has one plate."""
 
@@ -132,19 +135,21 @@ class Support(Acting, base.Named):
         description="Which way it resists: down (pushes up only), up (holds down only), both; default both.",
         json_schema_extra={"default": "both"},
     )
-    gap: base.NonNegativeScalar = Field(
+    gap: NonNegativePointScalar = Field(
         default=Expression(0.0),
-        description="Free travel before it acts, either way it resists: a number or an expression; default 0.",
+        description="Free travel before it acts, either way it resists: a number, an expression, or a list with one "
+        "value a point; default 0.",
     )
-    stiffness: FieldScalar | None = Field(
+    stiffness: PointFieldScalar | None = Field(
         default=None,
         description="None: rigid. Per point, per length (edge, line, circle), per area: a number, an expression, or "
-        "{ file = ... }, a table of x, y and value, linear between its points and 0 beyond them.",
+        "{ file = ... }, a table of x, y and value, linear between its points and 0 beyond them; or a list with one "
+        "value a point.",
     )
-    limit: base.PositiveScalar | None = Field(
+    limit: PositivePointScalar | None = Field(
         default=None,
         description="Largest reaction; beyond it the support yields. Per point, per length (edge, line, circle), per "
-        "area: a number or an expression.",
+        "area: a number, an expression, or a list with one value a point.",
     )
     law: Law | None = Field(
         default=None,
@@ -157,26 +162,29 @@ class Support(Acting, base.Named):
         description="Moment per slope, in place of holding the slope: per length (edge, line, circle) across it, per "
         "point about both axes, or [about x, about y]; numbers or expressions.",
     )
-    settlement: base.Scalar = Field(
-        default=Expression(0.0), description="The base moves down by this: a number or an expression; default 0."
+    settlement: PointScalar = Field(
+        default=Expression(0.0),
+        description="The base moves down by this: a number, an expression, or a list with one value a point; default "
+        "0.",
     )
     between: Between | None = Field(
         default=None,
         description='["upper", "lower"]: it acts between these two plates; resists says how on the upper one.',
     )
-    preload: base.PositiveScalar | None = Field(
+    preload: PositivePointScalar | None = Field(
         default=None,
         description="Force to which each bolt, at a point, is tightened before other loads act; from there its graph "
-        "goes on: a number or an expression. With resists = up or both.",
+        "goes on: a number, an expression, or a list with one value a point. With resists = up or both.",
     )
     preload_case: base.Text | None = Field(
         default=None,
         description="The preload is a case of this name: combinations give its factor, and where it has none the bolts "
         "are not tightened. Left out: factor 1 in all.",
     )
-    order: base.Count | None = Field(
+    order: base.Counts | None = Field(
         default=None,
-        description="Bolts of one order are tightened together, after those of lower ones.",
+        description="Bolts of one order are tightened together, after those of lower ones; one number, or a list with "
+        "one a point.",
         json_schema_extra={"default": 1},
     )
     rotation: base.Rotation | None = Field(
@@ -186,6 +194,38 @@ class Support(Acting, base.Named):
 
     unsaid: ClassVar[Literal["down", "both"]] = "both"
     """How it resists where nothing is said of that."""
+    _tightened: bool = PrivateAttr(default=False)
+
+    def model_post_init(self, context: Any) -> None:
+        """Put lists with one value a point onto the points."""
+        for key in _PER_POINT if self.at is not None else ():
+            self.__dict__[key] = self.on_points(getattr(self, key))
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Copy it with other keys; lists with one value a point go with the points."""
+        result = super().model_copy(update=update, deep=deep)
+        result.model_post_init(None)
+        return result
+
+    def on_points(self, value: Any) -> Any:
+        """Return a list with one value a point on the points of this support, and any other value as it is."""
+        return PointValues(value.values, self.at or ()) if isinstance(value, PointValues) else value
+
+    def as_bolt(self) -> Self:
+        """Return the same support with points that [[tightening]] tightens."""
+        result = self.model_copy()
+        result._tightened = True
+        return result
+
+    @property
+    def is_bolt(self) -> bool:
+        """Whether its points are tightened before other loads act."""
+        return self.preload is not None or self._tightened
+
+    @property
+    def point_count(self) -> int:
+        """Number of its points; 0 where it is at no points."""
+        return len(self.at or self.nodes or ())
 
     @model_validator(mode="after")
     def _as_unsaid(self) -> Self:
@@ -233,17 +273,12 @@ class Support(Acting, base.Named):
         return self.modulus is None and self.holds_w
 
     @property
-    def modulus(self) -> FieldScalar | None:
+    def modulus(self) -> PointFieldScalar | None:
         """Stiffness, of a law that of its steepest part; None where it is rigid, or a law rises without travel."""
         if self.law is None:
             return self.stiffness
         steps = [(t - s, f - g) for (s, g), (t, f) in pairwise(self.law)]
         return Expression(max(rise / run for run, rise in steps)) if all(run for run, _ in steps) else None
-
-    @property
-    def stage(self) -> int:
-        """When its bolts are tightened."""
-        return self.order or 1
 
     @property
     def gives_way(self) -> bool:
@@ -278,6 +313,7 @@ class Support(Acting, base.Named):
             yield from self._law_complaints(self.law)
         if self.rotational_stiffness is not None:
             yield from self._turning_complaints(self.rotational_stiffness)
+        yield from self._list_complaints()
         yield from self._preload_complaints()
         if self.rotation is not None and not self.turns_held and self.rotational_stiffness is None:
             yield (
@@ -294,7 +330,7 @@ class Support(Acting, base.Named):
                 (key,),
                 f"found {key} beside between; what acts between two plates is at points, lines or areas of both.",
             )
-        if self.settlement != Expression(0.0):
+        if not _is_zero(self.settlement):
             yield ("settlement",), "found settlement beside between; between two plates there is a gap."
 
     def _turning_complaints(self, stiffness: Turning) -> Iterator[base.Complaint]:
@@ -306,11 +342,29 @@ class Support(Acting, base.Named):
         elif self.place != "at" and len(stiffness) == 2:
             yield place, "found two; along an edge, a line or a circle there is one, across it."
 
+    def _list_complaints(self) -> Iterator[base.Complaint]:
+        lists = {key: list(value.values) for key in _PER_POINT if isinstance(value := getattr(self, key), PointValues)}
+        if len(self.order or ()) > 1:
+            lists["order"] = list(self.order or ())
+        for key, values in lists.items():
+            if self.place != "at":
+                yield (
+                    (key,),
+                    f"found {describe(values)}; a list with one value a point is for at or nodes, not for "
+                    f"{self.place}. Give one value.",
+                )
+            elif len(values) != self.point_count:
+                yield (key,), base.miscounted(len(values), self.point_count)
+
     def _preload_complaints(self) -> Iterator[base.Complaint]:
-        if self.preload is None:
-            for key in self.given(("preload_case", "order")):
-                yield (key,), f"{key} goes with a preload; give one, or leave it out."
+        if self.preload is not None:
+            yield from self.bolt_complaints()
             return
+        for key in self.given(("preload_case", "order")):
+            yield (key,), f"{key} goes with a preload; give one, or leave it out."
+
+    def bolt_complaints(self) -> Iterator[base.Complaint]:
+        """Yield why its points cannot be tightened."""
         place = ("preload",)
         if self.fix is not None:
             yield place, "a preload does not go with fix; use resists = up or both."
@@ -318,7 +372,7 @@ class Support(Acting, base.Named):
             yield place, "found resists = down, which cannot pull the plate down; use up or both."
         if self.place != "at":
             yield place, f"a preload is that of a bolt at a point; use at or nodes, not {self.place}."
-        if self.gap != Expression(0.0):
+        if not _is_zero(self.gap):
             yield ("gap",), "a gap does not go with a preload: tightening takes up all travel. Leave it out."
 
     def _law_complaints(self, law: Law) -> Iterator[base.Complaint]:
@@ -346,7 +400,7 @@ class Support(Acting, base.Named):
                 ("law",),
                 "found a law without [0, 0]; one that begins at a negative travel must have it among its points.",
             )
-        elif self.gap != Expression(0.0):
+        elif not _is_zero(self.gap):
             yield ("gap",), "a gap does not go with a law that begins at a negative travel; draw it in the law."
 
     def _fix_complaints(self) -> Iterator[base.Complaint]:
@@ -363,14 +417,18 @@ class Support(Acting, base.Named):
             )
         if self.has_footprint and fixed != ("w",):
             yield ("fix",), f"{describe(self.fix)} holds slopes, and a footprint its mean deflection; use simple."
-        if self.gap != Expression(0.0):
+        if not _is_zero(self.gap):
             yield ("gap",), "a gap does not go with fix; use resists."
         if self.limit is not None:
             yield ("limit",), "a limit does not go with fix; use resists."
         if self.stiffness is not None and fixed != ("w",):
             yield ("stiffness",), f"a stiffness goes with fix = simple or with resists, not with {describe(self.fix)}."
-        if self.settlement != Expression(0.0) and "w" not in fixed:
+        if not _is_zero(self.settlement) and "w" not in fixed:
             yield ("settlement",), f"{describe(self.fix)} does not hold the deflection, so nothing settles."
+
+
+def _is_zero(value: PointScalar) -> bool:
+    return value.is_constant and value.value == 0.0
 
 
 _OF_CONTACTS = (

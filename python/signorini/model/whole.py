@@ -28,6 +28,7 @@ from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, explained, tables_of
 from signorini.model.support import Contact, Support
+from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, one_of, worth_following
 
 _MOST_ELEMENTS = 10_000_000
@@ -115,6 +116,9 @@ class Model(Table):
     combination: Annotated[tuple[Combination, ...], AfterValidator(_named)] = Field(
         default=(), description='Combinations of load cases; none given: one named "all", every case at factor 1.'
     )
+    tightening: tuple[Tightening, ...] = Field(
+        default=(), description="Rounds in which bolts are tightened, from the first table to the last one."
+    )
     moving: tuple[Moving, ...] = Field(default=(), description="Loads that move along a line.")
     probe: tuple[Probe, ...] = Field(default=(), description="Points where results are written out.")
     section: Annotated[tuple[Section, ...], AfterValidator(_named)] = Field(
@@ -131,7 +135,9 @@ class Model(Table):
 
     def model_post_init(self, context: Any) -> None:
         """Put contacts among the supports, which they are, of two plates; a dump tells them apart again."""
-        self.__dict__["support"] = (*self._alone(self.support), *self.contact)
+        bolts = {bolt_round.support for bolt_round in self.tightening}
+        alone = (support.as_bolt() if support.name in bolts else support for support in self._alone(self.support))
+        self.__dict__["support"] = (*alone, *self.contact)
 
     @field_serializer("support")
     def _alone(self, supports: tuple[Support, ...]) -> tuple[Support, ...]:
@@ -150,15 +156,21 @@ class Model(Table):
     @property
     def preload_cases(self) -> tuple[str, ...]:
         """Names of the cases that preloads are, in the order in which they first appear."""
-        named = (support.preload_case for support in self.support if support.preload_case is not None)
-        return tuple(dict.fromkeys(named))
+        return tuple(dict.fromkeys(each.case for each in self.rounds if each.case is not None))
 
-    def tightening(self, factors: Mapping[str, float]) -> tuple[float, ...]:
-        """Factors (s,) of the supports' preloads beside cases with these factors; empty where none is tightened."""
-        result = tuple(
-            0.0 if one.preload is None else 1.0 if one.preload_case is None else factors.get(one.preload_case, 0.0)
-            for one in self.support
+    @property
+    def rounds(self) -> tuple[Tightening, ...]:
+        """Rounds of tightening: a round for every support with a preload, and behind them those of [[tightening]]."""
+        preloaded = (
+            Tightening.model_construct(support=support.name, force=support.preload, case=support.preload_case)
+            for support in self.support
+            if support.preload is not None
         )
+        return (*preloaded, *self.tightening)
+
+    def round_factors(self, factors: Mapping[str, float]) -> tuple[float, ...]:
+        """Factors (t,) of the forces of all `rounds` beside cases with these factors; empty where all are 0."""
+        result = tuple(1.0 if each.case is None else factors.get(each.case, 0.0) for each in self.rounds)
         return result if any(result) else ()
 
     @property
@@ -338,13 +350,22 @@ class Model(Table):
     def _preload_complaints(self) -> Iterator[Complaint]:
         of_loads = {load.case for load in self.load}
         named = {case for combination in self.combination for case in combination.cases}
-        for index, support in enumerate(self.support):
-            case, place = support.preload_case, ("support", index, "preload_case")
+        by_name = {support.name: support for support in self.support}
+        for index, bolt_round in enumerate(self.tightening):
+            if bolt_round.support not in by_name:
+                yield ("tightening", index, "support"), unknown("support", bolt_round.support, tuple(by_name))
+                continue
+            for place, message in bolt_round.complaints_of(by_name[bolt_round.support]):
+                yield ("tightening", index, *place), message
+        cases: list[tuple[Place, str | None]] = []
+        cases += [(("support", index, "preload_case"), bolt.preload_case) for index, bolt in enumerate(self.support)]
+        cases += [(("tightening", index, "case"), bolt_round.case) for index, bolt_round in enumerate(self.tightening)]
+        for place, case in cases:
             if case in of_loads:
                 yield place, f'"{case}" is a case of [[load]] too; give the preload a case of its own.'
             elif case is not None and self.combination and case not in named:
                 why = f'no combination names the case "{case}", so that the bolts would not be tightened in any.'
-                yield place, f"{why} Name it in one, or leave preload_case out for a factor of 1 in all."
+                yield place, f"{why} Name it in one, or leave {place[-1]} out for a factor of 1 in all."
         for index, combination in enumerate(self.combination):
             for case in self.preload_cases:
                 if (least := min(combination.factors_of(case), default=0.0)) < 0.0:

@@ -14,7 +14,7 @@ from signorini.discretise.snapping import Snapped
 from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
 from signorini.output.names import Pictures, csv_text, files, name_cell
-from signorini.results.figures import figures, point_figures, total
+from signorini.results.figures import figures, joints, point_figures, total
 from signorini.results.result import Result
 from signorini.singularities.singularity import Singularity
 
@@ -23,7 +23,7 @@ _COLUMNS = (
     *("combination", "support", "kind", "point", "x", "y", "reaction", "gap", "state"),
     *("closed", "open", "contact_area", "max_pressure"),
     *("reaction_plus_minus", "gap_plus_minus", "contact_area_plus_minus", "max_pressure_plus_minus"),
-    *("max_tension", "node", "preload", "change"),
+    *("max_tension", "node", "preload", "change", "tightened_to"),
 )
 _MOST_PLACES = 20
 """Points of a singularity that are listed; nodes of elements that a border cuts may be thousands."""
@@ -90,6 +90,7 @@ def _combination(results: Results, result: Result, estimates: Estimates | None) 
         "singular": singular_json(result.singular),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         **figures(result),
+        **({"joints": of_bolts} if (of_bolts := joints(result)) else {}),
         "profiles": [{"name": one.name, "stations": list(one.rows())} for one in result.profiles.values()],
         "plus_minus": None if estimate is None else estimate.plus_minus,
     }
@@ -136,16 +137,15 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
     for support, width in zip(result.supports, widths, strict=True):
         names = {"combination": name_cell(result.name), "support": name_cell(support.name)}
         row = names | {"kind": support.kind}
-        yield row | {"point": "total"} | total(support) | _half_widths(width)
+        bolts = {} if support.preloads is None else {"preload": support.preload}
+        yield row | {"point": "total"} | total(support) | bolts | _half_widths(width)
         if support.area is None:
             nodes = result.mesh.nodes_at(support.positions).tolist()
             for number, (point, node) in enumerate(zip(point_figures(support), nodes, strict=True), start=1):
                 x, y = point.pop("at")
                 at_point = width["points"][number - 1] if "points" in width else {}
                 place = {"point": number, "x": x, "y": y, "node": node + 1 if node >= 0 else None}
-                if support.preloads is not None:
-                    before = float(support.preloads[number - 1])
-                    place |= {"preload": before, "change": point["reaction"] - before}
+                place |= {name: float(values[number - 1]) for name, values in support.bolt_forces.items()}
                 yield row | place | point | _half_widths(at_point)
 
 

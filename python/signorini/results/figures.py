@@ -90,6 +90,23 @@ def _support(support: SupportResult) -> dict[str, Any]:
     return result | {"points" if support.place == "at" else "nodes": list(point_figures(support))}
 
 
+def joints(result: Result) -> list[dict[str, Any]]:
+    """Sum preloads and reactions over the bolts of each joint: those that hold one plate, or the same two plates."""
+    groups: dict[object, list[SupportResult]] = {}
+    for support, values in zip(result.model.support, result.supports, strict=False):
+        if support.is_bolt:
+            groups.setdefault(support.between or support.plate, []).append(values)
+    return [
+        {
+            "supports": [values.name for values in bolts],
+            "bolts": sum(len(values.reactions) for values in bolts),
+            "preload": sum(values.preload for values in bolts),
+            "reaction": sum(values.reaction for values in bolts),
+        }
+        for bolts in groups.values()
+    ]
+
+
 def total(support: SupportResult) -> dict[str, Any]:
     """Say what a support does as a whole."""
     return {

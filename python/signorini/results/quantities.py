@@ -254,9 +254,13 @@ OF_TURNING_POINTS = tuple(
 )
 OF_POINTS_WITH_LAWS = (Quantity("piece", "count", "piece of the law", (), "", False, False, False),)
 TURNING = tuple(one.name for one in OF_TURNING_POINTS)
-OF_BOLTS = (Quantity("prying", "part", tabled=False, along_paths=False),)
-"""Of supports with a preload."""
+OF_BOLTS = (
+    Quantity("preload", "reaction", enveloped=False, along_paths=False),
+    Quantity("prying", "part", tabled=False, along_paths=False),
+)
+"""Of supports whose points are tightened."""
 AT_BOLTS = (
+    Quantity("tightened_to", "reaction", enveloped=False, along_paths=False),
     Quantity("preload", "reaction", enveloped=False, along_paths=False),
     Quantity("change", "reaction", enveloped=False, along_paths=False),
 )
@@ -362,14 +366,14 @@ class Catalogue:
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             own = OF_SUPPORTS + OF_AREAS * (support.area is not None)
             own += OF_LIMITED_AREAS * (support.area is not None and support.can_yield)
-            own += OF_BOLTS * (support.preload is not None)
+            own += OF_BOLTS * support.is_bolt
             for one in own:
                 # How many nodes are closed is the mesh's.
                 told = one.kind != "count" or support.place == "at"
                 path: Path = (*place_of(model, index), *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
             for point in range(count if support.place == "at" else 0):
-                every = OF_POINTS + AT_BOLTS * (support.preload is not None)
+                every = OF_POINTS + AT_BOLTS * support.is_bolt
                 every += OF_TURNING_POINTS * (support.rotational_stiffness is not None)
                 for one in every + OF_POINTS_WITH_LAWS * support.has_pieces:
                     path = (*place_of(model, index), "points", point, *one.path)

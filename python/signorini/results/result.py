@@ -45,6 +45,7 @@ from signorini.results.marks import panel, support_marks
 from signorini.results.notebook import supports_table
 from signorini.results.of_plates import said_of
 from signorini.results.quantities import (
+    AT_BOLTS,
     FIELDS,
     LINEAR,
     OF_AREAS,
@@ -392,9 +393,8 @@ class Result(Remade):
         put("support", limited, *(one.name for one in OF_LIMITED_AREAS))
         bolts = [one for one in self.supports if one.preloads is not None]
         put("support", bolts, *(one.name for one in OF_BOLTS))
-        if preloads := [one.preloads for one in self.supports if one.preloads is not None]:
-            before, after = np.concatenate(preloads), np.concatenate([one.reactions for one in bolts])
-            result[at("point", "preload")], result[at("point", "change")] = before, after - before
+        for quantity in AT_BOLTS if bolts else ():
+            result[at("point", quantity.name)] = np.concatenate([bolt.bolt_forces[quantity.name] for bolt in bolts])
         put("section", self.sections, "moment", "twist", "shear")
         put("station", [station for strip in self.strips for station in strip.stations], "moment", "twist", "shear")
         result[at("support", "closed", "open")] = [(one.closed_count, one.open_count) for one in self.supports]

@@ -260,18 +260,20 @@ class Block:
             self.places[row, at] = ends.max_at, ends.min_at
 
     def put_supports(
-        self, rows: Ints, layout: Layout, reaction: Floats, gap: Floats, closed: Bools, preload: Floats
+        self, rows: Ints, layout: Layout, reaction: Floats, gap: Floats, closed: Bools, bolts: Mapping[str, Floats]
     ) -> None:
-        """Fill rows (r,) with what all points do (r, p); ``preload`` (p,) is what they do before loads act."""
+        """Fill rows (r,) with values at all points (r, p); ``bolts`` are ``tightened_to`` and ``preload`` (p,)."""
         self.reaction[rows], self.closed[rows] = reaction, closed
         at, values = layout.catalogue.at, self.values
         for column, where in zip(at("support", "reaction", "closed", "open"), layout.slices, strict=True):
             closed_count = closed[:, where].sum(axis=1)
             totals = (reaction[:, where].sum(axis=1), closed_count, closed[:, where].shape[1] - closed_count)
             values[np.ix_(rows, column)] = np.stack(totals, axis=1)
-        before = np.broadcast_to(preload, reaction.shape)
-        told = ("reaction", reaction), ("gap", gap), ("preload", before), ("change", reaction - preload)
-        for what, of_points in told:
+        for column in at("support", "preload"):
+            values[rows, column] = bolts["preload"][layout.slices[layout.catalogue.numbers[column].owner]].sum()
+        told = {name: np.broadcast_to(force, reaction.shape) for name, force in bolts.items()}
+        told |= {"reaction": reaction, "gap": gap, "change": reaction - bolts["preload"]}
+        for what, of_points in told.items():
             numbers = [layout.catalogue.numbers[place] for place in at("point", what)]
             every = [layout.slices[one.owner].start + one.part for one in numbers]
             values[np.ix_(rows, at("point", what))] = of_points[:, every]

@@ -87,6 +87,10 @@ class SupportPoints:
         """Upward force (p,) of every point when all bolts are tightened and before other loads act."""
         return self.forces(np.zeros(self.fixed), discretisation.points.preload)
 
+    def tightened_to(self, discretisation: Discretisation) -> Floats:
+        """Upward force (p,) to which every point was last tightened; 0 where it was not."""
+        return self.forces(np.zeros(self.fixed), discretisation.points.tightened_to)
+
     def moments(self, pull: Floats) -> Floats:
         """Couples (..., p, 2) on θx and θy that points exert on the plate, from what all springs do (..., s)."""
         return np.asarray(-pull[..., self.turning])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Self
 
@@ -140,7 +140,7 @@ def describe(support: Support) -> str:
         parts.append("with gap")
     if support.can_yield:
         parts.append("with limit")
-    if support.preload is not None:
+    if support.is_bolt:
         parts.append("preloaded")
     return ", ".join(parts)
 
@@ -173,8 +173,10 @@ class SupportResult(Remade):
         Of points with a law or a limit, the piece of it that each is on, from 0, in the order of travel.
     moments : (k, 2) array or None
         Of points with a rotational stiffness, the couples on θx and θy that they exert on the plate.
+    tightened_to : (k,) array or None
+        Of bolts, the reactions to which they were last tightened, negative; 0 of a bolt that was not tightened.
     preloads : (k,) array or None
-        Of points with a preload, their reactions when all bolts are tightened and before other loads act.
+        Of bolts, their reactions when all bolts are tightened and before other loads act.
     pull : float
         With which the loads pull the plate up, their resultant; NaN where they do not.
     upon : bool
@@ -196,6 +198,7 @@ class SupportResult(Remade):
     yielded: Bools
     pieces: Ints | None
     moments: Floats | None
+    tightened_to: Floats | None
     preloads: Floats | None
     pull: float
     upon: bool = False
@@ -204,6 +207,17 @@ class SupportResult(Remade):
     def changes(self) -> Floats | None:
         """What loads add to the reactions (k,) that points with a preload have before."""
         return None if self.preloads is None else self.reactions - self.preloads
+
+    @property
+    def bolt_forces(self) -> Mapping[str, Floats]:
+        """Forces (k,) of bolts by their names in results.json; empty for other supports."""
+        columns = {"tightened_to": self.tightened_to, "preload": self.preloads, "change": self.changes}
+        return {name: values for name, values in columns.items() if values is not None}
+
+    @property
+    def preload(self) -> float:
+        """Sum of the preloads; NaN where there is none."""
+        return np.nan if self.preloads is None else float(self.preloads.sum())
 
     @property
     def prying(self) -> float:
@@ -313,7 +327,8 @@ def support_result(
         points.yielded(discretisation, answer.shared),
         points.pieces(discretisation, answer.piece) if support.place == "at" and support.has_pieces else None,
         points.moments(pull) if len(points.turning) else None,
-        None if support.preload is None else points.preloads(discretisation),
+        points.tightened_to(discretisation) if support.is_bolt else None,
+        points.preloads(discretisation) if support.is_bolt else None,
         lift,
         upon,
     )

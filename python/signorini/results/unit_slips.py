@@ -75,7 +75,7 @@ def _of_lengths(discretisation: Discretisation) -> Iterator[str]:
         rows = parts.rows.ravel()
         settled = points.settlement[rows]
         moved = discretisation.held.values[3 * parts.nodes], discretisation.springs.base[parts.springs], settled
-        base = "settlement" if support.preload is None else "stretch by the preload"
+        base = "stretch by the preload" if support.is_bolt else "settlement"
         travels = {"gap": points.distance[rows] - settled, base: np.abs(np.concatenate(moved))}
         for what, values in travels.items():
             most = float(values.max(initial=0.0))

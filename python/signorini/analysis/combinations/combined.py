@@ -114,7 +114,7 @@ def combine(
         begin(combinations[first].name)
         rowed = combinations[first : first + most]
         block = Block.empty(layout, first, len(rowed))
-        tightenings = [model.tightening(combination.factors or {}) for combination in rowed]
+        tightenings = [model.round_factors(combination.factors or {}) for combination in rowed]
         for tightening in dict.fromkeys(tightenings):
             rows = np.array([row for row, one in enumerate(tightenings) if one == tightening])
             if tightening not in runs:
@@ -289,8 +289,12 @@ class _Run:
             )
         if of_points:
             all_forces, gaps, all_closed = (np.concatenate(column, axis=1) for column in zip(*of_points, strict=True))
-            preload = np.concatenate([of.preloads(self.problem.discretisation) for of in self.layout.supports])
-            block.put_supports(rows, self.layout, all_forces, gaps, all_closed, preload)
+            of, supports = self.problem.discretisation, self.layout.supports
+            bolts = {
+                "tightened_to": np.concatenate([points.tightened_to(of) for points in supports]),
+                "preload": np.concatenate([points.preloads(of) for points in supports]),
+            }
+            block.put_supports(rows, self.layout, all_forces, gaps, all_closed, bolts)
 
     def _put_areas(self, block: Block, rows: Ints) -> None:
         """Largest pressures and areas in contact of rows of which the deflections around areas are known."""

@@ -11,10 +11,10 @@ import numpy as np
 from signorini.discretise.laws import Law
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError
-from signorini.expression import Expression, Field
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import are_triangles, real_sides
 from signorini.model import Support
+from signorini.model.field import PointFieldScalar
 from signorini.results.contact_field.lines import Segments, zero_line
 from signorini.shapes.tessellation import grid_shapes, tessellate
 
@@ -73,7 +73,7 @@ def _beyond_gap(deflection: Floats, travel: tuple[Floats, Floats]) -> tuple[Floa
     return moved - gap, -moved - gap
 
 
-def _known_values(expression: Expression | Field, positions: Floats) -> Floats:
+def _known_values(expression: PointFieldScalar, positions: Floats) -> Floats:
     """Values (q,) of an expression, NaN where it has none: it need have one only where the support acts."""
     try:
         return expression(*positions.T)
