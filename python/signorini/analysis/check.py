@@ -160,6 +160,7 @@ class Check:
         named = singularities(discretisation, self._acting)
         return check_picture(
             Plan(discretisation.mesh.points, discretisation.mesh.elements),
+            bedding=marks.bedding_panel(discretisation),
             zones=marks.zone_marks(discretisation),
             supports=marks.unsolved_marks(discretisation),
             loads=marks.load_marks(discretisation),

@@ -139,7 +139,7 @@ class Support(Acting, base.Named):
     stiffness: FieldScalar | None = Field(
         default=None,
         description="None: rigid. Per point, per length (edge, line, circle), per area: a number, an expression, or "
-        "{ file = ... }, a table of x, y and value, linear between its points and 0 beyond them.",
+        "{ file = ... }, a table of x, y and value, linear between its points, which cover the support.",
     )
     limit: base.PositiveScalar | None = Field(
         default=None,

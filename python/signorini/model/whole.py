@@ -44,10 +44,11 @@ class Units(Table):
     force: Text = Field(default="", description='Label of the unit of force, such as "N".')
 
     def force_by_length(self, power: int) -> str:
-        """Unit of a force times a power of a length, from -2 to 1; empty where a label is missing."""
+        """Unit of a force times a power of a length, from -3 to 1; empty where a label is missing."""
         if not self.force or (power and not self.length):
             return ""
-        return self.force + {-2: f"/{self.length}²", -1: f"/{self.length}", 0: "", 1: f" {self.length}"}[power]
+        length = self.length
+        return self.force + {-3: f"/{length}³", -2: f"/{length}²", -1: f"/{length}", 0: "", 1: f" {length}"}[power]
 
 
 class Solver(Table):
