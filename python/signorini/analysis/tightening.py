@@ -21,7 +21,7 @@ from signorini.discretise import CaseLoad, ContactPoints, Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.imbalance import CONTRADICTION, explain, imbalance
-from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, clause
 
 
 def tightened(problem: ContactProblem, combination: str) -> ContactProblem:
@@ -108,9 +108,13 @@ def loosened(discretisation: Discretisation, tightening: tuple[float, ...]) -> s
 
 @dataclass(frozen=True, eq=False)
 class _Stage:
-    """Bolts that are tightened together: ``force`` (m,) are their reactions, ``there`` (m,) marks other points."""
+    """Bolts that are tightened together: ``force`` (m,) are their reactions, ``there`` (m,) marks other points.
+
+    ``names`` are theirs, ``known`` those of all supports and plates.
+    """
 
     names: tuple[str, ...]
+    known: tuple[str, ...]
     force: Floats
     there: Bools
 
@@ -125,7 +129,7 @@ class _Stage:
 
     def said(self, message: str) -> str:
         """Say what happens while they are tightened."""
-        return f"While {self.what}: {message[0].lower()}{message[1:]}"
+        return f"While {self.what}: {clause(message, self.known)}"
 
     @property
     def what(self) -> str:
@@ -146,7 +150,8 @@ def _stages(base: Discretisation, tightening: tuple[float, ...]) -> Iterator[_St
                 (own,) = np.nonzero(contacts.support == index)
                 force[own] = -contacts.direction[own] * factor * support.preload(*contacts.positions[own].T)
                 names.append(support.name)
-        yield _Stage(tuple(names), force, ~tight | (order < now))
+        known = *(support.name for support in supports), *base.model.plates
+        yield _Stage(tuple(names), known, force, ~tight | (order < now))
 
 
 def _tighten(base: Discretisation, tightening: tuple[float, ...], watcher: Watcher) -> Discretisation:

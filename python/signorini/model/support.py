@@ -108,6 +108,16 @@ Turning = Annotated[
 ]
 
 
+def _way_of(value: object) -> object:
+    """Refuse words for tension and compression, and say which way is meant."""
+    word = value.lower() if isinstance(value, str) else ""
+    for meant, acts, words in (("up", "holds the plate down", "tens pull"), ("down", "pushes it up", "compr push")):
+        if any(one in word for one in words.split()):
+            said = f"found {describe(value)}; it must be down, up or both. A support that {acts} only has"
+            raise ValueError(f'{said} resists = "{meant}".')
+    return value
+
+
 _OF_ONE_PLATE = ("plate", "fix", "nodes", "edge", "rotational_stiffness", "rotation")
 """Keys of a support that has one plate."""
 
@@ -127,7 +137,7 @@ class Support(Acting, base.Named):
         description="Holds both ways: clamped (w, slope, twist), hard (w, twist), simple (w), symmetry (slope), "
         "or a list of w, slope, twist.",
     )
-    resists: Literal["down", "up", "both"] | None = Field(
+    resists: Annotated[Literal["down", "up", "both"] | None, BeforeValidator(_way_of)] = Field(
         default=None,
         description="Which way it resists: down (pushes up only), up (holds down only), both; default both.",
         json_schema_extra={"default": "both"},

@@ -19,6 +19,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from signorini.errors import Place, unknown
+from signorini.expression import Expression
 from signorini.model.base import Complaint, Named, Table, Text
 from signorini.model.combination import Choice, Combination, Combinations, FrozenMapping, Positions, Product, products
 from signorini.model.load import Load, Moving, Probe
@@ -112,7 +113,7 @@ class Model(Table):
     contact: Annotated[tuple[Contact, ...], AfterValidator(_named)] = Field(
         default=(), description="Plates on one another."
     )
-    load: tuple[Load, ...] = Field(min_length=1, description="The loads, at least one.")
+    load: tuple[Load, ...] = Field(default=(), description="The loads.")
     combination: Annotated[tuple[Combination, ...], AfterValidator(_named)] = Field(
         default=(), description='Combinations of load cases; none given: one named "all", every case at factor 1.'
     )
@@ -163,6 +164,12 @@ class Model(Table):
         return result if any(result) else ()
 
     @property
+    def acts(self) -> bool:
+        """Whether something acts: a load, one that moves, a preload, a settlement or a rotation of a support."""
+        moved = any(one.preload or one.settlement != Expression(0.0) or one.rotation for one in self.support)
+        return bool(self.load or self.moving) or moved
+
+    @property
     def materials(self) -> tuple[Material, ...]:
         """The plates' materials, and those that zones have."""
         plates = tuple(plate.material or self.material for plate in self.plates.values()) or (self.material,)
@@ -207,7 +214,7 @@ class Model(Table):
         """Every combination, those generated made when they are asked for.
 
         Where none is given there is one named "all", every case at factor 1; with moving loads one for each of their
-        positions.
+        positions. What has no case, such as a settlement, acts in all.
         """
         positions = self.positions
         if self.combination:
@@ -228,6 +235,11 @@ class Model(Table):
         return not any(isinstance(one, MeshPlate) for one in plates) if self.mesh.error is None else self.mesh.error
 
     def _complaints(self) -> Iterator[Complaint]:
+        if not self.acts:
+            why = (
+                "'load' is missing. The loads, at least one. Write it under [[load]]. A [[moving]] acts too, and so do"
+            )
+            yield ("load",), f"{why} the preload, settlement and rotation of a [[support]]."
         for key in ("support", "combination", "section", "strip", "profile"):
             yield from _repeated(key, [table.name for table in getattr(self, key)])
         yield from plate_complaints(self)

@@ -27,7 +27,7 @@ from signorini.results.path_events import PathEvent, Threshold, in_words
 from signorini.results.path_stop import PathStop
 from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Layout, together
-from signorini.results.warnings import bending_thickness, model_warnings, too_far
+from signorini.results.warnings import bending_thickness, model_warnings, too_far, wheels_off
 
 if TYPE_CHECKING:
     from signorini.plot.curves import Figure
@@ -117,10 +117,12 @@ class LoadPath(States[float]):
         """What of the model, and of the deflections on the way, is seldom meant."""
         discretisation = self.discretisation
         thinnest = bending_thickness(discretisation).min()
+        acting = self._loads[0].acting | self._loads[1].acting
+        of_model = *model_warnings(discretisation), *wheels_off(discretisation, acting)
         for stop in self.stops:
             for far in too_far(discretisation, self.at(stop.t).deflection) if abs(stop.utmost) > thinnest else ():
-                return (*model_warnings(discretisation), f"At t = {stop.t:.6g}: {far}")
-        return model_warnings(discretisation)
+                return (*of_model, f"At t = {stop.t:.6g}: {far}")
+        return of_model
 
     @cached_property
     def mechanism(self) -> str:
