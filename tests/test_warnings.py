@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+import jsonschema
 import pytest
 from models import rectangular
 
@@ -386,7 +387,12 @@ def test_a_wheel_that_is_partly_off_the_plate_is_told_of_results_in_which_it_act
     ],
 )
 def test_a_moving_load_a_settlement_a_rotation_and_a_preload_act_without_a_load(moving, support, names) -> None:
-    results = signorini.solve(model(load=[], moving=moving, support=support))
+    given = model(load=[], moving=moving, support=support)
+    assert signorini.Model(**given.model_dump()) == given
+    tables = {key: value for key, value in {"moving": moving, "support": support}.items() if value}
+    plate = {"plate": {"shape": "disc", "radius": 2, "thickness": 0.2}}
+    jsonschema.validate(plate | tables, signorini.schema())
+    results = signorini.solve(given)
     assert list(results) == names
     for result in results.values():
         assert result.certificate.passed and result.deflection.any() and "No load acts." not in result.warnings

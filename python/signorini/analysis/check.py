@@ -22,7 +22,7 @@ from signorini.mesh.isoparametric import are_degenerate
 from signorini.mesh.mesh import Mesh
 from signorini.model import Combination, Model
 from signorini.results import marks
-from signorini.results.warnings import idle_cases, model_warnings, no_resultant, wheels_off
+from signorini.results.warnings import idle_cases, model_warnings, no_resultant
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
@@ -102,7 +102,7 @@ class Check:
         """What of the model, and of the loads' resultants, is seldom meant, in sentences."""
         discretisation, model = self.discretisation, self.discretisation.model
         loads = () if model.tabulated else map(discretisation.load, model.effective_combinations)
-        said = [*model_warnings(discretisation), *idle_cases(model), *wheels_off(discretisation, self._acting)]
+        said = [*model_warnings(discretisation, self._acting), *idle_cases(model)]
         said += [sentence for load in loads for sentence in no_resultant(discretisation, load)]
         return tuple(dict.fromkeys(said))
 
@@ -118,7 +118,7 @@ class Check:
         combinations = model.effective_combinations
         if model.tabulated:
             return combinations.cases
-        return {case for one in combinations for case, factor in (one.factors or {}).items() if factor != 0.0}
+        return {case for one in combinations for case in one.acting}
 
     @property
     def quality(self) -> str:

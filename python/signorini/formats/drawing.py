@@ -299,10 +299,10 @@ class Slab:
         """The vector [m] that brings the point of a shape that is farthest off the plate onto an edge."""
         if not shape.radius:
             return max((complex(x, y) for x, y in self.beyond(shape.points).tolist()), key=abs)
-        middle, (back,) = np.array([shape.corners[0][:2]]), self.beyond([shape.corners[0][:2]])
-        inward = complex(*(back if back.any() else (middle - self._edges.nearest(middle)[0])[0]))
-        reach = shape.radius + abs(inward) * (1.0 if back.any() else -1.0)
-        return (inward / abs(inward) if inward else 1.0) * max(reach, 0.0)
+        middle = np.array([shape.corners[0][:2]])
+        (back,), (off,) = self.beyond(middle.tolist()), middle - self._edges.nearest(middle)[0]
+        inward, reach = (back, math.hypot(*back)) if back.any() else (off, -math.hypot(*off))
+        return complex(*inward) / (abs(reach) or 1.0) * max(shape.radius + reach, 0.0) if reach else shape.radius + 0j
 
     def moved(self, at: tuple[float, float], size: Footprint, most: float) -> tuple[float, float] | None:
         """The place [m] where a footprint is on the plate, if its edges move by a distance at most."""
@@ -338,7 +338,7 @@ class Lost(NamedTuple):
     """Shapes of a role that were not taken, or footprints of points: how many, and the line that names them."""
 
     role: str
-    count: int
+    number: int
     line: str
 
 
@@ -365,7 +365,7 @@ class Drawing:
         """How many shapes of each role were taken of those that are drawn."""
         taken = {"holes": len(self.holes), "zones": len(self.zones), "points": sum(map(len, self.points.values()))}
         taken["lines"] = len(self.lines)
-        drawn = {role: some + sum(one.count for one in self.lost if one.role == role) for role, some in taken.items()}
+        drawn = {role: some + sum(one.number for one in self.lost if one.role == role) for role, some in taken.items()}
         return [f"{role}: {taken[role]} of {count}" for role, count in drawn.items() if count]
 
 

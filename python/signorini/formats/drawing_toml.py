@@ -163,8 +163,8 @@ def _without(drawing: Drawing, faults: dict[Place, str]) -> Drawing | None:
                 lost.append(Lost("points", len(those), f"points: at {', '.join(map(place, those))}: {message}"))
             case ("support", int(i), *_):
                 off["lines"].add(i - len(points))
-                at = drawing.lines[i - len(points)][0][:2]
-                lost.append(Lost("lines", 1, f"lines: at {place(at)}: {message}"))
+                begin = drawing.lines[i - len(points)][0][:2]
+                lost.append(Lost("lines", 1, f"lines: at {place(begin)}: {message}"))
     if not lost:
         return None
     return replace(

@@ -273,7 +273,8 @@ def _points(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> 
             shapes.append((None, point))
     result: dict[Footprint, list[Spot]] = defaultdict(list)
     for shape, at in shapes:
-        drawn, fits, why = None if shape is None else shape.footprint, (at, ()), ""
+        drawn, why = None if shape is None else shape.footprint, ""
+        fits: tuple[Spot, Footprint] = at, ()
         if drawn is not None and (moved := slab.moved(at, drawn, within)) is not None:
             fits, why = (moved, drawn), _MOVED if moved != at else ""
         elif drawn is not None and (cut := slab.cut(at, drawn)) is not None:
@@ -314,8 +315,8 @@ def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> l
             f"{about([line[0][:2] for line in (*along, *rings)])}: the lines along their middles"
         )
     if rest:
-        line = f"lines: {len(rest)} closed{about(_middles(rest))}: no wall of one thickness. Draw its middle, or a "
-        said.left.append(f"{line}rectangle of each straight part")
+        why = "no wall of one thickness. Draw its middle, or a rectangle of each straight part"
+        said.left.append(f"lines: {len(rest)} closed{about(_middles(rest))}: {why}")
         said.lost.append(Lost("lines", len(rest), said.left[-1]))
     drawn, pairs = middles_of_lines(_all_of(one.lines for one in layers))
     if pairs:

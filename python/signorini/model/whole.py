@@ -15,6 +15,7 @@ from pydantic import (
     ValidationError,
     ValidationInfo,
     field_serializer,
+    model_validator,
 )
 from pydantic_core import PydanticCustomError
 
@@ -27,7 +28,7 @@ from signorini.model.material import Material, Zone, constant_thickness
 from signorini.model.output import FEW, Output, Profile, Section, Strip
 from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
-from signorini.model.problems import TOP, explained, tables_of
+from signorini.model.problems import TOP, as_list, explained, tables_of
 from signorini.model.support import Contact, Support
 from signorini.model.where import Acting, Located, one_of, worth_following
 
@@ -75,6 +76,25 @@ def _there(plate: object, info: ValidationInfo) -> object:
     return plate
 
 
+def acts(tables: Mapping[str, Any]) -> bool:
+    """Whether tables of a model have an action beside loads: a moving load, a preload, a settlement or a rotation."""
+    supports = tables.get("support")
+    given = (
+        as_list((one if isinstance(one, Mapping) else vars(one)).get(key))
+        for one in (supports if isinstance(supports, list | tuple) else ())
+        for key in ("preload", "settlement", "rotation")
+        if isinstance(one, Mapping | Support)
+    )
+    return bool(tables.get("moving")) or any(value not in (None, 0, Expression(0.0)) for value in given)
+
+
+def _without_required_load(schema: dict[str, Any]) -> None:
+    """Let the schema have one of plate and plates, and no load where there are other actions."""
+    del schema["required"]
+    schema["oneOf"] = one_of(("plate", "plates"))
+    schema["anyOf"] = one_of(("load", "moving", "support"))
+
+
 class Model(Table):
     """A plate, its supports and its loads: what the input file says, under the same names.
 
@@ -90,7 +110,7 @@ class Model(Table):
     ('support 1', ('load',))
     """
 
-    model_config = ConfigDict(json_schema_extra={"oneOf": one_of(("plate", "plates"))})
+    model_config = ConfigDict(json_schema_extra=_without_required_load)
 
     title: Text = Field(default="", description="Title of the calculation.")
     units: Units = Field(default=Units(), description="Labels of the units, for the output.")
@@ -113,7 +133,7 @@ class Model(Table):
     contact: Annotated[tuple[Contact, ...], AfterValidator(_named)] = Field(
         default=(), description="Plates on one another."
     )
-    load: tuple[Load, ...] = Field(default=(), description="The loads.")
+    load: tuple[Load, ...] = Field(description="The loads, at least one.")
     combination: Annotated[tuple[Combination, ...], AfterValidator(_named)] = Field(
         default=(), description='Combinations of load cases; none given: one named "all", every case at factor 1.'
     )
@@ -130,6 +150,15 @@ class Model(Table):
     )
     output: Output = Field(default=Output(), description="What is written of each combination.")
     solver: Solver = Field(default=Solver(), description="How the contact problem is solved.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_loads(cls, data: Any) -> Any:
+        """Let a model have no load where something else acts."""
+        if not isinstance(data, Mapping) or as_list(data.get("load")) not in (None, [], ()):
+            return data
+        rest = {key: value for key, value in data.items() if key != "load"}
+        return rest | {"load": ()} if acts(data) else rest
 
     def model_post_init(self, context: Any) -> None:
         """Put contacts among the supports, which they are, of two plates; a dump tells them apart again."""
@@ -162,12 +191,6 @@ class Model(Table):
             for one in self.support
         )
         return result if any(result) else ()
-
-    @property
-    def acts(self) -> bool:
-        """Whether something acts: a load, one that moves, a preload, a settlement or a rotation of a support."""
-        moved = any(one.preload or one.settlement != Expression(0.0) or one.rotation for one in self.support)
-        return bool(self.load or self.moving) or moved
 
     @property
     def materials(self) -> tuple[Material, ...]:
@@ -235,11 +258,6 @@ class Model(Table):
         return not any(isinstance(one, MeshPlate) for one in plates) if self.mesh.error is None else self.mesh.error
 
     def _complaints(self) -> Iterator[Complaint]:
-        if not self.acts:
-            why = (
-                "'load' is missing. The loads, at least one. Write it under [[load]]. A [[moving]] acts too, and so do"
-            )
-            yield ("load",), f"{why} the preload, settlement and rotation of a [[support]]."
         for key in ("support", "combination", "section", "strip", "profile"):
             yield from _repeated(key, [table.name for table in getattr(self, key)])
         yield from plate_complaints(self)

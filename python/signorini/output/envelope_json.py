@@ -21,7 +21,7 @@ from signorini.output.names import TABLE, envelope_file
 from signorini.results.envelope import NONE, Envelope
 from signorini.results.figures import with_widths
 from signorini.results.quantities import SIDES, Number, Path, Quantity, place_of
-from signorini.results.warnings import idle_cases, model_warnings, too_far, wheels_off
+from signorini.results.warnings import idle_cases, model_warnings, too_far
 from signorini.singularities.named import singularities
 
 _ESTIMATED = ("fields", "supports", "contacts", "probes", "sections", "strips", "plates")
@@ -46,9 +46,8 @@ def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
 
 def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[str]:
     """Say what of the model, and of the largest deflections where these are enveloped, is seldom meant."""
-    yield from model_warnings(results.discretisation)
+    yield from model_warnings(results.discretisation, results.model.effective_combinations.cases)
     yield from idle_cases(results.model)
-    yield from wheels_off(results.discretisation, results.model.effective_combinations.cases)
     extremes = results.envelope.fields.get("deflection")
     if extremes is not None:
         down = extremes.largest >= -extremes.smallest

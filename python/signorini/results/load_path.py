@@ -27,7 +27,7 @@ from signorini.results.path_events import PathEvent, Threshold, in_words
 from signorini.results.path_stop import PathStop
 from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Layout, together
-from signorini.results.warnings import bending_thickness, model_warnings, too_far, wheels_off
+from signorini.results.warnings import bending_thickness, model_warnings, too_far
 
 if TYPE_CHECKING:
     from signorini.plot.curves import Figure
@@ -118,7 +118,7 @@ class LoadPath(States[float]):
         discretisation = self.discretisation
         thinnest = bending_thickness(discretisation).min()
         acting = self._loads[0].acting | self._loads[1].acting
-        of_model = *model_warnings(discretisation), *wheels_off(discretisation, acting)
+        of_model = model_warnings(discretisation, acting)
         for stop in self.stops:
             for far in too_far(discretisation, self.at(stop.t).deflection) if abs(stop.utmost) > thinnest else ():
                 return (*of_model, f"At t = {stop.t:.6g}: {far}")

@@ -53,11 +53,18 @@ _MOST = 0.75
 Covers of flanges, thick and on many bolts, have half."""
 
 
-@kept
-def model_warnings(discretisation: Discretisation) -> tuple[str, ...]:
-    """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place."""
+def model_warnings(discretisation: Discretisation, acting: Collection[str] | None = None) -> tuple[str, ...]:
+    """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place.
+
+    Of the positions of moving loads those that are ``acting`` count; by default all do.
+    """
     if discretisation.plates:
-        return said_of({plate.name: model_warnings(plate.own) for plate in discretisation.plates})
+        return said_of({plate.name: model_warnings(plate.own, acting) for plate in discretisation.plates})
+    return (*_whatever_acts(discretisation), *_wheels_off(discretisation, acting))
+
+
+@kept
+def _whatever_acts(discretisation: Discretisation) -> tuple[str, ...]:
     of_plate = unit_slips, _one_element, _one_across, _unrefined, _unfollowed, _zones, _left_out
     of_supports = _one_place, _overlaps, _footprints, _loads_overlap, _never_act, _beds_both_ways, _couples
     return tuple(said for check in (*of_plate, *of_supports) for said in check(discretisation))
@@ -72,9 +79,8 @@ def result_warnings(
 ) -> tuple[str, ...]:
     """Say what of one combination is seldom meant, behind what is of the model."""
     warned = [
-        *model_warnings(discretisation),
+        *model_warnings(discretisation, load.acting),
         *idle_cases(discretisation.model),
-        *wheels_off(discretisation, load.acting),
         *no_resultant(discretisation, load),
         *too_far(discretisation, deflection),
     ]
@@ -281,9 +287,9 @@ def _off_plate(discretisation: Discretisation) -> list[tuple[str, str, int, floa
     return list(discretisation.cases.partly_off())
 
 
-def wheels_off(discretisation: Discretisation, acting: Collection[str]) -> Iterator[str]:
-    """Name moving loads of which a wheel's print is partly off the plate at positions that act; its largest loss."""
-    off = [one for one in _off_plate(discretisation) if one[1] in acting]
+def _wheels_off(discretisation: Discretisation, acting: Collection[str] | None) -> Iterator[str]:
+    """Name moving loads of which a wheel's print is partly off the plate, where it loses most of its force."""
+    off = [one for one in _off_plate(discretisation) if acting is None or one[1] in acting]
     for case in dict.fromkeys(case for case, *_ in off):
         those = [(lost, at, axle) for one, at, axle, lost in off if one == case]
         lost, at, axle = max(those)
