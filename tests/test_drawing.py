@@ -369,6 +369,116 @@ def test_a_point_drawn_twice_is_taken_once(plate: Sheet, tmp_path: Path) -> None
     accepted(drawing, tmp_path)
 
 
+def test_columns_over_the_edge_are_moved_flush_with_it(sheet: Sheet) -> None:
+    # An edge that is not quite straight up, and columns that reach over it by 0.07, 0.5 and 3 mm.
+    sheet.closed([(0, 0), (10.001, 0), (10, 6.002), (0, 6)], "OUTLINE")
+    corners = [(0, 0), (9.601, 0), (9.601, 2.8), (9.603, 5.6), (0, 5.6)]
+    for x, y in corners:
+        sheet.closed(box(x + 0.2, y + 0.2, 0.4, 0.4), "POINTS")
+    sheet.read()
+    done = run("import-dxf", sheet.path)
+    assert done.exit_code == 0 and "Taken: points: 5 of 5" in done.output and "Left" not in done.output
+    assert "points: 3, at [9.801, 0.2], [9.801, 3], [9.803, 5.8]: moved flush with the edge" in done.output
+    (support,) = tomllib.loads(sheet.path.with_suffix(".toml").read_text(encoding="utf-8"))["support"]
+    assert support["patch"] == [0.4, 0.4]
+    for (x, y), at in zip(corners, support["at"], strict=True):
+        assert at == pytest.approx([x + 0.2, y + 0.2], abs=0.004)
+    check(signorini.load(sheet.path.with_suffix(".toml")))
+
+
+L_SHAPE = [(0, 0), (12, 0), (12, 4), (6, 4), (6, 7), (0, 7)]
+OVER = {
+    "a circle": (lambda s: s.circles("POINTS", (11.803, 2, 0.2)), {(0.2,): [(11.8, 2)]}),
+    "in a corner": (lambda s: s.closed(box(11.802, 0.196, 0.4, 0.4), "POINTS"), {(0.4, 0.4): [(11.8, 0.2)]}),
+    "into a hole": (lambda s: s.closed(box(2.803, 2, 0.4, 0.4), "POINTS"), {(0.4, 0.4): [(2.8, 2)]}),
+    "askew": (lambda s: s.closed([(11.703, 2), (11.853, 1.85), (12.003, 2), (11.853, 2.15)], "POINTS"), None),
+    "farther": (lambda s: s.closed(box(11.9, 2, 0.4, 0.4), "POINTS"), {(0.3, 0.4): [(11.85, 2)]}),
+    "its middle too": (lambda s: s.closed(box(12.1, 2, 0.4, 0.4), "POINTS"), {(0.1, 0.4): [(11.95, 2)]}),
+    "over a corner": (lambda s: s.closed(box(11.9, 0.1, 0.4, 0.6), "POINTS"), {(0.3, 0.4): [(11.85, 0.2)]}),
+    "far into a hole": (lambda s: s.closed(box(2.9, 2, 0.4, 0.4), "POINTS"), {(0.3, 0.4): [(2.85, 2)]}),
+    "a point beside the edge": (lambda s: s.points("POINTS", (12.003, 2)), {(): [(12.003, 2)]}),
+}
+
+
+@pytest.mark.parametrize(("draw", "points"), OVER.values(), ids=OVER)
+def test_footprints_over_an_edge_are_moved_or_cut_by_it(draw: Any, points: Any, sheet: Sheet, tmp_path: Path) -> None:
+    sheet.closed(L_SHAPE, "OUTLINE")
+    sheet.closed(box(4, 2, 2, 2), "HOLES")
+    draw(sheet)
+    drawing = sheet.read()
+    assert not drawing.left and not drawing.lost and drawing.counts == ["holes: 1 of 1", "points: 1 of 1"]
+    assert points is None or found(drawing) == points
+    accepted(drawing, tmp_path)
+
+
+def test_a_column_at_a_round_edge_is_moved_flush_with_the_arc(sheet: Sheet, tmp_path: Path) -> None:
+    sheet.circles("OUTLINE", (0, 0, 10))
+    sheet.circles("POINTS", (9.803 * math.cos(0.4), 9.803 * math.sin(0.4), 0.2))
+    drawing = sheet.read()
+    (((x, y),),) = drawing.points.values()
+    assert math.hypot(x, y) == pytest.approx(9.8, abs=2e-5) and not drawing.left
+    accepted(drawing, tmp_path)
+
+
+LOST = {
+    "a circle on the edge": (lambda s: s.circles("POINTS", (12, 2, 0.2)), "points: 1, at [12, 2]: their shape reaches"),
+    "at a re-entrant corner": (lambda s: s.closed(box(6, 4, 1, 1), "POINTS"), "points: 1, at [6, 4]: their shape"),
+    "a triangle": (lambda s: s.closed([(2, 1), (3, 1), (2.5, 2)], "POINTS"), "points: 1, at [2.5, 1.5]: neither"),
+    "off the plate": (lambda s: s.closed(box(14, 2, 1, 1), "POINTS"), "points: 1, at [14, 2]: not on the plate"),
+    "open": (lambda s: s.open("POINTS", (1, 1), (2, 1), (2, 2), (1, 2)), "layer POINTS: 1 open line, at [1, 1]"),
+    "crossing": (
+        lambda s: [s.closed(box(2, 2, *size), "POINTS") for size in ((0.3, 0.6), (0.6, 0.3))],
+        "points: 2, at [2, 2], [2, 2]: shapes that cross at one place; none is taken",
+    ),
+    "a hole at the edge": (lambda s: s.closed(box(12, 2, 1, 1), "HOLES"), "holes: 1, at [12, 2]: not inside"),
+    "an opening on the outline's layer": (lambda s: s.circles("OUTLINE", (12, 2, 1)), "holes: 1, at [12, 2]: not in"),
+    "holes that touch": (lambda s: s.circles("HOLES", (2, 2, 1), (4, 2, 1)), "holes: at [4, 2]: hole 1 and hole 2"),
+    "a zone": (lambda s: s.closed(box(12, 2, 1, 1), "ZONES"), "zones: 1, at [12, 2]: not within the outline"),
+    "a wall": (lambda s: s.open("LINES", (2, 2), (13, 2)), "lines: 1, at [2, 2]: not on the plate"),
+}
+
+
+@pytest.mark.parametrize(("draw", "said"), LOST.values(), ids=LOST)
+def test_shapes_that_do_not_arrive_are_errors(draw: Any, said: str, sheet: Sheet) -> None:
+    sheet.closed(L_SHAPE, "OUTLINE")
+    draw(sheet)
+    sheet.read()
+    done = run("import-dxf", sheet.path)
+    assert done.exit_code == 2
+    assert f"Error: not taken as drawn: {said}" in " ".join(done.output.split())
+    assert "points: 1 of 1" in done.output or " 0 of " in done.output or "1 of 2" in done.output
+    assert sheet.path.with_suffix(".toml").exists()
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("inner", [box(2, 2, 0.3, 0.3), [(1.8, 2, 1), (2.2, 2, 1)]])
+def test_two_shapes_at_one_place_are_a_tube_in_any_order(order: int, inner: Corners, plate: Sheet) -> None:
+    for corners in (box(2, 2, 0.5, 0.6), inner)[::order]:
+        plate.closed(corners, "POINTS")
+    drawing = plate.read()
+    assert found(drawing) == {(0.5, 0.6): [(2, 2)]} and not drawing.left
+    assert "points: 1, at [2, 2]: tubes, their outer shapes" in drawing.took
+
+
+def test_zones_and_lines_beside_an_edge_are_taken(plate: Sheet, tmp_path: Path) -> None:
+    plate.circles("ZONES", (11.003, 2, 1))
+    plate.closed(box(1.997, 2, 4, 1), "ZONES")
+    plate.closed([(5, -0.002), (6, -0.002), (5.5, 1)], "ZONES")
+    plate.open("LINES", (12.003, 3.5), (12.003, 6.9))
+    drawing = plate.read()
+    assert not drawing.left and drawing.counts == ["zones: 3 of 3", "lines: 1 of 1"]
+    accepted(drawing, tmp_path)
+
+
+def test_what_is_drawn_inside_a_shape_is_its_symbol(plate: Sheet) -> None:
+    plate.closed(box(3, 3, 2, 2), "HOLES")
+    plate.lines("HOLES", ((2, 2), (4, 4)), ((2, 4), (4, 2)))
+    plate.closed(box(7, 3, 0.4, 0.4), "POINTS")
+    plate.lines("POINTS", ((6.8, 2.8), (7.2, 3.2)))
+    drawing = plate.read()
+    assert not drawing.lost and [line.partition(":")[0] for line in drawing.left] == ["layer HOLES", "layer POINTS"]
+
+
 U_SHAPE = [(2, 1), (2, 4), (6, 4), (6, 1)]
 WALLS = {
     "a long rectangle": ([(box(3, 1.1, 4, 0.2), True)], [(1, 1.1), (5, 1.1)]),

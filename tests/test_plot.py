@@ -13,7 +13,8 @@ from matplotlib.tri._tricontour import TriContourSet
 from models import rectangular
 
 import signorini
-from signorini import solve, write
+from signorini import Model, solve, write
+from signorini.analysis.check import check
 from signorini.base.numbers import plain
 from signorini.discretise import discretise
 from signorini.errors import InputError
@@ -25,7 +26,7 @@ from signorini.plot.picture import BalanceMark, EdgeMark, LoadMark, Panel, Pictu
 from signorini.plot.pictures import check_picture, drawn_as_png, field_picture, view_picture
 from signorini.plot.plan import Plan
 from signorini.plot.view import exaggeration, seen
-from signorini.results.marks import case_totals, edge_marks, load_marks, singular_marks, support_marks
+from signorini.results.marks import bedding_panel, case_totals, edge_marks, load_marks, singular_marks, support_marks
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.named import singularities
 
@@ -301,6 +302,30 @@ def test_the_check_picture_shows_mesh_supports_and_loads() -> None:
     up, down = axes.lines[-1], axes.lines[-2]
     assert "otimes" in down.get_marker() and "odot" in up.get_marker()
     assert up.get_xdata()[0] < 0 < down.get_xdata()[0] and down.get_ydata()[0] == 0.5
+
+
+def test_the_check_picture_has_a_map_of_bedding_that_is_not_constant(tmp_path) -> None:
+    def drawn(stiffness: object) -> Panel | None:
+        bed = {"name": "soil", "area": "all", "resists": "down", "stiffness": stiffness}
+        model = Model(
+            units={"length": "m", "force": "kN"},
+            material={"E": 33e6, "nu": 0.2},
+            plate={"shape": "rectangle", "size": [8, 6], "thickness": 0.25},
+            mesh={"size": 1.0, "error": False},
+            support=[bed],
+            load=[{"pressure": 3}],
+        )
+        found = check(model)
+        assert found.save_picture(tmp_path / "check.png")[0].stat().st_size > 1000
+        return bedding_panel(found.discretisation)
+
+    boreholes = [(1, 1, 20e3), (7, 1, 20e3), (7, 5, 30e3), (1, 5, 30e3)]
+    assert drawn(20e3) is None
+    for stiffness in ({"points": boreholes, "outside": "nearest"}, "20e3 + 2.5e3*min(max(y - 1, 0), 4)"):
+        panel = drawn(stiffness)
+        assert panel is not None
+        assert panel.limits == pytest.approx((20e3, 30e3))
+        assert panel.label.endswith("[kN/m³]")
 
 
 def test_node_numbers_are_drawn_on_request() -> None:

@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+import jsonschema
 import pytest
 from models import rectangular
 
@@ -11,6 +12,18 @@ import signorini
 from signorini.analysis.check import check
 from signorini.output import results_json
 
+AREAS = {
+    "partly": ({"rectangle": [0, 0, 2, 2]}, {"rectangle": [1, 1, 3, 3]}, True),
+    "inside": ({"rectangle": [0, 0, 3, 3]}, {"circle": {"center": [1, 1], "radius": 0.5}}, True),
+    "twice": ({"circle": {"center": [1, 1], "radius": 0.5}}, {"circle": {"center": [1, 1], "radius": 0.5}}, True),
+    "side by side": ({"rectangle": [0, 0, 2, 2]}, {"rectangle": [2, 0, 4, 2]}, False),
+    "in a notch": (
+        {"polygon": [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]]},
+        {"rectangle": [1, 1, 3, 3]},
+        False,
+    ),
+    "touching": ({"circle": {"center": [1, 1], "radius": 0.5}}, {"rectangle": [1.5, 0, 3, 3]}, False),
+}
 PADS = {"name": "pads", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}
 SOIL = {"name": "soil", "area": "all", "resists": "down", "stiffness": 1e4}
 
@@ -315,3 +328,100 @@ def test_the_size_that_is_told_makes_the_mesh_follow_a_line() -> None:
     found = re.search(r"elements of (\S+) or less along it, such as at \[0\.\d+, 2\.03\] \(mesh\.refine\)\.$", sentence)
     assert found and 'does not follow the line of load[2] (case "Q")' in sentence
     assert not told(size=0.6, refine=[{"line": line, "size": float(found[1])}])
+
+
+@pytest.mark.parametrize(("one", "other", "overlap"), AREAS.values(), ids=AREAS)
+def test_areas_of_one_case_that_overlap_are_named(one: object, other: object, overlap: bool) -> None:
+    load = [{"case": "Q", "pressure": 2, "area": area} for area in (one, other)]
+    said = [sentence for sentence in warned(load=load) if "load[1] and load[2]" in sentence]
+    assert len(said) == overlap and all('case "Q"' in sentence for sentence in said)
+    assert warned(load=[load[0], load[1] | {"case": "P"}, {"case": "Q", "pressure": 1}]) == ()
+
+
+def test_footprints_that_overlap_are_named() -> None:
+    soil = SOIL | {"stiffness": 1e5}
+    columns = {"case": "G", "force": 10, "at": [[1, 1], [3, 3]], "patch": [0.4, 0.4]}
+    assert warned(load=[columns, columns | {"at": [2, 2]}, columns | {"case": "Q"}], support=[soil]) == ()
+    couple = {"case": "G", "moment": [1, 0], "at": [1, 1], "patch": [0.4, 0.4]}
+    assert warned(load=[columns, couple], support=[soil]) == ()
+    (said,) = warned(load=[columns, columns | {"at": [3.3, 3], "radius": 0.2, "patch": None}], support=[soil])
+    assert 'load[1] and load[2] (case "G") overlap, such as at [3.' in said
+    (said,) = warned(load=[columns | {"at": [[1, 1], [1.3, 1]]}], support=[soil])
+    assert 'of load[1] (case "G") overlap' in said
+    pads = PADS | {"patch": [0.5, 0.5], "stiffness": 1e4}
+    assert warned(support=[pads, pads | {"name": "bolts", "resists": "up"}]) == ()
+    (said,) = warned(support=[pads, pads | {"name": "posts", "at": [1.2, 1]}])
+    assert said.startswith("Footprints of pads and posts overlap, such as at [1.1, 1]")
+
+
+LORRY = {"case": "lorry", "line": [[1, 2], [3, 2]], "step": 1, "axles": [[0, 6], [0.6, 6]], "patch": [0.4, 0.4]}
+
+
+def test_a_moving_load_that_no_combination_takes_is_named() -> None:
+    combination = [{"name": "G", "factors": {"G": 1.0}}]
+    (said,) = warned(moving=[LORRY], combination=combination)
+    assert said.startswith('The moving load "lorry" acts in no combination.')
+    taken = {"name": "traffic", "generate": "positions", "factors": {"lorry": 1.0}}
+    assert check(model(moving=[LORRY], combination=[*combination, taken])).warnings == ()
+
+
+def test_a_wheel_that_is_partly_off_the_plate_is_told_of_results_in_which_it_acts() -> None:
+    moving = [LORRY | {"line": [[1, 2], [4, 2]]}]
+    combination = [{"name": "G", "factors": {"G": 1.0}}, {"name": "end", "factors": {"G": 1.0, "lorry@3": 1.0}}]
+    combination += [{"name": "middle", "factors": {"lorry@2": 1.0, "lorry@3": 0.0}}]
+    given = model(moving=moving, combination=combination, support=[SOIL | {"stiffness": 1e5}])
+    results = signorini.solve(given)
+    assert [len(results[name].warnings) for name in ("G", "end", "middle")] == [0, 1, 0]
+    assert results["end"].warnings[0].startswith('A wheel of the moving load "lorry" is partly off the plate: at lorry')
+    assert check(given).warnings == results["end"].warnings
+    assert check(model(moving=moving, combination=combination[:1])).warnings[0].startswith("The moving load")
+
+
+@pytest.mark.parametrize(
+    ("moving", "support", "names"),
+    [
+        ([LORRY], [SOIL | {"stiffness": 1e5}], ["all: lorry@0", "all: lorry@1", "all: lorry@2"]),
+        ([], [PADS | {"resists": "both", "settlement": "0.001*x"}], ["all"]),
+        ([], [{"edge": "left", "fix": "clamped", "rotation": [0.01, 0]}], ["all"]),
+        ([], [SOIL, {"name": "tie", "at": [2, 2], "resists": "up", "stiffness": 1e4, "preload": 5}], ["all"]),
+    ],
+)
+def test_a_moving_load_a_settlement_a_rotation_and_a_preload_act_without_a_load(moving, support, names) -> None:
+    given = model(load=[], moving=moving, support=support)
+    assert signorini.Model(**given.model_dump()) == given
+    tables = {key: value for key, value in {"moving": moving, "support": support}.items() if value}
+    plate = {"plate": {"shape": "disc", "radius": 2, "thickness": 0.2}}
+    jsonschema.validate(plate | tables, signorini.schema())
+    results = signorini.solve(given)
+    assert list(results) == names
+    for result in results.values():
+        assert result.certificate.passed and result.deflection.any() and "No load acts." not in result.warnings
+
+
+def test_a_model_in_which_nothing_acts_is_refused() -> None:
+    with pytest.raises(signorini.InputError, match="'load' is missing"):
+        model(load=[], support=[PADS | {"gap": 0.1}])
+
+
+@pytest.mark.parametrize(("word", "meant"), [("tension", "up"), ("Compression", "down"), ("compression-only", "down")])
+def test_words_for_the_way_a_support_resists_say_which_is_meant(word: str, meant: str) -> None:
+    with pytest.raises(signorini.InputError, match=rf'resists.*found "{word}".*resists = "{meant}"'):
+        model(support=[PADS | {"resists": word}])
+
+
+def test_names_keep_their_capitals_in_sentences() -> None:
+    bolt = {"name": "Tie", "at": [3.5, 2], "resists": "up", "stiffness": 1e4, "preload": 1}
+    pads = {"name": "Pads", "area": {"rectangle": [1, 1, 3, 3]}, "resists": "down", "stiffness": 1e4}
+    with pytest.raises(signorini.NoEquilibriumError, match=r"While tightening Tie: the plate tips .* of Pads"):
+        signorini.solve(model(support=[pads, bolt], load=[{"pressure": 0.001}]))
+
+
+@pytest.mark.parametrize(
+    ("place", "apart"),
+    [({"line": [[-0.005, 0], [-0.005, 4]]}, "0.005"), ({"line": [[1, 4.25], [3, 4.25]]}, "0.25")],
+)
+@pytest.mark.parametrize("facade", ["load", "support"])
+def test_a_line_beside_the_plate_says_by_how_much_it_misses_it(place: object, apart: str, facade: str) -> None:
+    tables = {"load": [{"line_load": 2} | place], "support": [PADS, {"fix": "simple"} | place]}
+    with pytest.raises(signorini.InputError, match=rf"not on the plate.*misses it by {apart}"):
+        signorini.solve(model(**{facade: tables[facade]}))

@@ -8,6 +8,7 @@ import pytest
 
 import signorini
 from signorini import Model
+from signorini.analysis.check import check
 from signorini.errors import InputError, NoEquilibriumError
 from signorini.expression import Field
 from signorini.results.marks import support_marks
@@ -77,7 +78,8 @@ def soil_under_half(x, y):
     return np.where(x <= 2.0, 1e7, 0.0)
 
 
-HALF = [(x, y, 1e7) for x in (0, 2) for y in (0, SIDE)]
+HALF = {"points": [(x, y, 1e7) for x in (0, 2) for y in (0, SIDE)], "outside": 0}
+CORNER = {"points": [(0, 0, 1e7), (0.5, 0, 1e7), (0, 4, 1e7)], "outside": 0}
 LEFT = [{"pressure": 5e3}, {"force": 300e3, "at": [0.8, 2.2]}]
 
 
@@ -100,6 +102,61 @@ def test_without_stiffness_there_is_no_soil(given):
 def test_a_plate_tips_about_the_end_of_its_soil():
     with pytest.raises(NoEquilibriumError, match=r"tips about the line x = 1.9"):
         signorini.solve(plate(HALF, load=[{"pressure": 1e3}, {"force": 1e3, "at": [3, 2]}]))
+
+
+INNER = [(x, y, linear(x, y)) for x in (1.0, 3.0) for y in (1.0, 3.0)]
+WALL = {"name": "wall", "edge": ["left", "bottom"]}
+BEDS = [
+    ({"name": "bed"}, "covers 25 % of the area of bed; the table reaches from [1, 1] to [3, 3]."),
+    ({"name": "strip", "area": {"rectangle": [2, 0, 4, 4]}}, "covers 25 % of the area of strip"),
+    ({"name": "disc", "area": {"circle": {"center": [1, 2], "radius": 0.5}}}, "50 % of the area of disc"),
+    (WALL | {"line": [[0.5, 2], [2.5, 2]], "edge": None}, "75 % of the length of wall"),
+    (WALL, "covers 0 % of the length of wall"),
+    ({"name": "piles", "at": [[1, 1], [2, 2], [3, 3], [3.5, 2]]}, "75 % of the points of piles; [3.5, 2] lies beyond"),
+]
+
+
+def bed_on_soil(bed, stiffness):
+    soil = {"name": "soil", "area": "all", "resists": "down", "stiffness": 1e6}
+    place = {"area": "all"} if not {"area", "at", "edge", "line"} & bed.keys() else {}
+    support = [bed | place | {"resists": "down", "stiffness": stiffness}, soil]
+    return Model(**plate(1e6).model_dump() | {"support": support})
+
+
+@pytest.mark.parametrize(("bed", "said"), BEDS)
+def test_a_table_that_does_not_cover_a_support_is_refused_with_the_covered_part(bed, said):
+    with pytest.raises(InputError) as refused:
+        check(bed_on_soil(bed, INNER))
+    assert said in str(refused.value)
+    assert "support[1].stiffness" in str(refused.value)
+    assert 'outside = "nearest"' in str(refused.value)
+
+
+@pytest.mark.parametrize(("bed", "said"), BEDS)
+def test_beyond_a_table_holds_the_value_at_its_nearest_place(bed, said):
+    clipped = "1e7 + 4e6*min(max(x, 1), 3)"
+    results = [
+        signorini.solve(bed_on_soil(bed, stiffness))["all"]
+        for stiffness in ({"points": INNER, "outside": "nearest"}, clipped)
+    ]
+    assert results[0].supports[0].reactions == pytest.approx(results[1].supports[0].reactions, rel=1e-6)
+
+
+def test_a_table_on_a_plate_of_several_must_cover_its_support():
+    model = plate(1e7).model_dump()
+    half = {key: value for key, value in model["plate"].items() if key != "holes"}
+    plates = {"left": half, "right": half | {"origin": [10.0, 0.0]}}
+    soil = {"name": "soil", "area": "all", "resists": "down"}
+    support = [soil | {"plate": "left", "stiffness": 1e7}, soil | {"name": "fill", "plate": "right"}]
+    for shift, refused in ((10.0, False), (0.0, True)):
+        support[1]["stiffness"] = [(x + shift, y, k) for x, y, k in at_corners(linear)]
+        whole = {key: value for key, value in model.items() if key != "plate"} | {"plates": plates, "support": support}
+        whole["load"] = [{"plate": name, "pressure": 1e3} for name in plates]
+        if not refused:
+            assert check(Model(**whole)).balanced
+            continue
+        with pytest.raises(InputError, match=r"support\[2\].stiffness.*covers 0 % of the area of fill"):
+            check(Model(**whole))
 
 
 @pytest.mark.parametrize("where", [{"edge": ["left", "bottom"]}, {"line": [[0.5, 0.5], [3.5, 3]]}, {"at": CORNERS}])
@@ -156,7 +213,9 @@ def test_a_model_with_a_field_is_dumped_copied_and_pickled(tmp_path):
         assert pickle.loads(pickle.dumps(model)) == model
         assert hash(model.support[0]) == hash(Model(**model.model_dump()).support[0])
     assert plate(linear).model_dump()["support"][0]["stiffness"] is linear
-    assert plate({"file": str(file)}).model_dump()["support"][0]["stiffness"] == {"file": str(file)}
+    for given in ({"file": str(file)}, {"file": str(file), "outside": "nearest"}, HALF):
+        dumped = plate(given).model_dump()["support"][0]["stiffness"]
+        assert Model(**plate(dumped).model_dump()) == plate(given)
 
 
 def test_a_table_is_looked_for_beside_the_input(tmp_path, monkeypatch):
@@ -211,8 +270,8 @@ def test_a_file_that_is_no_table_of_points_is_refused(tmp_path, monkeypatch, con
 @pytest.mark.parametrize(
     ("given", "more", "said"),
     [
-        ([(0, 0, 1e7), (0.5, 0, 1e7), (0, 4, 1e7)], {}, "gives a stiffness to 0.06"),
-        ([(0, 0, 1e7), (0.5, 0, 1e7), (0, 4, 1e7)], {"area": None, "edge": ["bottom", "right"]}, "to 0.062 of the"),
+        (CORNER, {}, "gives a stiffness to 0.06"),
+        (CORNER, {"area": None, "edge": ["bottom", "right"]}, "to 0.062 of the"),
         (HALF, {"area": None, "at": [[1, 1], [1, 3], [3, 2]]}, "gives no stiffness at [3, 2]. Leave that point out"),
         (lambda x, y: x - 1.0, {}, "it must be finite and not negative"),
         (lambda x, y: 1e7, {}, "it must give one real number a point"),

@@ -102,7 +102,7 @@ class Check:
         """What of the model, and of the loads' resultants, is seldom meant, in sentences."""
         discretisation, model = self.discretisation, self.discretisation.model
         loads = () if model.tabulated else map(discretisation.load, model.effective_combinations)
-        said = [*model_warnings(discretisation), *idle_cases(model)]
+        said = [*model_warnings(discretisation, self._acting), *idle_cases(model)]
         said += [sentence for load in loads for sentence in no_resultant(discretisation, load)]
         return tuple(dict.fromkeys(said))
 
@@ -118,7 +118,7 @@ class Check:
         combinations = model.effective_combinations
         if model.tabulated:
             return combinations.cases
-        return {case for one in combinations for case, factor in (one.factors or {}).items() if factor != 0.0}
+        return {case for one in combinations for case in one.acting}
 
     @property
     def quality(self) -> str:
@@ -160,6 +160,7 @@ class Check:
         named = singularities(discretisation, self._acting)
         return check_picture(
             Plan(discretisation.mesh.points, discretisation.mesh.elements),
+            bedding=marks.bedding_panel(discretisation),
             zones=marks.zone_marks(discretisation),
             supports=marks.unsolved_marks(discretisation),
             loads=marks.load_marks(discretisation),

@@ -221,7 +221,7 @@ class _Rows:
         discretisation: Discretisation, combinations: Sequence[Combination]
     ) -> list[tuple[Sequence[Singularity], Bools]]:
         """Singularities of the supports, and of every load case with the rows in which it acts."""
-        acting = [{case for case, factor in (one.factors or {}).items() if factor} for one in combinations]
+        acting = [one.acting for one in combinations]
         result: list[tuple[Sequence[Singularity], Bools]] = [
             (singularities_of(discretisation), np.ones(len(acting), np.bool_))
         ]

@@ -127,7 +127,7 @@ class _Stage:
 
     def said(self, message: str) -> str:
         """Put the stage in front of a message."""
-        return f"While {self.what}: {message[0].lower()}{message[1:]}"
+        return f"While {self.what}: {message}"
 
     @property
     def what(self) -> str:

@@ -324,13 +324,17 @@ def import_dxf(
                 aside.write_text(drawing_as_toml(result, file.stem), encoding="utf-8")
         except OSError as error:
             raise SignoriniError(f"{target} cannot be written: {error.strerror}.") from None
-        out = streams.stdout()
-        for sort, things in (("Taken", result.took), ("Left", result.left)):
+        out, errors = streams.stdout(), [one.line for one in result.lost]
+        for sort, things in (("Taken", result.took), ("Left", [one for one in result.left if one not in errors])):
             for thing in things:
                 say(out, visible(f"{sort}: {thing}"))
+        for thing in errors:
+            say(streams.stderr(), visible(f"Error: not taken as drawn: {thing}"))
         stands = bool(result.points or result.lines)
         assumed, missing = (", and that supports act both ways", "") if stands else ("", "supports and ")
         say(out, visible(f"Written to {target}. Assumed: material and thickness{assumed}. Add {missing}loads."))
+        if errors:
+            raise typer.Exit(InputError.exit_code)
 
 
 @app.command(

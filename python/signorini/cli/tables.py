@@ -21,7 +21,7 @@ from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers,
 from signorini.cli.sentences import lifted, of_bolts, resting, too_wide
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
-from signorini.errors import length, point
+from signorini.errors import clause, length, point
 from signorini.model import Model, Support
 from signorini.output.envelope_json import table_warnings
 from signorini.output.names import JSON
@@ -330,10 +330,11 @@ def _print_extremes(console: Console, result: Result, widths: Widths, largest: M
             beside.setdefault(what, []).append(name)
     console.print()
     shown.show(console)
+    known = [support.name for support in result.model.support]
     for what, names in beside.items():
         reach = max(one.within for one in result.singular if one.what == what)
         where = f"within {length(reach)}{unit_of(units.length)} of" if reach else "at"
-        say(console, f"without a limit there, and left out: {', '.join(names)} {where} {what[0].lower()}{what[1:]}")
+        say(console, f"without a limit there, and left out: {', '.join(names)} {where} {clause(what, known)}")
 
 
 def _print_probes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
@@ -425,7 +426,8 @@ def _print_singular(console: Console, named: Iterable[Singularity], model: Model
         result += [f"{len(kinds) - _MOST_KINDS} more kinds"] * (len(kinds) > _MOST_KINDS)
         *most, last = dict.fromkeys(number for one in those for number in one.numbers)
         numbers_there = " and ".join(filter(None, (", ".join(most), last)))
-        means = "are too small on this mesh" if limited else "have no limit as the mesh is refined"
+        is_or_are, has = ("are", "have") if most else ("is", "has")
+        means = f"{is_or_are} too small on this mesh" if limited else f"{has} no limit as the mesh is refined"
         advice = " ".join(dict.fromkeys(one.advice for one in those))
         said = f"{word}, {numbers_there} {means}: {'; '.join(result)}. {advice}{rest}"
         say(console, said, style="yellow")

@@ -31,7 +31,7 @@ from signorini.mesh.isoparametric import BoxTree
 from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Plate
 from signorini.model.where import Where
 from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring, Rounded
-from signorini.shapes.distances import distances
+from signorini.shapes.distances import Targets, distances
 from signorini.shapes.extent import hull
 from signorini.shapes.outlines import Point, along_arc
 from signorini.shapes.regions import overlap
@@ -168,7 +168,8 @@ def _require_on_plate(
     A sector stands for the whole plate and cuts circles about its center.
     """
     if points.total == 0:
-        raise InputError(f"{what} is not on the plate. Move it onto the plate.", place=place)
+        apart = length(_apart(mesh, shape), mesh.size)
+        raise InputError(f"{what} is not on the plate: it misses it by {apart}. Move it onto the plate.", place=place)
     whole = shape.length if isinstance(shape, Polyline | Ring) else shape.area
     missing = off_plate(mesh, shape, points)
     beyond = slack = 0.0
@@ -189,6 +190,14 @@ def _require_on_plate(
     if missing > 0:
         off = f"has {100 * missing / whole:.3g} % of its size off the plate{_how_far(mesh, shape)}"
         raise InputError(f"{what} {off}. Cut it to the plate.", place=place)
+
+
+def _apart(mesh: Mesh, shape: Region | Curve) -> float:
+    """Distance between an outline off the plate and the plate."""
+    drawn = Targets.along(shape.outline)
+    begin, end = mesh.points[np.concatenate([mesh.boundary[:, :2], mesh.boundary[:, 1:]])].transpose(1, 0, 2)
+    ends = np.concatenate([shape.outline.segments.reshape(-1, 2), shape.outline.arcs.reshape(-1, 2)])
+    return float(min(drawn.nearest(begin)[1].min(), distances(ends, begin, end).min(initial=np.inf)))
 
 
 def _how_far(mesh: Mesh, shape: Region | Curve) -> str:

@@ -26,7 +26,7 @@ from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_qua
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Bools, Floats, Ints, Rows, Table
 from signorini.discretise.thickness import PlateStiffness
-from signorini.errors import InputError, Problems, point
+from signorini.errors import InputError, Place, Problems, point
 from signorini.expression import Expression, Field
 from signorini.expression.levels import Level
 from signorini.mesh import Mesh
@@ -146,8 +146,41 @@ def _places(support: Support, acting: _Acting) -> Floats:
     return acting.within if _steps(support) else acting.positions
 
 
+def _require_covered(on: Ground, placed: Placed) -> None:
+    """Refuse a table of stiffness that does not cover all of the support, by the covered part of its measure."""
+    field, where, place = placed.support.stiffness, placed.support.where, placed.place
+    if not isinstance(field, Field) or field.outside is not None:
+        return
+    over: Quadrature
+    if placed.points is not None:
+        measure, over = "points", placed.points
+    elif where.key == "area":
+        measure, over = "area", in_area(on.mesh, on.shape, where.region, place, _GAUSS, levels=[field.depth])
+    else:
+        line = on.mesh, on.shape, where, place, placed.sides, _GAUSS
+        measure, over = "length", along_curve(*line, levels=[field.depth])
+    inside = field.depth(over.positions) >= 0.0
+    if inside.all():
+        return
+    reach = f"; the table reaches from {point(field.box[0])} to {point(field.box[1])}"
+    if placed.points is not None:
+        reach = f"; {point(over.positions[int(inside.argmin())])} lies beyond the table"
+    part = 100.0 * float(over.weights[inside].sum() / over.total)
+    raise InputError(
+        f"{field} covers {part:.4g} % of the {measure} of {placed.support.name}{reach}. It must cover all of the "
+        'support. Add points, or say what holds beyond them: outside = "nearest", the value at the nearest place of '
+        "the table, or outside = 0, no stiffness.",
+        place=_stiffness_place(placed, field),
+    )
+
+
+def _stiffness_place(placed: Placed, field: Field) -> Place:
+    return (*placed.place, "stiffness", *(["file"] if field.file else []))
+
+
 def _acting(on: Ground, placed: Placed) -> list[_Acting]:
     """Points and rows of one support, for what no node holds."""
+    _require_covered(on, placed)
     if placed.support.area is not None:
         return [_on_area(on, placed)]
     result = _at_points(on, placed, placed.points) if placed.points is not None else _along_line(on, placed)
@@ -159,7 +192,7 @@ def _on_soil(placed: Placed, acting: _Acting) -> _Acting:
     field = placed.support.stiffness
     if not isinstance(field, Field):
         return acting
-    place = (*placed.place, "stiffness", *(["file"] if field.file else []))
+    place = _stiffness_place(placed, field)
     some = field(*_places(placed.support, acting).T, place=place) > 0.0
     part = float(acting.weights[some].sum() / acting.weights.sum())
     if placed.points is not None and not some.all():

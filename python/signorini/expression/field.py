@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,12 +16,14 @@ from signorini.expression.levels import Level
 from signorini.expression.tree import first_point
 
 if TYPE_CHECKING:
-    from scipy.spatial import Delaunay
+    from scipy.spatial import ConvexHull, Delaunay
 
 _ON_OUTLINE = 1e-9
 """Part of the points' extent within which a place is on their outline, and points are on a line."""
 
 _Array = NDArray[np.float64]
+Outside = Literal["nearest", 0]
+"""Value beyond the convex hull of a table: that at the nearest place of the hull, or zero."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +33,13 @@ class Field:
     Parameters
     ----------
     given : tuple of (x, y, value), or callable
-        Values at points, linear on the triangles of Delaunay between these and 0 beyond them; or a function that takes
-        x (q,) and y (q,) and gives values (q,).
+        Values at points, linear on the triangles of Delaunay between these; or a function that takes x (q,) and y (q,)
+        and gives values (q,).
     file : str
         Where the points come from, if they come from a file.
+    outside : "nearest" or 0, optional
+        Value beyond the convex hull of the points: that at the nearest place of the hull, or 0. By default it is 0, and
+        a support that reaches beyond the hull is refused.
 
     Raises
     ------
@@ -47,10 +52,13 @@ class Field:
     >>> field = Field(((0.0, 0.0, 1.0), (2.0, 0.0, 3.0), (0.0, 2.0, 1.0)))
     >>> field([1.0, 0.5, 2.0], [0.0, 0.5, 2.0])
     array([2. , 1.5, 0. ])
+    >>> Field(field.given, outside="nearest")([3.0, 2.0, -1.0], [0.0, 2.0, 1.0])
+    array([3., 2., 1.])
     """
 
     given: tuple[tuple[float, float, float], ...] | Callable[[_Array, _Array], ArrayLike]
     file: str = ""
+    outside: Outside | None = None
     is_constant: ClassVar[bool] = False
     levels: ClassVar[tuple[Level, ...]] = ()
 
@@ -75,8 +83,26 @@ class Field:
 
     @property
     def source(self) -> Any:
-        """What it was made of: a table with the file, the points or the function."""
-        return {"file": self.file} if self.file else self.given
+        """The input that it was made of: a table with the file or the points, the points, or the function."""
+        beyond = {} if self.outside is None else {"outside": self.outside}
+        if not self.file and not beyond:
+            return self.given
+        return ({"file": self.file} if self.file else {"points": self.given}) | beyond
+
+    @property
+    def box(self) -> tuple[_Array, _Array]:
+        """Lower left and upper right corner (2,) of the box around the points."""
+        return self._table[:, :2].min(axis=0), self._table[:, :2].max(axis=0)
+
+    def depth(self, positions: _Array) -> _Array:
+        """Signed distance (q,) of positions (q, 2) from the hull, over its extent: zero or more inside; ∞ of functions.
+
+        Rounding of the coordinates counts as inside.
+        """
+        if callable(self.given):
+            return np.full(len(positions), np.inf)
+        normals, offsets = self._hull.equations[:, :2], self._hull.equations[:, 2]
+        return np.asarray(_ON_OUTLINE - (self._scaled(positions) @ normals.T + offsets).max(axis=1))
 
     def __call__(
         self,
@@ -116,7 +142,22 @@ class Field:
         part = np.einsum("qij,qj->qi", mesh.transform[triangle, :2], at - mesh.transform[triangle, 2])
         weights = np.column_stack([part, 1.0 - part.sum(axis=1)])
         corners = self._table[:, 2][mesh.simplices[triangle]]
-        return np.where(triangle >= 0, np.maximum((weights * corners).sum(axis=1), 0.0), 0.0)
+        values = np.where(triangle >= 0, np.maximum((weights * corners).sum(axis=1), 0.0), 0.0)
+        if self.outside == "nearest":
+            values[triangle < 0] = self._nearest(at[triangle < 0])
+        return values
+
+    def _nearest(self, scaled: _Array) -> _Array:
+        """Values (q,) at the places of the hull that are nearest to scaled positions (q, 2)."""
+        corners = self._hull.vertices
+        places, heights = self._scaled(self._table[corners, :2]), self._table[corners, 2]
+        best, values = np.full(len(scaled), np.inf), np.zeros(len(scaled))
+        for a, b, first, last in zip(places, np.roll(places, -1, 0), heights, np.roll(heights, -1), strict=True):
+            part = np.clip((scaled - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
+            distance = np.hypot(*(scaled - a - part[:, None] * (b - a)).T)
+            values = np.where(distance < best, first + part * (last - first), values)
+            best = np.minimum(best, distance)
+        return values
 
     @cached_property
     def _table(self) -> _Array:
@@ -128,9 +169,15 @@ class Field:
 
         return Delaunay(self._scaled(self._table[:, :2]))
 
+    @cached_property
+    def _hull(self) -> ConvexHull:
+        from scipy.spatial import ConvexHull
+
+        return ConvexHull(self._scaled(self._table[:, :2]))
+
     def _scaled(self, positions: _Array) -> _Array:
         """Positions (q, 2) about the points' middle, over their extent, so that units and place do not matter."""
-        low, high = self._table[:, :2].min(axis=0), self._table[:, :2].max(axis=0)
+        low, high = self.box
         return np.asarray((positions - 0.5 * (low + high)) / ((high - low).max() or 1.0))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -15,9 +16,9 @@ import numpy as np
 from signorini.errors import InputError, point
 from signorini.shapes import Polygon
 from signorini.shapes.arrays import Bools, Floats
-from signorini.shapes.distances import distances
+from signorini.shapes.distances import Targets
 from signorini.shapes.outlines import closed
-from signorini.shapes.regions import inside
+from signorini.shapes.regions import inside, overlap
 
 GAP = 1e-3
 """Metres between ends that count as one place: less than anything built, more than a careless end."""
@@ -26,7 +27,20 @@ _WALL = 3.0
 _MOST_PLACES = 3
 """Places that are named of many."""
 _FINE = math.radians(4)
-"""Turn of the chords that stand for arcs where it is asked what is inside."""
+"""Turn of the chords that stand for arcs."""
+_FINER = math.radians(0.2)
+"""Turn of those by which it is told what is inside: within 2e-6 of the radius."""
+_ON_PLATE = 1e-6
+"""Metres off the plate that are rounding: the digits of the input file."""
+_PASSES = 8
+"""Moves onto the plate; in a corner each edge asks for its own."""
+
+
+Spot = tuple[float, float]
+"""A place (x, y) [m]."""
+Footprint = tuple[float, ...]
+"""(a, b) of a rectangle [m], (a, b, degrees) of one askew, (r,) of a circle, () of none."""
+_AROUND = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 
 
 class Corner(NamedTuple):
@@ -100,6 +114,12 @@ class Loop:
         return (*((first, second) if turns % 2 == 0 else (second, first)), degrees - 90.0 * turns)
 
     @property
+    def footprint(self) -> Footprint | None:
+        """Its size to the millimetre if it is a circle or a rectangle."""
+        size = (self.radius,) if self.radius else self.sides or self.turned_sides
+        return None if size is None else tuple(round(part, 3) for part in size)
+
+    @property
     def middle_line(self) -> tuple[tuple[float, float], ...] | None:
         """Corners [m] of the line along the middle of a wall: of one thickness, and three times as long at least."""
         if self.radius or any(corner.bulge for corner in self.corners):
@@ -126,13 +146,13 @@ class Loop:
     @cached_property
     def points(self) -> list[tuple[float, float]]:
         """Corners [m], and of arcs points a few degrees apart."""
-        if self.radius:
-            right, left = (Corner(self.corners[0].x + side * self.radius, self.corners[0].y, 1.0) for side in (1, -1))
-            return Loop((right, left)).points
         return self.chords(_FINE)
 
     def chords(self, turn: float) -> list[tuple[float, float]]:
         """Corners [m], and of arcs points so that chords turn by an angle or less; three at least."""
+        if self.radius:
+            right, left = (Corner(self.corners[0].x + side * self.radius, self.corners[0].y, 1.0) for side in (1, -1))
+            return Loop((right, left)).chords(turn)
         if len(self.corners) == 2:
             turn = min([turn, *(2 * math.atan(abs(corner.bulge)) for corner in self.corners if corner.bulge)])
         return flattened((*self.corners, self.corners[0]), turn)[:-1]
@@ -155,18 +175,25 @@ class Loop:
         return max(rises) <= GAP * length
 
     @cached_property
-    def _sides(self) -> Floats:
-        """Straight sides (k, 2, 2) between its points."""
-        return closed(self.points)
+    def _chords(self) -> Floats:
+        """Straight sides (k, 2, 2) that stand for it."""
+        return closed(self.chords(_FINER))
+
+    @cached_property
+    def sides_drawn(self) -> Targets:
+        """Its straight sides and arcs."""
+        if self.radius:
+            return Targets.of(arcs=[(*self.corners[0][:2], self.radius, 0.0, math.tau)])
+        return Targets.on((a[:2], through(a, b) if a.bulge else None, b[:2]) for a, b in self)
 
     def has(self, points: Iterable[tuple[float, float]]) -> Bools:
         """Which points are inside."""
-        return inside(np.array([*points]).reshape(-1, 2), self._sides)
+        return inside(np.array([*points]).reshape(-1, 2), self._chords)
 
     def near(self, points: Iterable[tuple[float, float]]) -> Bools:
         """Which points are on one of the sides."""
-        far = distances(np.array([*points]).reshape(-1, 2), *self._sides.transpose(1, 0, 2))
-        return np.asarray(far.min(axis=1) < GAP)
+        _, far = self.sides_drawn.nearest(np.array([*points]).reshape(-1, 2))
+        return np.asarray(far < GAP)
 
     def holds(self, other: Loop) -> bool:
         """Whether another one is inside, away from the sides."""
@@ -238,6 +265,83 @@ def through(a: Corner, b: Corner) -> tuple[float, float]:
     return (a.x + b.x + a.bulge * (b.y - a.y)) / 2, (a.y + b.y - a.bulge * (b.x - a.x)) / 2
 
 
+def footprint_at(at: tuple[float, float], size: Footprint) -> Loop:
+    """The shape of a footprint about a place [m]."""
+    if len(size) == 1:
+        return Loop((Corner(*at),), size[0])
+    along = cmath.rect(1.0, math.radians(size[2] if len(size) > 2 else 0.0))
+    corners = (complex(*at) + complex(u * size[0], v * size[1]) * along for u, v in _AROUND)
+    return Loop(tuple(Corner(z.real, z.imag) for z in corners))
+
+
+@dataclass(frozen=True)
+class Slab:
+    """The edges of a plate: its outline and its holes."""
+
+    outline: Loop
+    holes: Sequence[Loop]
+
+    def beyond(self, points: Iterable[tuple[float, float]]) -> Floats:
+        """Vectors (q, 2) [m] from points off the plate to the nearest place on it; zero for points on it."""
+        at = np.array([*points]).reshape(-1, 2)
+        off = np.any([~self.outline.has(at), *(hole.has(at) for hole in self.holes)], axis=0)
+        return np.where(off[:, None], self._edges.nearest(at)[0] - at, 0.0)
+
+    @cached_property
+    def _edges(self) -> Targets:
+        return Targets.join([loop.sides_drawn for loop in (self.outline, *self.holes)])
+
+    def covers(self, points: Iterable[tuple[float, float]], within: float) -> bool:
+        """Whether all points are on the plate, or nearer to it than a distance [m]."""
+        return bool((np.hypot(*self.beyond(points).T) <= within).all())
+
+    def _push(self, shape: Loop) -> complex:
+        """The vector [m] that brings the point of a shape that is farthest off the plate onto an edge."""
+        if not shape.radius:
+            return max((complex(x, y) for x, y in self.beyond(shape.points).tolist()), key=abs)
+        middle = np.array([shape.corners[0][:2]])
+        (back,), (off,) = self.beyond(middle.tolist()), middle - self._edges.nearest(middle)[0]
+        inward, reach = (back, math.hypot(*back)) if back.any() else (off, -math.hypot(*off))
+        return complex(*inward) / (abs(reach) or 1.0) * max(shape.radius + reach, 0.0) if reach else shape.radius + 0j
+
+    def moved(self, at: tuple[float, float], size: Footprint, most: float) -> tuple[float, float] | None:
+        """The place [m] where a footprint is on the plate, if its edges move by a distance at most."""
+        place = complex(*at)
+        for _ in range(_PASSES):
+            push = self._push(footprint_at((place.real, place.imag), size))
+            if abs(push) <= _ON_PLATE:
+                return place.real, place.imag
+            place += push
+            if abs(place - complex(*at)) > math.sqrt(2.0) * most:
+                break
+        return None
+
+    def cut(self, at: tuple[float, float], size: Footprint) -> tuple[tuple[float, float], Footprint] | None:
+        """The part of a rectangle [m] that is on the plate, if that is a rectangle."""
+        whole, place, sides = footprint_at(at, size), complex(*at), np.array(size[:2])
+        along = cmath.rect(1.0, math.radians(size[2] if len(size) > 2 else 0.0))
+        for _ in range(_PASSES if len(size) > 1 else 0):
+            rest = (place.real, place.imag), (*sides.round(6).tolist(), *size[2:])
+            push = self._push(footprint_at(*rest))
+            if abs(push) <= _ON_PLATE:
+                parts = [overlap(np.array(whole.points), np.array(one.points)) for one in (self.outline, *self.holes)]
+                same = abs(2.0 * parts[0] - sum(parts) - sides.prod()) < GAP * sides.sum()
+                return rest if same else None
+            local = push / along
+            sides, place = sides - np.abs([local.real, local.imag]), place + 0.5 * push
+            if sides.min() <= GAP:
+                break
+        return None
+
+
+class Lost(NamedTuple):
+    """Shapes of a role that were not taken, or footprints of points: how many, and the line that names them."""
+
+    role: str
+    number: int
+    line: str
+
+
 @dataclass(frozen=True)
 class Drawing:
     """A plate as it is drawn."""
@@ -246,14 +350,23 @@ class Drawing:
     holes: tuple[Loop, ...]
     zones: tuple[Loop, ...]
     """Parts of the plate that are made otherwise."""
-    points: dict[tuple[float, ...], list[tuple[float, float]]]
-    """By footprint, (a, b) of a rectangle [m], (a, b, degrees) of one askew, (r,) of a circle or () of none, the
-    places (x, y) [m] that have it."""
+    points: dict[Footprint, list[tuple[float, float]]]
+    """By footprint the places (x, y) [m] that have it."""
     lines: tuple[tuple[Corner, ...], ...]
     """Open lines, arcs as they are."""
     took: tuple[str, ...]
     left: tuple[str, ...]
     """What became of every layer, in words."""
+    lost: tuple[Lost, ...] = ()
+    """The lines among them that name shapes of a role that were not taken."""
+
+    @property
+    def counts(self) -> list[str]:
+        """How many shapes of each role were taken of those that are drawn."""
+        taken = {"holes": len(self.holes), "zones": len(self.zones), "points": sum(map(len, self.points.values()))}
+        taken["lines"] = len(self.lines)
+        drawn = {role: some + sum(one.number for one in self.lost if one.role == role) for role, some in taken.items()}
+        return [f"{role}: {taken[role]} of {count}" for role, count in drawn.items() if count]
 
 
 THICKNESSES = (0.05, 0.6)

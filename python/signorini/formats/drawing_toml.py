@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from signorini.discretise import discretise
 from signorini.errors import InputError, Place
-from signorini.formats.drawing import Corner, Drawing, Loop, flattened, place, through
+from signorini.formats.drawing import Corner, Drawing, Loop, Lost, flattened, place, through
 from signorini.model import validate
 
 _DIGITS = 6
@@ -37,8 +37,7 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
             f"[[zone]]\narea = {_area(zone)}\nthickness = 0.4"
             for zone in drawing.zones
         ),
-        f"[mesh]\nsize = {_size(max(right - left, top - bottom))}\n"
-        f"snap = {_number(min(_SNAP, _SNAP_PART * max(right - left, top - bottom)))}",
+        f"[mesh]\nsize = {_size(max(right - left, top - bottom))}\nsnap = {_number(snap(drawing.outline))}",
     ]
     points = [
         "at = [\n" + "".join(f"    {_list(place)},\n" for place in at) + "]" + _footprint(footprint)
@@ -56,6 +55,12 @@ def drawing_as_toml(drawing: Drawing, title: str) -> str:
         blocks.append("# Add supports: [[support]] with at, edge, line, circle or area.")
     blocks.append('# Add loads to these, with their cases.\n[[load]]\ncase = "self-weight"\nself_weight = true')
     return "\n\n".join(blocks) + "\n"
+
+
+def snap(outline: Loop) -> float:
+    """How far [m] things may be drawn beside an edge that they are on."""
+    left, bottom, right, top = outline.box
+    return min(_SNAP, _SNAP_PART * max(right - left, top - bottom))
 
 
 def _plate(drawing: Drawing) -> str:
@@ -140,26 +145,27 @@ def checked(drawing: Drawing) -> Drawing:
 
 def _without(drawing: Drawing, faults: dict[Place, str]) -> Drawing | None:
     """The drawing without what has faults, None if it is no part of it."""
-    left: list[str] = []
+    lost: list[Lost] = []
     off: dict[str, set[int]] = defaultdict(set)
     points = {footprint: at.copy() for footprint, at in drawing.points.items()}
     for path, message in faults.items():
         match path:
             case ("plate", "holes", int(i), *_):
                 off["holes"].add(i)
-                left.append(f"holes: at {place(drawing.holes[i].middle)}: {message}")
+                lost.append(Lost("holes", 1, f"holes: at {place(drawing.holes[i].middle)}: {message}"))
             case ("zone", int(i), *_):
                 off["zones"].add(i)
-                left.append(f"zones: at {place(drawing.zones[i].middle)}: {message}")
+                lost.append(Lost("zones", 1, f"zones: at {place(drawing.zones[i].middle)}: {message}"))
             case ("support", int(i), *rest) if i < len(points):
                 footprint, at = list(drawing.points.items())[i]
                 those = [at[rest[1]]] if len(rest) > 1 and isinstance(rest[1], int) else at
                 points[footprint] = [one for one in points[footprint] if one not in those]
-                left.append(f"points: at {', '.join(map(place, those))}: {message}")
+                lost.append(Lost("points", len(those), f"points: at {', '.join(map(place, those))}: {message}"))
             case ("support", int(i), *_):
                 off["lines"].add(i - len(points))
-                left.append(f"lines: at {place(drawing.lines[i - len(points)][0][:2])}: {message}")
-    if not left:
+                begin = drawing.lines[i - len(points)][0][:2]
+                lost.append(Lost("lines", 1, f"lines: at {place(begin)}: {message}"))
+    if not lost:
         return None
     return replace(
         drawing,
@@ -167,5 +173,6 @@ def _without(drawing: Drawing, faults: dict[Place, str]) -> Drawing | None:
         zones=tuple(zone for i, zone in enumerate(drawing.zones) if i not in off["zones"]),
         points={footprint: at for footprint, at in points.items() if at},
         lines=tuple(line for i, line in enumerate(drawing.lines) if i not in off["lines"]),
-        left=(*drawing.left, *left),
+        left=(*drawing.left, *(one.line for one in lost)),
+        lost=(*drawing.lost, *lost),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import TypeVar
@@ -16,15 +16,20 @@ from signorini.formats.drawing import (
     THICKNESSES,
     Corner,
     Drawing,
+    Footprint,
     Loop,
+    Lost,
+    Slab,
+    Spot,
     about,
     beside_others,
     flattened,
+    footprint_at,
     middles_of_lines,
     middles_of_loops,
     place,
 )
-from signorini.formats.drawing_toml import checked
+from signorini.formats.drawing_toml import checked, snap
 from signorini.formats.dxf_entities import Layer, layers_in
 
 _T = TypeVar("_T")
@@ -57,48 +62,74 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     among = {name: one for name, one in result.items() if name in (names["outline"] or result.keys() - others)}
     outline, layer = _outline(among, "the drawing" if not names["outline"] else _layers(names["outline"]))
     frame = "" if names["outline"] else _maybe_frame(outline, layer, among)
-    left = _beyond(outline, among[layer], layer)
+    said = _Said(_beyond(outline, among[layer], layer))
     result[layer].loops.remove(outline)
-    own = [one.loops for one in roles["holes"] or [result[layer]]]
-    closed = _all_of(own)
+    symbols = {role: [loop for one in those for loop in (*one.loops, *one.fills)] for role, those in roles.items()}
+    closed = _all_of(one.loops for one in roles["holes"] or [result[layer]])
     holes = [loop for loop in closed if outline.holds(loop)]
     off = [loop for loop in closed if loop not in holes]
-    if names["holes"]:
-        left += _left(off, "holes", "not inside the outline; an opening at an edge is part of it")
-    else:
-        result[layer].loops += off
-    closed = _all_of(one.loops for one in roles["zones"])
-    zones = [zone for zone in closed if outline.covers(zone.points)]
-    left += _left((zone for zone in closed if zone not in zones), "zones", "not within the outline")
-
-    def on_plate(*points: tuple[float, float]) -> bool:
-        return outline.covers(points) and not any((hole.has(points) & ~hole.near(points)).any() for hole in holes)
-
-    middles: list[str] = []
-    points = _points(roles["points"], on_plate, left)
-    lines = _lines(roles["lines"], on_plate, middles, left)
-    left += [f"layer {name}: {rest}" for name, rest in sorted(result.items()) if str(rest)]
+    apart = [] if names["holes"] else [loop for loop in off if not any(outline.has(loop.points))]
+    result[layer].loops += apart
+    crossing = [loop for loop in off if loop not in apart]
+    said.lose("holes", _middles(crossing), "not inside the outline; an opening at an edge is part of it")
+    around, slab, within = Slab(outline, ()), Slab(outline, holes), snap(outline)
+    zones = [_inside(zone, around, within) for zone in _all_of(one.loops for one in roles["zones"])]
+    off = [zone for zone in zones if not around.covers(zone.points, within)]
+    said.lose("zones", _middles(off), "not within the outline")
+    points = _points(roles["points"], slab, within, said)
+    lines = _lines(roles["lines"], slab, within, said)
+    for name, rest in sorted(result.items()):
+        said.left += [f"layer {name}: {rest}"] if str(rest) else []
+        for role in ROLES[1:] if name not in names["outline"] else ():
+            # What is drawn within a shape of the role, such as a hatch or a cross, is its symbol.
+            within_none = [at for at in rest.places if not any(one.covers(at) for one in symbols[role])]
+            if name in names[role] and within_none:
+                said.lost.append(Lost(role, len(within_none), f"layer {name}: {rest}"))
     if names["holes"] and (inside := sum(map(outline.holds, result[layer].loops))):
-        left.append(
+        said.left.append(
             f"{inside} of the closed lines of layer {layer} are inside the outline: if they are holes, put them on "
             f"{_layers(names['holes'])}"
         )
-    drawing = checked(Drawing(outline, tuple(holes), tuple(zones), points, tuple(lines), (), tuple(left)))
+    zones = [zone for zone in zones if zone not in off]
+    taken = Drawing(outline, tuple(holes), tuple(zones), points, tuple(lines), (), tuple(said.left), tuple(said.lost))
+    drawing = checked(taken)
     took = [
         f"outline: {_sides(drawing.outline)}, {drawing.outline.area:.6g} m², layer {layer}{frame}",
+        *drawing.counts,
         *(f"hole {i}: {_sides(hole)} about {place(hole.middle)}" for i, hole in enumerate(drawing.holes, 1)),
         *(f"zone {i}: {_sides(zone)} about {place(zone.middle)}" for i, zone in enumerate(drawing.zones, 1)),
         *(f"points: {len(at)}{_footprint(footprint)}" for footprint, at in drawing.points.items()),
-        *([f"lines: {len(drawing.lines)}"] if drawing.lines else []),
-        *middles,
+        *said.changed,
     ]
     return replace(drawing, took=tuple(took))
 
 
-def _left(loops: Iterable[Loop], what: str, why: str) -> list[str]:
-    """Say where loops are that were left, and why."""
-    middles = [loop.middle for loop in loops]
-    return [f"{what}: {len(middles)}{about(middles)}: {why}"] if middles else []
+class _Said:
+    """What became of shapes, in words: those that were changed, those that were left and, among these, those lost."""
+
+    def __init__(self, left: list[str]) -> None:
+        self.changed, self.left, self.lost = list[str](), left, list[Lost]()
+
+    def lose(self, role: str, places: Sequence[Spot], why: str, what: str = "") -> None:
+        """Name shapes of a role, or what of them, that were not taken, by their places."""
+        for line in _line(role, places, why):
+            self.left.append(line)
+            self.lost.append(Lost(what or role, len(places), line))
+
+
+def _line(role: str, places: Sequence[Spot], why: str) -> list[str]:
+    return [f"{role}: {len(places)}{about(places)}: {why}"] if places else []
+
+
+def _middles(loops: Sequence[Loop]) -> list[Spot]:
+    return [loop.middle for loop in loops]
+
+
+def _inside(zone: Loop, slab: Slab, most: float) -> Loop:
+    """A zone with a footprint's shape moved into the outline; the corners of others are snapped."""
+    size = zone.footprint
+    at = None if size is None else slab.moved(zone.middle, size, most)
+    return zone if size is None or at in (None, zone.middle) else footprint_at(at, size)
 
 
 def _all_of(lists: Iterable[list[_T]]) -> list[_T]:
@@ -203,48 +234,63 @@ def _size(loop: Loop) -> float:
     return loop.area if loop.is_simple else (right - left) * (top - bottom)
 
 
-def _points(
-    layers: Sequence[Layer], on_plate: Callable[..., bool], left: list[str]
-) -> dict[tuple[float, ...], list[tuple[float, float]]]:
-    """Places by their footprints; what is left, of them or of their shape, is told.
+_TWICE, _OFF, _CROSS = (
+    "drawn twice; taken once",
+    "not on the plate; left",
+    "shapes that cross at one place; none is taken",
+)
+_OVER = "their shape reaches beyond the plate; points without footprint"
+_LOOSE = "neither circles nor rectangles; points without footprint"
+_TUBE, _CUT, _MOVED = (
+    "tubes, their outer shapes",
+    "cut by the edge of the plate",
+    "moved flush with the edge, by mesh.snap at most",
+)
 
-    An area that is filled and outlined is one place.
+
+def _points(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> dict[Footprint, list[Spot]]:
+    """Places by their footprints, each on the plate.
+
+    Shapes at one place are one, the largest: an area that is filled and outlined, or a tube.
     """
-    shapes: list[tuple[Loop | None, tuple[float, float]]] = []
-    twice: list[tuple[float, float]] = []
-    fills = _all_of(one.fills for one in layers)
-    for loop in _all_of(one.loops for one in layers) + [_as_circle(fill) for fill in fills]:
-        if not any(math.dist(at, loop.middle) < GAP for _, at in shapes):
-            shapes.append((loop, loop.middle))
+    places: dict[str, list[Spot]] = defaultdict(list)
+    groups: list[list[Loop]] = []
+    for loop in [*_all_of(one.loops for one in layers), *map(_as_circle, _all_of(one.fills for one in layers))]:
+        same = [group for group in groups if math.dist(group[0].middle, loop.middle) < GAP]
+        same[0].append(loop) if same else groups.append([loop])
+    shapes: list[tuple[Loop | None, Spot]] = []
+    for group in groups:
+        largest = max(group, key=lambda loop: loop.area)
+        if not all(largest.covers(loop.points) for loop in group):
+            places[_CROSS] += [largest.middle] * len(group)
+            continue
+        places[_TUBE] += [largest.middle] * any(map(largest.holds, group))
+        shapes.append((largest, largest.middle))
     for point in _all_of(one.points for one in layers):
         if any(math.dist(at, point) < GAP for _, at in shapes):
-            twice.append(point)
+            places[_TWICE].append(point)
         else:
             shapes.append((None, point))
-    result: dict[tuple[float, ...], list[tuple[float, float]]] = defaultdict(list)
-    off: list[tuple[float, float]] = []
-    over, loose = off.copy(), off.copy()
+    result: dict[Footprint, list[Spot]] = defaultdict(list)
     for shape, at in shapes:
-        footprint: tuple[float, ...] = ()
-        if not on_plate(at):
-            off.append(at)
+        drawn, why = None if shape is None else shape.footprint, ""
+        fits: tuple[Spot, Footprint] = at, ()
+        if drawn is not None and (moved := slab.moved(at, drawn, within)) is not None:
+            fits, why = (moved, drawn), _MOVED if moved != at else ""
+        elif drawn is not None and (cut := slab.cut(at, drawn)) is not None:
+            fits, why = cut, _CUT
+        elif not slab.covers([at], within):
+            places[_OFF].append(at)
             continue
-        if shape is not None:
-            size = (shape.radius,) if shape.radius else shape.sides or shape.turned_sides
-            if size is None:
-                loose.append(at)
-            elif not on_plate(*shape.points):
-                over.append(at)
-            else:
-                footprint = tuple(round(part, 3) for part in size)
-        result[footprint].append(at)
-    for places, why in (
-        (twice, "drawn twice; taken once"),
-        (off, "not on the plate; left"),
-        (over, "their shape reaches beyond the plate; points without footprint"),
-        (loose, "neither circles nor rectangles; points without footprint"),
-    ):
-        left += [f"points: {len(places)}{about(places)}: {why}"] if places else []
+        elif shape is not None:
+            why = _LOOSE if drawn is None else _OVER
+        places[why] += [at] * bool(why)
+        result[fits[1]].append(fits[0])
+    for why in (_TUBE, _CUT, _MOVED):
+        said.changed += _line("points", places[why], why)
+    said.left += _line("points", places[_TWICE], _TWICE)
+    for why in (_OFF, _OVER, _LOOSE, _CROSS):
+        said.lose("points", places[why], why, "footprints" * (why in (_OVER, _LOOSE)))
     return dict(result)
 
 
@@ -257,34 +303,31 @@ def _as_circle(loop: Loop) -> Loop:
     return Loop((Corner(x, y),), max(radii))
 
 
-def _lines(
-    layers: Sequence[Layer], on_plate: Callable[..., bool], middles: list[str], left: list[str]
-) -> list[tuple[Corner, ...]]:
+def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> list[tuple[Corner, ...]]:
     """Open lines, and of walls drawn with their faces the lines along their middles; what leaves the plate is told."""
     closed = _all_of(one.loops for one in layers)
     whole = [(loop, loop.middle_line) for loop in closed]
     along = [tuple(Corner(*at) for at in middle) for _, middle in whole if middle is not None]
     rings, rest = middles_of_loops([loop for loop, middle in whole if middle is None])
     if along or rings:
-        middles.append(
+        said.changed.append(
             f"lines: walls drawn as closed lines, {len(along) + len(rings)}"
             f"{about([line[0][:2] for line in (*along, *rings)])}: the lines along their middles"
         )
     if rest:
-        left.append(
-            f"lines: {len(rest)} closed{about([loop.middle for loop in rest])}: no wall of one thickness. Draw its "
-            "middle, or a rectangle of each straight part"
-        )
+        why = "no wall of one thickness. Draw its middle, or a rectangle of each straight part"
+        said.left.append(f"lines: {len(rest)} closed{about(_middles(rest))}: {why}")
+        said.lost.append(Lost("lines", len(rest), said.left[-1]))
     drawn, pairs = middles_of_lines(_all_of(one.lines for one in layers))
     if pairs:
         apart = f"{pairs[0][0]:.3g} m apart" if len(pairs) == 1 else f"{pairs[0][0]:.3g} to {pairs[-1][0]:.3g} m apart"
-        middles.append(
+        said.changed.append(
             f"lines: {len(pairs)} pair{'s' * (len(pairs) > 1)} side by side, {apart}{about([at for _, at in pairs])}: "
             "faces of walls, the lines along their middles"
         )
     drawn += [*along, *rings]
     if beside := beside_others(drawn):
-        middles.append(
+        said.changed.append(
             f"lines: {len(beside)}{about(beside)}: beside another, less than {THICKNESSES[1]:g} m apart; both are "
             "supports. Keep one where they are the faces of one wall"
         )
@@ -293,11 +336,11 @@ def _lines(
     for line in drawn:
         chords = flattened(line, _TURN)
         between = [at for a, b in pairwise(chords) for at in _spaced(a, b)]
-        if on_plate(*chords, *between):
+        if slab.covers([*chords, *between], within):
             lines.append(line)
         else:
             off.append(chords[0])
-    left += [f"lines: {len(off)}{about(off)}: not on the plate; left"] if off else []
+    said.lose("lines", off, "not on the plate; left")
     return lines
 
 

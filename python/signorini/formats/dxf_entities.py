@@ -120,6 +120,14 @@ class Layer:
     slivers: list[Loop] = field(default_factory=list)
     others: Counter[str] = field(default_factory=Counter)
 
+    @property
+    def places(self) -> list[list[tuple[float, float]]]:
+        """Points [m] of each thing that is drawn."""
+        lines = [[corner[:2] for corner in line] for line in self.lines]
+        return (
+            [[*one.points] for one in (*self.loops, *self.fills, *self.slivers)] + lines + [[at] for at in self.points]
+        )
+
     def __str__(self) -> str:
         """Count what is there, and say where."""
         result = (

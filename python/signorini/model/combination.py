@@ -296,6 +296,11 @@ class Combination(Named):
                 seen.add(case)
 
     @property
+    def acting(self) -> frozenset[str]:
+        """Names of the cases with a factor that is not zero."""
+        return frozenset(case for case, factor in (self.factors or {}).items() if factor)
+
+    @property
     def listing(self) -> Listing:
         """The rows of a table."""
         if self.file is not None:

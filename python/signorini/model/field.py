@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,6 +12,7 @@ from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
 
 from signorini.errors import InputError
 from signorini.expression import LARGEST, Expression, Field, PointValues
+from signorini.expression.field import Outside
 from signorini.model import base
 from signorini.model.csv_cells import number_in, read_cells
 from signorini.model.problems import as_list, describe
@@ -43,16 +45,47 @@ def _read_points(value: object) -> Field:
         raise ValueError(f"{value}: {error.message}") from None
 
 
-class FieldFile(base.Table):
-    """A file of points: x, y and the value there; linear between them, 0 beyond."""
-
-    file: Annotated[Field, PlainValidator(_read_points), WithJsonSchema({"type": "string"})] = pydantic.Field(
-        description="A CSV file with the columns x, y and value; looked for beside the input file."
-    )
-
-
 _Point = Annotated[tuple[base.Number, base.Number, base.Number], *base.vector(3, "a point [x, y, value]")]
 _points = pydantic.TypeAdapter(tuple[_Point, ...])
+
+
+def _listed(value: object) -> Field:
+    """Read points [x, y, value]."""
+    try:
+        return Field(_points.validate_python(as_list(value)))
+    except InputError as error:
+        raise ValueError(error.message) from None
+
+
+def _beyond(value: object) -> Any:
+    if isinstance(value, bool) or value not in ("nearest", 0):
+        raise ValueError(f'found {describe(value)}; it must be "nearest" or 0.')
+    return "nearest" if value == "nearest" else 0
+
+
+_POINTS: dict[str, Any] = {
+    "type": "array",
+    "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
+    "minItems": 3,
+}
+
+
+class FieldTable(base.Table):
+    """A table of points, from a file or listed: x, y and the value there, linear between them."""
+
+    file: Annotated[Field, PlainValidator(_read_points), WithJsonSchema({"type": "string"})] | None = pydantic.Field(
+        default=None, description="A CSV file with the columns x, y and value; looked for beside the input file."
+    )
+    points: Annotated[Field, PlainValidator(_listed), WithJsonSchema(_POINTS)] | None = pydantic.Field(
+        default=None, description="In place of a file: [[x, y, value], ...]."
+    )
+    outside: Annotated[Outside, PlainValidator(_beyond), WithJsonSchema({"enum": ["nearest", 0]})] | None = (
+        pydantic.Field(
+            default=None,
+            description='Value beyond the points: "nearest", that at the nearest place of their convex hull, or 0. '
+            "Left out: the points must cover the support.",
+        )
+    )
 
 
 def _read(value: object) -> Expression | Field:
@@ -61,16 +94,16 @@ def _read(value: object) -> Expression | Field:
         case Field():
             return value
         case Mapping():
-            if set(value) != {"file"}:
+            if len(value.keys() & {"file", "points"}) != 1 or not value.keys() <= {"file", "points", "outside"}:
+                found = ", ".join(map(str, value)) or "nothing"
                 raise ValueError(
-                    f'found a table of {", ".join(map(str, value)) or "nothing"}; it must be {{ file = "…" }}.'
+                    f'found a table of {found}; it must be {{ file = "…" }} or {{ points = [[x, y, value], …] }}, and '
+                    'may have outside = "nearest" or outside = 0.'
                 )
-            return FieldFile.model_validate(value).file
+            table = FieldTable.model_validate(value)
+            return next(replace(one, outside=table.outside) for one in (table.file, table.points) if one is not None)
         case list() | tuple():
-            try:
-                return Field(_points.validate_python(value))
-            except InputError as error:
-                raise ValueError(error.message) from None
+            return _listed(value)
     if callable(value) and not isinstance(value, Expression):
         return Field(value)
     return base.reader(above=0.0)(value)
@@ -79,12 +112,8 @@ def _read(value: object) -> Expression | Field:
 _FIELD_SCHEMAS: list[dict[str, Any]] = [
     {"type": "number", "exclusiveMinimum": 0},
     {"type": "string"},
-    FieldFile.model_json_schema(),
-    {
-        "type": "array",
-        "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
-        "minItems": 3,
-    },
+    FieldTable.model_json_schema(),
+    _POINTS,
 ]
 FieldScalar = Annotated[
     Expression | Field,

@@ -111,6 +111,18 @@ Turning = Annotated[
 
 _PER_POINT = ("gap", "settlement", "stiffness", "limit", "preload")
 """Keys that take a list with one value a point; so does order."""
+
+
+def _way_of(value: object) -> object:
+    """Refuse words for tension and compression, and say which way is meant."""
+    word = value.lower() if isinstance(value, str) else ""
+    for meant, acts, words in (("up", "holds the plate down", "tens pull"), ("down", "pushes it up", "compr push")):
+        if any(one in word for one in words.split()):
+            said = f"found {describe(value)}; it must be down, up or both. A support that {acts} only has"
+            raise ValueError(f'{said} resists = "{meant}".')
+    return value
+
+
 _OF_ONE_PLATE = ("plate", "fix", "nodes", "edge", "rotational_stiffness", "rotation")
 """Keys of a support that has one plate."""
 
@@ -130,7 +142,7 @@ class Support(Acting, base.Named):
         description="Holds both ways: clamped (w, slope, twist), hard (w, twist), simple (w), symmetry (slope), "
         "or a list of w, slope, twist.",
     )
-    resists: Literal["down", "up", "both"] | None = Field(
+    resists: Annotated[Literal["down", "up", "both"] | None, BeforeValidator(_way_of)] = Field(
         default=None,
         description="Which way it resists: down (pushes up only), up (holds down only), both; default both.",
         json_schema_extra={"default": "both"},
@@ -143,8 +155,8 @@ class Support(Acting, base.Named):
     stiffness: PointFieldScalar | None = Field(
         default=None,
         description="None: rigid. Per point, per length (edge, line, circle), per area: a number, an expression, or "
-        "{ file = ... }, a table of x, y and value, linear between its points and 0 beyond them; or a list with one "
-        "value a point.",
+        "{ file = ... }, a table of x, y and value, linear between its points, which cover the support; or a list "
+        "with one value a point.",
     )
     limit: PositivePointScalar | None = Field(
         default=None,

@@ -15,10 +15,12 @@ from pydantic import (
     ValidationError,
     ValidationInfo,
     field_serializer,
+    model_validator,
 )
 from pydantic_core import PydanticCustomError
 
 from signorini.errors import Place, unknown
+from signorini.expression import Expression
 from signorini.model.base import Complaint, Named, Table, Text
 from signorini.model.combination import Choice, Combination, Combinations, FrozenMapping, Positions, Product, products
 from signorini.model.load import Load, Moving, Probe
@@ -26,7 +28,7 @@ from signorini.model.material import Material, Zone, constant_thickness
 from signorini.model.output import FEW, Output, Profile, Section, Strip
 from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
-from signorini.model.problems import TOP, explained, tables_of
+from signorini.model.problems import TOP, as_list, explained, tables_of
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, one_of, worth_following
@@ -45,10 +47,11 @@ class Units(Table):
     force: Text = Field(default="", description='Label of the unit of force, such as "N".')
 
     def force_by_length(self, power: int) -> str:
-        """Unit of a force times a power of a length, from -2 to 1; empty where a label is missing."""
+        """Unit of a force times a power of a length, from -3 to 1; empty where a label is missing."""
         if not self.force or (power and not self.length):
             return ""
-        return self.force + {-2: f"/{self.length}²", -1: f"/{self.length}", 0: "", 1: f" {self.length}"}[power]
+        length = self.length
+        return self.force + {-3: f"/{length}³", -2: f"/{length}²", -1: f"/{length}", 0: "", 1: f" {length}"}[power]
 
 
 class Solver(Table):
@@ -74,6 +77,25 @@ def _there(plate: object, info: ValidationInfo) -> object:
     return plate
 
 
+def acts(tables: Mapping[str, Any]) -> bool:
+    """Whether tables of a model have an action beside loads: a moving load, a preload, a settlement or a rotation."""
+    supports = tables.get("support")
+    given = (
+        as_list((one if isinstance(one, Mapping) else vars(one)).get(key))
+        for one in (supports if isinstance(supports, list | tuple) else ())
+        for key in ("preload", "settlement", "rotation")
+        if isinstance(one, Mapping | Support)
+    )
+    return bool(tables.get("moving")) or any(value not in (None, 0, Expression(0.0)) for value in given)
+
+
+def _without_required_load(schema: dict[str, Any]) -> None:
+    """Let the schema have one of plate and plates, and no load where there are other actions."""
+    del schema["required"]
+    schema["oneOf"] = one_of(("plate", "plates"))
+    schema["anyOf"] = one_of(("load", "moving", "support"))
+
+
 class Model(Table):
     """A plate, its supports and its loads: what the input file says, under the same names.
 
@@ -89,7 +111,7 @@ class Model(Table):
     ('support 1', ('load',))
     """
 
-    model_config = ConfigDict(json_schema_extra={"oneOf": one_of(("plate", "plates"))})
+    model_config = ConfigDict(json_schema_extra=_without_required_load)
 
     title: Text = Field(default="", description="Title of the calculation.")
     units: Units = Field(default=Units(), description="Labels of the units, for the output.")
@@ -112,7 +134,7 @@ class Model(Table):
     contact: Annotated[tuple[Contact, ...], AfterValidator(_named)] = Field(
         default=(), description="Plates on one another."
     )
-    load: tuple[Load, ...] = Field(min_length=1, description="The loads, at least one.")
+    load: tuple[Load, ...] = Field(description="The loads, at least one.")
     combination: Annotated[tuple[Combination, ...], AfterValidator(_named)] = Field(
         default=(), description='Combinations of load cases; none given: one named "all", every case at factor 1.'
     )
@@ -132,6 +154,15 @@ class Model(Table):
     )
     output: Output = Field(default=Output(), description="What is written of each combination.")
     solver: Solver = Field(default=Solver(), description="How the contact problem is solved.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_loads(cls, data: Any) -> Any:
+        """Let a model have no load where something else acts."""
+        if not isinstance(data, Mapping) or as_list(data.get("load")) not in (None, [], ()):
+            return data
+        rest = {key: value for key, value in data.items() if key != "load"}
+        return rest | {"load": ()} if acts(data) else rest
 
     def model_post_init(self, context: Any) -> None:
         """Put contacts among the supports, which they are, of two plates; a dump tells them apart again."""
@@ -218,7 +249,7 @@ class Model(Table):
         """Every combination, those generated made when they are asked for.
 
         Where none is given there is one named "all", every case at factor 1; with moving loads one for each of their
-        positions.
+        positions. What has no case, such as a settlement, acts in all.
         """
         positions = self.positions
         if self.combination:

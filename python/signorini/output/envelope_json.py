@@ -46,7 +46,7 @@ def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
 
 def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[str]:
     """Say what of the model, and of the largest deflections where these are enveloped, is seldom meant."""
-    yield from model_warnings(results.discretisation)
+    yield from model_warnings(results.discretisation, results.model.effective_combinations.cases)
     yield from idle_cases(results.model)
     extremes = results.envelope.fields.get("deflection")
     if extremes is not None:

@@ -193,6 +193,7 @@ def drawn(job: Job) -> Iterator[tuple[str, bytes]]:
 def check_picture(
     plan: Plan,
     *,
+    bedding: Panel | None = None,
     zones: Iterable[ZoneMark] = (),
     supports: Sequence[SupportMark] = (),
     loads: Sequence[LoadMark] = (),
@@ -208,6 +209,7 @@ def check_picture(
 ) -> Figure:
     """Draw a model before it is solved: mesh, supports, loads and what they amount to, sections and strips.
 
+    ``bedding`` has the stiffness of areas as layers.
     ``totals`` are sums of load cases in words, ``poorest`` the corner of the worst element with words about it.
     ``numbers`` are those of the nodes, from 0.
     """
@@ -216,12 +218,15 @@ def check_picture(
             f"numbers of {len(plan.nodes)} nodes cannot be read in a picture; {_MOST_NUMBERS} is the most. Leave them "
             "out, or take a coarser mesh."
         )
-    page = Page(plan, 1, length, bars=False)
+    page = Page(plan, 1, length, bars=bedding is not None)
     (axes,) = page.plans
     sheet = draw_sheet(axes, plan)
     draw_mesh(axes, plan)
-    draw_outlines(axes, plan)
     labels = Labels(axes)
+    if bedding is None:
+        draw_outlines(axes, plan)
+    elif not isinstance(bedding.values, np.ndarray):
+        draw_pressure(axes, plan, bedding.values, _frame(axes, bedding, page.bars[0]), labels)
     for positions in [mark.positions for marks in (supports, loads) for mark in marks if mark.style == "points"]:
         labels.keep_free(positions, LARGEST)
     entries = draw_zones(zones, axes, sheet, labels) + draw_supports(supports, axes)

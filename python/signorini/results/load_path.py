@@ -117,10 +117,12 @@ class LoadPath(States[float]):
         """What of the model, and of the deflections on the way, is seldom meant."""
         discretisation = self.discretisation
         thinnest = bending_thickness(discretisation).min()
+        acting = self._loads[0].acting | self._loads[1].acting
+        of_model = model_warnings(discretisation, acting)
         for stop in self.stops:
             for far in too_far(discretisation, self.at(stop.t).deflection) if abs(stop.utmost) > thinnest else ():
-                return (*model_warnings(discretisation), f"At t = {stop.t:.6g}: {far}")
-        return model_warnings(discretisation)
+                return (*of_model, f"At t = {stop.t:.6g}: {far}")
+        return of_model
 
     @cached_property
     def mechanism(self) -> str:

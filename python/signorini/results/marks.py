@@ -10,6 +10,7 @@ import numpy as np
 
 from signorini.base.numbers import estimated, plain
 from signorini.discretise import Discretisation
+from signorini.discretise.quadrature import area_quadrature
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.equilibrium.balance import NO_FORCE
@@ -31,6 +32,7 @@ from signorini.plot.picture import (
 )
 from signorini.plot.view import seen
 from signorini.results.contact_field.area_contact import AreaContact
+from signorini.results.contact_field.cells import known_values
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.extremes import FieldExtremes
 from signorini.results.quantities import KINDS, PICTURED, PRESSURE
@@ -46,6 +48,8 @@ _SAME = 1e-9
 """Part of the plate's size within which places are one above the other."""
 _ALONG = 200
 """Pieces of the longest part of a line, each as open or closed as the nearest contact point."""
+_SOIL = "BrBG_r"
+"""Colours of bedding."""
 _BREAK = np.full((1, 2), np.nan)
 _Style = Literal["points", "line", "area"]
 _STYLES: dict[str, _Style] = {"at": "points", "area": "area"}
@@ -117,6 +121,27 @@ def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
         positions.append(contacts.positions[contacts.support == index])
         marks.append(support_mark(discretisation.mesh, support, np.unique(np.concatenate(positions), axis=0)))
     return marks
+
+
+def bedding_panel(discretisation: Discretisation) -> Panel | None:
+    """Draw the stiffness of areas where it is not constant; None where there is none."""
+    mesh, model = discretisation.mesh, discretisation.model
+    layers, known = [], []
+    for support in model.support:
+        if support.place != "area" or support.modulus is None or support.modulus.is_constant:
+            continue
+        region = support.where.region
+        cut = tessellate(mesh.elements[np.unique(area_quadrature(mesh, region, order=1).elements)])
+        values = np.nan_to_num(known_values(support.modulus, cut.interpolate(mesh.points)))
+        soil = (values[cut.triangles] > 0.0).all(axis=1)
+        cut = replace(cut, triangles=cut.triangles[soil], parents=cut.parents[soil])
+        layers.append(PressureLayer(cut, values, (0.0, np.inf), None if region is None else _loops(region)))
+        known.append(values[values > 0.0])
+    if not layers:
+        return None
+    unit = model.units.force_by_length(-3)
+    limits = float(min(map(np.min, known))), float(max(map(np.max, known)))
+    return Panel(layers, limits, "stiffness of the bedding" + (f" [{unit}]" if unit else ""), _SOIL)
 
 
 def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:

@@ -645,7 +645,7 @@ def unsolved_result(discretisation: Discretisation, combination: Combination, me
         (),
         (),
         0.0,
-        model_warnings(discretisation),
+        model_warnings(discretisation, combination.acting),
         (),
         discretisation.node_thickness,
         catalogue_of(discretisation, TOLD),

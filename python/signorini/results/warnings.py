@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from bisect import bisect_left
+from collections.abc import Collection, Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -23,7 +24,9 @@ from signorini.results.of_plates import said_of
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult
 from signorini.results.unit_slips import unit_slips
+from signorini.shapes import Region
 from signorini.shapes.distances import depth, distances
+from signorini.shapes.regions import overlap
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import at_peaks
 
@@ -35,6 +38,8 @@ _STRIP = 4
 """Elements in a row from which on they are a strip; fewer are a pad, of which the force matters."""
 _INSIDE = 1e-6
 """Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
+_TOUCH = 1e-6
+"""Part of the smaller region that two have in common where they touch."""
 _NOTHING = 1e-9
 """Part of a couple that is rounding."""
 _HARDLY = 1e-6
@@ -48,13 +53,20 @@ _MOST = 0.75
 Covers of flanges, thick and on many bolts, have half."""
 
 
-@kept
-def model_warnings(discretisation: Discretisation) -> tuple[str, ...]:
-    """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place."""
+def model_warnings(discretisation: Discretisation, acting: Collection[str] | None = None) -> tuple[str, ...]:
+    """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place.
+
+    Of the positions of moving loads those that are ``acting`` count; by default all do.
+    """
     if discretisation.plates:
-        return said_of({plate.name: model_warnings(plate.own) for plate in discretisation.plates})
+        return said_of({plate.name: model_warnings(plate.own, acting) for plate in discretisation.plates})
+    return (*_whatever_acts(discretisation), *_wheels_off(discretisation, acting))
+
+
+@kept
+def _whatever_acts(discretisation: Discretisation) -> tuple[str, ...]:
     of_plate = unit_slips, _one_element, _one_across, _unrefined, _unfollowed, _zones, _left_out
-    of_supports = _one_place, _overlaps, _never_act, _beds_both_ways, _couples, _wheels_off
+    of_supports = _one_place, _overlaps, _footprints, _loads_overlap, _never_act, _beds_both_ways, _couples
     return tuple(said for check in (*of_plate, *of_supports) for said in check(discretisation))
 
 
@@ -67,7 +79,7 @@ def result_warnings(
 ) -> tuple[str, ...]:
     """Say what of one combination is seldom meant, behind what is of the model."""
     warned = [
-        *model_warnings(discretisation),
+        *model_warnings(discretisation, load.acting),
         *idle_cases(discretisation.model),
         *no_resultant(discretisation, load),
         *too_far(discretisation, deflection),
@@ -83,10 +95,17 @@ def sentences(not_unique: Sequence[NotUnique]) -> tuple[str, ...]:
 
 
 def idle_cases(model: Model) -> Iterator[str]:
-    """Load cases that act in no combination; a load path says itself which ones it takes."""
+    """Load cases and moving loads that act in no combination; a load path says itself which ones it takes."""
+    taken = model.effective_combinations.cases
     for case in model.cases:
-        if case not in model.effective_combinations.cases:
+        if case not in taken:
             yield f'The load case "{case}" acts in no combination. Is its name the one that is meant?'
+    for case, positions in model.positions.items():
+        if taken.isdisjoint(positions):
+            yield (
+                f'The moving load "{case}" acts in no combination. Name it in one with generate = "positions", '
+                '"table" or "patterns".'
+            )
 
 
 def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str]:
@@ -260,9 +279,15 @@ def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
             )
 
 
-def _wheels_off(discretisation: Discretisation) -> Iterator[str]:
+@kept
+def _off_plate(discretisation: Discretisation) -> list[tuple[str, str, int, float]]:
+    """Prints of wheels that are partly off the plate, as `partly_off`."""
+    return list(discretisation.cases.partly_off())
+
+
+def _wheels_off(discretisation: Discretisation, acting: Collection[str] | None) -> Iterator[str]:
     """Name moving loads of which a wheel's print is partly off the plate, where it loses most of its force."""
-    off = list(discretisation.cases.partly_off())
+    off = [one for one in _off_plate(discretisation) if acting is None or one[1] in acting]
     for case in dict.fromkeys(case for case, *_ in off):
         those = [(lost, at, axle) for one, at, axle, lost in off if one == case]
         lost, at, axle = max(those)
@@ -359,6 +384,53 @@ def _overlaps(discretisation: Discretisation) -> Iterator[str]:
                 f"The areas of {model.support[one].name} and {model.support[other].name} overlap: where they do, their "
                 "stiffness adds."
             )
+
+
+def _footprints(discretisation: Discretisation) -> Iterator[str]:
+    """Footprints of supports that overlap and act the same way."""
+    supports, mesh = discretisation.model.support, discretisation.mesh
+    held = [(i, shape) for i, support in enumerate(supports) for shape in support.where.footprints]
+    for one, other, at in _overlapping(held):
+        first, second = supports[one], supports[other]
+        if _alike(first, second) and first.between == second.between:
+            what = f"of {first.name}" if one == other else f"of {first.name} and {second.name}"
+            yield f"Footprints {what} overlap, such as at {point(at, mesh.size)}: where they do, both act."
+
+
+def _loads_overlap(discretisation: Discretisation) -> Iterator[str]:
+    """Areas and footprints of loads of one case and kind that overlap."""
+    mesh, alike = discretisation.mesh, dict[tuple[str, str], list[tuple[int, Region]]]()
+    for index, load in enumerate(discretisation.model.load):
+        shapes = load.where.footprints if load.where.region is None else (load.where.region,)
+        alike.setdefault((load.case, load.kind), []).extend((index, shape) for shape in shapes)
+    for (case, _), acting in alike.items():
+        for one, other, at in _overlapping(acting):
+            which = f"load[{one + 1}]" if one == other else f"load[{one + 1}] and load[{other + 1}]"
+            where = f'of {which} (case "{case}") overlap, such as at {point(at, mesh.size)}'
+            yield f"Areas {where}: where they do, their pressures add. Is that meant?"
+
+
+def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, int, Floats]]:
+    """Numbers of the owners of regions that have an area in common, each pair once, and a place in both."""
+    told = set[tuple[int, int]]()
+    shapes = sorted(shapes, key=lambda one: one[1].bounds[0])
+    for (one, first), (other, second) in _beside(shapes):
+        pair = min(one, other), max(one, other)
+        common = first.bounds, second.bounds
+        low, high = np.max(common, axis=0)[:2], np.min(common, axis=0)[2:]
+        if pair in told or (high <= low).any():
+            continue
+        parts = [(overlap(a, b), i, j) for i, a in enumerate(first.loops) for j, b in enumerate(second.loops)]
+        if sum(part if (i > 0) == (j > 0) else -part for part, i, j in parts) > _TOUCH * min(first.area, second.area):
+            told.add(pair)
+            yield *pair, 0.5 * (low + high)
+
+
+def _beside(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[tuple[int, Region], tuple[int, Region]]]:
+    """Pairs of regions, sorted by their left ends, that have an abscissa in common."""
+    begin = [shape.bounds[0] for _, shape in shapes]
+    for number, one in enumerate(shapes):
+        yield from ((one, other) for other in shapes[number + 1 : bisect_left(begin, one[1].bounds[2])])
 
 
 def _alike(one: Support, other: Support) -> bool:

@@ -38,11 +38,10 @@ class Singularity:
 
     def __str__(self) -> str:
         """Say it in a sentence."""
+        have, are = ("have", "are") if len(self.numbers) > 1 else ("has", "is")
         if self.limited:
-            return (
-                f"{self.what} acts as a point on this mesh: {_listed(self.numbers)} at it are too small. {self.advice}"
-            )
-        have = "have" if len(self.numbers) > 1 else "has"
+            said = f"{_listed(self.numbers)} at it {are} too small."
+            return f"{self.what} acts as a point on this mesh: {said} {self.advice}"
         return f"{self.what}: {_listed(self.numbers)} {have} no limit as the mesh is refined. {self.advice}"
 
 

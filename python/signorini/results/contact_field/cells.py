@@ -28,7 +28,7 @@ def within_limit(support: Support, pressure: Floats, positions: Floats) -> Float
     """Pressures (..., q) at positions (q, 2) up to the support's limit, either way."""
     if support.limit is None:
         return pressure
-    most = _known_values(support.limit, positions)
+    most = known_values(support.limit, positions)
     return np.asarray(np.clip(pressure, -most, most))
 
 
@@ -52,12 +52,12 @@ def pressing(support: Support, deflection: Floats, positions: Floats) -> Floats:
         return {"down": law.force_at(down), "up": -law.force_at(up)}.get(support.resists or "both", law.force_at(both))
     assert support.stiffness is not None
     travel = {"down": down, "up": -up}.get(support.resists or "both", both)
-    return np.asarray(_known_values(support.stiffness, positions) * travel)
+    return np.asarray(known_values(support.stiffness, positions) * travel)
 
 
 def free_travel(support: Support, positions: Floats) -> tuple[Floats, Floats]:
     """Settlement and gap (q,) of an elastic area at positions (q, 2); NaN where an expression has no value."""
-    return _known_values(support.settlement, positions), _known_values(support.gap, positions)
+    return known_values(support.settlement, positions), known_values(support.gap, positions)
 
 
 def overlap(support: Support, deflection: Floats, travel: tuple[Floats, Floats]) -> Floats:
@@ -73,7 +73,7 @@ def _beyond_gap(deflection: Floats, travel: tuple[Floats, Floats]) -> tuple[Floa
     return moved - gap, -moved - gap
 
 
-def _known_values(expression: PointFieldScalar, positions: Floats) -> Floats:
+def known_values(expression: PointFieldScalar, positions: Floats) -> Floats:
     """Values (q,) of an expression, NaN where it has none: it need have one only where the support acts."""
     try:
         return expression(*positions.T)
@@ -81,9 +81,7 @@ def _known_values(expression: PointFieldScalar, positions: Floats) -> Floats:
         if len(positions) == 1:
             return np.array([np.nan])
         half = len(positions) // 2
-        return np.concatenate(
-            [_known_values(expression, positions[:half]), _known_values(expression, positions[half:])]
-        )
+        return np.concatenate([known_values(expression, positions[:half]), known_values(expression, positions[half:])])
 
 
 def positive_part(values: Floats) -> Floats:
