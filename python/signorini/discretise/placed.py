@@ -127,21 +127,19 @@ class Placed:
         return int(self.place[1])
 
 
-def placed(model: Model, mesh: Mesh, problems: Problems, between: bool = False) -> list[Placed]:
-    """Place every support of the plate alone, or those between it and others; those that cannot be are problems."""
+def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
+    """Place every support on the plate, those between it and other plates too; collect what cannot be placed."""
     result = []
     on_mesh = Footprints(mesh, model.support)
     taken, both = np.zeros((0, 2)), np.zeros(0, np.bool_)
     for index, support in enumerate(model.support):
         place = ("support", index)
-        if (support.between is not None) != between:
-            continue
         with problems.collected():
             points, nodes = None, np.zeros(0, np.int64)
             footprints = on_mesh.of(support, place)
             if support.at is not None:
                 points, nodes = located(mesh, support.at, (*place, "at")), np.full(len(support.at), -1)
-            if points is not None and not footprints and not between:
+            if points is not None and not footprints and support.between is None:
                 holds = support.fix is not None or support.resists in (None, "both")
                 points, nodes = _at_one_place(mesh, points, taken if holds else taken[both])
                 taken = np.concatenate([taken, points.positions])
