@@ -332,8 +332,15 @@ def area_contact(
     stiff = on_means | _stiff(discretisation, support, points)
     return AreaContact(
         *(discretisation.mesh, support, deflection, positions, points.elements, points.weights),
-        *(closed, reactions, on_means, stiff),
+        *(closed, reactions, on_means, stiff, _ground(discretisation, index)),
     )
+
+
+@kept
+def _ground(discretisation: Discretisation, index: int) -> Mesh:
+    """Mesh of the elements with a part of an area, in rising order."""
+    mesh, covered = discretisation.mesh, np.unique(SupportPoints.of(discretisation, index).elements)
+    return mesh if len(covered) == len(mesh.elements) else mesh.part(covered)
 
 
 @kept
