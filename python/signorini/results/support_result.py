@@ -18,7 +18,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
 from signorini.mesh import Mesh
 from signorini.model import Support
-from signorini.results.contact_field.area_contact import AreaContact
+from signorini.results.contact_field.area_contact import AreaContact, ground_of
 from signorini.results.support_points import SupportPoints, closed_part
 
 _CORNER = np.cos(np.radians(15.0))
@@ -338,9 +338,7 @@ def area_contact(
 
 @kept
 def _ground(discretisation: Discretisation, index: int) -> Mesh:
-    """Mesh of the elements with a part of an area, in rising order."""
-    mesh, covered = discretisation.mesh, np.unique(SupportPoints.of(discretisation, index).elements)
-    return mesh if len(covered) == len(mesh.elements) else mesh.part(covered)
+    return ground_of(discretisation.mesh, SupportPoints.of(discretisation, index).elements)
 
 
 @kept

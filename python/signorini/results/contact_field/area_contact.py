@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from types import MappingProxyType
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -41,6 +42,12 @@ _STRAIGHT = 1e-3
 _ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
 
 
+def ground_of(mesh: Mesh, elements: Ints) -> Mesh:
+    """Mesh of some elements (q,) of a mesh, each once and in rising order."""
+    some = np.unique(elements)
+    return mesh if len(some) == len(mesh.elements) else mesh.part(some)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class AreaContact(Remade):
     """Contact of one area support."""
@@ -57,7 +64,9 @@ class AreaContact(Remade):
     # (ne,): elements in which it is stiffer than the plate. Between points the deflection says nothing of pressures
     # there, and the pressure is a number an element, not a field.
     stiff: Bools
-    ground: Mesh  # of the elements with a part of the support, in rising order
+    ground: Mesh  # of the elements with a part of the support, see `ground_of`
+
+    _made = MappingProxyType({"ground": lambda area: ground_of(area.mesh, area.elements)})
 
     @property
     def bounds(self) -> tuple[float, float]:
