@@ -11,7 +11,7 @@ import numpy as np
 
 from signorini.discretise.places import edge_sides, located, mesh_edges
 from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature, off_plate
-from signorini.discretise.rows import Floats, Ints, Rows
+from signorini.discretise.rows import Floats, Ints, Rows, interpolated
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import BoxTree
@@ -96,13 +96,12 @@ class Footprints:
         return np.asarray(self._mesh.points[np.concatenate(triples)[:, [0, 2]]])
 
 
-def mean_deflections(mesh: Mesh, footprints: Sequence[Quadrature]) -> Rows:
-    """Rows of the mean deflection over each footprint, which spread a force evenly over it."""
+def means_over(mesh: Mesh, frames: Floats | None, footprints: Sequence[Quadrature], field: int = 0) -> Rows:
+    """Rows of the mean of w, θx or θy (field 0, 1, 2) over each footprint, which spread a force or couple evenly."""
     over, owners = Quadrature.join(footprints), np.repeat(np.arange(len(footprints)), [len(one) for one in footprints])
     parts = over.weights / np.repeat([one.total for one in footprints], [len(one) for one in footprints])
-    return Rows.over(
-        owners, over.elements, parts[:, None] * mesh.shape_functions(over.elements, over.xi), mesh.elements
-    )
+    rows = interpolated(mesh, frames, over.elements, over.xi, field)
+    return Rows.over(owners, over.elements, parts[:, None] * rows.coefficients, mesh.elements)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from signorini import _core
 from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
 from signorini.discretise.laws import LAWS, Law, laws_of
-from signorini.discretise.placed import Placed, mean_deflections
+from signorini.discretise.placed import Placed, means_over
 from signorini.discretise.places import (
     MOST,
     STRIP,
@@ -24,7 +23,7 @@ from signorini.discretise.places import (
 from signorini.discretise.points import ContactPoints, Springs
 from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
-from signorini.discretise.rows import Floats, Ints, Rows, Table
+from signorini.discretise.rows import Floats, Ints, Rows, Table, interpolated
 from signorini.discretise.thickness import PlateStiffness
 from signorini.errors import InputError, Problems, point
 from signorini.expression import Expression, Field
@@ -87,34 +86,32 @@ class Ground:
 
     shape: Plate
     mesh: Mesh
-    plate: _core.Plate
     held: Held
     stiffness: PlateStiffness
     beneath: Ground | None = None
 
     def rows(self, points: Quadrature, field: int) -> Rows:
         """Rows of the deflection, or of a slope, at points."""
-        coefficients, _ = self.plate.interpolation_rows(points.elements, points.xi, field)
-        rows = Rows(points.elements, coefficients)
+        rows = interpolated(self.mesh, self.held.frames, points.elements, points.xi, field)
         if self.beneath is None:
             return rows
         where = self.beneath.mesh.nearest(points.positions)
-        coefficients, _ = self.beneath.plate.interpolation_rows(where.elements, where.xi, field)
-        return rows.beside(Rows(where.elements, -coefficients), len(self.mesh.elements))
+        beneath = interpolated(self.beneath.mesh, self.beneath.held.frames, where.elements, where.xi, field)
+        return rows.beside(-beneath, len(self.mesh.elements))
 
-    def means(self, placed: Placed) -> Rows:
-        """Rows of the mean deflection over each footprint of a support."""
-        rows = mean_deflections(self.mesh, placed.footprints)
+    def means(self, placed: Placed, field: int = 0) -> Rows:
+        """Rows of the mean deflection, or of a mean slope, over each footprint of a support."""
+        rows = means_over(self.mesh, self.held.frames, placed.footprints, field)
         if self.beneath is None:
             return rows
-        below = [area_quadrature(self.beneath.mesh, shape, _GAUSS) for shape in placed.support.where.footprints]
-        return rows.beside(-mean_deflections(self.beneath.mesh, below), len(self.mesh.elements))
+        mesh, frames = self.beneath.mesh, self.beneath.held.frames
+        below = [area_quadrature(mesh, shape, _GAUSS) for shape in placed.support.where.footprints]
+        return rows.beside(-means_over(mesh, frames, below, field), len(self.mesh.elements))
 
 
 def springs_and_contacts(
     shape: Plate,
     mesh: Mesh,
-    plate: _core.Plate,
     held: Held,
     stiffness: PlateStiffness,
     supports: Sequence[Placed],
@@ -127,7 +124,7 @@ def springs_and_contacts(
         Springs(Rows.join([]), none, none, place, none, who, who, flags),
         ContactPoints.none(),
     ]
-    ground = Ground(shape, mesh, plate, held, stiffness)
+    ground = Ground(shape, mesh, held, stiffness)
     for placed in supports:
         with problems.collected():
             for acting in _acting(ground, placed):
@@ -246,7 +243,7 @@ def _along_line(on: Ground, placed: Placed) -> list[_Acting]:
         if component in support.fixed:
             along = np.column_stack(directions)
             x, y = on.rows(turned, 1), on.rows(turned, 2)
-            rows = Rows(x.elements, along[:, :1] * x.coefficients + along[:, 1:] * y.coefficients)
+            rows = x.turned(along, y)
             rotation = prescribed_rotations(placed, turned.positions)
             result.append(_Acting.of(rows, turned, (along * rotation).sum(axis=1)))
     means = [_means(on, one) for one in result] if in_means else ()
@@ -353,12 +350,12 @@ def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> lis
         # What turns about x is the slope along y.
         axes = [np.broadcast_to(axis, (len(numbers), 2)) for axis in ((0.0, 1.0), (1.0, 0.0))]
         each = list(zip((stiffness[0], stiffness[-1]), axes, strict=True))
-    x, y = on.rows(points, 1), on.rows(points, 2)
+    x, y = (on.means(placed, field) if placed.footprints else on.rows(points, field) for field in (1, 2))
     rotation = prescribed_rotations(placed, points.positions)
     most = STIFFEST_SPRING * on.stiffness.in_shear[points.elements] * mesh.element_area[points.elements]
     result: list[Springs | ContactPoints] = []
     for formula, along in each:
-        rows = Rows(points.elements, along[:, :1] * x.coefficients + along[:, 1:] * y.coefficients)
+        rows = x.turned(along, y)
         values = points.weights * formula(*points.within.T, above=0.0, place=place)
         who, slope = np.full(len(values), placed.index, np.int64), np.ones(len(values), np.bool_)
         base = (along * rotation).sum(axis=1)
@@ -382,7 +379,7 @@ def _means(on: Ground, through: _Acting) -> _Acting:
     if on.beneath is not None:
         first = len(on.mesh.elements)
         _, other = through.rows.parted(first)
-        parts = (through.weights / area[inverse])[:, None] * other.coefficients[:, ::3]
+        parts = (through.weights / area[inverse])[:, None] * other.coefficients
         rows = rows.beside(Rows.over(inverse, other.elements, parts, on.beneath.mesh.elements), first)
     return _Acting(rows, middle, middle, area, slope, shared, np.zeros(len(elements), np.int64))
 
