@@ -401,3 +401,67 @@ def test_the_couple_of_a_footprint_is_its_stiffness_times_its_mean_rotation():
     for middle, couples in zip(at, result.supports[2].moments, strict=True):
         rotation = np.mean([probe.rotation for probe in result.probe(middle + around)], axis=0)
         assert couples == pytest.approx(-rotation * [5e6, 2e6], rel=2e-3, abs=1)
+
+
+HOLE = {"circle": {"center": [1, 1], "radius": 0.1}}
+PLATE = {"shape": "rectangle", "size": [2, 2], "thickness": 0.04, "holes": [HOLE]}
+STEEL = {"E": 210e9, "nu": 0.3}
+SIDES = {"edge": ["left", "right"], "fix": "simple"}
+
+
+def test_a_washer_over_a_hole_spreads_its_force_over_the_annulus_on_the_plate():
+    at, rim = {"at": [1, 1], "radius": 0.2}, {"annulus": {"center": [1, 1], "inner": 0.1, "outer": 0.2}}
+    results = [
+        solve(
+            Model(
+                material=STEEL,
+                plate=PLATE,
+                mesh={"size": 0.2, "error": False},
+                support=[SIDES],
+                load=[load],
+                section=[{"line": [[0.95, 0], [0.95, 2]]}],
+            )
+        )["all"]
+        for load in ({"force": 1e4, **at}, {"pressure": 1e4 / (np.pi * (0.2**2 - 0.1**2)), "area": rim})
+    ]
+    deflections = [result.deflection for result in results]
+    np.testing.assert_allclose(*deflections, rtol=0, atol=2e-3 * deflections[1].max())
+    assert results[0].sections[0].moment == pytest.approx(results[1].sections[0].moment, rel=1e-2)
+    for result in results:
+        assert result.supports[0].reaction == pytest.approx(1e4, rel=2e-3)
+
+
+@pytest.mark.parametrize("footprint", [{"radius": 0.2}, {"patch": [0.4, 0.3]}])
+def test_a_bolt_in_a_hole_holds_the_mean_deflection_under_its_washer(footprint):
+    bolt = {"name": "bolt", "at": [[1, 1], [0.5, 1.6]], **footprint, "stiffness": 1e7}
+    upper = Model(
+        material=STEEL,
+        plate=PLATE,
+        mesh={"size": 0.2, "error": False},
+        support=[SIDES, {**bolt, "resists": "down"}],
+        load=[{"pressure": 1e4}],
+    )
+    plates = {name: {**PLATE, "mesh": {"size": 0.2}} for name in ("upper", "lower")}
+    between = Model(
+        material=STEEL,
+        plates=plates,
+        mesh={"error": False},
+        zone=[{"plate": "lower", "area": {"rectangle": [0, 0, 2, 2]}, "rigid": True}],
+        contact=[{**bolt, "between": ["upper", "lower"]}],
+        support=[{"plate": "upper", **SIDES}, {"plate": "lower", "edge": ["left", "right"], "fix": "clamped"}],
+        load=[{"plate": "upper", "pressure": 1e4}],
+    )
+    alone = solve(upper)["all"]
+    assert alone.certificate.passed
+    assert alone.reactions["support 1"] + alone.reactions["bolt"] == pytest.approx(1e4 * (4 - np.pi * 0.01), rel=1e-3)
+    both = solve(between)["all"]
+    assert both.certificate.passed
+    np.testing.assert_allclose(both.supports[-1].reactions, alone.supports[-1].reactions, rtol=1e-9)
+
+
+@pytest.mark.parametrize("footprint", [{}, {"radius": 0.08}])
+def test_a_bolt_in_a_hole_without_a_washer_is_refused(footprint):
+    bolt = {"at": [1, 1], "resists": "up", **footprint}
+    model = Model(material=STEEL, plate=PLATE, mesh={"size": 0.2}, support=[SIDES, bolt], load=[{"pressure": 1e4}])
+    with pytest.raises(InputError, match=r"support\[2\]\.at: .*arger than the hole"):
+        solve(model)
