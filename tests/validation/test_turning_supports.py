@@ -189,14 +189,12 @@ def test_the_couple_at_a_point_is_its_stiffness_times_the_rotation_there(mesh, t
         support=[
             {"edge": ["left", "right"], "fix": "simple"},
             {"name": "columns", "at": at, "stiffness": 1e8, "rotational_stiffness": [2e6, 5e6]},
-            {"name": "fixed", "at": [[0.77, 3.1]], "fix": "clamped"},
         ],
         load=[{"pressure": 1e4}, {"force": 1e4, "at": [3, 3]}],
-        probe=[{"at": [*at, [0.77, 3.1]]}],
+        probe=[{"at": at}],
     )
     result = signorini.solve(model)["all"]
-    *rotations, held = (probe.rotation for probe in result.probes)
+    rotations = [probe.rotation for probe in result.probes]
     (couples,) = (support.moments for support in result.supports if support.name == "columns")
     # About x the plate turns by θy.
     np.testing.assert_allclose(couples, -np.array(rotations) * [5e6, 2e6], rtol=1e-9)
-    np.testing.assert_allclose(held, 0, atol=1e-12)

@@ -21,7 +21,7 @@ from signorini.contact.factoring import Method, base_of, core_problem, factored,
 from signorini.contact.lcp import Lcp
 from signorini.contact.selection import Answer, chosen
 from signorini.discretise import CaseLoad, Discretisation, discretise
-from signorini.discretise.rows import Bools, Floats, interpolated
+from signorini.discretise.rows import Bools, Floats, Rows
 from signorini.equilibrium.balance import RigidFreedom, rigid_freedom
 from signorini.errors import InputError, SignoriniError
 from signorini.mesh import Mesh
@@ -117,7 +117,7 @@ class Statement:
     def rows_at(self, points: ArrayLike, of: Literal["w", "θx", "θy"] = "w") -> csr_array:
         """Rows (q, 3n) that take the displacements to the deflection, or a slope, at points (q, 2) of the plate.
 
-        Their product with the displacements is what a probe shows there.
+        Of `mitc9` between nodes a slope has a part in its elements' own middle, without their loads.
 
         Raises
         ------
@@ -145,9 +145,9 @@ class Statement:
         if not where.inside.all():
             x, y = positions[np.argmin(where.inside)]
             raise InputError(f"the point [{x:g}, {y:g}] is not on the plate.", place="points")
-        rows = interpolated(result.mesh, result.held.frames, where.elements, where.xi, _PARTS.index(of))
-        rows.coefficients[np.abs(rows.coefficients) < _NO_PART] = 0.0
-        return rows.matrix(result.mesh.elements, result.dof_count)
+        coefficients, _ = result.plate.interpolation_rows(where.elements, where.xi, _PARTS.index(of))
+        coefficients[np.abs(coefficients) < _NO_PART] = 0.0
+        return Rows(where.elements, coefficients).matrix(result.mesh.elements, result.dof_count)
 
     def load(self, combination: str) -> Floats:
         """Nodal load (3n,) of a combination.

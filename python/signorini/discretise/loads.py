@@ -13,7 +13,7 @@ from signorini.discretise.placed import Footprints
 from signorini.discretise.places import along_curve, in_area, located, mesh_edges
 from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, among, crossed, cut_by
-from signorini.discretise.rows import Floats, Ints, interpolated
+from signorini.discretise.rows import Floats, Ints
 from signorini.discretise.sections import Sections
 from signorini.discretise.sections.sections import Spread
 from signorini.discretise.zones import Zones
@@ -188,7 +188,7 @@ def _load(
             for over, shape in zip(spread, where.footprints, strict=True):
                 onto.spread(over, Spread(shape, _GAUSS, (), _turning(over, load.couple)))
             if not spread:
-                onto.twist(located(mesh, where.points, (*place, "at")), load.couple)
+                onto.twist(plate, located(mesh, where.points, (*place, "at")), load.couple)
         case "curvature":
             assert load.curvature is not None
             nodal, couples = plate.curvature_load(load.curvature)
@@ -202,13 +202,13 @@ class Onto:
     def __init__(self, mesh: Mesh, sections: Sections) -> None:
         self.mesh, self._sections = mesh, sections
         self._nodal = np.zeros(3 * mesh.node_count)
+        self._couples = np.zeros(2 * len(mesh.elements))
         self.through = np.zeros(3 * len(sections))
 
     @property
     def load(self) -> CaseLoad:
         """All of it."""
-        none = np.zeros(2 * len(self.mesh.elements))
-        return CaseLoad(self._nodal, np.zeros(3), none, self._nodal, self.through)
+        return CaseLoad(self._nodal, np.zeros(3), self._couples, self._nodal, self.through)
 
     def push(self, forces: Quadrature) -> None:
         """Add forces that points weigh."""
@@ -227,12 +227,14 @@ class Onto:
         self._add(forces)
         self.through += self._sections.of_spread(forces, spread)
 
-    def twist(self, points: LineQuadrature, moment: tuple[float, float]) -> None:
+    def twist(self, plate: _core.Plate, points: LineQuadrature, moment: tuple[float, float]) -> None:
         """Add a couple at each of some points."""
-        for field, couple in enumerate(moment, start=1):
-            rows = interpolated(self.mesh, self._sections.frames, points.elements, points.xi, field)
-            np.add.at(self._nodal, rows.dofs(self.mesh.elements), couple * rows.coefficients)
-            self.through += self._sections.of_rows(points.elements, points.positions, couple * rows.coefficients)
+        dofs = (3 * self.mesh.elements[points.elements][:, :, None] + np.arange(3)).reshape(-1, 24)
+        for field_, couple in enumerate(moment, start=1):
+            rows, centre = plate.interpolation_rows(points.elements, points.xi, field_)
+            np.add.at(self._nodal, dofs, couple * rows)
+            np.add.at(self._couples, 2 * points.elements[:, None] + np.arange(2), couple * centre)
+            self.through += self._sections.of_rows(points.elements, points.positions, couple * rows)
 
     def _add(self, forces: Quadrature) -> None:
         self._nodal[::3] += self.mesh.nodal_forces(forces.elements, forces.xi, forces.weights)

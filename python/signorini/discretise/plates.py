@@ -77,7 +77,7 @@ class _Joint:
 def _between(
     model: Model, parts: Sequence[Part[Model]], each: Sequence[Discretisation], problems: Problems
 ) -> list[_Joint]:
-    grounds = [Ground(one.model.plate, one.mesh, one.held, one.plate_stiffness) for one in each]
+    grounds = [Ground(one.model.plate, one.mesh, one.plate, one.held, one.plate_stiffness) for one in each]
     names = [part.name for part in parts]
     at = []
     for part, one in zip(parts, each, strict=True):

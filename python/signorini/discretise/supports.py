@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from signorini import _core
 from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
 from signorini.discretise.laws import LAWS, Law, laws_of
 from signorini.discretise.placed import Placed, means_over
@@ -86,18 +87,20 @@ class Ground:
 
     shape: Plate
     mesh: Mesh
+    plate: _core.Plate
     held: Held
     stiffness: PlateStiffness
     beneath: Ground | None = None
 
     def rows(self, points: Quadrature, field: int) -> Rows:
         """Rows of the deflection, or of a slope, at points."""
-        rows = interpolated(self.mesh, self.held.frames, points.elements, points.xi, field)
+        coefficients, _ = self.plate.interpolation_rows(points.elements, points.xi, field)
+        rows = Rows(points.elements, coefficients)
         if self.beneath is None:
             return rows
         where = self.beneath.mesh.nearest(points.positions)
-        beneath = interpolated(self.beneath.mesh, self.beneath.held.frames, where.elements, where.xi, field)
-        return rows.beside(-beneath, len(self.mesh.elements))
+        coefficients, _ = self.beneath.plate.interpolation_rows(where.elements, where.xi, field)
+        return rows.beside(Rows(where.elements, -coefficients), len(self.mesh.elements))
 
     def means(self, placed: Placed, field: int = 0) -> Rows:
         """Rows of the mean deflection, or of a mean slope, over each footprint of a support."""
@@ -112,6 +115,7 @@ class Ground:
 def springs_and_contacts(
     shape: Plate,
     mesh: Mesh,
+    plate: _core.Plate,
     held: Held,
     stiffness: PlateStiffness,
     supports: Sequence[Placed],
@@ -124,7 +128,7 @@ def springs_and_contacts(
         Springs(Rows.join([]), none, none, place, none, who, who, flags),
         ContactPoints.none(),
     ]
-    ground = Ground(shape, mesh, held, stiffness)
+    ground = Ground(shape, mesh, plate, held, stiffness)
     for placed in supports:
         with problems.collected():
             for acting in _acting(ground, placed):
@@ -338,7 +342,7 @@ def _springs_or_contacts(on: Ground, placed: Placed, acting: _Acting) -> list[Sp
 
 
 def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> list[Springs | ContactPoints]:
-    """Springs on the slope across a line, or on both at points."""
+    """Springs on the slope across a line, or on both at points: on the nodal slopes' interpolation, as results show it."""
     mesh, support, place = on.mesh, placed.support, (*placed.place, "rotational_stiffness")
     if placed.points is None:
         line = (mesh, on.shape, support.where, placed.place, placed.sides)
@@ -350,7 +354,12 @@ def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> lis
         # What turns about x is the slope along y.
         axes = [np.broadcast_to(axis, (len(numbers), 2)) for axis in ((0.0, 1.0), (1.0, 0.0))]
         each = list(zip((stiffness[0], stiffness[-1]), axes, strict=True))
-    x, y = (on.means(placed, field) if placed.footprints else on.rows(points, field) for field in (1, 2))
+    x, y = (
+        on.means(placed, field)
+        if placed.footprints
+        else interpolated(mesh, on.held.frames, points.elements, points.xi, field)
+        for field in (1, 2)
+    )
     rotation = prescribed_rotations(placed, points.positions)
     most = STIFFEST_SPRING * on.stiffness.in_shear[points.elements] * mesh.element_area[points.elements]
     result: list[Springs | ContactPoints] = []
