@@ -319,3 +319,149 @@ def test_a_patch_turned_with_the_plate_is_the_patch():
     assert askew.reactions["support 3"] == pytest.approx(straight.reactions["support 3"], rel=1e-7)
     with pytest.raises(InputError, match="off the plate"):
         found(turned, angle=20)
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 4e6, 1e8])
+def test_a_footprint_that_turns_takes_the_couple_of_beam_theory(stiffness):
+    """A beam under an end couple M₀ on a footprint of length a at its middle, which turns by the mean of θ over it.
+
+    By the principle of virtual work, with m̄ = 1/a over the footprint and M̄, V̄ of it: φ = ∫ M̄ M/EI + V̄ V/κGA dx.
+    """
+    young, h, span, a, width, end = 30e9, 0.4, 4.0, 0.5, 0.5, 1e4
+    bending, shear = young * h**3 / 12 * width, 5 / 6 * young / 2 * h * width
+    model = Model(
+        material={"E": young, "nu": 0.0},
+        plate={"shape": "rectangle", "size": [span, width], "thickness": h},
+        mesh={"divisions": [128, 1], "error": False},
+        support=[
+            {"edge": ["left", "right"], "fix": "simple"},
+            {
+                "name": "column",
+                "at": [2, 0.25],
+                "patch": [a, width],
+                "stiffness": 1.0,
+                "rotational_stiffness": [1.0, stiffness],
+            },
+        ],
+        load=[{"moment": [end, 0], "at": [a / 2, width / 2], "patch": [a, width]}],
+    )
+    x = np.linspace(0, span, 80001)
+    mean = np.clip((x - (span - a) / 2) / a, 0, 1)
+    unit = mean - x / span
+    # The load's pressure c x on its footprint has the couple end.
+    s = np.clip(x / a, 0, 1)
+    force = 6 * end / a * (s**2 - s)
+    given = end * (3 * s**2 - 2 * s**3) - end * x / span
+    bend = np.trapezoid(unit * given, x) / bending
+    slide = np.trapezoid((force + end / span) * -1 / span, x) * -1 / shear
+    flexibility = np.trapezoid(unit**2, x) / bending + 1 / span / shear
+    turned = (bend + slide) / (1 + stiffness * flexibility)
+    result = solve(model)["all"]
+    assert result.supports[1].moments[0, 0] == pytest.approx(-stiffness * turned, rel=2e-3)
+
+
+@pytest.mark.parametrize("mesh", [{"size": 0.5}, {"divisions": [11, 7]}])
+def test_footprints_that_turn_balance_the_load_and_sections_that_cross_them(mesh):
+    columns = {"at": [[0.5, 0.5], [5.5, 0.5], [5.5, 3.5], [0.5, 3.5], [2.3, 2]], "resists": "down", "stiffness": 1e8}
+    model = rectangular(
+        size=(6, 4),
+        mesh={**mesh, "error": False},
+        support=[{**columns, "patch": [0.6, 0.4], "rotational_stiffness": [2e7, "3e7 + 1e6*x"]}],
+        load=[{"pressure": 1e4}, {"force": 5e4, "at": [4.2, 1.3]}],
+        section=[{"name": "cut", "line": [[2.2, 0], [2.2, 4]]}],
+    )
+    result = solve(model)["all"]
+    of = result.supports[0]
+    assert (np.abs(of.moments) > 10).all()
+    assert of.reaction == pytest.approx(1e4 * 24 + 5e4, rel=1e-12)
+    for axis, moment in enumerate((1e4 * 24 * 3 + 5e4 * 4.2, 1e4 * 24 * 2 + 5e4 * 1.3)):
+        assert of.reactions @ of.positions[:, axis] - of.moments[:, axis].sum() == pytest.approx(moment, rel=1e-10)
+    # Of the last column a third, about x = 2.1, is on the left.
+    forces, couples = of.reactions[[0, 3, 4]] * [1, 1, 1 / 3], of.moments[[0, 3, 4], 0] * [1, 1, 1 / 3]
+    levers = 2.2 - np.array([0.5, 0.5, 2.1])
+    (cut,) = result.sections
+    assert abs(cut.shear) == pytest.approx(abs(1e4 * 2.2 * 4 - forces.sum()), rel=1e-9)
+    assert cut.moment == pytest.approx(forces @ levers + couples.sum() - 1e4 * 4 * 2.2**2 / 2, rel=1e-9)
+
+
+def test_the_couple_of_a_footprint_is_its_stiffness_times_its_mean_rotation():
+    at, radius = [[1.37, 2.2], [2.5, 1.3]], 0.3
+    model = rectangular(
+        mesh={"size": 0.4, "error": False},
+        support=[
+            {"edge": "left", "fix": "simple"},
+            {"edge": "right", "resists": "down"},
+            {"at": at, "radius": radius, "rotational_stiffness": [2e6, 5e6]},
+        ],
+        load=[{"pressure": 1e4}, {"force": 1e4, "at": [3, 3]}],
+    )
+    result = solve(model)["all"]
+    r, turn = np.meshgrid(radius * np.sqrt((np.arange(40) + 0.5) / 40), 2 * np.pi * (np.arange(40) + 0.5) / 40)
+    around = np.column_stack([(r * np.cos(turn)).ravel(), (r * np.sin(turn)).ravel()])
+    for middle, couples in zip(at, result.supports[2].moments, strict=True):
+        rotation = np.mean([probe.rotation for probe in result.probe(middle + around)], axis=0)
+        assert couples == pytest.approx(-rotation * [5e6, 2e6], rel=2e-3, abs=1)
+
+
+HOLE = {"circle": {"center": [1, 1], "radius": 0.1}}
+PLATE = {"shape": "rectangle", "size": [2, 2], "thickness": 0.04, "holes": [HOLE]}
+STEEL = {"E": 210e9, "nu": 0.3}
+SIDES = {"edge": ["left", "right"], "fix": "simple"}
+
+
+def test_a_washer_over_a_hole_spreads_its_force_over_the_annulus_on_the_plate():
+    at, rim = {"at": [1, 1], "radius": 0.2}, {"annulus": {"center": [1, 1], "inner": 0.1, "outer": 0.2}}
+    results = [
+        solve(
+            Model(
+                material=STEEL,
+                plate=PLATE,
+                mesh={"size": 0.2, "error": False},
+                support=[SIDES],
+                load=[load],
+                section=[{"line": [[0.95, 0], [0.95, 2]]}],
+            )
+        )["all"]
+        for load in ({"force": 1e4, **at}, {"pressure": 1e4 / (np.pi * (0.2**2 - 0.1**2)), "area": rim})
+    ]
+    deflections = [result.deflection for result in results]
+    np.testing.assert_allclose(*deflections, rtol=0, atol=2e-3 * deflections[1].max())
+    assert results[0].sections[0].moment == pytest.approx(results[1].sections[0].moment, rel=1e-2)
+    for result in results:
+        assert result.supports[0].reaction == pytest.approx(1e4, rel=2e-3)
+
+
+@pytest.mark.parametrize("footprint", [{"radius": 0.2}, {"patch": [0.4, 0.3]}])
+def test_a_bolt_in_a_hole_holds_the_mean_deflection_under_its_washer(footprint):
+    bolt = {"name": "bolt", "at": [[1, 1], [0.5, 1.6]], **footprint, "stiffness": 1e7}
+    upper = Model(
+        material=STEEL,
+        plate=PLATE,
+        mesh={"size": 0.2, "error": False},
+        support=[SIDES, {**bolt, "resists": "down"}],
+        load=[{"pressure": 1e4}],
+    )
+    plates = {name: {**PLATE, "mesh": {"size": 0.2}} for name in ("upper", "lower")}
+    between = Model(
+        material=STEEL,
+        plates=plates,
+        mesh={"error": False},
+        zone=[{"plate": "lower", "area": {"rectangle": [0, 0, 2, 2]}, "rigid": True}],
+        contact=[{**bolt, "between": ["upper", "lower"]}],
+        support=[{"plate": "upper", **SIDES}, {"plate": "lower", "edge": ["left", "right"], "fix": "clamped"}],
+        load=[{"plate": "upper", "pressure": 1e4}],
+    )
+    alone = solve(upper)["all"]
+    assert alone.certificate.passed
+    assert alone.reactions["support 1"] + alone.reactions["bolt"] == pytest.approx(1e4 * (4 - np.pi * 0.01), rel=1e-3)
+    both = solve(between)["all"]
+    assert both.certificate.passed
+    np.testing.assert_allclose(both.supports[-1].reactions, alone.supports[-1].reactions, rtol=1e-9)
+
+
+@pytest.mark.parametrize("footprint", [{}, {"radius": 0.08}])
+def test_a_bolt_in_a_hole_without_a_washer_is_refused(footprint):
+    bolt = {"at": [1, 1], "resists": "up", **footprint}
+    model = Model(material=STEEL, plate=PLATE, mesh={"size": 0.2}, support=[SIDES, bolt], load=[{"pressure": 1e4}])
+    with pytest.raises(InputError, match=r"support\[2\]\.at: .*arger than the hole"):
+        solve(model)

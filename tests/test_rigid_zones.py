@@ -195,3 +195,28 @@ def test_a_rigid_plate_on_soil_sinks_as_by_hand():
     sunk, turned = 2e5 / (2e7 * 12), -0.5 * 2e5 / (2e7 * 3 * 4**3 / 12)
     x = result.mesh.points[:, 0]
     np.testing.assert_allclose(result.deflection, sunk + turned * (x - 2), rtol=1e-9)
+
+
+def test_strips_and_sections_may_end_at_the_outline_of_a_rigid_zone():
+    """Their numbers go on smoothly from those of lines that end beside it."""
+    model = Model(
+        material={"E": 33e6, "nu": 0.2, "unit_weight": 25},
+        plate={"shape": "rectangle", "size": [14, 10], "thickness": 0.6},
+        mesh={"size": 0.5, "error": False},
+        zone=[{"area": {"rectangle": [5.5, 4.85, 8.5, 5.15]}, "rigid": True}],
+        support=[{"area": "all", "resists": "down", "stiffness": 30e3}],
+        load=[{"force": 900, "at": [7, 5], "patch": [3, 0.3]}, {"self_weight": True}],
+        strip=[
+            {"line": [[9.5, 0], [9.5, 10]], "width": 2},
+            {"line": [[9.5, 0], [9.5, 10]], "width": 1.98},
+            {"line": [[4.5, 10], [4.5, 0]], "width": 2},
+        ],
+        section=[{"line": [[x, y], [14, y]]} for y in (4.85, 5, 5.15) for x in (8.5, 8.51)],
+    )
+    result = solve(model)["all"]
+    at_zone, beside, mirrored = (strip.sagging.moment for strip in result.strips)
+    assert at_zone == pytest.approx(beside, rel=0.01)
+    assert mirrored == pytest.approx(at_zone, rel=1e-6)
+    for at_zone, beside in zip(result.sections[::2], result.sections[1::2], strict=True):
+        assert at_zone.moment == pytest.approx(beside.moment, rel=0.02)
+        assert at_zone.shear == pytest.approx(beside.shear, rel=0.05, abs=1)

@@ -425,3 +425,36 @@ def test_a_plate_that_lies_beside_places_without_a_limit_is_warned_of():
     (result,) = solve(model).values()
     said = "All of the plate lies within its thickness of places where moments have no limit"
     assert any(warning.startswith(said) for warning in result.warnings)
+
+
+WITHIN = [
+    {"load": [{"force": 1e3, "at": [2, 2]}]},
+    {"load": [{"couple_about": {"x": 1e3}, "at": [[2, 2], [1.5, 2], [2.3, 1.8]]}]},
+    {"load": [{"force": 1e3, "at": [2.2, 2], "radius": 0.01}]},
+    {"load": [{"line_load": 1e3, "line": [[1.8, 2], [2.2, 2]]}]},
+    {"support": [{"at": [[2, 2], [2.5, 1.5]], "stiffness": 1e7, "rotational_stiffness": 1e6}]},
+    {"support": [{"at": [[2, 2]], "fix": "simple"}]},
+    {"support": [{"at": [[2, 2]], "radius": 0.01, "resists": "down"}]},
+    {"support": [{"line": [[1.8, 2], [2.2, 2]], "resists": "down"}]},
+    {"support": [{"area": {"rectangle": [1.8, 1.8, 2.2, 2.2]}, "resists": "down"}]},
+    {"moving": [{"case": "lorry", "line": [[1.75, 2], [2.25, 2]], "step": 0.5, "axles": [[0, 1e3]]}]},
+    {"zone": [{"area": {"rectangle": [1.75, 1.75, 2.25, 2.25]}, "thickness": 0.4}]},
+]
+
+
+@pytest.mark.parametrize("given", WITHIN)
+def test_what_acts_on_a_rigid_zone_is_no_singularity(given):
+    zone = {"area": {"rectangle": [1.5, 1.5, 2.5, 2.5]}, "rigid": True}
+    edges = {"edge": ["left", "right", "top", "bottom"], "fix": "hard"}
+    parts = {
+        "support": [edges, *given.get("support", [])],
+        "load": given.get("load", [{"pressure": 1e3}]),
+        "zone": [zone, *given.get("zone", [])],
+    }
+    named = [
+        singularities(discretise(rectangular(divisions=[8, 8], **{**given, **parts, "zone": zones})))
+        for zones in (parts["zone"], given.get("zone", []))
+    ]
+    assert {one.what.split(" at ")[0] for one in named[0]} == {"Corner of a rigid zone"}
+    # Without the rigid zone there is some.
+    assert named[1]

@@ -448,3 +448,77 @@ def test_plates_that_float_are_pressed_as_on_three_points_that_carry_nothing(see
     # They rest where the deflection is least: near the soil, within what bends them.
     most = [np.abs(one.plates["slab"].deflection).max() for one in (floats, stands)]
     assert most[0] < 2 * most[1]
+
+
+ON_A_PLATE: list[list[dict[str, Any]]] = [
+    [{"line": [[1, 0], [1, 1]]}, {"line": [[3, 0], [3, 1]]}],
+    [{"line": [[1, 0], [1, 1]], "stiffness": 1e9}, {"line": [[3, 0], [3, 1]], "gap": 1e-5}],
+    [{"circle": {"center": [2, 0.5], "radius": 0.4}}, {"at": [[0.5, 0.5], [3.5, 0.5]]}],
+    [{"area": {"rectangle": [0, 0, 1, 1]}}, {"area": {"rectangle": [3, 0, 4, 1]}}],
+]
+
+
+@pytest.mark.parametrize("supports", ON_A_PLATE)
+def test_supports_and_the_same_against_a_rigid_plate_give_the_same_moments_and_shears(supports):
+    shape = {"shape": "rectangle", "size": [4, 1], "thickness": 0.2}
+    concrete, mesh = {"E": 30e9, "nu": 0.0}, {"size": 0.25, "error": False}
+    read = {"profile": [{"name": "along", "line": [[0, 0.5], [4, 0.5]], "stations": 41}]}
+    alone = Model(
+        material=concrete,
+        plate=shape,
+        mesh=mesh,
+        support=[{"resists": "down", **one} for one in supports],
+        load=[{"pressure": 1e4}],
+        **read,
+    )
+    read["profile"][0]["plate"] = "p"
+    between = Model(
+        material=concrete,
+        plates={"p": shape, "z": shape},
+        mesh=mesh,
+        zone=[rigid("z", [0, 0, 4, 1])],
+        contact=[{"between": ["p", "z"], **one} for one in supports],
+        support=[{"plate": "z", "edge": "left", "fix": "clamped"}],
+        load=[{"plate": "p", "pressure": 1e4}],
+        **read,
+    )
+    one, other = (solve(model)["all"].profiles["along"].values for model in (alone, between))
+    for field, scale in {"mx": 1e4, "my": 1e4, "mxy": 1e4, "qx": 2e4, "qy": 2e4}.items():
+        np.testing.assert_allclose(other[field], one[field], rtol=0, atol=1e-7 * scale, err_msg=field)
+
+
+def test_shears_jump_at_a_line_between_two_plates():
+    """A plate of 4 m overhangs lines at x = 1 and 3 by 1 m; each takes half of 40 kN, 10 kN/m of it from either side."""
+    shape, wider = (strip(0.2, (divisions, 1)) for divisions in (16, 24))
+    model = Model(
+        material={"E": 30e9, "nu": 0.0},
+        plates={"p": shape, "z": {**wider, "size": [6, 0.5], "origin": [-1, 0]}},
+        mesh={"error": False},
+        contact=[{"between": ["p", "z"], "line": [[x, 0], [x, 0.5]]} for x in (1, 3)],
+        support=[{"plate": "z", "edge": ["left", "right"], "fix": "clamped"}],
+        load=[{"plate": "p", "pressure": 1e4}],
+        probe=[{"plate": name, "at": [[1, 0.25], [0.98, 0.25], [1.02, 0.25]]} for name in ("p", "z")],
+    )
+    shears = np.array([probe.shear[0] for probe in solve(model)["all"].probes])
+    np.testing.assert_allclose(np.abs(shears[0]), 10e3, rtol=1e-3)
+    np.testing.assert_allclose(shears[1:3], [-9.8e3, 9.8e3], rtol=1e-3)
+    np.testing.assert_allclose(shears[3:], [20e3, 20e3, 0], rtol=0, atol=20)
+
+
+def test_shears_jump_at_the_outline_of_a_rigid_area():
+    """Beside the outline at x = 2 a clamped plate that lifts off between has −15 kN/m, its end 10 kN/m."""
+    model = Model(
+        material={"E": 30e9, "nu": 0.0},
+        plate={"shape": "rectangle", "size": [4, 0.5], "thickness": 0.2},
+        mesh={"divisions": [16, 1], "error": False},
+        support=[
+            {"area": {"rectangle": [0, 0, 2, 0.5]}, "resists": "down"},
+            {"edge": "left", "fix": "clamped"},
+        ],
+        load=[{"line_load": 1e4, "edge": "right"}],
+        probe=[{"at": [[1.95, 0.25], [2.05, 0.25]]}],
+    )
+    left, right = (probe.shear[0] for probe in solve(model)["all"].probes)
+    # A propped cantilever: half of the moment 20 kNm/m goes over its length of 2 m.
+    assert left == pytest.approx(-15e3, rel=0.01)
+    assert right == pytest.approx(10e3, rel=0.02)

@@ -5,6 +5,8 @@ import json
 import numpy as np
 import pytest
 
+from models import rectangular
+
 import signorini
 from signorini import Model
 from signorini.errors import InputError
@@ -175,3 +177,24 @@ def test_moments_of_columns_have_one_half_width_and_stand_in_the_files(tmp_path)
         found.at(1.0).supports[2].moments[4].tolist(), rel=1e-8
     )
     assert "moment_x_at:columns[5]" in (tmp_path / "path" / "path.csv").read_text().splitlines()[0]
+
+
+@pytest.mark.parametrize("mesh", [{"divisions": [7, 9]}, {"size": 0.6}, {"divisions": [8, 8]}])
+@pytest.mark.parametrize("thickness", [0.05, 0.3])
+def test_the_couple_at_a_point_is_its_stiffness_times_the_rotation_there(mesh, thickness):
+    at = [[1.37, 2.2], [2.5, 1.3], [2, 2]]
+    model = rectangular(
+        thickness=thickness,
+        mesh={**mesh, "error": False},
+        support=[
+            {"edge": ["left", "right"], "fix": "simple"},
+            {"name": "columns", "at": at, "stiffness": 1e8, "rotational_stiffness": [2e6, 5e6]},
+        ],
+        load=[{"pressure": 1e4}, {"force": 1e4, "at": [3, 3]}],
+        probe=[{"at": at}],
+    )
+    result = signorini.solve(model)["all"]
+    rotations = [probe.rotation for probe in result.probes]
+    (couples,) = (support.moments for support in result.supports if support.name == "columns")
+    # About x the plate turns by θy.
+    np.testing.assert_allclose(couples, -np.array(rotations) * [5e6, 2e6], rtol=1e-9)

@@ -335,7 +335,8 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     mesh, model, moved = mesh_of(model, mesh)
     meshed = time.perf_counter()
     problems = Problems()
-    supports = placed(model, mesh, problems)
+    acting = placed(model, mesh, problems)
+    supports = [one for one in acting if one.support.between is None]
     loaded = loaded_sides(model, mesh, problems)
     # A thickness that is wrong keeps no other problem from being found.
     thickness, zones = Thickness(*np.full((2, 1, 1), mesh.size)), Zones.of(model, mesh, problems)
@@ -343,9 +344,11 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     held = hold(mesh, supports, bodies, problems)
     stress_nodes = StressNodes.of_mesh(mesh)
     with problems.collected():
-        along = [sides_beside(mesh, one.support.where, one.sides) for one in supports]
+        along = [sides_beside(mesh, one.support.where, one.sides) for one in acting]
         along += [sides_beside(mesh, model.load[index].where, sides) for index, sides in loaded.items()]
-        thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along, bodies.rigid)
+        stiff = [one.support for one in acting if one.support.is_rigid and not one.support.can_yield]
+        areas = [one.where.region for one in stiff if one.where.region is not None]
+        thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along, areas, bodies.rigid)
     plate = plate_of(mesh, zones, thickness, stress_nodes, held)
     stiffness = PlateStiffness.of(mesh, zones, thickness.at_points)
     springs, contacts = springs_and_contacts(model.plate, mesh, plate, held, stiffness, supports, problems)

@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 from signorini.base.components import components
 from signorini.base.remade import Brief
 from signorini.discretise.laws import can_let_go
-from signorini.discretise.meshing import to_follow
+from signorini.discretise.meshing import room_beside, to_follow
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -85,7 +85,7 @@ def _require_followed(mesh: Mesh, zones: Zones, number: int) -> None:
     at = f" at {point(mesh.points[mesh.elements[cut[0], :4]].mean(axis=0), mesh.size)}" if len(cut) else ""
     raise InputError(
         f"The outline of this rigid zone cuts the element{at}, and elements are rigid as a whole. "
-        f"{to_follow(zones.model, 'around it')}",
+        f"{to_follow(zones.model, 'around it', room_beside(zones.model, zones.model.zone[number].region))}",
         place=("zone", number, "area"),
     )
 

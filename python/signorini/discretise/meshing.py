@@ -107,10 +107,24 @@ def to_follow(model: Model, where: str = "there", size: float | None = None) -> 
         return "Make the mesh with sides along it."
     if model.plate.element == "q8r" and model.divisions is not None:
         return "Leave element out: q8r has rows alone."
-    if model.mesh.divisions is not None:
+    if model.mesh.divisions is not None and not model.follows_in_rows:
         return "Give mesh.size, not divisions."
     of = "smaller elements" if size is None else f"elements of {size:.2g} or less"
     return f"Take {of} {where}{'' if size is None else ' (mesh.refine)'}."
+
+
+def room_beside(model: Model, region: Region) -> float | None:
+    """Least distance of a region's sides from other lines along the axes that a rectangle's rows follow, if any."""
+    if not isinstance(model.plate, RectanglePlate) or model.divisions is None:
+        return None
+    (x, y), (a, b) = model.plate.origin, model.plate.size
+    shapes = [*(zone.region for zone in model.zone), *_acted_on(model)]
+    gaps = [np.inf]
+    for low, high, key in ((x, x + a, "x_lines"), (y, y + b, "y_lines")):
+        lines = np.unique([low, high, *(line for shape in shapes for line in getattr(shape, key))])
+        apart = np.abs(lines - np.array(getattr(region, key))[:, None])
+        gaps += apart[apart > _FINEST * (high - low)].tolist()
+    return min(gaps)
 
 
 def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Model]:

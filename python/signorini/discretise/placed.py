@@ -9,19 +9,26 @@ from functools import cached_property
 
 import numpy as np
 
-from signorini.discretise.places import edge_sides, located, mesh_edges
+from signorini.discretise.places import edge_sides, located, mesh_edges, points_in_holes
 from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature, off_plate
-from signorini.discretise.rows import Floats, Ints, Rows
+from signorini.discretise.rows import Floats, Ints, Rows, interpolated
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Model, Support
 from signorini.model.where import Acting
 from signorini.shapes import Circle, Whole
+from signorini.shapes.outlines import closed
+from signorini.shapes.regions import inside as within
+from signorini.shapes.regions import overlap
 
 _GAUSS = 3
 _LEAST = 1e-9
 """Size of a footprint, over the plate's, below which its coordinates have not the digits to tell it from a point."""
+_HOLE_SLACK = 1e-3
+"""Part of a hole's area by which the mesh may miss it."""
+_OFF_MIDDLE = 0.01
+"""Distance of a footprint's middle from its point, relative to its width, up to which its force acts at the point."""
 _PARALLEL = 1e-9
 """Sine of the angle up to which directions are one."""
 
@@ -30,7 +37,7 @@ class Footprints:
     """Footprints on a mesh; of all supports those on edges say where edges of symmetry are.
 
     A footprint that an edge of symmetry cuts through its middle counts as far as it is on the plate: there the plate
-    stands for two or four of them.
+    stands for two or four of them. Holes in it are no part of it: a washer is an annulus.
     """
 
     def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:
@@ -52,21 +59,46 @@ class Footprints:
             )
         result, problems = [], Problems()
         with problems.collected():
-            located(mesh, points, (*place, "at"))
-        inside = mesh.locate(np.array(points)).inside
-        for index in np.flatnonzero(inside).tolist():
+            located(mesh, points, (*place, "at"), in_holes=True)
+        for index in np.flatnonzero(mesh.locate(np.array(points)).inside | points_in_holes(mesh, np.array(points))).tolist():
             at, shape = points[index], shapes[index]
             result.append(area_quadrature(mesh, shape, _GAUSS))
-            missing = off_plate(mesh, shape, result[-1], self._on_plate(at, shape))
-            if missing > 0:
-                with problems.collected():
-                    raise InputError(
-                        f"The footprint of the point {point(at, mesh.size)} has {100 * missing / shape.area:.3g} % of "
-                        "its area off the plate. Move the point or make the footprint smaller; only an edge of "
-                        "symmetry may cut it, through its middle.",
-                        place=(*place, "at", index) if len(points) > 1 else (*place, "at"),
-                    )
+            with problems.collected():
+                self._require_on_plate(at, shape, result[-1], (*place, "at", *([index] if len(points) > 1 else [])))
         problems.tell()
+        return result
+
+    def _require_on_plate(self, at: tuple[float, float], shape: Whole, over: Quadrature, place: Place) -> None:
+        """Refuse a footprint that leaves the plate, but for a hole that its point is in, and holes within it."""
+        mesh, said = self._mesh, f"The footprint of the point {point(at, self._mesh.size)}"
+        if over.total == 0.0:
+            raise InputError(f"{said} lies in a hole. Make it larger than the hole, or move the point.", place=place)
+        hollow, part = self._hollow(at, shape), self._on_plate(at, shape)
+        missing = off_plate(mesh, shape, over, part)
+        if missing > (1.0 + _HOLE_SLACK) * part * hollow:
+            raise InputError(
+                f"{said} has {100 * (missing - part * hollow) / shape.area:.3g} % of its area off the plate. Move the "
+                "point or make the footprint smaller. A hole may be within it, and an edge of symmetry may cut it "
+                "through its middle.",
+                place=place,
+            )
+        middle = over.weights @ over.positions / over.total
+        if hollow and part == 1.0 and math.dist(middle, at) > _OFF_MIDDLE * math.sqrt(shape.area):
+            raise InputError(
+                f"{said} has its middle at {point(middle, mesh.size)}, without the holes in it. Put the point into the "
+                "middle of the hole, or move the footprint off the hole.",
+                place=place,
+            )
+
+    def _hollow(self, at: tuple[float, float], shape: Whole) -> float:
+        """Area of a footprint over holes of the plate that are within it, and over the one that its point is in."""
+        (around,), result = shape.loops, 0.0
+        for hole in self._mesh.holes:
+            if (hole.min(axis=0) > around.max(axis=0)).any() or (hole.max(axis=0) < around.min(axis=0)).any():
+                continue
+            common, size = overlap(around, hole), overlap(hole, hole)
+            if common >= (1.0 - _HOLE_SLACK) * size or within(np.array([at]), closed(hole.tolist()))[0]:
+                result += common
         return result
 
     def _on_plate(self, at: tuple[float, float], shape: Whole) -> float:
@@ -96,13 +128,12 @@ class Footprints:
         return np.asarray(self._mesh.points[np.concatenate(triples)[:, [0, 2]]])
 
 
-def mean_deflections(mesh: Mesh, footprints: Sequence[Quadrature]) -> Rows:
-    """Rows of the mean deflection over each footprint, which spread a force evenly over it."""
+def means_over(mesh: Mesh, frames: Floats | None, footprints: Sequence[Quadrature], field: int = 0) -> Rows:
+    """Rows of the mean of w, θx or θy (field 0, 1, 2) over each footprint, which spread a force or couple evenly."""
     over, owners = Quadrature.join(footprints), np.repeat(np.arange(len(footprints)), [len(one) for one in footprints])
     parts = over.weights / np.repeat([one.total for one in footprints], [len(one) for one in footprints])
-    return Rows.over(
-        owners, over.elements, parts[:, None] * mesh.shape_functions(over.elements, over.xi), mesh.elements
-    )
+    rows = interpolated(mesh, frames, over.elements, over.xi, field)
+    return Rows.over(owners, over.elements, parts[:, None] * rows.coefficients, mesh.elements)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,21 +158,20 @@ class Placed:
         return int(self.place[1])
 
 
-def placed(model: Model, mesh: Mesh, problems: Problems, between: bool = False) -> list[Placed]:
-    """Place every support of the plate alone, or those between it and others; those that cannot be are problems."""
+def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
+    """Place every support on the plate, those between it and other plates too; collect what cannot be placed."""
     result = []
     on_mesh = Footprints(mesh, model.support)
     taken, both = np.zeros((0, 2)), np.zeros(0, np.bool_)
     for index, support in enumerate(model.support):
         place = ("support", index)
-        if (support.between is not None) != between:
-            continue
         with problems.collected():
             points, nodes = None, np.zeros(0, np.int64)
             footprints = on_mesh.of(support, place)
             if support.at is not None:
-                points, nodes = located(mesh, support.at, (*place, "at")), np.full(len(support.at), -1)
-            if points is not None and not footprints and not between:
+                points = located(mesh, support.at, (*place, "at"), in_holes=support.has_footprint)
+                nodes = np.full(len(support.at), -1)
+            if points is not None and not footprints and support.between is None:
                 holds = support.fix is not None or support.resists in (None, "both")
                 points, nodes = _at_one_place(mesh, points, taken if holds else taken[both])
                 taken = np.concatenate([taken, points.positions])

@@ -26,15 +26,15 @@ from signorini.discretise.quadrature.rules import gauss
 from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, Problems, length, point, unknown
-from signorini.mesh import Mesh
+from signorini.mesh import Location, Mesh
 from signorini.mesh.isoparametric import BoxTree
 from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Plate
 from signorini.model.where import Where
 from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring, Rounded
 from signorini.shapes.distances import Targets, distances
 from signorini.shapes.extent import hull
-from signorini.shapes.outlines import Point, along_arc
-from signorini.shapes.regions import overlap
+from signorini.shapes.outlines import Point, along_arc, closed
+from signorini.shapes.regions import inside, overlap
 
 _SECTOR_SLACK = 1e-3
 """Part of a circle that a sector's outline, made of parabolas, may leave out; and of a hole that its own may."""
@@ -52,30 +52,46 @@ _FOUR = 4
 """Points on the hull, whether of a circle or a rectangle, that hold both slopes and prefer no direction."""
 _NUDGE = 1e-4
 """Distance, over an element's size, at which to look for the elements around a point."""
+_WITH_FOOTPRINTS = ("support", "load", "contact")
+"""Tables whose points may have footprints."""
 _ROUND = np.radians(22.5 + 45.0 * np.arange(8))
 
 
-def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place) -> LineQuadrature:
-    """Points given by their coordinates; those that are not on the plate are refused."""
+def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place, in_holes: bool = False) -> LineQuadrature:
+    """Points given by their coordinates; those that are not on the plate, or in a hole of it, are refused.
+
+    A footprint's point may be ``in_holes``; it is then in the element nearest to it.
+    """
     positions = np.array(at, dtype=np.float64)
     where = mesh.locate(positions)
     if not where.inside.all():
         low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
         (left, bottom), (right, top) = ([length(part, mesh.size) for part in corner] for corner in (low, high))
-        beyond = f"which lies within x = {left} to {right}, y = {bottom} to {top}"
-        among = ((positions >= low) & (positions <= high)).all(axis=1)
-        problems = Problems()
-        for i in np.flatnonzero(~where.inside).tolist():
-            which = "but in a hole or beyond an edge of it" if among[i] else beyond
+        beyond = f"but beyond its edges; it lies within x = {left} to {right}, y = {bottom} to {top}"
+        holes, problems = points_in_holes(mesh, positions), Problems()
+        washer = " For a washer over the hole give a radius larger than the hole." * (place[0] in _WITH_FOOTPRINTS)
+        for i in np.flatnonzero(~where.inside & ~(holes & in_holes)).tolist():
+            said = f"{'but in a hole' if holes[i] else beyond}. Move the point onto the plate.{washer * bool(holes[i])}"
             with problems.collected():
                 raise InputError(
-                    f"The point {point(at[i])} is not on the plate, {which}. Move the point onto the plate.",
+                    f"The point {point(at[i])} is not on the plate, {said}",
                     place=(*place, i) if len(at) > 1 else place,
                 )
         problems.tell()
+        elements = np.where(where.inside, where.elements, mesh.beside(positions))
+        middles = mesh.inward(elements, np.zeros_like(positions), 0.0)
+        where = Location(elements, np.where(where.inside[:, None], where.xi, middles))
     # A point of a circle is all but on the curved side that stands for it.
     xi = mesh.onto_curved_sides(where, mesh.near.written)
     return LineQuadrature(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
+
+
+def points_in_holes(mesh: Mesh, points: Floats) -> Bools:
+    """Which points (q, 2) are in a hole of the plate."""
+    result = np.zeros(len(points), np.bool_)
+    for hole in mesh.holes:
+        result |= inside(points, closed(hole.tolist()))
+    return result
 
 
 def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:

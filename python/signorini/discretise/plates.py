@@ -82,7 +82,7 @@ def _between(
     at = []
     for part, one in zip(parts, each, strict=True):
         with placing(part.place):
-            at.append(placed(one.model, one.mesh, problems, between=True))
+            at.append(placed(one.model, one.mesh, problems))
     problems.tell()
     result = []
     for index, support in enumerate(model.support):

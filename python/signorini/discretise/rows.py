@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
+from signorini.mesh import Mesh
+
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
@@ -58,23 +60,34 @@ class Rows:
         further = self.further
         return Rows(self.elements, -self.coefficients, Further(further.owners, further.elements, -further.coefficients))
 
+    def turned(self, along: Floats, other: Rows) -> Rows:
+        """Rows of the slope along directions (m, 2), of these of θx and others of θy in the same elements."""
+        further, beyond = self.further, along[self.further.owners]
+        own, behind = (
+            axes[:, :1] * x + axes[:, 1:] * y
+            for axes, x, y in (
+                (along, self.coefficients, other.coefficients),
+                (beyond, further.coefficients, other.further.coefficients),
+            )
+        )
+        return Rows(self.elements, own, Further(further.owners, further.elements, behind))
+
     @classmethod
     def over(cls, owners: Ints, elements: Ints, values: Floats, nodes: Ints) -> Rows:
-        """Rows of which each has values (k, 8) for the deflections of several elements, given these' nodes (ne, 8).
+        """Rows of which each has values (k, 24) for the dofs of several elements, given these' nodes (ne, 8).
 
         ``owners`` (k,) are the rows' numbers, each there; the values of one row and element are summed.
         """
         pairs, which = np.unique(np.column_stack([owners, elements]), axis=0, return_inverse=True)
         owner, element = pairs.T
-        sums = np.zeros((len(pairs), 8))
+        sums = np.zeros((len(pairs), 24))
         np.add.at(sums, which.ravel(), values)
         # A node of several elements has all of it in the first one, so that no dof stands twice.
         own = np.column_stack([np.repeat(owner, 8), nodes[element].ravel()])
         _, first, node = np.unique(own, axis=0, return_index=True, return_inverse=True)
-        gathered = np.zeros(sums.size)
-        gathered[first] = np.bincount(node.ravel(), sums.ravel())
-        coefficients = np.zeros((len(pairs), 24))
-        coefficients[:, ::3] = gathered.reshape(sums.shape)
+        gathered, parts = np.zeros((8 * len(pairs), 3)), sums.reshape(-1, 3)
+        gathered[first] = np.column_stack([np.bincount(node.ravel(), part) for part in parts.T])
+        coefficients = gathered.reshape(sums.shape)
         leads = np.diff(owner, prepend=-1) > 0
         return cls(element[leads], coefficients[leads], Further(owner[~leads], element[~leads], coefficients[~leads]))
 
@@ -159,6 +172,22 @@ def _matrix(owners: Ints, coefficients: Floats, elements: Ints, size: int) -> cs
     matrix = csr_array((values.ravel(), dofs.take(owners, axis=0).ravel(), starts), shape=(len(owners), size))
     matrix.eliminate_zeros()
     return matrix
+
+
+def interpolated(mesh: Mesh, frames: Floats | None, elements: Ints, xi: Floats, field: int) -> Rows:
+    """Rows of w, θx or θy (field 0, 1, 2) at reference points (q, 2) of elements (q,).
+
+    Each interpolates the nodal values by the element's shape functions, as results do.
+    """
+    nodes, shapes = mesh.elements[elements], mesh.shape_functions(elements, xi)
+    values = np.zeros((len(nodes), 8, 3))
+    if field == 0 or frames is None:
+        values[..., field] = shapes
+    else:
+        # θx = c θ1 − s θ2, θy = s θ1 + c θ2 in a node's frame.
+        c, s = np.moveaxis(frames[nodes], -1, 0)
+        values[..., 1], values[..., 2] = (c * shapes, -s * shapes) if field == 1 else (s * shapes, c * shapes)
+    return Rows(elements, values.reshape(len(nodes), 24))
 
 
 @dataclass(frozen=True, eq=False)

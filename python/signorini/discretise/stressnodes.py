@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -15,6 +15,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
 from signorini.mesh import Location, Mesh
 from signorini.mesh.isoparametric import SIDES, real_sides
+from signorini.shapes import Region
 
 _BESIDE = 1e-3
 """How far beside a side of an element its thickness is looked up, and at twice that, of the way to its middle."""
@@ -22,6 +23,10 @@ _INSIDE = 1e-6
 """How far from a node, towards the middle of the element, thickness is looked up: beyond rounding, near for a taper."""
 _SAME = 1e-6
 """Part of the thickness below which it does not jump: of a smooth one that is less than what its curvature makes."""
+_ASIDE = 0.05
+"""Distance beside a side, relative to that of the element's middle, at which a point is in an area or not."""
+_STATIONS = np.array([0.25, 0.75])
+"""Stations of a side at which both elements are compared; an outline that crosses the side differs at one alone."""
 _ALIKE = 1e-9
 """Part of a number by which that of another side differs in size by rounding, which picks another on every mesh."""
 
@@ -119,15 +124,18 @@ class StressNodes(Remade):
         return Sides(*self.mesh.holding(positions))
 
 
-def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints], rigid: Bools) -> StressNodes:
+def stress_nodes_of(
+    mesh: Mesh, zones: Zones, along: Iterable[Ints], areas: Sequence[Region], rigid: Bools
+) -> StressNodes:
     """Part nodes on jumps: elements around a node that meet in sides without a jump have it in common.
 
-    Moments and shears jump where what the plate is made of does, at rigid elements (ne,), shears along sides (k, 3) of
-    supports and of loads, moments where such a support holds a slope.
+    Moments and shears jump with the section, and at rigid elements (ne,). Shears jump along sides (k, 3) that carry a
+    line force, and along the outlines of rigid areas, which do too. Moments jump where such a support holds a slope.
     """
     own = replace(StressNodes.of_mesh(mesh), left_out=rigid | zones.without_extremes)
     on_lines = np.concatenate([np.zeros(0, np.int64), *(sides[:, 1] for sides in along)])
-    if not zones.model.zone and not any(level.jumps for level in zones.formulas[0].levels) and not len(on_lines):
+    uniform = not zones.model.zone and not any(level.jumps for level in zones.formulas[0].levels)
+    if uniform and not len(on_lines) and not areas:
         return own
     sides = np.flatnonzero(real_sides(mesh.elements).ravel())
     triples = mesh.sides.reshape(-1, 3)
@@ -136,6 +144,8 @@ def stress_nodes_of(mesh: Mesh, zones: Zones, along: Iterable[Ints], rigid: Bool
     pairs = np.column_stack([order[second], order[second + 1]])
     jumps = _jumps(mesh, zones, pairs) | np.isin(triples[pairs[:, 0], 1], on_lines)
     jumps |= rigid[pairs[:, 0] // 4] != rigid[pairs[:, 1] // 4]
+    for area in areas:
+        jumps |= _on_outline(mesh, area, pairs)
     if not jumps.any():
         return own
     return _parted(own, pairs[~jumps], np.unique(triples[pairs[jumps, 0]]))
@@ -166,6 +176,17 @@ def _jumps(mesh: Mesh, zones: Zones, pairs: Ints) -> Bools:
     thickness = (2.0 * near[0] - far[0]).reshape(-1, 2)
     differs = np.abs(np.diff(thickness, axis=1)[:, 0]) > _SAME * thickness.max(axis=1)
     return np.asarray(differs | (np.diff(near[1].reshape(-1, 2), axis=1)[:, 0] != 0))
+
+
+def _on_outline(mesh: Mesh, area: Region, pairs: Ints) -> Bools:
+    """Whether an area covers the element on one side alone, at sides (k, 2) that are in two of them."""
+    elements = np.repeat(pairs.ravel() // 4, 2)
+    begin, end = (np.repeat(ends, 2, axis=0) for ends in mesh.corners_of_sides(pairs.ravel() // 4, pairs.ravel() % 4))
+    # The second element runs along the side the other way.
+    station = np.stack([_STATIONS, _STATIONS[::-1]])[np.arange(pairs.size) % 2].ravel()[:, None]
+    beside = mesh.inward(elements, begin + station * (end - begin), 1.0 - _ASIDE)
+    covered = area.contains(mesh.map(elements, beside)).reshape(-1, 2, 2)
+    return np.asarray((covered[:, 0] != covered[:, 1]).all(axis=1))
 
 
 def _made(mesh: Mesh, zones: Zones, elements: Ints, xi: Floats) -> tuple[Floats, Ints]:

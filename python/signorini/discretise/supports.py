@@ -10,7 +10,7 @@ import numpy as np
 from signorini import _core
 from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
 from signorini.discretise.laws import LAWS, Law, can_let_go, laws_of
-from signorini.discretise.placed import Placed, mean_deflections
+from signorini.discretise.placed import Placed, means_over
 from signorini.discretise.places import (
     MOST,
     STRIP,
@@ -24,7 +24,7 @@ from signorini.discretise.places import (
 from signorini.discretise.points import ContactPoints, Springs, partition
 from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
-from signorini.discretise.rows import Bools, Floats, Ints, Rows, Table
+from signorini.discretise.rows import Bools, Floats, Ints, Rows, Table, interpolated
 from signorini.discretise.thickness import PlateStiffness
 from signorini.errors import InputError, Place, Problems, point
 from signorini.expression import Expression, Field
@@ -102,13 +102,14 @@ class Ground:
         coefficients, _ = self.beneath.plate.interpolation_rows(where.elements, where.xi, field)
         return rows.beside(Rows(where.elements, -coefficients), len(self.mesh.elements))
 
-    def means(self, placed: Placed) -> Rows:
-        """Rows of the mean deflection over each footprint of a support."""
-        rows = mean_deflections(self.mesh, placed.footprints)
+    def means(self, placed: Placed, field: int = 0) -> Rows:
+        """Rows of the mean deflection, or of a mean slope, over each footprint of a support."""
+        rows = means_over(self.mesh, self.held.frames, placed.footprints, field)
         if self.beneath is None:
             return rows
-        below = [area_quadrature(self.beneath.mesh, shape, _GAUSS) for shape in placed.support.where.footprints]
-        return rows.beside(-mean_deflections(self.beneath.mesh, below), len(self.mesh.elements))
+        mesh, frames = self.beneath.mesh, self.beneath.held.frames
+        below = [area_quadrature(mesh, shape, _GAUSS) for shape in placed.support.where.footprints]
+        return rows.beside(-means_over(mesh, frames, below, field), len(self.mesh.elements))
 
 
 def springs_and_contacts(
@@ -255,7 +256,7 @@ def _along_line(on: Ground, placed: Placed) -> list[_Acting]:
         if component in support.fixed:
             along = np.column_stack(directions)
             x, y = on.rows(turned, 1), on.rows(turned, 2)
-            rows = Rows(x.elements, along[:, :1] * x.coefficients + along[:, 1:] * y.coefficients)
+            rows = x.turned(along, y)
             rotation = prescribed_rotations(placed, turned.positions)
             result.append(_Acting.of(rows, turned, (along * rotation).sum(axis=1)))
     means = [_means(on, one) for one in result] if in_means else ()
@@ -332,7 +333,7 @@ def _with_law(on: Ground, placed: Placed, acting: _Acting) -> list[ContactPoints
 
 
 def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> list[ContactPoints]:
-    """Springs on the slope across a line, or on both at points."""
+    """Springs on the slope across a line, or on both at points: on the nodal slopes' interpolation, as results show it."""
     mesh, support, place = on.mesh, placed.support, (*placed.place, "rotational_stiffness")
     if placed.points is None:
         line = (mesh, on.shape, support.where, placed.place, placed.sides)
@@ -344,13 +345,18 @@ def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> lis
         # What turns about x is the slope along y.
         axes = [np.broadcast_to(axis, (len(numbers), 2)) for axis in ((0.0, 1.0), (1.0, 0.0))]
         each = list(zip((stiffness[0], stiffness[-1]), axes, strict=True))
-    x, y = on.rows(points, 1), on.rows(points, 2)
+    x, y = (
+        on.means(placed, field)
+        if placed.footprints
+        else interpolated(mesh, on.held.frames, points.elements, points.xi, field)
+        for field in (1, 2)
+    )
     rotation = prescribed_rotations(placed, points.positions)
     most = STIFFEST_SPRING * on.stiffness.in_shear[points.elements] * mesh.element_area[points.elements]
     count, (linear, _) = len(points.elements), laws_of(both=True, limited=False)
     result = []
     for formula, along in each:
-        rows = Rows(points.elements, along[:, :1] * x.coefficients + along[:, 1:] * y.coefficients)
+        rows = x.turned(along, y)
         values = points.weights * formula(*points.within.T, above=0.0, place=place)
         graph = np.zeros(count, np.int64), np.minimum(values, most), np.ones(count)
         acting = _Acting.of(rows, points, (along * rotation).sum(axis=1), numbers)
@@ -403,7 +409,7 @@ def _means(on: Ground, through: _Acting) -> _Acting:
     if on.beneath is not None:
         first = len(on.mesh.elements)
         _, other = through.rows.parted(first)
-        parts = (through.weights / area[inverse])[:, None] * other.coefficients[:, ::3]
+        parts = (through.weights / area[inverse])[:, None] * other.coefficients
         rows = rows.beside(Rows.over(inverse, other.elements, parts, on.beneath.mesh.elements), first)
     return _Acting(rows, middle, middle, area, slope, shared, np.zeros(len(elements), np.int64))
 

@@ -312,12 +312,15 @@ class Mesh(Remade):
         if not len(off):
             return where
         elements, xi = where.elements.copy(), where.xi.copy()
-        beside, side = np.nonzero(self.on_boundary)
-        middles = self.points[self.sides[beside, side, 1]]
-        for at in off.tolist():
-            elements[at] = beside[((middles - points[at]) ** 2).sum(axis=1).argmin()]
+        elements[off] = self.beside(points[off])
         xi[off] = self.invert(elements[off], points[off])
         return Location(elements, xi)
+
+    def beside(self, points: Floats) -> Ints:
+        """Find the elements (q,) whose sides on the boundary are nearest to points (q, 2)."""
+        beside, side = np.nonzero(self.on_boundary)
+        middles = self.points[self.sides[beside, side, 1]]
+        return np.array([beside[((middles - at) ** 2).sum(axis=1).argmin()] for at in points], np.int64)
 
     def holding(self, points: Floats) -> tuple[Ints, Location]:
         """Find every element that points (q, 2) are in, as `locate` does: the points' numbers (k,), and where."""

@@ -172,7 +172,7 @@ class Support(Acting, base.Named):
     rotational_stiffness: Turning | None = Field(
         default=None,
         description="Moment per slope, in place of holding the slope: per length (edge, line, circle) across it, per "
-        "point about both axes, or [about x, about y]; numbers or expressions.",
+        "point or footprint about both axes, or [about x, about y]; numbers or expressions.",
     )
     settlement: PointScalar = Field(
         default=Expression(0.0),
@@ -349,8 +349,8 @@ class Support(Acting, base.Named):
         place = ("rotational_stiffness",)
         if "slope" in self.fixed:
             yield place, f"{describe(self.fix)} holds the slope already; use hard or simple, or leave it out."
-        if self.area is not None or self.has_footprint:
-            yield place, "it goes with at, nodes, edge, line or circle, not with areas and footprints."
+        if self.area is not None:
+            yield place, "it goes with at, nodes, edge, line or circle, not with areas."
         elif self.place != "at" and len(stiffness) == 2:
             yield place, "found two; along an edge, a line or a circle there is one, across it."
 

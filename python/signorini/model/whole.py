@@ -217,9 +217,15 @@ class Model(Table):
         They do so where rows cannot follow the border of a zone or the line of a support or load, at which moments or
         shears jump, unless they are counted or of an element that has no triangles.
         """
-        plate, rows = self.plate, self.mesh.divisions is not None
+        rows = self.mesh.divisions is not None or self.follows_in_rows
+        return self.plate.divisions(self.mesh) if rows and not isinstance(self.plate, MeshPlate) else None
+
+    @property
+    def follows_in_rows(self) -> bool:
+        """Whether rows of elements can follow all borders of zones, and lines; to `q8r` there is nothing else."""
+        plate = self.plate
         if isinstance(plate, MeshPlate):
-            return None
+            return False
         size = plate.element_size(self.mesh)
         lines = (
             along
@@ -227,8 +233,7 @@ class Model(Table):
             if (along := item.where.curve) is not None and worth_following(along, size)
         )
         followed = *(zone.region for zone in self.zone), *lines
-        rows |= plate.element == "q8r" or all(map(plate.follows, followed))
-        return plate.divisions(self.mesh) if rows else None
+        return plate.element == "q8r" or all(map(plate.follows, followed))
 
     @property
     def young(self) -> float:

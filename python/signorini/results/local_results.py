@@ -100,7 +100,7 @@ def probe_results(
         return []
     sides = nodes.sides(positions, where)
     at_points = sides.larger(nodes.at(sides, fields))
-    pressures = total_pressure(supports, where).tolist()
+    pressures = total_pressure(supports, positions).tolist()
     return [
         ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h)
         for (x, y), v, p, h in zip(
@@ -119,13 +119,15 @@ def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Fl
     return sides.larger(nodes.at(sides, fields))
 
 
-def total_pressure(supports: Sequence[SupportResult], where: Location) -> Floats:
-    """Sum (q,) of the pressures of area supports, where they only touch that of one; NaN where none is."""
+def total_pressure(supports: Sequence[SupportResult], positions: Floats) -> Floats:
+    """Sum (q,) of the pressures of area supports at positions (q, 2) on the plate; NaN where none is.
+
+    Where areas only touch, it is the pressure of one.
+    """
     areas = areas_below(supports)
     if not areas:
-        return np.full(len(where.elements), np.nan)
-    result = np.array([area.pressure(where.elements, where.xi) for area in areas])
-    positions = areas[0].mesh.map(where.elements, where.xi)
+        return np.full(len(positions), np.nan)
+    result = np.array([area.pressure(positions) for area in areas])
     on = without_shared_borders(areas, positions, ~np.isnan(result))
     return np.where(on.any(axis=0), np.where(on, result, 0.0).sum(axis=0), np.nan)
 
@@ -170,7 +172,7 @@ def profile_results(
         where, on = stations(nodes.mesh, at)
         values = np.full((len(at), len(fields) + 1), np.nan)
         values[on, :-1] = fields_at(table, nodes, where, at[on])
-        values[on, -1] = total_pressure(supports, where)
+        values[on, -1] = total_pressure(supports, at[on])
         result.append(
             ProfileResult(profile.name, distance, at, dict(zip((*fields, PRESSURE.name), values.T, strict=True)))
         )

@@ -454,7 +454,7 @@ class Result(Remade):
         >>> solve(model)["all"].pressure([(2, 2), (0, 0)]).round(6)
         array([2000., 2000.])
         """
-        return total_pressure(self.supports, self._located(points)[1])
+        return total_pressure(self.supports, self._located(points)[0])
 
     def _located(self, points: Points) -> tuple[Floats, Location]:
         self._require_fields()

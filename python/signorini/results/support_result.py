@@ -19,7 +19,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import STIFFEST_SPRING
 from signorini.mesh import Mesh
 from signorini.model import Support
-from signorini.results.contact_field.area_contact import AreaContact
+from signorini.results.contact_field.area_contact import AreaContact, ground_of
 from signorini.results.support_points import SupportPoints, closed_part
 
 _CORNER = np.cos(np.radians(15.0))
@@ -348,8 +348,13 @@ def area_contact(
     stiff = on_means | _stiff(discretisation, support, points)
     return AreaContact(
         *(discretisation.mesh, support, deflection, positions, points.elements, points.weights),
-        *(closed, reactions, on_means, stiff),
+        *(closed, reactions, on_means, stiff, _ground(discretisation, index)),
     )
+
+
+@kept
+def _ground(discretisation: Discretisation, index: int) -> Mesh:
+    return ground_of(discretisation.mesh, SupportPoints.of(discretisation, index).elements)
 
 
 @kept

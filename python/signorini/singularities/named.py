@@ -68,47 +68,46 @@ def _of_loads(discretisation: Discretisation, case: str) -> Iterator[Singularity
             continue
         place = f"load[{index + 1}]"
         if load.at is not None and not load.has_footprint:
-            couple = load.couple is not None
-            if any(load.couple or ()) if couple else load.force:
+            couple, at = load.couple is not None, _off_bodies(discretisation, load.at)
+            if at and (any(load.couple or ()) if couple else load.force):
                 kind = "Couple" if couple else "Force"
                 numbers = ("deflection", *(("rotation",) if couple else ()), "moment", "shear")
-                yield Singularity(load.at, f"{kind} at a point of {place}", numbers, _FOOTPRINT, case)
-                yield from _on_rigid_areas(discretisation, load.at, f"{kind} at a point of {place}")
+                yield Singularity(at, f"{kind} at a point of {place}", numbers, _FOOTPRINT, case)
+                yield from _on_rigid_areas(discretisation, at, f"{kind} at a point of {place}")
         elif load.at is not None:
             yield from _unresolved(discretisation, load.at, load.width[1], f"footprint of {place}", case)
         elif load.line_load is not None:
             if (along := load.where.curve) is not None:
                 yield from _unresolved_shape(discretisation, along, place, case)
-            if ends := ends_of_load(discretisation, load):
+            if ends := _off_bodies(discretisation, ends_of_load(discretisation, load), outline=False):
                 what = f"End or corner of the line load of {place}"
                 yield Singularity(ends, what, ("shear",), "Take shears from beside it.", case)
     for moving in discretisation.model.moving:
         travelled = moving.positions.get(case)
         if travelled is not None:
             wheels = np.array([at for at, _, _ in moving.wheels(travelled)])
-            on = discretisation.mesh.locate(wheels).inside
+            on = _off_bodies(discretisation, as_places(wheels[discretisation.mesh.locate(wheels).inside]))
             if moving.patch is not None:
                 name = f"footprint of wheels of {moving.case}"
                 yield from _unresolved(discretisation, wheels, max(moving.patch), name, case)
-            elif on.any():
-                places = as_places(wheels[on])
+            elif on:
                 numbers = ("deflection", "moment", "shear")
-                yield Singularity(places, f"Wheels of {moving.case}", numbers, "Give them a patch.", case)
-                yield from _on_rigid_areas(discretisation, places, f"Wheels of {moving.case}")
+                yield Singularity(on, f"Wheels of {moving.case}", numbers, "Give them a patch.", case)
+                yield from _on_rigid_areas(discretisation, on, f"Wheels of {moving.case}")
 
 
 def _of_supports(discretisation: Discretisation) -> Iterator[Singularity]:
     determinate = _determinate(discretisation)
     for support in discretisation.model.support:
         if support.at is not None:
-            if not support.has_footprint:
+            if not support.has_footprint and (at := _off_bodies(discretisation, support.at)):
                 slopes = "slope" in support.fixed
                 numbers = ("deflection", *(("rotation",) if slopes else ()), "moment", "shear")
                 numbers += () if determinate else ("reaction",)
                 advice = "Clamp an edge or a line." if slopes else _FOOTPRINT
-                yield Singularity(support.at, f"{support.name} at a point", numbers, advice, support.name)
-                yield from _on_rigid_areas(discretisation, support.at, f"{support.name} at a point")
-            else:
+                yield Singularity(at, f"{support.name} at a point", numbers, advice, support.name)
+                yield from _on_rigid_areas(discretisation, at, f"{support.name} at a point")
+            elif support.has_footprint:
                 name = f"footprint of {support.name}"
                 yield from _unresolved(discretisation, support.at, support.width[1], name, support.name)
             continue
@@ -118,6 +117,20 @@ def _of_supports(discretisation: Discretisation) -> Iterator[Singularity]:
             what = f"Step of the settlement or gap of {support.name}"
             numbers = ("moment", "shear", "pressure", "reaction")
             yield Singularity((), what, numbers, "Give it a ramp, or the support a stiffness.", support.name)
+
+
+def _off_bodies(
+    discretisation: Discretisation, at: tuple[tuple[float, float], ...], outline: bool = True
+) -> tuple[tuple[float, float], ...]:
+    """Places that are not in a rigid zone, nor on its ``outline``: what acts there acts on a rigid body."""
+    mesh, rigid = discretisation.mesh, discretisation.held.bodies.rigid
+    if not at or not rigid.any():
+        return at
+    point, where = mesh.holding(np.array(at))
+    around = np.bincount(point, minlength=len(at))
+    of_bodies = np.bincount(point, rigid[where.elements], len(at))
+    on = (of_bodies > 0) & (outline | (of_bodies == around))
+    return tuple(place for place, drop in zip(at, on.tolist(), strict=True) if not drop)
 
 
 def _on_rigid_areas(
@@ -138,7 +151,7 @@ def _unresolved(
     discretisation: Discretisation, at: Sequence[tuple[float, float]] | Floats, size: float, name: str, source: str
 ) -> Iterator[Singularity]:
     """Footprints, circles, lines and areas of supports that are much smaller than the elements that they are in."""
-    places = np.array(at).reshape(-1, 2)
+    places = np.array(_off_bodies(discretisation, as_places(np.array(at).reshape(-1, 2)))).reshape(-1, 2)
     here = discretisation.mesh.locate(places)
     coarse = here.inside & (size < _RESOLVED * np.sqrt(discretisation.mesh.element_area[here.elements]))
     if coarse.any():
@@ -161,7 +174,9 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
     if support.where.shape is not None:
         yield from _unresolved_shape(discretisation, support.where.shape, support.name, support.name)
     if along is not None:
-        for numbers, ends in ends_of_line(discretisation, along, support).items():
+        for numbers, points in ends_of_line(discretisation, along, support).items():
+            if not (ends := _off_bodies(discretisation, points, outline=False)):
+                continue
             advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
     if support.area is None or not rigid or support.can_yield:
@@ -172,12 +187,13 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
     else:
         for drawn in shape.loops:
             closed, what = as_places(np.concatenate([drawn, drawn[:1]])), f"Outline of the rigid area of {support.name}"
-            yield Singularity(closed, what, ("pressure",), advice, support.name, True)
+            if _off_bodies(discretisation, closed, outline=False):
+                yield Singularity(closed, what, ("pressure",), advice, support.name, True)
         mesh, edge = discretisation.mesh, boundary_of(discretisation)
-        corners = [at for at in shape.corners if mesh.locate(at[None]).inside[0] and not len(edge.at(at))]
-        if corners:
+        inside = [at for at in shape.corners if mesh.locate(at[None]).inside[0] and not len(edge.at(at))]
+        if corners := _off_bodies(discretisation, as_places(np.array(inside).reshape(-1, 2)), outline=False):
             what = f"Corner of the rigid area of {support.name}"
-            yield Singularity(as_places(np.array(corners)), what, ("shear",), advice, support.name)
+            yield Singularity(corners, what, ("shear",), advice, support.name)
 
 
 def _of_edges_on(discretisation: Discretisation, support: Support, advice: str) -> Iterator[Singularity]:
@@ -233,10 +249,10 @@ def _of_zones(discretisation: Discretisation) -> Iterator[Singularity]:
         jumps = (np.ptp(thickness, axis=1) > _ALIKE * thickness.max(axis=1)) | (
             np.ptp(made.rigidity.reshape(-1, len(_EIGHT)), axis=1) > 0
         )
-        at = np.array([corner for corner in corners[inside][jumps] if not len(edge.at(corner))])
-        if len(at):
-            what = f"Corner of the border of zone {number} at {_listed_places(as_places(at), mesh.size)}"
-            yield Singularity(as_places(at), what, ("moment", "shear"), "Take values from beside it.", "plate")
+        places = as_places(np.array([at for at in corners[inside][jumps] if not len(edge.at(at))]).reshape(-1, 2))
+        if at := _off_bodies(discretisation, places, outline=False):
+            what = f"Corner of the border of zone {number} at {_listed_places(at, mesh.size)}"
+            yield Singularity(at, what, ("moment", "shear"), "Take values from beside it.", "plate")
 
 
 def _determinate(discretisation: Discretisation) -> bool:

@@ -169,6 +169,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
         raise InputError("The line is not on the plate. Move it onto the plate.")
     near = line.line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
     taken = line.taken(near).reshape(-1, 8)
+    taken[_of_bodies_at_ends(mesh.elements[met], held, near.side.reshape(-1, 8), taken)] = 0.0
     # Where no node is beside the line, v is 0 in an element that the line is in, and too little by all of it.
     of_line = (pieces.begin >= 0.0) & (pieces.end <= line.line.lengths[pieces.piece])
     some = taken.any(axis=1) | np.isin(met, pieces.elements[of_line])
@@ -263,6 +264,16 @@ class _Pieces(NamedTuple):
     end: Floats
 
 
+def _of_bodies_at_ends(nodes: Ints, held: Held, side: Ints, taken: Floats) -> Bools:
+    """Which nodes (k, 8) are of rigid bodies that the line ends at, and does not run along: v is 0 on these.
+
+    A body is in equilibrium as a whole, so that v must be one rigid motion on it.
+    """
+    inside, leader = held.bodies.inside[nodes], held.bodies.leaders[nodes]
+    along = leader[inside & (side == 0) & (taken == 1.0)]
+    return np.asarray(inside & np.isin(leader, np.setdiff1d(leader[inside & (taken < 1.0)], along)))
+
+
 def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, side: Ints, rigid: Bools) -> Floats:
     """What part of v nodal forces of the elements (k, 8) count with, at nodes on a side (k, 8) of the line.
 
@@ -281,7 +292,7 @@ def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, 
         at = point(centres[np.argmax(crossed)], mesh.size)
         raise InputError(
             f"The line crosses a rigid zone at {at}, where there are no moments and shears. Let it run along the "
-            "zone's outline or beside it, or end short of it."
+            "zone's outline or beside it, or end at the outline."
         )
     part = np.select(of_bodies, [0.5 + 0.5 * where[:, None], 0.5 - 0.5 * where[:, None]], 0.5)
     of_whole = -where[:, None] * np.where(beside[0] & beside[1], part, 1.0) * (side == 0)

@@ -16,7 +16,7 @@ from signorini.discretise.held import Held
 from signorini.discretise.points import ContactPoints, Springs
 from signorini.discretise.quadrature import Quadrature, area_quadrature, curve_quadrature
 from signorini.discretise.quadrature.stepped import Levels
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.rows import Bools, Floats, Ints, interpolated
 from signorini.discretise.sections.cut import BESIDE, Cut, cut, placed
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
@@ -36,17 +36,21 @@ _BESIDE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """A pressure over a region, or over the plate, at points (q, 2) of elements (q,); it may jump where levels do."""
+    """A pressure over a region, or over the plate, at points (q, 2) of elements (q,); it may jump where levels do.
+
+    For ``field`` 1 or 2 it is a couple per area, on θx or θy.
+    """
 
     region: Part | None
     order: int
     levels: Levels
     pressure: Callable[[Ints, Floats], Floats]
+    field: int = 0
 
     @classmethod
-    def even(cls, shape: Part, pressure: float) -> Spread:
+    def even(cls, shape: Part, pressure: float, field: int = 0) -> Spread:
         """One pressure over a footprint."""
-        return cls(shape, _ORDER, (), lambda _, at: np.full(len(at), pressure))
+        return cls(shape, _ORDER, (), lambda _, at: np.full(len(at), pressure), field)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,6 +65,8 @@ class Sections(Brief):
     cuts: tuple[Cut, ...]
     per: Floats
     """1, or the length (s,) over which a strip has its mean."""
+    frames: Floats | None = None
+    """Those of `Held`."""
 
     @classmethod
     def of(cls, model: Model, mesh: Mesh, plate: _core.Plate, held: Held, problems: Problems) -> Sections:
@@ -73,7 +79,8 @@ class Sections(Brief):
                 _require_on_plate(mesh, points, place)
                 result.append(_cut(mesh, plate, model, held, points, place))
         lengths = np.array([one.length for one in result])
-        return cls(mesh, tuple(result), np.where(np.arange(len(result)) < len(model.section), 1.0, lengths))
+        per = np.where(np.arange(len(result)) < len(model.section), 1.0, lengths)
+        return cls(mesh, tuple(result), per, held.frames)
 
     def __len__(self) -> int:
         """Count the lines."""
@@ -131,7 +138,7 @@ class Sections(Brief):
 
     def of_spread(self, forces: Quadrature, spread: Spread) -> Floats:
         """Give the part (3s,) of a pressure of which nodal forces are those that points weigh."""
-        return self._sum(forces.elements, lambda one: _of_spread(one, self.mesh, forces, spread))
+        return self._sum(forces.elements, lambda one: self._of_spread(one, forces, spread))
 
     def of_supports(self, supports: Sequence[Support], acting: ContactPoints | Springs) -> csr_array:
         """Give the parts (3s, m) of reactions of 1, up, along rows (m,) of supports."""
@@ -139,12 +146,40 @@ class Sections(Brief):
             return csr_array((3 * len(self.cuts), len(acting)))
         prints = {}
         for index, support in enumerate(supports):
-            shapes = support.where.footprints
-            for row in np.flatnonzero(acting.support == index).tolist() if shapes else ():
+            shapes, rows = support.where.footprints, np.flatnonzero(acting.support == index)
+            fields = np.zeros(len(rows), np.int64)
+            # Springs about x, which act on θy, stand before those about y.
+            fields[acting.slope[rows]] = np.repeat([2, 1], np.count_nonzero(acting.slope[rows]) // 2)
+            for row, field in zip(rows.tolist(), fields.tolist(), strict=True) if shapes else ():
                 shape = shapes[acting.numbers[row]]
-                prints[row] = shape, area_quadrature(self.mesh, shape, _ORDER)
-        parts = (csr_array(_of_supports(one, self.mesh, supports, acting, prints).T) for one in self.cuts)
-        return csr_array(vstack(list(parts)))
+                over = area_quadrature(self.mesh, shape, _ORDER)
+                pressure = -float(acting.direction[row]) / over.total
+                prints[row] = over.times(pressure), Spread.even(shape, pressure, field)
+        parts = []
+        for one in self.cuts:
+            part = _of_supports(one, self.mesh, supports, acting)
+            for row, (forces, spread) in prints.items():
+                part[row] = self._of_spread(one, forces, spread)
+            parts.append(csr_array(part.T))
+        return csr_array(vstack(parts))
+
+    def _of_spread(self, cut: Cut, forces: Quadrature, spread: Spread) -> Floats:
+        """What a pressure, of which nodal forces are those that points weigh, adds (3,) at a line."""
+        place, some = placed(cut.elements, forces.elements)
+        if not len(place):
+            return np.zeros(3)
+        nodal = self._forces(forces.pick(some), spread.field)
+        left = cut.on_left(self.mesh, spread.region, spread.order, spread.levels)
+        on = cut.elements[left.elements]
+        density = spread.pressure(on, left.positions)
+        share = self._forces(replace(left, elements=on).times(density), spread.field)
+        on_left = np.einsum("qcd,qd->c", cut.motion[left.elements], share)
+        return np.asarray(cut.work(place, nodal, np.zeros(len(place))).sum(axis=0) - on_left)
+
+    def _forces(self, forces: Quadrature, field: int) -> Floats:
+        """Rows (q, 24) of w, θx or θy at points, times the forces or couples that they weigh."""
+        rows = interpolated(self.mesh, self.frames, forces.elements, forces.xi, field)
+        return np.asarray(forces.weights[:, None] * rows.coefficients)
 
     def _sum(self, elements: Ints, part: Callable[[Cut], Floats]) -> Floats:
         """Parts of all lines, of what acts in some elements (q,)."""
@@ -214,36 +249,19 @@ def _require_on_plate(mesh: Mesh, points: Sequence[Point], place: Place) -> None
     raise InputError(f"{said}{advice}", place=(*place, "line"))
 
 
-def _of_spread(cut: Cut, mesh: Mesh, forces: Quadrature, spread: Spread) -> Floats:
-    """What a pressure, of which nodal forces are those that points weigh, adds (3,)."""
-    place, some = placed(cut.elements, forces.elements)
-    if not len(place):
-        return np.zeros(3)
-    nodal = _deflections(mesh, forces.pick(some))
-    left = cut.on_left(mesh, spread.region, spread.order, spread.levels)
-    on = cut.elements[left.elements]
-    share = _deflections(mesh, replace(left, elements=on).times(spread.pressure(on, left.positions)))
-    on_left = np.einsum("qcd,qd->c", cut.motion[left.elements], share)
-    return np.asarray(cut.work(place, nodal, np.zeros(len(place))).sum(axis=0) - on_left)
-
-
 def _of_supports(
     cut: Cut,
     mesh: Mesh,
     supports: Sequence[Support],
     acting: ContactPoints | Springs,
-    prints: dict[int, tuple[Part, Quadrature]],
 ) -> Floats:
-    """What a reaction of 1 along each row (m,), up, adds to moment, twist and shear (m, 3); some have footprints."""
+    """What a reaction of 1 along each row (m,), up, adds to moment, twist and shear (m, 3); footprints are no part."""
     result = np.zeros((len(acting), 3))
     place, rows = placed(cut.elements, acting.rows.elements)
     areas = [index for index, support in enumerate(supports) if support.area is not None]
     spread = np.isin(acting.support[rows], areas) & ~_on_outline(mesh, acting, rows)
     left = np.where(spread, 0.0, cut.lefts(acting.positions[rows]))
     result[rows] = -cut.work(place, acting.rows.coefficients[rows], left)
-    for row, (shape, over) in prints.items():
-        pressure = -acting.direction[row] / over.total
-        result[row] = _of_spread(cut, mesh, over.times(pressure), Spread.even(shape, pressure))
     rows = rows[spread]
     for index in np.unique(acting.support[rows]).tolist() if cut.divided().any() else ():
         for own, shares in _shares(cut, mesh, supports[index], acting, rows[acting.support[rows] == index]):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from types import MappingProxyType
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -41,6 +42,12 @@ _STRAIGHT = 1e-3
 _ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
 
 
+def ground_of(mesh: Mesh, elements: Ints) -> Mesh:
+    """Mesh of some elements (q,) of a mesh, each once and in rising order."""
+    some = np.unique(elements)
+    return mesh if len(some) == len(mesh.elements) else mesh.part(some)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class AreaContact(Remade):
     """Contact of one area support."""
@@ -57,6 +64,9 @@ class AreaContact(Remade):
     # (ne,): elements in which it is stiffer than the plate. Between points the deflection says nothing of pressures
     # there, and the pressure is a number an element, not a field.
     stiff: Bools
+    ground: Mesh  # of the elements with a part of the support, see `ground_of`
+
+    _made = MappingProxyType({"ground": lambda area: ground_of(area.mesh, area.elements)})
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -138,17 +148,21 @@ class AreaContact(Remade):
             return np.asarray(own)
         return np.concatenate([own, self.nodal(np.flatnonzero(self.on_nodes), deflection, forces)], axis=-1)
 
-    def pressure(self, elements: Ints, xi: Floats) -> Floats:
-        """Pressure (q,) at reference points (q, 2) of elements (q,), positive up; NaN where the support is not."""
-        positions = self.mesh.map(elements, xi)
-        on = (self.covered[elements] > 0) & (self._whole[elements] | (self.depth(positions) >= 0))
-        result = np.full(len(elements), np.nan)
-        stiff, soft = on & self.stiff[elements], on & ~self.stiff[elements]
-        result[stiff] = self.element_pressure[elements[stiff]]
-        if soft.any():
-            nodal = self.deflection[self.mesh.elements[elements[soft]]]
-            deflection = np.einsum("qi,qi->q", self.mesh.shape_functions(elements[soft], xi[soft]), nodal)
-            result[soft] = self._exerted(deflection, positions[soft])
+    def pressure(self, positions: Floats) -> Floats:
+        """Pressure (q,) at positions (q, 2) on the plate, positive up; NaN where the support is not.
+
+        A position on the support's outline is on the support, whichever element has it.
+        """
+        covered = np.unique(self.elements)
+        where = self.ground.locate(positions)
+        on = (where.inside & self._whole[covered[where.elements]]) | (self.depth(positions) >= 0)
+        result = np.full(len(positions), np.nan)
+        where = self.ground.nearest(positions[on])
+        elements = covered[where.elements]
+        nodal = self.deflection[self.mesh.elements[elements]]
+        deflection = np.einsum("qi,qi->q", self.mesh.shape_functions(elements, where.xi), nodal)
+        soft = np.zeros(len(elements)) if self.on_means else self._exerted(deflection, positions[on])
+        result[on] = np.where(self.stiff[elements], self.element_pressure[elements], soft)
         return result
 
     def pressing(self, cut: Tessellation) -> Floats:
