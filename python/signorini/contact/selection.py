@@ -355,17 +355,19 @@ def _in_words(ways: Floats, discretisation: Discretisation) -> str:
 
 
 def span_of_cone(sides: Floats) -> Floats:
-    """Basis (d, e) of what the directions y with C y ≤ 0 span, given C (c, d), of rows about as long as one another."""
-    count, size = sides.shape
-    if not count:
-        return np.eye(size)
-    # A cone holds the sum of its directions and their multiples: every side that one of them leaves, one leaves at all.
-    free, stays = np.full(size, np.inf), np.zeros(count)
-    bounds = np.append(-free, stays), np.append(free, stays + 1.0)
-    cost = np.append(np.zeros(size), -np.ones(count))
-    leave = minimise(cost, np.column_stack([sides, np.eye(count)]), (-np.inf, 0.0), bounds)
-    never = np.ones(count, np.bool_) if leave is None else leave[size:] < 0.5
-    return null_space(sides[never], _ACTIVE)
+    """Basis (d, e) of the span of the cone C y ≤ 0, given C (c, d), of rows about as long as one another.
+
+    Each linear program, in d unknowns, finds a direction that leaves some rows: C_i y < 0. It vanishes on the rows that
+    stay, so the next direction is independent of it, and at most d + 1 programs are solved.
+    """
+    stay = np.asarray(sides)
+    while len(stay):
+        direction = minimise(stay.sum(axis=0), sides, (-np.inf, 0.0), (-1.0, 1.0), tolerance=_ACTIVE)
+        leave = stay @ direction < -_MOVED if direction is not None else np.zeros(len(stay), np.bool_)
+        if not leave.any():
+            break
+        stay = stay[~leave]
+    return null_space(stay, _ACTIVE)
 
 
 def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats:
