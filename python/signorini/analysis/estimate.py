@@ -31,7 +31,7 @@ from signorini.results.path_events import Threshold
 from signorini.results.result import Result
 
 _NEAR = 0.02
-"""Part of the path's length about an event within which a coarser mesh is first searched for it."""
+"""Part of the path's length about an event within which another mesh is first searched for it."""
 _FARTHER = 4.0
 """Ratio of such distances."""
 
@@ -47,7 +47,7 @@ def _has_estimate(path: LoadPath) -> bool:
 
 
 def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
-    """Find the events of a path on coarser meshes; what one of them does not do near them has no half-width."""
+    """Find the events of a path on other meshes; what one of them does not do near them has no half-width."""
     asked = [(Watch(None, number), one.t, _falls(path, one)) for number, one in enumerate(path.thresholds) if one.t]
     names = [support.name for support in path.model.support]
     watches = [
@@ -62,7 +62,7 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
         sampler = Sampler(problem, PathLoads.of(problem, path.start, path.add), path.thresholds, watch)
         return problem.mesh, _same_events(sampler, [*watches, *asked], path.stops[-1].t)
 
-    others, warning = OtherMeshes(path.model, path.mesh, watcher).solved_on_coarser(found)
+    others, warning = OtherMeshes(path.model, path.mesh, watcher).solved_for_path(found)
     if not others:
         return PathEstimate.nothing(count, wanted, (warning,))
     meshes = Meshes.of(path.mesh, [mesh for mesh, _ in others], bool(warning))

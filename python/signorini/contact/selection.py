@@ -357,17 +357,32 @@ def _in_words(ways: Floats, discretisation: Discretisation) -> str:
 def span_of_cone(sides: Floats) -> Floats:
     """Basis (d, e) of the span of the cone C y ≤ 0, given C (c, d), of rows about as long as one another.
 
-    Each linear program, in d unknowns, finds a direction that leaves some rows: C_i y < 0. It vanishes on the rows that
-    stay, so the next direction is independent of it, and at most d + 1 programs are solved.
+    Each direction of the cone leaves some rows, C_i y < 0, and vanishes on those that stay. So the next direction is
+    independent of it, and there are at most d.
     """
-    stay = np.asarray(sides)
+    stay = sides
     while len(stay):
-        direction = minimise(stay.sum(axis=0), sides, (-np.inf, 0.0), (-1.0, 1.0), tolerance=_ACTIVE)
-        leave = stay @ direction < -_MOVED if direction is not None else np.zeros(len(stay), np.bool_)
-        if not leave.any():
+        leaves = stay @ _steepest_in_cone(sides, stay.sum(axis=0)) < -_MOVED
+        if not leaves.any():
             break
-        stay = stay[~leave]
+        stay = stay[~leaves]
     return null_space(stay, _ACTIVE)
+
+
+def _steepest_in_cone(sides: Floats, cost: Floats) -> Floats:
+    """The y (d,) with C y ≤ 0 and |y_i| ≤ 1 that minimises c·y, by cutting planes (Kelley 1960).
+
+    Some d of the rows matter. The row that y is farthest beyond joins those that are kept, until there is none.
+    """
+    kept: list[int] = []
+    while True:
+        y = minimise(cost, sides[kept], (-np.inf, 0.0), (-1.0, 1.0), tolerance=_ACTIVE)
+        assert y is not None, "y = 0 is in the cone"
+        beyond = sides @ y
+        worst = int(beyond.argmax())
+        if beyond[worst] <= _STILL or worst in kept:
+            return y
+        kept.append(worst)
 
 
 def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats:

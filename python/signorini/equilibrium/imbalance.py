@@ -447,14 +447,11 @@ def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: F
     if freedom.outline.limited:
         return largest_factor(discretisation, freedom, freedom.outline, 0.0 * nodal, nodal) <= 1.0 + _BRINK
     one_sided = freedom.outline.moves
-    # Reactions with as much as can be to spare at all of them: the first unknown.
-    cost = np.append(-1.0, np.zeros(len(one_sided)))
-    spare = np.column_stack([np.ones(len(one_sided)), -np.eye(len(one_sided))])
-    balance = np.column_stack([np.zeros(freedom.count), one_sided.T])
+    # The first unknown is a reaction that every point has; the others come on top of it.
+    balance = np.column_stack([one_sided.sum(axis=0), one_sided.T])
     wanted = work_of(discretisation, freedom, nodal) / total
-    none, beyond = np.zeros(len(one_sided)), np.full(len(one_sided), np.inf)
-    bound = np.concatenate([-beyond, wanted]), np.concatenate([none, wanted])
-    most = minimise(cost, np.vstack([spare, balance]), bound, (0.0, np.append(1.0, beyond)))
+    cost = np.append(-1.0, np.zeros(len(one_sided)))
+    most = minimise(cost, balance, (wanted, wanted), (0.0, np.append(1.0, np.full(len(one_sided), np.inf))))
     return most is not None and bool(most[0] <= _BRINK)
 
 
