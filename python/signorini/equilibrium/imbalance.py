@@ -495,11 +495,17 @@ def largest_factor(
     size = load_size(discretisation, case)
     if not freedom.count or size == 0:
         return np.inf
-    unit = (load_size(discretisation, rest) or size) / size
-    limits = _limits(discretisation, freedom, bearing, rest, unit * case)
+    strengths = np.abs(np.append(bearing.least, bearing.most))
+    strengths = strengths[np.isfinite(strengths) & (strengths > 0.0)]
+    # The factor is found in units of the rest or the weakest point, or in larger ones up to the sum of all limits.
+    unit = (load_size(discretisation, rest) or float(strengths.min(initial=size))) / size
+    while limits := _limits(discretisation, freedom, bearing, rest, unit * case):
+        most = limits[-1]
+        if most < _MOST or unit * size >= strengths.sum():
+            break
+        unit *= _MOST
     if not limits:
         return np.nan
-    most = limits[-1]
     return np.inf if most >= _MOST else 0.0 if most <= _BRINK else unit * most
 
 
