@@ -84,13 +84,13 @@ class Law:
         inner = np.zeros(len(result), np.bool_) if self.straight else ~self.at_ends
         for piece in np.flatnonzero((self.slopes > 0.0) & (least <= 0.0) & (most >= 0.0)):
             (travel, force), slope = result[piece], self.slopes[piece]
+            # The core takes the same differences, so that both have the same rounding.
+            terms = travel, force / slope
             if inner[piece] and np.isfinite(slope):
-                # The core takes the same sums, so that both have the same rounding.
                 beyond, above = self.vertices[piece]
-                result[piece, 0] = travel * (above / (above - force)) - beyond * (force / (above - force))
-            else:
-                result[piece, 0] = travel - force / slope
-            result[piece, 1] = 0.0
+                terms = travel * (above / (above - force)), beyond * (force / (above - force))
+            zero = terms[0] - terms[1]
+            result[piece] = (0.0 if abs(zero) <= _ROUNDING * abs(terms[0]) else zero), 0.0
         return result
 
     @cached_property
