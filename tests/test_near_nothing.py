@@ -182,3 +182,39 @@ def test_numbers_that_are_rounding_are_not_said_to_be_wide(count: int) -> None:
     results, out = signorini.solve(model), io.StringIO()
     print_results(Console(file=out, width=200), results, signorini.estimate(results))
     assert "±" in out.getvalue() and "more than half" not in out.getvalue()
+
+
+@pytest.mark.parametrize(("divisions", "elements"), [((2, 2), (64, 16, 4)), ((1, 2), (32, 8, 2))])
+def test_a_path_on_few_elements_is_compared_with_two_other_meshes(divisions, elements) -> None:
+    clamped = signorini.load(Path(__file__).parents[1] / "examples" / "clamped_quarter.toml")
+    model = clamped.model_copy(update={"mesh": clamped.mesh.model_copy(update={"divisions": divisions})})
+    compared = signorini.estimate(signorini.path(model, None, "load", until=1.0, steps=2))
+    assert compared.elements == elements
+    if divisions == (2, 2):
+        # On 16 by 16 elements the gap closes at t = 0.49884.
+        assert 0.5 - 0.49884 <= compared.events[0] <= 0.005
+
+
+@pytest.mark.parametrize("count", [1, 13])
+def test_an_extreme_over_plates_has_the_half_width_of_its_plate(count: int) -> None:
+    steel = {"material": {"E": 210e6, "nu": 0.3}, "shape": "rectangle", "size": [1.2, 1.2], "origin": [0.9, 0.15]}
+    mat = {"material": {"E": 10e6, "nu": 0.2}, "shape": "rectangle", "size": [3, 1.5], "thickness": 0.2}
+    mesh = {"steel": {"mesh": {"size": 0.2}}, "mat": {"mesh": {"size": 0.3}}}
+    model = Model(
+        plates={"steel": {**steel, "thickness": 0.04, **mesh["steel"]}, "mat": {**mat, **mesh["mat"]}},
+        contact=[{"name": "between", "between": ["steel", "mat"], "area": "all", "stiffness": 2e6}],
+        support=[{"name": "soil", "plate": "mat", "area": "all", "resists": "down", "stiffness": 20e3}],
+        load=[{"case": "Q", "plate": "steel", "force": 400, "at": [1.8, 0.9], "patch": [0.5, 0.5]}],
+        combination=[{"name": f"c{i}", "factors": {"Q": 1 + 0.1 * i}} for i in range(count)],
+    )
+    results = signorini.solve(model)
+    estimates = signorini.estimate(results)
+    told = 0
+    for field in ("deflection", "mx", "my", "qx", "qy"):
+        for side in ("max", "min"):
+            values = {plate: results.table[f"{side}:{plate}.{field}"][0] for plate in ("steel", "mat")}
+            owner = min(values, key=lambda plate: abs(values[plate] - results.table[f"{side}:{field}"][0]))
+            widths = [estimates.half_width(f"{side}:{name}", 0) for name in (field, f"{owner}.{field}")]
+            assert widths[0] == widths[1]
+            told += owner == "mat"
+    assert 0 < told < 10

@@ -288,11 +288,11 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
     }
     ends, names = list(each.values()), list(each)
     widths, plates = np.empty(len(result.catalogue)), dict[Path, str]()
-    for row, (one, of) in enumerate(zip(result.catalogue, result.catalogue.in_plates, strict=True)):
+    for row, (number, of) in enumerate(zip(result.catalogue, result.catalogue.in_plates, strict=True)):
         values = np.array([[ends[plate].result.numbers[place]] for plate, place in of])
         own = np.array([[ends[plate].widths[place]] for plate, place in of])
         (which,) = plates_of_extremes(result.numbers[row : row + 1], values, own).tolist()
-        widths[row], plates[one.path] = own[which, 0], names[of[which][0]]
+        widths[row], plates[number.path] = own[which, 0], names[of[which][0]]
     by_path = {one.path: known(width) for one, width in zip(result.catalogue, widths.tolist(), strict=True)}
     by_path |= boundary_widths(result, others[0])
     for name, one in result.plates.items():

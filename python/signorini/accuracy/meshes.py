@@ -107,12 +107,10 @@ def meshes_beside_path(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
 
     None of a mesh that is given, or of one element along a side.
     """
-    if model.plates:
-        given, along = model.plates.values(), _along(model, len(mesh.elements))
-    else:
-        rows = model.divisions is not None and not model.mesh.refine
-        given, along = [model.plate], max(model.divisions) if rows else math.isqrt(len(mesh.elements))
-    if along < _FEWEST_ALONG or any(isinstance(plate, MeshPlate) for plate in given):
+    count, rows = len(mesh.elements), None if model.plates or model.mesh.refine else model.divisions
+    along = _along(model, count) if model.plates else math.isqrt(count) if rows is None else max(rows)
+    given = any(isinstance(plate, MeshPlate) for plate in model.plates.values()) or isinstance(model.plate, MeshPlate)
+    if given or along < _FEWEST_ALONG:
         return ()
     pair = _scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)
     if _rows(pair[0].model) == _rows(pair[1].model):
@@ -121,9 +119,9 @@ def meshes_beside_path(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
 
 
 def _rows(model: Model) -> list[object]:
-    """Numbers of elements in rows of every plate; of one without rows what the mesh is made with."""
+    """Numbers of elements in rows of every plate, or else what its mesh is made with."""
     each = [part.model for part in model.parts] if model.plates else [model]
-    return [one.divisions or one.mesh for one in each]
+    return [one.mesh if one.divisions is None or one.mesh.refine else one.divisions for one in each]
 
 
 _WORDS = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its size", 4.0: "four times its size"}

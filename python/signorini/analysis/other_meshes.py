@@ -199,15 +199,12 @@ class _Rows:
                 named, probes = self._named(plate, combinations[rows]), plate.probe_positions
                 meshes = self.meshes.of_plate(at)
                 out[mine, rows] = compared(values[:, mine], own, meshes, plate.model, probes, named)[0]
-        by_path, plates, own_mesh = (
-            {one.path: row for row, one in enumerate(numbers)},
-            self.layout.model.plates,
-            tables[self.meshes.own],
-        )
+        by_path, plates = {one.path: row for row, one in enumerate(numbers)}, self.layout.model.plates
+        shown = tables[self.meshes.own]
         for row in (row for row, one in enumerate(numbers) if plates and one.over_plates):
             each = [by_path["plates", name, *numbers[row].path] for name in plates]
-            values, *own = (np.asarray(own_mesh[numbers[at].column]) for at in (row, *each))
-            which = plates_of_extremes(values, np.array(own), out[each])
+            whole, *parts = (np.asarray(shown[numbers[at].column]) for at in (row, *each))
+            which = plates_of_extremes(whole, np.array(parts), out[each])
             out[row] = np.take_along_axis(out[each], which[None], axis=0)[0]
         return {one.column + ENDING: width for one, width in zip(numbers, out, strict=True)}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -70,9 +71,9 @@ class Law:
 
     @cached_property
     def anchors(self) -> Floats:
-        """Travel and force (p, 2) of a point on the line of every piece: without force where the piece has such a point.
+        """Travel and force (p, 2) of a point on the line of every piece: the point without force, or else the corner.
 
-        Else it is the corner of the piece. Forces near zero keep their digits beside a distant vertex.
+        Forces near zero keep their digits beside a distant vertex.
 
         Examples
         --------
@@ -185,7 +186,8 @@ class Law:
         """
         at_force, forces = np.asarray(force, dtype=np.float64), [vertex[1] for vertex in self.vertices]
         result = []
-        for side, endless in (("left", -np.inf), ("right", np.inf)):
+        sides: tuple[tuple[Literal["left", "right"], float], ...] = (("left", -np.inf), ("right", np.inf))
+        for side, endless in sides:
             # The vertices below a force, or, for the largest travel, not above it, are before its piece.
             piece = np.minimum(np.searchsorted(forces, at_force, side), len(self.slopes) - 1)
             slope, flat = self.slopes[piece], self.slopes[piece] == 0.0
