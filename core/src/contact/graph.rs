@@ -6,6 +6,9 @@
 
 use std::fmt;
 
+/// Relative rounding of the vertices of a line that is drawn through the origin.
+const DRAWN: f64 = 1e-12;
+
 /// A nondecreasing polyline of force over travel.
 ///
 /// ```
@@ -97,10 +100,16 @@ impl Graph {
             let [travel, force] = vertices[number.saturating_sub(1)];
             let is_last = number + 1 == slopes.len();
             let has_none = (number == 0 || force <= 0.0) && (is_last || vertices[number][1] >= 0.0);
-            match slope > 0.0 && has_none {
-                true => Piece { travel: travel - force / slope, force: 0.0, slope },
-                false => Piece { travel, force, slope },
+            if !(slope > 0.0 && has_none) {
+                return Piece { travel, force, slope };
             }
+            let (base, back) = match vertices.get(number).filter(|_| number > 0 && slope.is_finite()) {
+                // By parts of the rise: zero to the last bit between vertices that mirror each other.
+                Some(&[next, above]) => (travel * (above / (above - force)), next * (force / (above - force))),
+                None => (travel, force / slope),
+            };
+            let is_none = (base - back).abs() <= DRAWN * base.abs();
+            Piece { travel: if is_none { 0.0 } else { base - back }, force: 0.0, slope }
         };
         let pieces = slopes.iter().enumerate().map(line).collect();
         Self { vertices, pieces }
@@ -190,6 +199,10 @@ mod tests {
         let both = Graph::new(vec![[-1.0, -1e6], [1.0, 1e6]], [0.0, 0.0]).unwrap();
         assert_eq!([0, 1, 2].map(|number| both.piece(number).force), [-1e6, 0.0, 1e6]);
         assert_eq!(both.force_at(0.0, 1e-300).0, 1e-294);
+        let drawn = Graph::new(vec![[-6.02e-5, -12670.0], [6.02e-5, 12670.0]], [0.0, 0.0]).unwrap();
+        assert_eq!(drawn.piece(1).travel, 0.0);
+        let through = Graph::new(vec![[-0.00071, -37.701], [0.00028, 14.868]], [0.0, 1.0]).unwrap();
+        assert_eq!(through.piece(1).travel, 0.0);
         let rigid = Graph::new(vec![[0.0, -5.0], [0.0, 5.0]], [0.0, 0.0]).unwrap();
         assert_eq!(rigid.piece(1), Piece { travel: 0.0, force: 0.0, slope: f64::INFINITY });
         let bent = Graph::new(vec![[-1.0, -3.0], [1.0, 1.0], [2.0, 5.0]], [1.0, 4.0]).unwrap();

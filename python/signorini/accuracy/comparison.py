@@ -28,7 +28,7 @@ from signorini.accuracy.layers import KINDS as TOUCHED
 from signorini.accuracy.layers import unseen_at_edges, unseen_layer
 from signorini.base import numbers as words
 from signorini.base.remade import Brief
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.results.figures import figures, with_widths
@@ -80,7 +80,7 @@ class Estimate(Brief):
 
 @dataclass(frozen=True)
 class PathEstimate:
-    """What coarser meshes say of a load path.
+    """What other meshes say of a load path.
 
     Parameters
     ----------
@@ -286,18 +286,34 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
     each = {
         name: compare(own, [other.plates[name] for other in others], warning) for name, own in result.plates.items()
     }
-    own = [one.widths for one in each.values()]
-    # Of an extreme over all plates the widest: any of them may have it.
-    widths = np.array([np.max([own[plate][place] for plate, place in of]) for of in result.catalogue.in_plates])
+    ends, names = list(each.values()), list(each)
+    widths, plates = np.empty(len(result.catalogue)), dict[Path, str]()
+    for row, (number, of) in enumerate(zip(result.catalogue, result.catalogue.in_plates, strict=True)):
+        values = np.array([[ends[plate].result.numbers[place]] for plate, place in of])
+        own = np.array([[ends[plate].widths[place]] for plate, place in of])
+        (which,) = plates_of_extremes(result.numbers[row : row + 1], values, own).tolist()
+        widths[row], plates[number.path] = own[which, 0], names[of[which][0]]
     by_path = {one.path: known(width) for one, width in zip(result.catalogue, widths.tolist(), strict=True)}
     by_path |= boundary_widths(result, others[0])
     for name, one in result.plates.items():
         of_plate = {path[2:]: width for path, width in by_path.items() if path[:2] == ("plates", name)}
         by_path |= {("plates", name, *path): width for path, width in places_of_extremes(one, of_plate).items()}
-    by_path |= places_of_extremes(result, by_path)
+    for path in (one.path for one in result.catalogue if one.over_plates):
+        at = [(*path[:-1], f"{path[-1]}_at", axis) for axis in (0, 1)]
+        by_path |= {place: by_path["plates", plates[path], *place] for place in at}
     warnings = said_of({name: one.warnings for name, one in each.items()})
     elements = tuple(sum(counts) for counts in zip(*(one.elements for one in each.values()), strict=True))
     return Estimate(result, widths, with_widths(figures(result), by_path), elements, warnings, each)
+
+
+def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
+    """The plate (k,) that has each extreme (k,) over p plates, given its own extremes and half-widths (p, k).
+
+    Of several plates with the same extreme it is the plate with the largest half-width.
+    """
+    away = np.nan_to_num(np.abs(own - values), nan=np.inf)
+    ordered = np.where(away == away.min(axis=0), np.nan_to_num(widths, nan=np.inf), -1.0)
+    return np.asarray(ordered.argmax(axis=0))
 
 
 def _widen_absent(widths: Floats, rows: Mapping[Path, int], values: Floats) -> None:

@@ -102,17 +102,26 @@ def _along(model: Model, count: int) -> int:
     return min(math.isqrt(count // len(each)) if one is None else min(one) for one in each)
 
 
-def coarser_of(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
-    """Meshes of twice and four times the size; none of a mesh that is given, or of one element along a side."""
-    if model.plates:
-        given = any(isinstance(plate, MeshPlate) for plate in model.plates.values())
-        few = given or _along(model, len(mesh.elements)) < _FEWEST_ALONG
-        return () if few else (_scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0))
-    divisions = model.divisions
-    along = math.isqrt(len(mesh.elements)) if divisions is None or model.mesh.refine else max(divisions)
-    if isinstance(model.plate, MeshPlate) or along < _FEWEST_ALONG:
+def meshes_beside_path(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
+    """Meshes of twice and four times the size or, where both have the same rows, of half and a quarter.
+
+    None of a mesh that is given, or of one element along a side.
+    """
+    count, rows = len(mesh.elements), None if model.plates or model.mesh.refine else model.divisions
+    along = _along(model, count) if model.plates else math.isqrt(count) if rows is None else max(rows)
+    given = any(isinstance(plate, MeshPlate) for plate in model.plates.values()) or isinstance(model.plate, MeshPlate)
+    if given or along < _FEWEST_ALONG:
         return ()
-    return _scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)
+    pair = _scaled(model, mesh, 2.0), _scaled(model, mesh, 4.0)
+    if _rows(pair[0].model) == _rows(pair[1].model):
+        pair = _scaled(model, mesh, 0.5), _scaled(model, mesh, 0.25)
+    return pair
+
+
+def _rows(model: Model) -> list[object]:
+    """Numbers of elements in rows of every plate, or else what its mesh is made with."""
+    each = [part.model for part in model.parts] if model.plates else [model]
+    return [one.mesh if one.divisions is None or one.mesh.refine else one.divisions for one in each]
 
 
 _WORDS = {0.25: "a quarter of its size", 0.5: "half its size", 2.0: "twice its size", 4.0: "four times its size"}

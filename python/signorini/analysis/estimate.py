@@ -31,7 +31,7 @@ from signorini.results.path_events import Threshold
 from signorini.results.result import Result
 
 _NEAR = 0.02
-"""Part of the path's length about an event within which a coarser mesh is first searched for it."""
+"""Part of the path's length about an event within which another mesh is first searched for it."""
 _FARTHER = 4.0
 """Ratio of such distances."""
 
@@ -47,7 +47,7 @@ def _has_estimate(path: LoadPath) -> bool:
 
 
 def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
-    """Find the events of a path on coarser meshes; what one of them does not do near them has no half-width."""
+    """Find the events of a path on other meshes; what one of them does not do near them has no half-width."""
     asked = [(Watch(None, number), one.t, _falls(path, one)) for number, one in enumerate(path.thresholds) if one.t]
     names = [support.name for support in path.model.support]
     watches = [
@@ -59,16 +59,17 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
 
     def found(problem: ContactProblem, watch: Watcher) -> tuple[Mesh, list[float]]:
         problem = tightened_by(problem, factors_named(problem.discretisation, path.start), watch)
-        sampler = Sampler(problem, PathLoads.of(problem, path.start, path.add), path.thresholds, watch)
-        return problem.mesh, _same_events(sampler, [*watches, *asked], path.stops[-1].t)
+        sampler = Sampler(problem, loads := PathLoads.of(problem, path.start, path.add), path.thresholds, watch)
+        return problem.mesh, [*_same_events(sampler, [*watches, *asked], path.stops[-1].t), loads.limits[0]]
 
-    others, warning = OtherMeshes(path.model, path.mesh, watcher).solved_on_coarser(found)
+    others, warning = OtherMeshes(path.model, path.mesh, watcher).solved_for_path(found)
     if not others:
         return PathEstimate.nothing(count, wanted, (warning,))
     meshes = Meshes.of(path.mesh, [mesh for mesh, _ in others], bool(warning))
-    own = [t for _, t, _ in [*watches, *asked]]
+    own = [*(t for _, t, _ in [*watches, *asked]), path.limit]
     of = [(path.mesh, own), *others]
-    values = np.array([next(t for mesh, t in of if mesh is one) for one in meshes.every]).reshape(len(of), -1)
+    values = np.array([next(t for mesh, t in of if mesh is one) for one in meshes.every])
+    values[np.isinf(values)] = np.nan
     none = np.full(values.shape[1], np.nan)
     # Two meshes that do the same while a third does not show no order.
     alike = meshes.fastest(acts_at_points(path.model))
@@ -77,14 +78,17 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     widths = half_widths(values, meshes.sizes, meshes.own, fastest, none, size, np.isnan(none))[0]
     loads = PathLoads((path.start, path.add), path._loads, (0, 0))
     sampler = Sampler(path.problem, loads, path.thresholds, watching(None, ""))
-    known_to = [LINEAR if sampler.exact(watch) else SMOOTH for watch, _, _ in [*watches, *asked]]
+    known_to = [*(LINEAR if sampler.exact(watch) else SMOOTH for watch, _, _ in [*watches, *asked]), LINEAR]
     widths = np.fmax(widths, np.where(np.isnan(widths), np.nan, np.array(known_to) * path.stops[-1].t))
     widths[widths > size] = np.nan
     found_widths = [known(width) for width in rounded(widths).tolist()]
     of_asked = iter(found_widths[count:])
     of_thresholds = tuple(next(of_asked) if one.t else None for one in path.thresholds)
-    # Where equilibrium ends the outlines of the supports say, and where the user asked to.
+    # The outlines of the supports tell where equilibrium ends; where supports have limits, the points of the mesh do.
     end = 0.0 if path.ending in ("no_equilibrium", "until") else None
+    limited = path.problem.freedom.outline.limited
+    if path.ending == "no_equilibrium" and limited and not widths[-1] <= LINEAR * path.limit:
+        end = found_widths[-1]
     warnings = (warning,) if warning else ()
     return PathEstimate(end, tuple(found_widths[:count]), of_thresholds, meshes.elements, warnings)
 

@@ -12,8 +12,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from signorini.accuracy.comparison import Meshes, compared, known
-from signorini.accuracy.meshes import OtherMesh, coarser_of, meshes_beside
+from signorini.accuracy.comparison import Meshes, compared, known, plates_of_extremes
+from signorini.accuracy.meshes import OtherMesh, meshes_beside, meshes_beside_path
 from signorini.analysis.combinations import Combined
 from signorini.analysis.results import Results
 from signorini.analysis.single import rows_of, solve_rows, solve_table
@@ -59,9 +59,9 @@ class OtherMeshes:
         """Solve something on one or two other meshes, and say why where one fails."""
         return self._first(meshes_beside(self.model, self.mesh), solve, "a finer mesh would take too long.")
 
-    def solved_on_coarser(self, solve: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
-        """Solve something on one or two coarser meshes, and say why where one fails."""
-        pairs = [pair] if (pair := coarser_of(self.model, self.mesh)) else []
+    def solved_for_path(self, solve: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
+        """Solve something on one or two meshes that a path is compared with, and say why where one fails."""
+        pairs = [pair] if (pair := meshes_beside_path(self.model, self.mesh)) else []
         return self._first(pairs, solve, "this mesh cannot be coarsened.")
 
     def _first(
@@ -71,10 +71,10 @@ class OtherMeshes:
         whys: list[str] = []
         failed: list[str] = []
         for pair in pairs:
-            result: list[_T] = []
+            result: dict[str, _T] = {}
             for other in pair:
                 try:
-                    result.append(self._on(other, solve))
+                    result[other.words] = self._on(other, solve, result)
                 except (SignoriniError, MemoryError) as error:
                     whys.append(f"on a mesh of {other.words}: {str(error) or 'not enough memory.'}")
                     if not isinstance(error, _SameMeshError):
@@ -84,10 +84,12 @@ class OtherMeshes:
                 if len(result) == _OTHERS:
                     break
             if result:
-                return result, without(len(result), " ".join(dict.fromkeys(failed))) if failed else ""
+                return [*result.values()], without(len(result), " ".join(dict.fromkeys(failed))) if failed else ""
         return [], without(0, " ".join(dict.fromkeys(whys)) or none)
 
-    def _on(self, other: OtherMesh, solve: Callable[[ContactProblem, Watcher], _T]) -> _T:
+    def _on(self, other: OtherMesh, solve: Callable[[ContactProblem, Watcher], _T], beside: Iterable[str] = ()) -> _T:
+        """Solve something on another mesh, unless it is much like the plate's own or one of those beside it."""
+
         def watch(now: Progress) -> None:
             self.watcher(replace(now, other_mesh=other.words))
 
@@ -96,9 +98,10 @@ class OtherMeshes:
             # The method that was asked for may be slow on a finer mesh; every certified answer is the same.
             solver = other.model.solver.model_copy(update={"method": "auto"})
             discretisation = discretise(other.model.model_copy(update={"solver": solver}), other.mesh)
-            count, own = len(discretisation.mesh.elements), len(self.mesh.elements)
-            if not abs(math.log2(count / own)) > _OTHER:
-                raise _SameMeshError(f"it has {count} elements, hardly other ones than the {own} of this mesh.")
+            count, meshes = len(discretisation.mesh.elements), [self.mesh, *(self._problems[at].mesh for at in beside)]
+            for known_count in (len(mesh.elements) for mesh in meshes):
+                if not abs(math.log2(count / known_count)) > _OTHER:
+                    raise _SameMeshError(f"it has {count} elements, about as many as a mesh of {known_count}.")
             watch(Progress(stage="factor"))
             self._problems[other.words] = contact_problem(discretisation)
         return solve(self._problems[other.words], watch)
@@ -197,9 +200,12 @@ class _Rows:
                 meshes = self.meshes.of_plate(at)
                 out[mine, rows] = compared(values[:, mine], own, meshes, plate.model, probes, named)[0]
         by_path, plates = {one.path: row for row, one in enumerate(numbers)}, self.layout.model.plates
+        shown = tables[self.meshes.own]
         for row in (row for row, one in enumerate(numbers) if plates and one.over_plates):
-            # Of an extreme over several plates the widest: any of them may have it.
-            out[row] = np.max([out[by_path["plates", name, *numbers[row].path]] for name in plates], axis=0)
+            each = [by_path["plates", name, *numbers[row].path] for name in plates]
+            whole, *parts = (np.asarray(shown[numbers[at].column]) for at in (row, *each))
+            which = plates_of_extremes(whole, np.array(parts), out[each])
+            out[row] = np.take_along_axis(out[each], which[None], axis=0)[0]
         return {one.column + ENDING: width for one, width in zip(numbers, out, strict=True)}
 
     def _of_plate(self, plate: int, numbers: Sequence[Number]) -> tuple[Ints, list[Number]]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from signorini.accuracy.half_width import away
+from signorini.accuracy.half_width import away, largest_of, sizes_of
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import ROUNDING, number, size_of
@@ -110,12 +110,16 @@ _BESIDE = 4.0
 """Elements beside a place without a limit in which other meshes have other values: two of those twice as large."""
 _LITTLE = 0.25
 """Part of the largest moment or shear, of any direction, up to which it is not worth a finer mesh."""
+_STRIP = 1e-3
+"""Part of the plate's size: moments p ℓ² and shears p ℓ of a strip so wide, under the mean pressure p, are nothing."""
 
 
 def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
     """Say of which largest moments and shears the half-width is more than half of the number, and what helps."""
     result: dict[str, tuple[float, str]] = {}
-    for fields, widths in _fields(results, estimates):
+    size = results.discretisation.mesh.size
+    for fields, widths, force in _fields(results, estimates):
+        nothing = {"moment": _STRIP**2 * force, "shear": _STRIP * force / size}
         ends = {name: max(SIDES, key=lambda end: abs(fields[name][end])) for name in RESULTANTS if name in fields}
         for name in (name for name in RESULTANTS if name in ends):
             value, width = abs(fields[name][ends[name]]), widths[name][ends[name]]
@@ -127,9 +131,9 @@ def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
             place = fields[name][f"{ends[name]}_at"]
             if width is None or any(_near(one, place) for one in results.discretisation.each):
                 continue
-            if width > max(_WIDE * value, _LITTLE * max(alike)):
+            if width > max(_WIDE * value, _LITTLE * max(alike), nothing[FIELDS[name].kind]):
                 part = width / value if value else float("inf")
-                at = point(fields[name][f"{ends[name]}_at"], results.discretisation.mesh.size)
+                at = point(fields[name][f"{ends[name]}_at"], size)
                 result[name] = max(result.get(name, (0.0, "")), (part, at))
     if not result:
         return
@@ -151,17 +155,29 @@ def _near(discretisation: Discretisation, at: Sequence[float]) -> bool:
     return any(away(place, one)[0] <= one.within + reach for one in named)
 
 
-def _fields(results: Results, estimates: Estimates | None) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Any]]]:
-    """Largest and smallest moments and shears with their half-widths, of every combination or of a table."""
+def _fields(
+    results: Results, estimates: Estimates | None
+) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Any], float]]:
+    """Largest and smallest moments and shears, their half-widths and the force that acts, of a combination or table."""
     if results.model.tabulated:
         values = envelope_json(results, estimates)
         if values is not None and values["plus_minus"] is not None:
             yield (
                 {name: values["fields"][name] for name in RESULTANTS if name in values["fields"]},
                 values["plus_minus"]["fields"],
+                _force(results),
             )
         return
     for result in results.full.values():
         widths = None if estimates is None else estimates[result.name].plus_minus
         if result.status == "solved" and widths is not None:
-            yield figures(result)["fields"], widths["fields"]
+            yield figures(result)["fields"], widths["fields"], largest_of(result)["reaction"]
+
+
+def _force(results: Results) -> float:
+    """The largest sum of the reactions of all supports over the rows of a table, from above."""
+    of, catalogue = results.combined.envelope.values, results.combined.layout.catalogue
+    most = np.fmax(np.abs(of.largest), np.abs(of.smallest))
+    if results.model.plates:
+        return float(most[catalogue.at("support", "reaction")].sum())
+    return float(sizes_of(most[:, None], catalogue.numbers, results.model, results.discretisation.mesh)["reaction"][0])

@@ -329,12 +329,12 @@ def _off_pieces(
             continue
         at = np.broadcast_to(mine, travels.shape).nonzero()
         piece = np.broadcast_to(pieces, travels.shape)[at]
-        vertex, slope, scale = law.corners[piece], law.slopes[piece], contacts.scale[at[1]]
+        anchor, slope, scale = law.anchors[piece], law.slopes[piece], contacts.scale[at[1]]
         unit = contacts.unit[at[1]]
         force = reaction[at] / scale
-        flat = scale * np.abs(force - vertex[:, 1]) / sizes[at]
-        along = (force - vertex[:, 1]) / np.where(slope == 0.0, np.inf, slope)
-        away = np.abs(travels[at] - unit * (vertex[:, 0] + along)) / lengths[at]
+        flat = scale * np.abs(force - anchor[:, 1]) / sizes[at]
+        along = (force - anchor[:, 1]) / np.where(slope == 0.0, np.inf, slope)
+        away = np.abs(travels[at] - unit * (anchor[:, 0] + along)) / lengths[at]
         result[at] = np.where(slope == 0.0, flat, away)
     return result
 

@@ -355,17 +355,34 @@ def _in_words(ways: Floats, discretisation: Discretisation) -> str:
 
 
 def span_of_cone(sides: Floats) -> Floats:
-    """Basis (d, e) of what the directions y with C y ≤ 0 span, given C (c, d), of rows about as long as one another."""
-    count, size = sides.shape
-    if not count:
-        return np.eye(size)
-    # A cone holds the sum of its directions and their multiples: every side that one of them leaves, one leaves at all.
-    free, stays = np.full(size, np.inf), np.zeros(count)
-    bounds = np.append(-free, stays), np.append(free, stays + 1.0)
-    cost = np.append(np.zeros(size), -np.ones(count))
-    leave = minimise(cost, np.column_stack([sides, np.eye(count)]), (-np.inf, 0.0), bounds)
-    never = np.ones(count, np.bool_) if leave is None else leave[size:] < 0.5
-    return null_space(sides[never], _ACTIVE)
+    """Basis (d, e) of the span of the cone C y ≤ 0, given C (c, d), of rows about as long as one another.
+
+    Each direction of the cone leaves some rows, C_i y < 0, and vanishes on those that stay. So the next direction is
+    independent of it, and there are at most d.
+    """
+    stay = sides
+    while len(stay):
+        leaves = stay @ _steepest_in_cone(sides, stay.sum(axis=0)) < -_MOVED
+        if not leaves.any():
+            break
+        stay = stay[~leaves]
+    return null_space(stay, _ACTIVE)
+
+
+def _steepest_in_cone(sides: Floats, cost: Floats) -> Floats:
+    """The y (d,) with C y ≤ 0 and |y_i| ≤ 1 that minimises c·y, by cutting planes (Kelley 1960).
+
+    Some d of the rows matter. The row that y is farthest beyond joins those that are kept, until there is none.
+    """
+    kept: list[int] = []
+    while True:
+        y = minimise(cost, sides[kept], (-np.inf, 0.0), (-1.0, 1.0), tolerance=_ACTIVE)
+        assert y is not None, "y = 0 is in the cone"
+        beyond = sides @ y
+        worst = int(beyond.argmax())
+        if beyond[worst] <= _STILL or worst in kept:
+            return y
+        kept.append(worst)
 
 
 def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats:

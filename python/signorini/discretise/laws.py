@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -70,6 +71,31 @@ class Law:
         return np.array(self.vertices[:1] if self.straight else [self.vertices[0], *self.vertices])
 
     @cached_property
+    def anchors(self) -> Floats:
+        """Travel and force (p, 2) of a point on the line of every piece: the point without force, or else the corner.
+
+        Forces near zero keep their digits beside a distant vertex.
+
+        Examples
+        --------
+        >>> Law(((-1e7, -1e15), (1e7, 1e15)), (0.0, 0.0)).anchors.tolist()
+        [[-10000000.0, -1000000000000000.0], [0.0, 0.0], [10000000.0, 1000000000000000.0]]
+        """
+        result = self.corners.copy()
+        least, most = self.ranges.T
+        inner = np.zeros(len(result), np.bool_) if self.straight else ~self.at_ends
+        for piece in np.flatnonzero((self.slopes > 0.0) & (least <= 0.0) & (most >= 0.0)):
+            (travel, force), slope = result[piece], self.slopes[piece]
+            # The core takes the same differences, so that both have the same rounding.
+            terms = travel, force / slope
+            if inner[piece] and np.isfinite(slope):
+                beyond, above = self.vertices[piece]
+                terms = travel * (above / (above - force)), beyond * (force / (above - force))
+            zero = terms[0] - terms[1]
+            result[piece] = (0.0 if abs(zero) <= _ROUNDING * abs(terms[0]) else zero), 0.0
+        return result
+
+    @cached_property
     def ranges(self) -> Floats:
         """Least and largest force (p, 2) on every piece.
 
@@ -118,14 +144,10 @@ class Law:
         >>> Law.drawn([(0.0, 0.0), (0.5, 2.0), (1.0, 2.0)], both=False).force_at([-0.5, 0.25, 3.0]).tolist()
         [-2.0, 1.0, 2.0]
         """
-        at, (travels, forces) = np.asarray(travel, dtype=np.float64), np.array(self.vertices).T
-        before, beyond = (
-            self.slopes[min(1, len(self.slopes) - 1)] if self.ends[0] == 0.0 else self.ends[0],
-            self.ends[1],
-        )
-        inside = np.interp(at, travels, forces)
-        outside = np.minimum(at - travels[0], 0.0) * before + np.maximum(at - travels[-1], 0.0) * beyond
-        return np.asarray(inside + outside)
+        at, travels = np.asarray(travel, dtype=np.float64), [vertex[0] for vertex in self.vertices]
+        first = int(self.ends[0] == 0.0)
+        piece = np.minimum(np.maximum(np.searchsorted(travels, at, "right"), first), len(self.slopes) - 1)
+        return np.asarray(self.anchors[piece, 1] + self.slopes[piece] * (at - self.anchors[piece, 0]))
 
     def pieces_at(self, force: Floats, nothing: Floats, flat: bool = True) -> Ints:
         """Pieces (..., k) on which it has forces (..., k), but for so much; at a vertex one that is flat, or is not."""
@@ -163,20 +185,15 @@ class Law:
         >>> [ends.tolist() for ends in soil.travels([0.0, 2.0, 5.0])]
         [[-inf, 0.004, 0.01], [0.0, 0.004, inf]]
         """
-        travel, at = np.array(self.vertices).T
-        at_force = np.asarray(force, dtype=np.float64)
+        at_force, forces = np.asarray(force, dtype=np.float64), [vertex[1] for vertex in self.vertices]
         result = []
-        for side in ("left", "right"):
-            # Beyond the vertices below a force, or, for the largest travel, not above it.
-            count = np.searchsorted(at, at_force, side)
-            before, after = np.maximum(count - 1, 0), np.minimum(count, len(at) - 1)
-            rise = np.where(before < after, at[after] - at[before], 1.0)
-            inside = travel[before] + (at_force - at[before]) / rise * (travel[after] - travel[before])
-            low, high = (
-                np.full_like(at_force, outside) if slope == 0.0 else travel[end] + (at_force - at[end]) / slope
-                for end, slope, outside in ((0, self.ends[0], -np.inf), (-1, self.ends[1], np.inf))
-            )
-            result.append(np.where(count == 0, low, np.where(count == len(at), high, inside)))
+        sides: tuple[tuple[Literal["left", "right"], float], ...] = (("left", -np.inf), ("right", np.inf))
+        for side, endless in sides:
+            # The vertices below a force, or, for the largest travel, not above it, are before its piece.
+            piece = np.minimum(np.searchsorted(forces, at_force, side), len(self.slopes) - 1)
+            slope, flat = self.slopes[piece], self.slopes[piece] == 0.0
+            along = (at_force - self.anchors[piece, 1]) / np.where(flat, 1.0, slope)
+            result.append(np.where(flat, endless, self.anchors[piece, 0] + along))
         return result[0], result[1]
 
 

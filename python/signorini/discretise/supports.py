@@ -144,7 +144,7 @@ def points_of(on: Ground, supports: Sequence[Placed], problems: Problems) -> Con
 
 def _places(support: Support, acting: _Acting) -> Floats:
     """Where formulas are evaluated (q, 2): beside a jump within the element that a point is of."""
-    return acting.within if _steps(support) else acting.positions
+    return acting.within if _jumps(support) else acting.positions
 
 
 def _require_covered(on: Ground, placed: Placed) -> None:
@@ -263,12 +263,23 @@ def _along_line(on: Ground, placed: Placed) -> list[_Acting]:
     return [replace(one, shared=np.full_like(one.shared, -1)) for one in means] or result
 
 
-def _steps(support: Support) -> list[Level]:
+def _jumps(support: Support) -> list[Level]:
     """Where an elastic support's stiffness, limit, gap or settlement jumps; a rigid one's points are what they are."""
     if support.modulus is None:
         return []
     formulas = support.modulus, support.limit, support.gap, support.settlement
     return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
+
+
+def _steps(support: Support) -> list[Level]:
+    """Curves at which pieces of the quadrature end: jumps, and kinks of a limit and of the stiffness beside it.
+
+    The limit load is the integral of the limit over the soil.
+    """
+    if support.modulus is None or support.limit is None:
+        return _jumps(support)
+    kinks = [one for formula in (support.modulus, support.limit) for one in formula.levels if not one.jumps]
+    return _jumps(support) + kinks
 
 
 def _on_area(on: Ground, placed: Placed) -> _Acting:
@@ -280,7 +291,7 @@ def _on_area(on: Ground, placed: Placed) -> _Acting:
     to_outline = free_corners if elastic and one_sided else None
     over = in_area(mesh, on.shape, support.where.region, place, _GAUSS, to_outline, _steps(support), _OFF, follow=True)
     within = over.positions
-    if _steps(support):
+    if _jumps(support):
         within = mesh.map(over.elements, mesh.inward(over.elements, over.xi, INSIDE))
     points = LineQuadrature(over.elements, over.xi, over.weights, over.positions, np.zeros_like(over.positions), within)
     through = _on_soil(placed, _Acting.of(on.rows(points, 0), points))

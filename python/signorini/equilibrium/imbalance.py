@@ -447,14 +447,11 @@ def on_the_brink(discretisation: Discretisation, freedom: RigidFreedom, nodal: F
     if freedom.outline.limited:
         return largest_factor(discretisation, freedom, freedom.outline, 0.0 * nodal, nodal) <= 1.0 + _BRINK
     one_sided = freedom.outline.moves
-    # Reactions with as much as can be to spare at all of them: the first unknown.
-    cost = np.append(-1.0, np.zeros(len(one_sided)))
-    spare = np.column_stack([np.ones(len(one_sided)), -np.eye(len(one_sided))])
-    balance = np.column_stack([np.zeros(freedom.count), one_sided.T])
+    # The first unknown is a reaction that every point has; the others come on top of it.
+    balance = np.column_stack([one_sided.sum(axis=0), one_sided.T])
     wanted = work_of(discretisation, freedom, nodal) / total
-    none, beyond = np.zeros(len(one_sided)), np.full(len(one_sided), np.inf)
-    bound = np.concatenate([-beyond, wanted]), np.concatenate([none, wanted])
-    most = minimise(cost, np.vstack([spare, balance]), bound, (0.0, np.append(1.0, beyond)))
+    cost = np.append(-1.0, np.zeros(len(one_sided)))
+    most = minimise(cost, balance, (wanted, wanted), (0.0, np.append(1.0, np.full(len(one_sided), np.inf))))
     return most is not None and bool(most[0] <= _BRINK)
 
 
@@ -498,11 +495,17 @@ def largest_factor(
     size = load_size(discretisation, case)
     if not freedom.count or size == 0:
         return np.inf
-    unit = (load_size(discretisation, rest) or size) / size
-    limits = _limits(discretisation, freedom, bearing, rest, unit * case)
+    strengths = np.abs(np.append(bearing.least, bearing.most))
+    strengths = strengths[np.isfinite(strengths) & (strengths > 0.0)]
+    # The factor is found in units of the rest or the weakest point, or in larger ones up to the sum of all limits.
+    unit = (load_size(discretisation, rest) or float(strengths.min(initial=size))) / size
+    while limits := _limits(discretisation, freedom, bearing, rest, unit * case):
+        most = limits[-1]
+        if most < _MOST or unit * size >= strengths.sum():
+            break
+        unit *= _MOST
     if not limits:
         return np.nan
-    most = limits[-1]
     return np.inf if most >= _MOST else 0.0 if most <= _BRINK else unit * most
 
 

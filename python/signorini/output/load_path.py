@@ -71,7 +71,7 @@ def path_json(path: LoadPath, estimate: PathEstimate | None = None) -> dict[str,
 
 
 def _half_widths(path: LoadPath, estimate: PathEstimate) -> dict[str, Any]:
-    """Half-widths of the end and of every named event's t; the limit is of the supports' outlines, and has none."""
+    """Half-widths of the end and of every named event's t; the limit of the supports' outlines has none."""
     return {
         "end": estimate.end,
         "events": [],

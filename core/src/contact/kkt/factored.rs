@@ -138,7 +138,7 @@ impl<'a> Factored<'a> {
     }
 
     /// Points whose springs the factor carries otherwise than pieces have them, and by how much.
-    pub(super) fn differing(&self, pieces: &[u8]) -> Vec<(usize, f64)> {
+    pub(in crate::contact) fn differing(&self, pieces: &[u8]) -> Vec<(usize, f64)> {
         let carried = &self.system().carried;
         let difference = |i: usize| self.slope(i, pieces[i]) - carried[i];
         (0..pieces.len()).map(|i| (i, difference(i))).filter(|&(_, d)| d != 0.0).collect()

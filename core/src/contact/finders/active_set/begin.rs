@@ -28,7 +28,8 @@ pub(super) fn begun<'a>(
         solution.displacement.clone_from(&start.displacement);
         multiplier.copy_from_slice(&start.reaction);
         spent = start.spent;
-        if !shares && spent >= BEFORE_A_FACTOR {
+        // A factor that has the springs of these pieces is not made twice.
+        if !shares && spent >= BEFORE_A_FACTOR && !kkt.differing(&start.piece).is_empty() {
             kkt.refactor(&start.piece)?;
         }
     }
