@@ -1,0 +1,358 @@
+"""Reactions per length along edges, lines and circles, with concentrated forces at their ends and corners.
+
+Every force fᵢ of a support, at a place t of the piece of the line that it is on, goes to the two ends of the piece by
+their linear functions, Fⱼ = Σᵢ φⱼ(tᵢ) fᵢ (docs/theory.md, section 5). Quadratic elements share a smooth reaction between
+corners and midsides as 1 : 4, thin ones as they like; the forces Fⱼ have neither trace.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Self
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from signorini.base.components import components
+from signorini.base.on_demand import kept
+from signorini.base.remade import Brief, Remade
+from signorini.discretise import Discretisation
+from signorini.discretise.held import sides_that_hold_turns
+from signorini.discretise.places import mesh_edges, quadratic_tangents, side_lengths
+from signorini.discretise.quadrature.lines import curve_pieces
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.supports import can_let_go
+from signorini.mesh import Mesh
+from signorini.mesh.isoparametric import BoxTree
+from signorini.model import Support
+from signorini.results.extremes import peak
+from signorini.results.support_points import SupportPoints
+
+CORNER = np.cos(np.radians(15.0))
+"""Where an edge turns by more it has a corner: sides of a circle, which are parabolas, turn by less than 1°."""
+_MOST_NEIGHBOURS = 3
+"""Stations from which the reaction per length at an end is extrapolated: a parabola."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Pieces of a line: ends (k, 2, 2), unit tangents there (k, 2, 2) and lengths (k,).
+
+    ``sides`` (k, 3) are the sides of elements that the pieces are; None where the line cuts elements.
+    """
+
+    ends: Floats
+    tangents: Floats
+    lengths: Floats
+    sides: Ints | None
+
+    @classmethod
+    def of(cls, discretisation: Discretisation, index: int) -> Self:
+        """Divide the line of a support."""
+        mesh, where = discretisation.mesh, discretisation.model.support[index].where
+        sides = mesh_edges(mesh, discretisation.model.plate, where, ("support", index))
+        if sides is not None:
+            tangents = quadratic_tangents(mesh, sides)[:, [0, 2]]
+            return cls(mesh.points[sides[:, [0, 2]]], tangents, side_lengths(mesh, sides).sum(axis=1), sides)
+        ends, tangents, lengths = [], [], []
+        assert where.curve is not None  # what is on no edge is on a line or a circle
+        for arc, stops, elements in curve_pieces(mesh, where.curve):
+            at, along = arc.at(stops)
+            on = elements >= 0
+            ends.append(np.stack([at[:-1], at[1:]], axis=1)[on])
+            tangents.append(np.stack([along[:-1], along[1:]], axis=1)[on])
+            lengths.append(np.diff(stops)[on])
+        return cls(np.concatenate(ends), np.concatenate(tangents), np.concatenate(lengths), None)
+
+    def in_runs(self, near: float) -> tuple[Self, Ints, Bools]:
+        """Order the pieces by runs, that go on smoothly, in the direction of the first piece of each.
+
+        Returns with them the vertices (k, 2) at their ends, of which ends nearer than ``near`` are one, and which of
+        these (v,) are smooth.
+        """
+        from scipy.spatial import cKDTree
+
+        pairs = cKDTree(self.ends.reshape(-1, 2)).query_pairs(near, output_type="ndarray")
+        ends = components(2 * len(self.ends), *pairs.T)
+        leaving = (self.tangents * np.array([[1.0], [-1.0]])).reshape(-1, 2)
+        turned = np.column_stack([np.bincount(ends, part) for part in leaving.T])
+        smooth = (np.bincount(ends) == 2) & ((turned**2).sum(axis=1) < 2.0 - 2.0 * CORNER)
+        by_vertex = np.bincount(ends, np.arange(len(ends))).astype(np.int64)
+        other = np.where(smooth[ends], by_vertex[ends] - np.arange(len(ends)), -1).tolist()
+        order, seen = list[int](), np.zeros(len(self.ends), np.bool_)
+        for first in range(0, len(ends), 2):
+            if seen[first // 2]:
+                continue
+            entered = first
+            while other[entered] >= 0 and (before := other[entered] ^ 1) != first:
+                entered = before
+            entered = first if other[entered] >= 0 else entered
+            while entered >= 0 and not seen[entered // 2]:
+                seen[entered // 2] = True
+                order.append(entered)
+                entered = other[entered ^ 1]
+        piece, turn = np.array(order) // 2, np.array(order) % 2 == 1
+        vertices = ends.reshape(-1, 2)[piece]
+        result = type(self)(
+            np.where(turn[:, None, None], self.ends[piece][:, ::-1], self.ends[piece]),
+            np.where(turn[:, None, None], -self.tangents[piece][:, ::-1], self.tangents[piece]),
+            self.lengths[piece],
+            None if self.sides is None else np.where(turn[:, None], self.sides[piece][:, ::-1], self.sides[piece]),
+        )
+        return result, np.where(turn[:, None], vertices[:, ::-1], vertices), smooth
+
+    def locate(self, points: Floats) -> tuple[Ints, Floats]:
+        """Find the piece (q,) nearest to each point (q, 2), and the part (q,) of the piece before it."""
+        begin, along = self.ends[:, 0], self.ends[:, 1] - self.ends[:, 0]
+        reach = self.lengths.max()
+        boxes = np.hstack([self.ends.min(axis=1) - reach, self.ends.max(axis=1) + reach])
+        point, piece = BoxTree.build(boxes).pairs(points)
+        offset = points[point] - begin[piece]
+        t = np.clip((offset * along[piece]).sum(axis=1) / (along[piece] ** 2).sum(axis=1), 0.0, 1.0)
+        far = np.hypot(*(offset - t[:, None] * along[piece]).T)
+        order = np.lexsort((piece, far, point))
+        _, first = np.unique(point[order], return_index=True)
+        return piece[order[first]], t[order[first]]
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """Stations (k,) along the line of a support, and how its forces make reactions per length there.
+
+    ``vertex`` (k,) is the end of pieces, 0 ≤ vertex < v, that a station is at: where the line turns a corner there are
+    two. ``lengths`` (k,) are the parts of the line that stations stand for, ``normals`` (k, 2) point to the right.
+    ``pieces`` (k,) are those that begin at the stations, −1 at the end of a run.
+    """
+
+    positions: Floats
+    normals: Floats
+    s: Floats
+    lengths: Floats
+    vertex: Ints
+    pieces: Ints
+    sides: Ints | None
+    forces: csr_array  # (v, p): from the forces of the support's points to those at vertices
+    couples: csr_array | None  # (v, 2n): from the couples on nodes' slopes θx, θy, where the twist is held
+    extrapolated: csr_array  # (k, k): reactions per length of smooth stations, and at ends what follows from these
+    ends: Ints  # (c,): vertices with a concentrated force
+    corners: Floats  # (c, 2): where these are
+    one_sided: bool
+
+    @staticmethod
+    @kept
+    def of(discretisation: Discretisation, index: int) -> Line:
+        """Stations of the support at that place in the model, found once."""
+        support, mesh = discretisation.model.support[index], discretisation.mesh
+        pieces, vertices, smooth = Pieces.of(discretisation, index).in_runs(mesh.near.place)
+        goes_on = (vertices[:-1, 1] == vertices[1:, 0]) & smooth[vertices[:-1, 1]]
+        firsts = np.flatnonzero(np.append(True, ~goes_on)).tolist()
+        runs = [np.arange(a, b) for a, b in pairwise([*firsts, len(vertices)])]
+        begin = np.concatenate([np.append(run, -1) for run in runs])
+        after = np.concatenate([np.append(-1, run) for run in runs])
+        half = 0.5 * pieces.lengths
+        lengths = np.where(begin >= 0, half[begin], 0.0) + np.where(after >= 0, half[after], 0.0)
+        piece, end = np.where(begin >= 0, begin, after), np.where(begin >= 0, 0, 1)
+        vertex = vertices[piece, end]
+        tangents = pieces.tangents[piece, end]
+        s = np.append(0.0, np.cumsum(pieces.lengths))[piece + end]
+        count, points = len(smooth), SupportPoints.of(discretisation, index)
+        on, t = pieces.locate(points.positions)
+        rows, columns = vertices[on].ravel(), np.repeat(np.arange(len(on)), 2)
+        shares = np.column_stack([1.0 - t, t]).ravel()
+        concentrates = _concentrates(support)
+        ends = np.unique(vertex[~smooth[vertex]]) if concentrates else np.zeros(0, np.int64)
+        return Line(
+            pieces.ends[piece, end],
+            np.column_stack([tangents[:, 1], -tangents[:, 0]]),
+            s,
+            lengths,
+            vertex,
+            begin,
+            pieces.sides,
+            csr_array((shares, (rows, columns)), shape=(count, len(on))),
+            _force_pairs(discretisation, index, pieces, vertices, count) if "twist" in support.fixed else None,
+            _extrapolation(runs, pieces.lengths, smooth[vertex] | (not concentrates)),
+            ends,
+            np.stack([np.bincount(vertices.ravel(), x) for x in pieces.ends.reshape(-1, 2).T], axis=1)[ends]
+            / np.bincount(vertices.ravel())[ends, None],
+            can_let_go(support),
+        )
+
+    def read(self, forces: Floats, couples: Floats | None = None) -> tuple[Floats, Floats]:
+        """Reactions per length (..., k) and concentrated forces (..., c).
+
+        ``forces`` (..., p) are those of the support's points, ``couples`` (..., v) what couples add at vertices.
+        """
+        at_vertices = (self.forces @ forces.T).T + (0.0 if couples is None else couples)
+        whole = np.bincount(self.vertex, self.lengths)
+        mean = (at_vertices / whole)[..., self.vertex]
+        per_length = (self.extrapolated @ mean.T).T
+        if self.one_sided:
+            # What can only push has no part of the other sign.
+            per_length = np.clip(per_length, np.minimum(mean, 0.0), np.maximum(mean, 0.0))
+        spread = np.zeros(at_vertices.shape)
+        np.add.at(spread, (..., self.vertex), per_length * self.lengths)
+        return np.asarray(per_length), np.asarray((at_vertices - spread)[..., self.ends])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LineReactions(Remade):
+    """Reactions per length of a support along edges, a line or a circle, positive where they push the plate up.
+
+    Between stations of one run the reaction per length is linear, so that its integral is
+    Σ ``reactions`` × ``lengths``. That and the sum of ``corner_reactions`` are the support's total reaction.
+
+    Parameters
+    ----------
+    positions : (k, 2) array
+        Stations, in the order of the line; two where it turns a corner, and at both ends of a gap in it.
+    normals : (k, 2) array
+        Unit normals of the line, to its right; of edges outward.
+    s : (k,) array
+        Length of the support up to each station.
+    lengths : (k,) array
+        Length that each station stands for.
+    reactions : (k,) array
+        Reaction per length.
+    begins : (k,) bool array
+        Which stations begin a run: the line goes on smoothly to the station before the next of these.
+    corners : (c, 2) array
+        Corners and ends of the line at which a rigid support that leaves the slope free has a concentrated force.
+    corner_reactions : (c,) array
+        These forces.
+
+    Examples
+    --------
+    >>> from signorini import Model, solve
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"edge": ["left", "right"], "fix": "clamped"}],
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> line = solve(model)["all"].supports[0].line
+    >>> round(float(line.reactions @ line.lengths), 3), line.s[[0, -1]].tolist()
+    (80000.0, [0.0, 8.0])
+    """
+
+    positions: Floats
+    normals: Floats
+    s: Floats
+    lengths: Floats
+    reactions: Floats
+    begins: Bools
+    corners: Floats
+    corner_reactions: Floats
+
+    @classmethod
+    def of(cls, line: Line, reactions: Floats, corner_reactions: Floats) -> Self:
+        """Put what was read beside the stations."""
+        begins = np.append(True, line.pieces[:-1] < 0)
+        return cls(
+            line.positions, line.normals, line.s, line.lengths, reactions, begins, line.corners, corner_reactions
+        )
+
+    @property
+    def max_per_length(self) -> float:
+        """Largest reaction per length."""
+        return float(self.reactions.max())
+
+    @property
+    def min_per_length(self) -> float:
+        """Smallest reaction per length."""
+        return float(self.reactions.min())
+
+    @property
+    def max_per_length_at(self) -> tuple[float, float]:
+        """Where it is largest; of places alike but for 1e-9 that of the least x, and then y."""
+        x, y = self.positions[peak(self.reactions, self.positions)].tolist()
+        return x, y
+
+    @property
+    def min_per_length_at(self) -> tuple[float, float]:
+        """Where it is smallest, likewise."""
+        x, y = self.positions[peak(-self.reactions, self.positions)].tolist()
+        return x, y
+
+
+def _concentrates(support: Support) -> bool:
+    """Whether a support can carry a finite force at a place: a rigid one without limit that leaves the slope free."""
+    return support.modulus is None and support.law is None and support.limit is None and "slope" not in support.fixed
+
+
+def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools) -> csr_array:
+    """Take means (k,) over stations to reactions per length: at ends the parabola through the next three stations.
+
+    A station's mean is that by its linear function: of 1, s and s² the parabola has the same means.
+    """
+    rows, columns, values, first = [], [], list[float](), 0
+    for run in runs:
+        count = len(run) + 1
+        inner = np.arange(1, count - 1)
+        for station in range(count):
+            near = [station]
+            if not smooth[first + station] and len(inner):
+                near = (inner if station == 0 else inner[::-1])[:_MOST_NEIGHBOURS].tolist()
+            rows += [first + station] * len(near)
+            columns += [first + one for one in near]
+            values += [1.0] if near == [station] else _weights(lengths[run], station, near)
+        first += count
+    return csr_array((values, (rows, columns)), shape=(first, first))
+
+
+def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
+    """Weights of means at stations by which they make that at another one, for polynomials of so many terms."""
+    every = [station, *near]
+    before, after = np.append(0.0, lengths)[every], np.append(lengths, 0.0)[every]
+    s, size = np.append(0.0, np.cumsum(lengths))[every], lengths.sum()
+    x = (s - s[0]) / size
+    first = (after - before) / (3.0 * size)
+    second = (after**3 + before**3) / (6.0 * (after + before) * size**2)
+    moments = np.stack([np.ones(len(every)), x + first, x * x + 2.0 * x * first + second])[: len(near)]
+    return [*np.linalg.solve(moments[:, 1:], moments[:, 0])]
+
+
+def _force_pairs(
+    discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int
+) -> csr_array | None:
+    """Pairs of forces ±C/h at the ends of each side for the couple C about the normal that holds its twist."""
+    if (sides := pieces.sides) is None:
+        return None
+    mesh, held = discretisation.mesh, discretisation.held.bodies.inside
+    tangents = quadratic_tangents(mesh, sides)
+    alone = of_the_line_alone(mesh, sides, sides_that_hold_turns(discretisation.model, mesh), held)
+    per_length = per_length_of_sides(mesh, sides, tangents, alone)
+    rows, side = np.concatenate([vertices[:, 1], vertices[:, 0]]), np.tile(np.arange(len(sides)), 2)
+    signs = np.repeat([1.0, -1.0], len(sides))
+    return csr_array(csr_array((signs, (rows, side)), shape=(count, len(sides))) @ per_length)
+
+
+def per_length_of_sides(mesh: Mesh, sides: Ints, directions: Floats, alone: Bools) -> csr_array:
+    """Take couples on nodes (2n,) to their means per length (k,) on sides (k, 3), along directions (k, 3, 2).
+
+    Nodal couples are spread over the lengths that nodes stand for, on those nodes that are ``alone`` (k, 3).
+    """
+    length = side_lengths(mesh, sides)
+    whole = np.bincount(sides.ravel(), length.ravel(), mesh.node_count)
+    own = np.where(alone, length, 0.0)
+    total = own.sum(axis=1, keepdims=True)
+    shares = own / np.where(total > 0.0, total, 1.0) / whole[sides]
+    rows = np.repeat(np.arange(len(sides)), 6)
+    columns = (2 * sides[..., None] + np.arange(2)).ravel()
+    return csr_array(
+        ((shares[..., None] * directions).ravel(), (rows, columns)), shape=(len(sides), 2 * mesh.node_count)
+    )
+
+
+def of_the_line_alone(mesh: Mesh, sides: Ints, held: Ints, rigid: Bools) -> Bools:
+    """Whether no other held side meets sides (k, 3) at their nodes, but for one in which they go on."""
+    tangents = quadratic_tangents(mesh, sides)
+    _, once = np.unique(held[:, 1], return_index=True)
+    meeting = np.bincount(held[once][:, [0, 2]].ravel(), minlength=len(rigid))
+    begin, end = (np.zeros((len(rigid), 2)) for _ in range(2))
+    begin[sides[:, 0]], end[sides[:, 2]] = tangents[:, 0], tangents[:, 2]
+    goes_on = (begin * end).sum(axis=1) > CORNER
+    result = ((meeting < 2) | ((meeting == 2) & goes_on)) & ~rigid
+    result[sides[:, 1]] = ~rigid[sides[:, 1]]
+    return np.asarray(result[sides])
