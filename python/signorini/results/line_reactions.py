@@ -18,7 +18,7 @@ from signorini.base.components import components
 from signorini.base.on_demand import kept
 from signorini.base.remade import Brief, Remade
 from signorini.discretise import Discretisation
-from signorini.discretise.held import sides_that_hold_turns
+from signorini.discretise.held import Bodies, sides_that_hold_turns
 from signorini.discretise.places import mesh_edges, quadratic_tangents, side_lengths
 from signorini.discretise.quadrature.lines import curve_pieces
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -31,6 +31,12 @@ from signorini.results.support_points import SupportPoints
 
 CORNER = np.cos(np.radians(15.0))
 """Where an edge turns by more it has a corner: sides of a circle, which are parabolas, turn by less than 1°."""
+_APART = 2.0
+"""Distance of stations along a line that cuts elements, over the size of these. Each element holds its mean there, and
+those that the line cuts in a corner carry more or less than their share.
+"""
+_PARALLEL = 1e-9
+"""Part of the largest eigenvalue below which points on a rigid zone are on one straight line."""
 _MOST_NEIGHBOURS = 3
 """Stations from which the reaction per length at an end is extrapolated: a parabola."""
 
@@ -55,15 +61,18 @@ class Pieces:
         if sides is not None:
             tangents = quadratic_tangents(mesh, sides)[:, [0, 2]]
             return cls(mesh.points[sides[:, [0, 2]]], tangents, side_lengths(mesh, sides).sum(axis=1), sides)
-        ends, tangents, lengths = [], [], []
         assert where.curve is not None  # what is on no edge is on a line or a circle
+        parts = []
         for arc, stops, elements in curve_pieces(mesh, where.curve):
-            at, along = arc.at(stops)
-            on = elements >= 0
-            ends.append(np.stack([at[:-1], at[1:]], axis=1)[on])
-            tangents.append(np.stack([along[:-1], along[1:]], axis=1)[on])
-            lengths.append(np.diff(stops)[on])
-        return cls(np.concatenate(ends), np.concatenate(tangents), np.concatenate(lengths), None)
+            size = _APART * np.sqrt(mesh.element_area[elements[elements >= 0]].mean())
+            for on in _runs_of(elements >= 0):
+                own = stops[on[0] : on[-1] + 2]
+                count = max(1, int((own[-1] - own[0]) / size))
+                wanted = np.linspace(own[0], own[-1], count + 1)
+                own = own[np.unique(np.abs(own[:, None] - wanted).argmin(axis=0))]
+                at, along = arc.at(own)
+                parts.append((*(np.stack([one[:-1], one[1:]], axis=1) for one in (at, along)), np.diff(own)))
+        return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)), None)
 
     def in_runs(self, near: float) -> tuple[Self, Ints, Bools]:
         """Order the pieces by runs, that go on smoothly, in the direction of the first piece of each.
@@ -135,6 +144,7 @@ class Line:
     forces: csr_array  # (v, p): from the forces of the support's points to those at vertices
     couples: csr_array | None  # (v, 2n): from the couples on nodes' slopes θx, θy, where the twist is held
     extrapolated: csr_array  # (k, k): reactions per length of smooth stations, and at ends what follows from these
+    inner: Ints  # (k,): of stations at ends the next ones, else they themselves
     ends: Ints  # (c,): vertices with a concentrated force
     corners: Floats  # (c, 2): where these are
     one_sided: bool
@@ -156,11 +166,8 @@ class Line:
         vertex = vertices[piece, end]
         tangents = pieces.tangents[piece, end]
         s = np.append(0.0, np.cumsum(pieces.lengths))[piece + end]
-        count, points = len(smooth), SupportPoints.of(discretisation, index)
-        on, t = pieces.locate(points.positions)
-        rows, columns = vertices[on].ravel(), np.repeat(np.arange(len(on)), 2)
-        shares = np.column_stack([1.0 - t, t]).ravel()
         concentrates = _concentrates(support)
+        extrapolated = _extrapolation(runs, pieces.lengths, smooth[vertex] | (not concentrates))
         ends = np.unique(vertex[~smooth[vertex]]) if concentrates else np.zeros(0, np.int64)
         return Line(
             pieces.ends[piece, end],
@@ -170,9 +177,10 @@ class Line:
             vertex,
             begin,
             pieces.sides,
-            csr_array((shares, (rows, columns)), shape=(count, len(on))),
-            _force_pairs(discretisation, index, pieces, vertices, count) if "twist" in support.fixed else None,
-            _extrapolation(runs, pieces.lengths, smooth[vertex] | (not concentrates)),
+            _at_vertices(discretisation, index, pieces, vertices, len(smooth)),
+            _force_pairs(discretisation, index, pieces, vertices, len(smooth)) if "twist" in support.fixed else None,
+            extrapolated,
+            np.array([extrapolated.indices[first] for first in extrapolated.indptr[:-1]]),
             ends,
             np.stack([np.bincount(vertices.ravel(), x) for x in pieces.ends.reshape(-1, 2).T], axis=1)[ends]
             / np.bincount(vertices.ravel())[ends, None],
@@ -188,6 +196,8 @@ class Line:
         whole = np.bincount(self.vertex, self.lengths)
         mean = (at_vertices / whole)[..., self.vertex]
         per_length = (self.extrapolated @ mean.T).T
+        next_to = mean[..., self.inner]
+        per_length = np.clip(per_length, np.minimum(mean, next_to), np.maximum(mean, next_to))
         if self.one_sided:
             # What can only push has no part of the other sign.
             per_length = np.clip(per_length, np.minimum(mean, 0.0), np.maximum(mean, 0.0))
@@ -274,6 +284,53 @@ class LineReactions(Remade):
         """Where it is smallest, likewise."""
         x, y = self.positions[peak(-self.reactions, self.positions)].tolist()
         return x, y
+
+
+def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int) -> csr_array:
+    """Take the forces (p,) of a support's points to those at vertices (v,), by linear functions along each piece.
+
+    Of the part of a line in a rigid zone only the resultant and the moments are known: there the reaction per length is
+    the linear one that has these. Points that can let go keep their forces.
+    """
+    points, bodies, mesh = SupportPoints.of(discretisation, index), discretisation.held.bodies, discretisation.mesh
+    on, t = pieces.locate(points.positions)
+    rows, columns = vertices[on].ravel(), np.repeat(np.arange(len(on)), 2)
+    shares = np.column_stack([1.0 - t, t]).ravel()
+    result = csr_array((shares, (rows, columns)), shape=(count, len(on)))
+    if not bodies.inside.any() or can_let_go(discretisation.model.support[index]):
+        return result
+    result = result.tolil()
+    nodes = mesh.nodes_at(points.positions)
+    of_points = np.where(nodes >= 0, _body(bodies, nodes), _body(bodies, mesh.elements[points.elements, 0]))
+    of_points[(nodes < 0) & ~bodies.rigid[points.elements]] = -1
+    if pieces.sides is not None:
+        of_pieces = np.where(bodies.inside[pieces.sides].all(axis=1), _body(bodies, pieces.sides[:, 1]), -1)
+    else:
+        elements = mesh.locate(pieces.ends.mean(axis=1)).elements
+        of_pieces = np.where(bodies.rigid[elements], _body(bodies, mesh.elements[elements, 0]), -1)
+    for body in np.intersect1d(of_points, of_pieces[of_pieces >= 0]).tolist():
+        (own,), mine = np.nonzero(of_points == body), of_pieces == body
+        some, first, which = np.unique(vertices[mine], return_index=True, return_inverse=True)
+        length = np.bincount(which.ravel(), np.repeat(0.5 * pieces.lengths[mine], 2))
+        at = pieces.ends[mine].reshape(-1, 2)[first]
+        there, here = (
+            np.column_stack([np.ones(len(one)), (one - at[0]) / mesh.size]) for one in (points.positions[own], at)
+        )
+        weighed = length[:, None] * here
+        result[:, own] = 0.0
+        result[np.ix_(some, own)] = weighed @ np.linalg.pinv(here.T @ weighed, _PARALLEL, hermitian=True) @ there.T
+    return csr_array(result)
+
+
+def _body(bodies: Bodies, nodes: Ints) -> Ints:
+    """The node that leads each of some nodes (q,), −1 of those in no rigid zone."""
+    return np.where(bodies.inside[nodes], bodies.leaders[nodes], -1)
+
+
+def _runs_of(which: Bools) -> list[Ints]:
+    """Divide the numbers of those marked into runs of consecutive ones."""
+    (numbers,) = np.nonzero(which)
+    return np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
 
 
 def _concentrates(support: Support) -> bool:
