@@ -205,6 +205,7 @@ def largest_of(result: Result) -> Mapping[str, float]:
         "couple": output["moment"] * scale,
         "force": output["shear"] * scale,
         "pressure": max(map(size, areas), default=0.0),
+        "per_length": max((size(s.line.reactions) for s in result.supports if s.line is not None), default=0.0),
         "area": float(result.mesh.element_area.sum()),
         "part": 1.0,
         "count": 0.0,
@@ -257,6 +258,7 @@ def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[
         "couple": rigidity / span,
         "shear": rigidity / span**3,
         "force": rigidity / span**2,
+        "per_length": rigidity / span**3,
         "reaction": rigidity / span**2,
     }
     return {kind: part * bent for kind, part in of_bending.items()}

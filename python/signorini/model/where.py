@@ -17,8 +17,6 @@ from signorini.shapes.arrays import Bools, Floats
 from signorini.shapes.outlines import Outline, Point, directions
 
 PlaceKey = Literal["at", "edge", "line", "circle", "area"]
-LINES = ("edge", "line", "circle")
-"""Places that have a length."""
 
 FOOTPRINT = ("patch", "radius")
 _LEAST_RADIUS = 0.5

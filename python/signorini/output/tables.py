@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -15,6 +15,7 @@ from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
 from signorini.output.names import Pictures, csv_text, files, name_cell
 from signorini.results.figures import figures, point_figures, total
+from signorini.results.line_reactions import LineReactions
 from signorini.results.result import Result
 from signorini.singularities.singularity import Singularity
 
@@ -24,10 +25,12 @@ _COLUMNS = (
     *("closed", "open", "contact_area", "max_pressure"),
     *("reaction_plus_minus", "gap_plus_minus", "contact_area_plus_minus", "max_pressure_plus_minus"),
     *("max_tension", "node", "preload", "change"),
+    *("s", "reaction_per_length", "corner_reaction", "max_per_length", "min_per_length"),
+    *("corner_reaction_plus_minus", "max_per_length_plus_minus", "min_per_length_plus_minus"),
 )
 _MOST_PLACES = 20
 """Points of a singularity that are listed; nodes of elements that a border cuts may be thousands."""
-_ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure")
+_ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure", "max_per_length", "min_per_length")
 
 
 def results_json(results: Results, estimates: Estimates | None = None, pictures: Pictures = None) -> dict[str, Any]:
@@ -66,7 +69,8 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
 def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
     """Give the reactions as a table of comma-separated values.
 
-    A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node. Names that a
+    A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node. Lines have a row
+    a station, "station 1" and so on, with the reaction per length, and one a corner. Names that a
     spreadsheet would compute have an apostrophe before them.
     """
     told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
@@ -147,6 +151,20 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
                     before = float(support.preloads[number - 1])
                     place |= {"preload": before, "change": point["reaction"] - before}
                 yield row | place | point | _half_widths(at_point)
+
+
+        if support.line is not None:
+            yield from (row | station for station in _stations(support.line, width.get("corners")))
+
+
+def _stations(line: LineReactions, widths: Sequence[Mapping[str, Any]] | None) -> Iterator[dict[str, Any]]:
+    columns = line.positions.tolist(), line.s.tolist(), line.reactions.tolist()
+    for number, ((x, y), s, per_length) in enumerate(zip(*columns, strict=True), start=1):
+        yield {"point": f"station {number}", "x": x, "y": y, "s": s, "reaction_per_length": per_length}
+    corners = zip(line.corners.tolist(), line.corner_reactions.tolist(), strict=True)
+    for number, ((x, y), force) in enumerate(corners, start=1):
+        told = {} if widths is None else {"corner_reaction_plus_minus": widths[number - 1]["reaction"]}
+        yield {"point": f"corner {number}", "x": x, "y": y, "corner_reaction": force} | told
 
 
 def _half_widths(widths: Mapping[str, Any]) -> dict[str, Any]:

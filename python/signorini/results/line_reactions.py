@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Self
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, eye_array
 
 from signorini.base.components import components
 from signorini.base.on_demand import kept
@@ -37,8 +37,16 @@ those that the line cuts in a corner carry more or less than their share.
 """
 _PARALLEL = 1e-9
 """Part of the largest eigenvalue below which points on a rigid zone are on one straight line."""
-_MOST_NEIGHBOURS = 3
-"""Stations from which the reaction per length at an end is extrapolated: a parabola."""
+_LAYER, _MOST_OF_RUN = 3.0, 0.25
+"""Length of a zone at the end of a line, over the plate's thickness, and at most over the line's length.
+
+The concentrated force of a thin plate is spread there in a layer about a third of the thickness long, which elements
+know or do not, as they are small or large.
+"""
+_WIDTH, _SEEN = 10.0**-0.5, 2.65
+"""Width δ of that layer over the thickness, and the part of it that elements know, as in ``accuracy/layers.py``."""
+_NEIGHBOURS = 3
+"""Stations from which reactions per length in such a zone are extrapolated: a parabola."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,8 +152,8 @@ class Line:
     forces: csr_array  # (v, p): from the forces of the support's points to those at vertices
     couples: csr_array | None  # (v, 2n): from the couples on nodes' slopes θx, θy, where the twist is held
     extrapolated: csr_array  # (k, k): reactions per length of smooth stations, and at ends what follows from these
-    inner: Ints  # (k,): of stations at ends the next ones, else they themselves
-    ends: Ints  # (c,): vertices with a concentrated force
+    beside: Ints  # (k,): of stations in a layer one beyond it, else they themselves
+    zones: csr_array  # (c, v): vertices in the layer at each corner
     corners: Floats  # (c, 2): where these are
     one_sided: bool
 
@@ -166,9 +174,17 @@ class Line:
         vertex = vertices[piece, end]
         tangents = pieces.tangents[piece, end]
         s = np.append(0.0, np.cumsum(pieces.lengths))[piece + end]
-        concentrates = _concentrates(support)
-        extrapolated = _extrapolation(runs, pieces.lengths, smooth[vertex] | (not concentrates))
-        ends = np.unique(vertex[~smooth[vertex]]) if concentrates else np.zeros(0, np.int64)
+        layer = np.full(len(vertex), float(discretisation.thickness.at_points.mean()))
+        if "twist" in support.fixed:
+            # No layer is where two edges that hold the twist meet.
+            held = sides_that_hold_turns(discretisation.model, mesh)[:, [0, 2]]
+            meeting = np.append(np.bincount(held.ravel(), minlength=mesh.node_count), 0)
+            layer[meeting[mesh.nodes_at(pieces.ends[piece, end])] > 1] = 0.0
+        if not _concentrates(support):
+            smooth = np.ones(len(smooth), np.bool_)
+        extrapolated, toward, beside = _extrapolation(runs, pieces.lengths, smooth[vertex], layer)
+        ends, corner = np.unique(vertex[toward[toward >= 0]], return_inverse=True)
+        zones = np.unique(np.column_stack([corner.ravel(), vertex[toward >= 0]]), axis=0).T
         return Line(
             pieces.ends[piece, end],
             np.column_stack([tangents[:, 1], -tangents[:, 0]]),
@@ -180,8 +196,8 @@ class Line:
             _at_vertices(discretisation, index, pieces, vertices, len(smooth)),
             _force_pairs(discretisation, index, pieces, vertices, len(smooth)) if "twist" in support.fixed else None,
             extrapolated,
-            np.array([extrapolated.indices[first] for first in extrapolated.indptr[:-1]]),
-            ends,
+            beside,
+            csr_array((np.ones(zones.shape[1]), zones), shape=(len(ends), len(smooth))),
             np.stack([np.bincount(vertices.ravel(), x) for x in pieces.ends.reshape(-1, 2).T], axis=1)[ends]
             / np.bincount(vertices.ravel())[ends, None],
             can_let_go(support),
@@ -196,14 +212,14 @@ class Line:
         whole = np.bincount(self.vertex, self.lengths)
         mean = (at_vertices / whole)[..., self.vertex]
         per_length = (self.extrapolated @ mean.T).T
-        next_to = mean[..., self.inner]
+        next_to = mean[..., self.beside]
         per_length = np.clip(per_length, np.minimum(mean, next_to), np.maximum(mean, next_to))
         if self.one_sided:
             # What can only push has no part of the other sign.
             per_length = np.clip(per_length, np.minimum(mean, 0.0), np.maximum(mean, 0.0))
         spread = np.zeros(at_vertices.shape)
         np.add.at(spread, (..., self.vertex), per_length * self.lengths)
-        return np.asarray(per_length), np.asarray((at_vertices - spread)[..., self.ends])
+        return np.asarray(per_length), np.asarray((self.zones @ (at_vertices - spread).T).T)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -262,6 +278,11 @@ class LineReactions(Remade):
         return cls(
             line.positions, line.normals, line.s, line.lengths, reactions, begins, line.corners, corner_reactions
         )
+
+    def corner_at(self, at: Floats, near: float) -> float:
+        """Concentrated force at a place (2,), or nearer to it than ``near``; NaN where there is none."""
+        apart = np.hypot(*(self.corners - at).T)
+        return float(self.corner_reactions[apart.argmin()]) if apart.min(initial=np.inf) <= near else np.nan
 
     @property
     def max_per_length(self) -> float:
@@ -338,24 +359,53 @@ def _concentrates(support: Support) -> bool:
     return support.modulus is None and support.law is None and support.limit is None and "slope" not in support.fixed
 
 
-def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools) -> csr_array:
-    """Take means (k,) over stations to reactions per length: at ends the parabola through the next three stations.
+def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floats) -> tuple[csr_array, Ints, Ints]:
+    """Take means (k,) over stations to reactions per length, by `_at_end` at ends of runs that are not ``smooth``.
 
-    A station's mean is that by its linear function: of 1, s and s² the parabola has the same means.
+    ``layer`` (k,) is the thickness that makes a layer there, 0 where none is. Returns too the station (k,) at which the
+    force of each is concentrated, −1 of those away from ends; and the one with which each is compared.
     """
-    rows, columns, values, first = [], [], list[float](), 0
+    count = sum(len(run) + 1 for run in runs)
+    result, toward, beside = eye_array(count, format="lil"), np.where(smooth, -1, np.arange(count)), np.arange(count)
+    first = 0
     for run in runs:
-        count = len(run) + 1
-        inner = np.arange(1, count - 1)
-        for station in range(count):
-            near = [station]
-            if not smooth[first + station] and len(inner):
-                near = (inner if station == 0 else inner[::-1])[:_MOST_NEIGHBOURS].tolist()
-            rows += [first + station] * len(near)
-            columns += [first + one for one in near]
-            values += [1.0] if near == [station] else _weights(lengths[run], station, near)
-        first += count
-    return csr_array((values, (rows, columns)), shape=(first, first))
+        stations = first + np.arange(len(run) + 1)
+        for order, along in ((stations, lengths[run]), (stations[::-1], lengths[run][::-1])):
+            if not smooth[order[0]]:
+                columns, weights = _at_end(along, float(layer[order[0]]))
+                for station, row in zip(order, weights, strict=False):
+                    result[station, station] = 0.0
+                    result[station, order[columns]] = row
+                    toward[station], beside[station] = order[0], order[columns[1:3][-1]]
+        first += len(stations)
+    return csr_array(result), toward, beside
+
+
+def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
+    """Weights (z, m) of means at m stations by which they make reactions per length at the first z.
+
+    In a layer longer than the first of pieces with these ``lengths`` the parabola through stations beyond it goes on.
+    In a shorter one the force Q has its middle at e = δ/h₀ of the first piece and adds eQ to the second station too.
+    """
+    s = np.append(0.0, np.cumsum(lengths))
+    reach = min(_LAYER * thickness, _MOST_OF_RUN * float(s[-1]))
+    count = int((s < reach).sum())
+    # Functions of so many stations reach into the layer; of one within the first piece a little of the second alone.
+    count = count + 1 if count > 1 else 1
+    inner = s[count:-1]
+    if not len(inner):
+        return np.zeros(0, np.int64), np.zeros((0, 0))
+    wanted = inner[0] + np.arange(_NEIGHBOURS) * max(reach, float(lengths[0]))
+    columns = np.append(0, count + np.unique(np.abs(inner[:, None] - wanted).argmin(axis=0)))
+    weights = np.array([[0.0, *_weights(lengths, station, columns[1:].tolist())] for station in range(count)])
+    if count > 1 or not thickness:
+        return columns, weights
+    seen = _SEEN * thickness / lengths[0]
+    e = seen * np.tanh(1.0 / seen) * _WIDTH * thickness / lengths[0]
+    spread = 2.0 * e / (lengths[0] + lengths[1])
+    first = np.eye(len(columns))[0]
+    force = (first - weights[0]) * 0.5 * lengths[0] / (1.0 - e - 0.5 * lengths[0] * weights[0, 1] * spread)
+    return columns, np.stack([weights[0] - weights[0, 1] * spread * force, np.eye(len(columns))[1] - spread * force])
 
 
 def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:

@@ -94,6 +94,8 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "force": Kind(1, 0),
         "reaction": Kind(1, 0, "reaction"),
         "pressure": Kind(1, -2, "pressure", "PuOr"),
+        "per_length": Kind(1, -1, "pressure"),
+        "corner": Kind(1, 0, "reaction"),
         "area": Kind(0, 2),
         "part": Kind(),
         "count": Kind(),
@@ -247,6 +249,10 @@ OF_AREAS = (
     Quantity("contact_area", "area"),
     Quantity("max_tension", "pressure", tabled=False, along_paths=False),
 )
+OF_LINES = tuple(Quantity(f"{side}_per_length", "per_length", along_paths=False) for side in ("max", "min"))
+"""Of supports along edges, lines and circles."""
+AT_CORNERS = Quantity("reaction", "corner")
+"""Concentrated forces at their corners and ends."""
 OF_LIMITED_AREAS = (Quantity("yielded_area", "area", tabled=False, along_paths=False),)
 OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
 OF_TURNING_POINTS = tuple(
@@ -265,9 +271,11 @@ THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("
 """Forces through sections."""
 MEANS = (Quantity("moment", "moment"), Quantity("twist", "moment"), Quantity("shear", "shear"))
 """Their means at the stations of a strip."""
-OF_STRIPS = tuple(Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment"))
+OF_STRIPS = tuple(Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment", "max_per_length", "min_per_length")
+)
 SIDES = ("max", "min")
-SMOOTH = frozenset(("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"))
+SMOOTH = frozenset(
+    ("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"))
 """What is not linear in the load on one contact set."""
 
 
@@ -331,7 +339,7 @@ class Number:
     def ties(self) -> tuple[str, str, int]:
         """What it is told apart from but for rounding: numbers of one kind, of pressures and areas of one support."""
         kind = self.quantity.kind
-        return self.home, kind, self.owner if kind in ("pressure", "area") else -1
+        return self.home, kind, self.owner if kind in ("pressure", "area", "per_length") else -1
 
 
 def on_plate(field: str, plate: str) -> str:
@@ -361,6 +369,7 @@ class Catalogue:
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             own = OF_SUPPORTS + OF_AREAS * (support.area is not None)
+            own += OF_LINES * support.along_line
             own += OF_LIMITED_AREAS * (support.area is not None and support.can_yield)
             own += OF_BOLTS * (support.preload is not None)
             for one in own:

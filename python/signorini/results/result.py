@@ -50,6 +50,7 @@ from signorini.results.quantities import (
     OF_AREAS,
     OF_BOLTS,
     OF_LIMITED_AREAS,
+    OF_LINES,
     SIDES,
     TOLD,
     TURNING,
@@ -388,6 +389,8 @@ class Result(Remade):
         areas = [one for one in self.supports if one.area is not None]
         put("support", self.supports, "reaction", "closed_part")
         put("support", areas, *(one.name for one in OF_AREAS))
+        lines = [one.line for one in self.supports if one.line is not None]
+        put("support", lines, *(one.name for one in OF_LINES))
         limited = [one for one in areas if one.yielded_area is not None]
         put("support", limited, *(one.name for one in OF_LIMITED_AREAS))
         bolts = [one for one in self.supports if one.preloads is not None]

@@ -18,7 +18,6 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.supports import STIFFEST_SPRING, can_let_go
 from signorini.mesh import Mesh
 from signorini.model import Support
-from signorini.model.where import LINES
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.line_reactions import Line, LineReactions, of_the_line_alone, per_length_of_sides
 from signorini.results.support_points import SupportPoints, closed_part
@@ -285,7 +284,7 @@ def support_result(
         held = sides_that_hold_turns(discretisation.model, discretisation.mesh)
         edge = EdgeCouples.of(discretisation.mesh, support.edge, held_couple, held, discretisation.held.bodies.inside)
     line = None
-    if support.holds_w and support.place in LINES:
+    if support.along_line:
         stations = Line.of(discretisation, index)
         couples = None if stations.couples is None else stations.couples @ held_couple.ravel()
         line = LineReactions.of(stations, *stations.read(reactions, couples))
