@@ -222,6 +222,17 @@ class Line:
         return np.asarray(per_length), np.asarray((self.zones @ (at_vertices - spread).T).T)
 
 
+def lines_of(discretisation: Discretisation) -> dict[int, Line]:
+    """Lines of the supports by their place in the model; between two plates on the upper one."""
+    result = {}
+    for plate in discretisation.plates or (None,):
+        own = discretisation if plate is None else plate.own
+        for index, support in enumerate(own.model.support):
+            if support.along_line and (plate is None or index not in plate.upon):
+                result[index if plate is None else plate.numbers["support"][index]] = Line.of(own, index)
+    return dict(sorted(result.items()))
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class LineReactions(Remade):
     """Reactions per length of a support along edges, a line or a circle, positive where they push the plate up.
@@ -244,7 +255,7 @@ class LineReactions(Remade):
     begins : (k,) bool array
         Which stations begin a run: the line goes on smoothly to the station before the next of these.
     corners : (c, 2) array
-        Corners and ends of the line at which a rigid support that leaves the slope free has a concentrated force.
+        Corners and ends of the line, at which a rigid support without limit has a concentrated force.
     corner_reactions : (c,) array
         These forces.
 
@@ -355,8 +366,8 @@ def _runs_of(which: Bools) -> list[Ints]:
 
 
 def _concentrates(support: Support) -> bool:
-    """Whether a support can carry a finite force at a place: a rigid one without limit that leaves the slope free."""
-    return support.modulus is None and support.law is None and support.limit is None and "slope" not in support.fixed
+    """Whether a support can carry a finite force at a place: a rigid one without limit."""
+    return support.modulus is None and support.law is None and support.limit is None
 
 
 def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floats) -> tuple[csr_array, Ints, Ints]:
@@ -389,9 +400,7 @@ def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
     """
     s = np.append(0.0, np.cumsum(lengths))
     reach = min(_LAYER * thickness, _MOST_OF_RUN * float(s[-1]))
-    count = int((s < reach).sum())
-    # Functions of so many stations reach into the layer; of one within the first piece a little of the second alone.
-    count = count + 1 if count > 1 else 1
+    count = max(1, int((s < reach).sum()))
     inner = s[count:-1]
     if not len(inner):
         return np.zeros(0, np.int64), np.zeros((0, 0))
