@@ -316,6 +316,11 @@ def areas_below(supports: Sequence[SupportResult]) -> list[AreaContact]:
     return [one.area for one in supports if one.area is not None and not one.upon]
 
 
+def lines_below(supports: Sequence[SupportResult]) -> list[tuple[SupportResult, LineReactions]]:
+    """Give the supports of a plate along lines, without those by which others lie on it."""
+    return [(one, one.line) for one in supports if one.line is not None and not one.upon]
+
+
 def area_contact(
     discretisation: Discretisation, index: int, deflection: Floats, positions: Floats, closed: Bools, reactions: Floats
 ) -> AreaContact:
