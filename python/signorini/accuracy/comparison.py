@@ -34,7 +34,7 @@ from signorini.model import Model
 from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
 from signorini.results.of_plates import said_of
-from signorini.results.quantities import AT_CORNERS, SIDES, Number, Path, place_of
+from signorini.results.quantities import SIDES, Number, Path, place_of
 from signorini.results.result import Result, in_notebook
 from signorini.shapes.distances import Targets
 from signorini.singularities.singularity import Singularity
@@ -136,22 +136,6 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
                 for axis in (0, 1):
                     values[(*place_of(result.model, index), "contact_boundary", number, vertex, axis)] = way[axis]
     return values
-
-
-def corner_widths(result: Result, every: Sequence[Result], meshes: Meshes) -> dict[Path, float | None]:
-    """Half-widths of concentrated forces at corners of lines, from those at the same places on ``every`` mesh."""
-    numbers, rows = list[Number](), list[list[float]]()
-    for index, support in enumerate(result.supports):
-        others = [one.supports[index].line for one in every if support.line is not None]
-        for corner, at in enumerate(() if support.line is None else support.line.corners):
-            path = (*place_of(result.model, index), "corners", corner, AT_CORNERS.name)
-            numbers.append(Number(AT_CORNERS, "support", index, path, support.name))
-            rows.append([math.nan if line is None else line.corner_at(at, result.mesh.near.written) for line in others])
-    if not numbers:
-        return {}
-    values, named = np.array(rows).T[:, :, None], [(result.singular, np.ones(1, np.bool_))]
-    widths, _ = compared(values, numbers, meshes, result.model, np.zeros((0, 2)), named)
-    return {one.path: known(width) for one, (width,) in zip(numbers, widths.tolist(), strict=True)}
 
 
 def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> dict[Path, float | None]:
@@ -281,7 +265,6 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     widths = np.full(len(catalogue), np.nan)
     widths[told] = output[:, 0]
     by_path = {one.path: known(width) for one, width in zip(catalogue, widths.tolist(), strict=True)}
-    by_path |= corner_widths(result, every, meshes)
     by_path |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     by_path |= places_of_extremes(result, by_path)
     warnings = [warning] if warning else []

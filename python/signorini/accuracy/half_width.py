@@ -196,6 +196,8 @@ def largest_of(result: Result) -> Mapping[str, float]:
     own = {name: size(getattr(result, name)) for name in ("deflection", "rotation", "moment", "shear")}
     own["reaction"] = float(sum(np.abs(support.reactions).sum() for support in result.supports))
     bent = _bent(result.model, result.mesh, np.array(own["deflection"]), np.array(own["moment"]))
+    own["corner"] = own["reaction"]
+    bent["corner"] = bent["reaction"]
     output = {name: max(value, bent[name].item()) for name, value in own.items()}
     scale = result.mesh.size
     stresses = {name: of.item() for name, of in _stresses(result.model, result.mesh, output).items()}
@@ -298,6 +300,8 @@ def named(numbers: Sequence[Number], model: Model, probes: Floats) -> str:
                 whose = f"strip {strip.name} at {point(strip.places[0][one.part])}"
             case "support":
                 whose = model.support[one.owner].name
+            case "corner":
+                whose, what = model.support[one.owner].name, f"{what} at corner {one.part + 1}"
             case "point":
                 whose, what = model.support[one.owner].name, f"{what} of point {one.part + 1}"
             case _:

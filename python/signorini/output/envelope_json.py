@@ -185,7 +185,6 @@ class _Shown:
             result["corners"] = [{"at": at, **own} for at, own in corners]
         return result
 
-
     def _ends(self, results: Results, number: int) -> dict[str, Any]:
         """Extremes of a reaction per length or a concentrated force of lines, and the combinations they are of."""
         told: dict[str, Any] = {}

@@ -134,9 +134,9 @@ def _envelope_sheets(
         at_nodes = envelope.on(plate).fields
         for ending, name in envelope_pictures(results, file, name_of).items():
             if ending == REACTIONS:
-                layout, ends = envelope.layout, np.stack([values for values, _ in envelope.on_lines.sides])
+                layout, both = envelope.layout, np.stack([values for values, _ in envelope.on_lines.sides])
                 diagrams = [
-                    enveloped_diagram(layout.lines[index], ends[:, layout.on_lines[index]], results.model.units)
+                    enveloped_diagram(layout.lines[index], both[:, layout.on_lines[index]], results.model.units)
                     for index in lines_on(results, name_of)
                 ]
                 yield Sheet([name], [Picture([], marks, words, diagrams)])

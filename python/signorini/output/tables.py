@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -17,6 +17,7 @@ from signorini.output.names import Pictures, csv_text, files, name_cell
 from signorini.results.figures import figures, point_figures, total
 from signorini.results.line_reactions import LineReactions
 from signorini.results.result import Result
+from signorini.results.support_result import SupportResult
 from signorini.singularities.singularity import Singularity
 
 SCHEMA = 2
@@ -69,8 +70,8 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
 def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
     """Give the reactions as a table of comma-separated values.
 
-    A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node. Lines have a row
-    a station, "station 1" and so on, with the reaction per length, and one a corner. Names that a
+    A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node, along lines with
+    the reaction per length there. Names that a
     spreadsheet would compute have an apostrophe before them.
     """
     told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
@@ -142,6 +143,7 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
         row = names | {"kind": support.kind}
         yield row | {"point": "total"} | total(support) | _half_widths(width)
         if support.area is None:
+            along = None if support.line is None else _along(support, support.line, width)
             nodes = result.mesh.nodes_at(support.positions).tolist()
             for number, (point, node) in enumerate(zip(point_figures(support), nodes, strict=True), start=1):
                 x, y = point.pop("at")
@@ -150,21 +152,21 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
                 if support.preloads is not None:
                     before = float(support.preloads[number - 1])
                     place |= {"preload": before, "change": point["reaction"] - before}
+                place |= {} if along is None else along[number - 1]
                 yield row | place | point | _half_widths(at_point)
 
 
-        if support.line is not None:
-            yield from (row | station for station in _stations(support.line, width.get("corners")))
-
-
-def _stations(line: LineReactions, widths: Sequence[Mapping[str, Any]] | None) -> Iterator[dict[str, Any]]:
-    columns = line.positions.tolist(), line.s.tolist(), line.reactions.tolist()
-    for number, ((x, y), s, per_length) in enumerate(zip(*columns, strict=True), start=1):
-        yield {"point": f"station {number}", "x": x, "y": y, "s": s, "reaction_per_length": per_length}
-    corners = zip(line.corners.tolist(), line.corner_reactions.tolist(), strict=True)
-    for number, ((x, y), force) in enumerate(corners, start=1):
-        told = {} if widths is None else {"corner_reaction_plus_minus": widths[number - 1]["reaction"]}
-        yield {"point": f"corner {number}", "x": x, "y": y, "corner_reaction": force} | told
+def _along(support: SupportResult, line: LineReactions, widths: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Say how far along a line each of its points is, and the reaction per length there; at corners the force."""
+    per_length = np.interp(line.points_s, line.s, line.reactions)
+    pairs = zip(line.points_s.tolist(), per_length.tolist(), strict=True)
+    points: list[dict[str, Any]] = [{"s": s, "reaction_per_length": value} for s, value in pairs]
+    for number, (corner, force) in enumerate(zip(line.corners, line.corner_reactions.tolist(), strict=True)):
+        nearest = points[int(np.hypot(*(support.positions - corner).T).argmin())]
+        nearest["corner_reaction"] = nearest.get("corner_reaction", 0.0) + force
+        if "corners" in widths:
+            nearest["corner_reaction_plus_minus"] = widths["corners"][number]["reaction"]
+    return points
 
 
 def _half_widths(widths: Mapping[str, Any]) -> dict[str, Any]:

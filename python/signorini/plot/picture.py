@@ -154,7 +154,7 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class LineDiagram:
-    """Values (m, k) at stations (k, 2) of a line as ordinates along normals (k, 2): of a result, or the two ends of many.
+    """Values (m, k) at stations (k, 2) of a line as ordinates along normals (k, 2): of a result, or both ends of many.
 
     Runs begin at the stations ``begins`` (k,). Beside the tips stand ``words``, each with its station and value; beside
     ``corners`` (c, 2) their words. ``units`` are those of values and corners, in brackets.

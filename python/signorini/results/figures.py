@@ -79,7 +79,7 @@ def _places(ends: Any) -> dict[str, Any]:
 
 def _support(support: SupportResult) -> dict[str, Any]:
     result: dict[str, Any] = {"name": support.name, "kind": support.kind}
-    result |= {one.name: None for one in (*OF_AREAS, *OF_LINES)}
+    result |= {one.name: None for one in OF_AREAS}
     result["max_pressure_at"] = support.max_pressure_at and list(support.max_pressure_at)
     result["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
     if support.area is not None:
@@ -110,12 +110,11 @@ def _line(support: SupportResult) -> dict[str, Any]:
             beside = {"from": at, "to": at, "couple": before if ends else None}
             station |= beside if ends else couples.get(tuple(at), beside)
         stations.append(station)
-    corners = zip(line.corners.tolist(), line.corner_reactions.tolist(), strict=True)
     return {
         "max_per_length_at": list(line.max_per_length_at),
         "min_per_length_at": list(line.min_per_length_at),
         "line": stations,
-        "corners": [{"at": at, "reaction": force} for at, force in corners],
+        "corners": [{"at": at} for at in line.corners.tolist()],
     }
 
 

@@ -1,22 +1,22 @@
 """Reactions per length along edges, lines and circles, with concentrated forces at their ends and corners.
 
 Every force fᵢ of a support, at a place t of the piece of the line that it is on, goes to the two ends of the piece by
-their linear functions, Fⱼ = Σᵢ φⱼ(tᵢ) fᵢ (docs/theory.md, section 5). Quadratic elements share a smooth reaction between
-corners and midsides as 1 : 4, thin ones as they like; the forces Fⱼ have neither trace.
+their linear functions, Fⱼ = Σᵢ φⱼ(tᵢ) fᵢ (docs/theory.md, section 5). Quadratic elements share a smooth reaction
+between corners and midsides as 1 : 4, thin ones as they like; the forces Fⱼ have neither trace.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array
 
 from signorini.base.components import components
 from signorini.base.on_demand import kept
-from signorini.base.remade import Brief, Remade
+from signorini.base.remade import Remade
 from signorini.discretise import Discretisation
 from signorini.discretise.held import Bodies, sides_that_hold_turns
 from signorini.discretise.places import mesh_edges, quadratic_tangents, side_lengths
@@ -80,7 +80,8 @@ class Pieces:
                 own = own[np.unique(np.abs(own[:, None] - wanted).argmin(axis=0))]
                 at, along = arc.at(own)
                 parts.append((*(np.stack([one[:-1], one[1:]], axis=1) for one in (at, along)), np.diff(own)))
-        return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)), None)
+        ends, tangents, lengths = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return cls(ends, tangents, lengths, None)
 
     def in_runs(self, near: float) -> tuple[Self, Ints, Bools]:
         """Order the pieces by runs, that go on smoothly, in the direction of the first piece of each.
@@ -88,10 +89,9 @@ class Pieces:
         Returns with them the vertices (k, 2) at their ends, of which ends nearer than ``near`` are one, and which of
         these (v,) are smooth.
         """
-        from scipy.spatial import cKDTree
-
-        pairs = cKDTree(self.ends.reshape(-1, 2)).query_pairs(near, output_type="ndarray")
-        ends = components(2 * len(self.ends), *pairs.T)
+        places = self.ends.reshape(-1, 2)
+        pairs = BoxTree.build(np.hstack([places - near, places + near])).pairs(places)
+        ends = components(len(places), *pairs)
         leaving = (self.tangents * np.array([[1.0], [-1.0]])).reshape(-1, 2)
         turned = np.column_stack([np.bincount(ends, part) for part in leaving.T])
         smooth = (np.bincount(ends) == 2) & ((turned**2).sum(axis=1) < 2.0 - 2.0 * CORNER)
@@ -156,6 +156,7 @@ class Line:
     zones: csr_array  # (c, v): vertices in the layer at each corner
     corners: Floats  # (c, 2): where these are
     one_sided: bool
+    points_s: Floats  # (p,): length of the support up to each of its points
 
     @staticmethod
     @kept
@@ -174,6 +175,7 @@ class Line:
         vertex = vertices[piece, end]
         tangents = pieces.tangents[piece, end]
         s = np.append(0.0, np.cumsum(pieces.lengths))[piece + end]
+        on, t = pieces.locate(SupportPoints.of(discretisation, index).positions)
         layer = np.full(len(vertex), float(discretisation.thickness.at_points.mean()))
         if "twist" in support.fixed:
             # No layer is where two edges that hold the twist meet.
@@ -201,6 +203,7 @@ class Line:
             np.stack([np.bincount(vertices.ravel(), x) for x in pieces.ends.reshape(-1, 2).T], axis=1)[ends]
             / np.bincount(vertices.ravel())[ends, None],
             can_let_go(support),
+            np.append(0.0, np.cumsum(pieces.lengths))[on] + t * pieces.lengths[on],
         )
 
     def read(self, forces: Floats, couples: Floats | None = None) -> tuple[Floats, Floats]:
@@ -218,7 +221,7 @@ class Line:
             # What can only push has no part of the other sign.
             per_length = np.clip(per_length, np.minimum(mean, 0.0), np.maximum(mean, 0.0))
         spread = np.zeros(at_vertices.shape)
-        np.add.at(spread, (..., self.vertex), per_length * self.lengths)
+        np.add.at(spread.T, self.vertex, (per_length * self.lengths).T)
         return np.asarray(per_length), np.asarray((self.zones @ (at_vertices - spread).T).T)
 
 
@@ -258,6 +261,8 @@ class LineReactions(Remade):
         Corners and ends of the line, at which a rigid support without limit has a concentrated force.
     corner_reactions : (c,) array
         These forces.
+    points_s : (p,) array
+        Length of the support up to each of its points.
 
     Examples
     --------
@@ -281,19 +286,16 @@ class LineReactions(Remade):
     begins: Bools
     corners: Floats
     corner_reactions: Floats
+    points_s: Floats
 
     @classmethod
     def of(cls, line: Line, reactions: Floats, corner_reactions: Floats) -> Self:
         """Put what was read beside the stations."""
         begins = np.append(True, line.pieces[:-1] < 0)
         return cls(
-            line.positions, line.normals, line.s, line.lengths, reactions, begins, line.corners, corner_reactions
+            *(line.positions, line.normals, line.s, line.lengths, reactions, begins),
+            *(line.corners, corner_reactions, line.points_s),
         )
-
-    def corner_at(self, at: Floats, near: float) -> float:
-        """Concentrated force at a place (2,), or nearer to it than ``near``; NaN where there is none."""
-        apart = np.hypot(*(self.corners - at).T)
-        return float(self.corner_reactions[apart.argmin()]) if apart.min(initial=np.inf) <= near else np.nan
 
     @property
     def max_per_length(self) -> float:
@@ -328,10 +330,10 @@ def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, ver
     on, t = pieces.locate(points.positions)
     rows, columns = vertices[on].ravel(), np.repeat(np.arange(len(on)), 2)
     shares = np.column_stack([1.0 - t, t]).ravel()
-    result = csr_array((shares, (rows, columns)), shape=(count, len(on)))
+    linear = csr_array((shares, (rows, columns)), shape=(count, len(on)))
     if not bodies.inside.any() or can_let_go(discretisation.model.support[index]):
-        return result
-    result = result.tolil()
+        return linear
+    result: Any = linear.tolil()
     nodes = mesh.nodes_at(points.positions)
     of_points = np.where(nodes >= 0, _body(bodies, nodes), _body(bodies, mesh.elements[points.elements, 0]))
     of_points[(nodes < 0) & ~bodies.rigid[points.elements]] = -1

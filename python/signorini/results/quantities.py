@@ -63,7 +63,7 @@ def shear_stresses(shear: Floats, thickness: Floats) -> Floats:
 
 Path = tuple[str | int, ...]
 """Keys and indices that lead to a number in results.json."""
-Home = Literal["field", "support", "point", "probe", "section", "strip", "station"]
+Home = Literal["field", "support", "point", "corner", "probe", "section", "strip", "station"]
 
 
 @dataclass(frozen=True)
@@ -251,7 +251,7 @@ OF_AREAS = (
 )
 OF_LINES = tuple(Quantity(f"{side}_per_length", "per_length", along_paths=False) for side in ("max", "min"))
 """Of supports along edges, lines and circles."""
-AT_CORNERS = Quantity("reaction", "corner")
+AT_CORNERS = Quantity("reaction", "corner", "concentrated force", (), "", False, False, False)
 """Concentrated forces at their corners and ends."""
 OF_LIMITED_AREAS = (Quantity("yielded_area", "area", tabled=False, along_paths=False),)
 OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
@@ -271,11 +271,11 @@ THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("
 """Forces through sections."""
 MEANS = (Quantity("moment", "moment"), Quantity("twist", "moment"), Quantity("shear", "shear"))
 """Their means at the stations of a strip."""
-OF_STRIPS = tuple(Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment", "max_per_length", "min_per_length")
+OF_STRIPS = tuple(
+    Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment", "max_per_length", "min_per_length")
 )
 SIDES = ("max", "min")
-SMOOTH = frozenset(
-    ("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"))
+SMOOTH = frozenset(("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"))
 """What is not linear in the load on one contact set."""
 
 
@@ -363,9 +363,15 @@ class Catalogue:
 
     @classmethod
     def of(
-        cls, model: Model, points: Sequence[int], gaps: Sequence[bool], probes: int, fields: Sequence[str]
+        cls,
+        model: Model,
+        points: Sequence[int],
+        gaps: Sequence[bool],
+        corners: Mapping[int, int],
+        probes: int,
+        fields: Sequence[str],
     ) -> Catalogue:
-        """List a model's numbers: of supports with so many points that may open or not, and extremes of fields."""
+        """List a model's numbers: of supports with so many points that may open or not and corners, and of fields."""
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             own = OF_SUPPORTS + OF_AREAS * (support.area is not None)
@@ -385,6 +391,10 @@ class Catalogue:
                     tabled, told = one.tabled and (opens or one.name != "gap"), one.kind != "count"
                     subject = f"{support.name}[{point + 1}]"
                     result.append(Number(one, "point", index, path, subject, point, tabled, told))
+            for corner in range(corners.get(index, 0)):
+                path = (*place_of(model, index), "corners", corner, *AT_CORNERS.path)
+                subject = f"{support.name} corner[{corner + 1}]"
+                result.append(Number(AT_CORNERS, "corner", index, path, subject, corner, AT_CORNERS.tabled))
         touching = any(support.area is not None for support in model.support)
         for index in range(probes):
             for one in AT_PROBES:

@@ -16,11 +16,12 @@ from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
+from signorini.results.catalogue import catalogue_of
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
 from signorini.results.line_reactions import Line, lines_of
 from signorini.results.quantities import FIELDS, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue
 from signorini.results.result import Result
-from signorini.results.support_points import SupportPoints, catalogue_of
+from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_at_rest
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
@@ -186,7 +187,9 @@ class Layout:
         result = [("reaction", bearing) for bearing in self.bearings]
         opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
         areas = [one for one in self.bearings if one.support in self.at_rest]
-        result += [(one.name, bearing) for bearing in self.bearings if bearing.support in self.lines for one in OF_LINES]
+        result += [
+            (one.name, bearing) for bearing in self.bearings if bearing.support in self.lines for one in OF_LINES
+        ]
         result += [("gap", bearing) for bearing in opening]
         tabled = [one.name for one in OF_AREAS if one.tabled]
         return (*result, *((what, bearing) for bearing in areas for what in tabled))

@@ -210,9 +210,10 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
     shared = _core.combined_cases(core, rest, responses, points)
     fields, on_areas, probes, through, fixed, on_lines, moments, sizes = zip(*terms, strict=True)
     by_name = dict(zip([*names, "reaction"] if names else [], map(np.array, zip(*fields, strict=True)), strict=True))
-    columns = (np.array(column) for column in (on_areas, probes, through, fixed, on_lines, moments))
+    at_areas, at_probes, cut, held = (np.array(column) for column in (on_areas, probes, through, fixed))
+    lines, turned = np.array(on_lines), np.array(moments)
     proof = Proof.of(result, sizes)
-    return Terms(tuple(cases), shared, by_name, *columns, proof)
+    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, lines, turned, proof)
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
