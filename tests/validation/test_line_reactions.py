@@ -137,7 +137,7 @@ def test_a_strip_between_two_walls_has_half_of_its_load_on_each(wall: dict[str, 
     model = slab({"edge": ["left", "right"], **wall}, material={"E": 30e9, "nu": 0.0})
     line = line_of(model)
     assert line.reactions == pytest.approx(3000.0, rel=2e-3)
-    assert line.corner_reactions == pytest.approx(0.0, abs=1.0)
+    assert line.corner_reactions == pytest.approx(0.0, abs=5.0)
 
 
 EDGES = {"edge": ALL, "fix": "simple"}
