@@ -196,6 +196,8 @@ def largest_of(result: Result) -> Mapping[str, float]:
     own = {name: size(getattr(result, name)) for name in ("deflection", "rotation", "moment", "shear")}
     own["reaction"] = float(sum(np.abs(support.reactions).sum() for support in result.supports))
     bent = _bent(result.model, result.mesh, np.array(own["deflection"]), np.array(own["moment"]))
+    own["corner"] = own["reaction"]
+    bent["corner"] = bent["reaction"]
     output = {name: max(value, bent[name].item()) for name, value in own.items()}
     scale = result.mesh.size
     stresses = {name: of.item() for name, of in _stresses(result.model, result.mesh, output).items()}
@@ -205,6 +207,7 @@ def largest_of(result: Result) -> Mapping[str, float]:
         "couple": output["moment"] * scale,
         "force": output["shear"] * scale,
         "pressure": max(map(size, areas), default=0.0),
+        "per_length": max((size(s.line.reactions) for s in result.supports if s.line is not None), default=0.0),
         "area": float(result.mesh.element_area.sum()),
         "part": 1.0,
         "count": 0.0,
@@ -257,6 +260,7 @@ def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[
         "couple": rigidity / span,
         "shear": rigidity / span**3,
         "force": rigidity / span**2,
+        "per_length": rigidity / span**3,
         "reaction": rigidity / span**2,
     }
     return {kind: part * bent for kind, part in of_bending.items()}
@@ -296,6 +300,8 @@ def named(numbers: Sequence[Number], model: Model, probes: Floats) -> str:
                 whose = f"strip {strip.name} at {point(strip.places[0][one.part])}"
             case "support":
                 whose = model.support[one.owner].name
+            case "corner":
+                whose, what = model.support[one.owner].name, f"{what} at corner {one.part + 1}"
             case "point":
                 whose, what = model.support[one.owner].name, f"{what} of point {one.part + 1}"
             case _:

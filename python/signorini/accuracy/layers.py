@@ -24,7 +24,7 @@ from signorini.results.quantities import Path
 from signorini.shapes.distances import distances
 from signorini.singularities.boundary import middles
 
-KINDS = frozenset(("deflection", "rotation", "moment", "stress", "reaction", "pressure"))
+KINDS = frozenset(("deflection", "rotation", "moment", "stress", "reaction", "pressure", "per_length", "corner"))
 _SOFTER = 1.3
 """By how many h/L edges soften a plate of thickness h and L = 4A/P: a square on simple edges by 0.86 in its deflection,
 a free strip by 1.26 in torsion (0.63 h over its width)."""

@@ -256,6 +256,8 @@ def worst_of(estimates: Mapping[str, Estimate], before: Sequence[Refined] = ()) 
 def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
     """Every number that has a half-width, but extremes of fields: a probe says where a field is to be as near.
 
+    So do reactions per length and concentrated forces, whose extremes are where they happen to be.
+
     Stresses are as near as the moments and shears that they are of.
     """
     for estimate in estimates.values():
@@ -264,6 +266,7 @@ def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
         for number, width in zip(result.catalogue, estimate.widths.tolist(), strict=True):
             kind, at_probe = number.quantity.kind, number.home == "probe"
             skipped = at_probe and (kind in ("stress", "shear_stress") or (kind == "shear" and jumps[number.owner]))
+            skipped |= kind in ("per_length", "corner")
             if math.isnan(width) or skipped or (number.home == "field" and number.quantity.name != "deflection"):
                 continue
             size = largest[number.quantity.kind]

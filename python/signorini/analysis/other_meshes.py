@@ -25,11 +25,11 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import SignoriniError
 from signorini.mesh import Mesh
 from signorini.model import Combination, Model
+from signorini.results.catalogue import catalogue_of
 from signorini.results.envelope import NONE
 from signorini.results.of_plates import places_in_plates
 from signorini.results.quantities import Number
 from signorini.results.rows import Column, Layout
-from signorini.results.support_points import catalogue_of
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import Singularity
 

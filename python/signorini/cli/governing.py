@@ -169,6 +169,7 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
         shown.add(support.name, most, results.key(ends.max_by), least, results.key(ends.min_by), lifted)
     shown.show(console)
     console.print()
+    _print_lines(console, results, group, widths)
     for index, (support, points, open_in) in enumerate(every):
         of_support = place_of(model, index)
         if support.place == "at" and open_in.any():
@@ -188,6 +189,26 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
             least = in_contact(support.name, touching_cell, touching.min, extent, "area", unit_of(units.length, 2))
             say(console, f"{support.name}: largest pressure {highest} at {where} in {results.key(pressed.max_by)}")
             say(console, f"{least}, the least, in {results.key(touching.min_by)}")
+
+
+def _print_lines(console: Console, results: Results, group: str, widths: Widths) -> None:
+    """Print the largest and smallest reaction per length of each line, and which combinations these are of."""
+    whole, model = results.combined.over(group), results.model
+    lines = [(index, model.support[index].name) for index in whole.layout.lines]
+    most, least = ([whole[f"{side}_per_length:{name}"] for _, name in lines] for side in SIDES)
+    size = size_of([(high.max, low.min) for high, low in zip(most, least, strict=True)])
+    titles = f"largest{in_unit(model.units.force_by_length(-1))}", "smallest"
+    shown = Grid(
+        [Column("reaction per length"), *numbers(titles[0]), Column("of"), *numbers(titles[1]), Column("of")],
+    )
+    for (index, name), high, low in zip(lines, most, least, strict=True):
+        of_support = place_of(model, index)
+        largest = cell(high.max, widths, (*of_support, "max_per_length", "max"), size)
+        smallest = cell(low.min, widths, (*of_support, "min_per_length", "min"), size)
+        shown.add(name, largest, results.key(high.max_by), smallest, results.key(low.min_by))
+    if lines:
+        shown.show(console)
+        console.print()
 
 
 def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, Any]) -> None:

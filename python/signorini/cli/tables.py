@@ -252,6 +252,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
         opened = sum(result.open_count for result in result.supports)
         rows.add("", "all", "", number(total, load), str(closed), str(opened))
     rows.show(console)
+    _print_lines(console, result, widths, largest)
     _print_points(console, result, widths, largest)
     for sentence in (*resting(result, widths, largest["pressure"]), *of_bolts(result, widths), lifted(result)):
         if sentence:
@@ -269,6 +270,31 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
         console.print()
         _print_probes(console, result, widths, largest)
     _print_through(console, result, widths, largest)
+
+
+def _print_lines(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
+    """Print the largest and smallest reaction per length of each line, and its largest concentrated force."""
+    units, size, where = result.model.units, result.mesh.size, f"at{in_unit(result.model.units.length)}"
+    titles = f"largest{in_unit(units.force_by_length(-1))}", where, "smallest", where
+    shown = Grid([Column("reaction per length"), *numbers(*titles, f"corner{in_unit(units.force)}", where)])
+    lines = [(index, support.line) for index, support in enumerate(result.supports) if support.line is not None]
+    for index, line in lines:
+        of_support, cells = place_of(result.model, index), list[str | Text]()
+        for name, value, at in (
+            ("max_per_length", line.max_per_length, line.max_per_length_at),
+            ("min_per_length", line.min_per_length, line.min_per_length_at),
+        ):
+            cells += [cell(value, widths, (*of_support, name), largest["per_length"]), point(at, size)]
+        if len(line.corners):
+            most = int(np.abs(line.corner_reactions).argmax())
+            path = (*of_support, "corners", most, "reaction")
+            force = cell(float(line.corner_reactions[most]), widths, path, largest["reaction"])
+            cells += [force, point(line.corners[most].tolist(), size)]
+        shown.add(result.supports[index].name, *cells, *[""] * (6 - len(cells)))
+    if lines:
+        console.print()
+        shown.show(console)
+        console.print()
 
 
 def _print_points(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:

@@ -275,6 +275,11 @@ class Support(Acting, base.Named):
         return self.resists is not None or "w" in self.fixed
 
     @property
+    def along_line(self) -> bool:
+        """Whether it acts on the deflection along an edge, a line or a circle."""
+        return self.holds_w and self.place in ("edge", "line", "circle")
+
+    @property
     def holds_both_ways_unsaid(self) -> bool:
         """Whether it holds both ways because nothing is said of how."""
         return self.resists == "both" and "resists" not in self.model_fields_set

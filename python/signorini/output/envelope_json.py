@@ -142,9 +142,9 @@ class _Shown:
         result: dict[str, Any] = {
             "fields": {name: {} for name in layout.fields},
             **({"plates": {plate: {} for plate in layout.model.plates}} if layout.model.plates else {}),
-            "supports": [self._support(index) for index in range(len(layout.supports) - contacts)],
+            "supports": [self._support(results, index) for index in range(len(layout.supports) - contacts)],
             **(
-                {"contacts": [self._support(len(layout.supports) - contacts + at) for at in range(contacts)]}
+                {"contacts": [self._support(results, len(layout.supports) - contacts + at) for at in range(contacts)]}
                 if contacts
                 else {}
             ),
@@ -169,14 +169,28 @@ class _Shown:
                 at["per"] = "area" if number.owner in layout.at_rest else "length"
         return result
 
-    def _support(self, index: int) -> dict[str, Any]:
+    def _support(self, results: Results, index: int) -> dict[str, Any]:
         layout, open_in = self.envelope.layout, self.envelope.open_in[index]
         support, points = layout.model.support[index], layout.supports[index]
         result: dict[str, Any] = {"name": support.name, "lifted": int((open_in > 0).sum())}
         if support.place == "at":
             pairs = zip(points.positions.tolist(), open_in.tolist(), strict=True)
             result["points"] = [{"at": at, "gap": None, "lifted_in": count} for at, count in pairs]
+        if (line := layout.lines.get(index)) is not None:
+            where = layout.on_lines[index]
+            ends = [self._ends(results, number) for number in range(where.start, where.stop)]
+            places = zip(line.positions.tolist(), line.s.tolist(), ends, strict=False)
+            result["line"] = [{"at": at, "s": s, **own} for at, s, own in places]
+            corners = zip(line.corners.tolist(), ends[len(line.s) :], strict=True)
+            result["corners"] = [{"at": at, **own} for at, own in corners]
         return result
+
+    def _ends(self, results: Results, number: int) -> dict[str, Any]:
+        """Extremes of a reaction per length or a concentrated force of lines, and the combinations they are of."""
+        told: dict[str, Any] = {}
+        for side, (values, by) in zip(SIDES, self.envelope.on_lines.sides, strict=True):
+            told |= {side: float(values[number]), f"{side}_by": results.key(int(by[number]))}
+        return told
 
 
 def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:

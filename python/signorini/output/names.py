@@ -14,14 +14,14 @@ from typing import Any, Literal
 from signorini.analysis.results import Results
 from signorini.model import Model
 from signorini.results.result import Result
-from signorini.results.support_result import areas_below
+from signorini.results.support_result import areas_below, lines_below
 
 JSON, CSV, TABLE = "results.json", "reactions.csv", "combinations.parquet"
 GOVERNING = "governing.csv"
 PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PROFILES_CSV = "profiles.csv"
-DEFORMED, PRESSURE, MOMENTS, SHEARS = "-deformed", "-pressure", "-moments", "-shears"
+DEFORMED, PRESSURE, MOMENTS, SHEARS, REACTIONS = "-deformed", "-pressure", "-moments", "-shears", "-reactions"
 """End the names of pictures other than that of the deflection."""
 PICTURES = {
     "": ("deflection",),
@@ -29,9 +29,11 @@ PICTURES = {
     MOMENTS: ("mx", "my", "mxy"),
     SHEARS: ("qx", "qy"),
     PRESSURE: ("pressure",),
+    REACTIONS: (),
 }
-"""Fields of a picture, by the ending of its name."""
+"""Fields of a picture, by the ending of its name; reactions along lines are diagrams."""
 _KINDS = {"": "picture", DEFORMED: "deformed", MOMENTS: "moments", SHEARS: "shears", PRESSURE: "pressure"}
+_KINDS |= {REACTIONS: "line reactions"}
 Chosen = Literal["all", "governing", "none"]
 Pictures = Chosen | None
 """Combinations that have pictures; None: all of a few, beyond that those that govern."""
@@ -56,9 +58,9 @@ def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | N
     named += (
         [(None, "profiles", name) for name in profile_pictures(results.model)] if profiled(results, pictures) else []
     )
-    for name in envelope_files(results).values():
+    for (_, plate), name in envelope_files(results).items():
         named.append((None, "envelope", name))
-        shown = envelope_pictures(results, name) if pictures != "none" else {}
+        shown = envelope_pictures(results, name, plate) if pictures != "none" else {}
         named += [(None, _KINDS[ending], file) for ending, file in shown.items()]
     drawn = {one.name for one, _ in pictured(results, pictures)}
     for one, slug in slugs(results):
@@ -104,9 +106,20 @@ def envelope_file(results: Results, group: str, plate: str = "") -> str | None:
     return envelope_files(results).get((group if group in _parts(results.model) else "", plate))
 
 
-def envelope_pictures(results: Results, file: str) -> dict[str, str]:
-    """Name the pictures beside an envelope's file, by the ending of their names."""
-    return {ending: f"{Path(file).stem}{ending}.png" for ending in PICTURES if enveloped(results, ending)}
+def envelope_pictures(results: Results, file: str, plate: str) -> dict[str, str]:
+    """Name the pictures beside an envelope's file of a plate, by the ending of their names."""
+    lines = bool(lines_on(results, plate))
+    endings = [ending for ending in PICTURES if enveloped(results, ending) or (ending == REACTIONS and lines)]
+    return {ending: f"{Path(file).stem}{ending}.png" for ending in endings}
+
+
+def lines_on(results: Results, plate: str) -> list[int]:
+    """Supports with stations along lines, by their place in the model, of one of several plates."""
+    plates = {one.name: one.numbers["support"] for one in results.discretisation.plates}
+    owned = plates.get(plate, range(len(results.model.support)))
+    between = [support.between for support in results.model.support]
+    lines = results.combined.layout.lines
+    return [index for index in lines if index in owned and (between[index] or (plate,))[0] == plate]
 
 
 def enveloped(results: Results, ending: str) -> tuple[str, ...]:
@@ -130,8 +143,9 @@ def profiled(results: Results, pictures: Pictures) -> list[Result]:
 
 def pictures_of(result: Result) -> dict[str, tuple[str, ...]]:
     """Fields of every picture of a combination, by the ending of its name; pressures where the plate rests on areas."""
-    areas = bool(areas_below(result.supports))
-    return {ending: fields for ending, fields in PICTURES.items() if ending != PRESSURE or areas}
+    without = set() if areas_below(result.supports) else {PRESSURE}
+    without |= set() if lines_below(result.supports) else {REACTIONS}
+    return {ending: fields for ending, fields in PICTURES.items() if ending not in without}
 
 
 def _taken(model: Model) -> list[str]:

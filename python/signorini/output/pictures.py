@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from signorini.accuracy.meshes import ORDER
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
@@ -12,12 +14,14 @@ from signorini.base.numbers import in_unit
 from signorini.discretise.discretisation import Discretisation, OfWhole
 from signorini.output.names import (
     DEFORMED,
+    REACTIONS,
     REFINEMENT,
     Pictures,
     csv_text,
     envelope_files,
     envelope_pictures,
     enveloped,
+    lines_on,
     name_cell,
     pictured,
     pictures_of,
@@ -27,9 +31,19 @@ from signorini.output.names import (
 from signorini.plot.picture import Job, Panel, Picture, Sheet, SupportMark
 from signorini.plot.view import exaggeration, seen
 from signorini.results.envelope import Ends
-from signorini.results.marks import extreme, field_range, panel, support_marks, unsolved_marks, view_of
+from signorini.results.marks import (
+    enveloped_diagram,
+    extreme,
+    field_range,
+    line_diagram,
+    panel,
+    support_marks,
+    unsolved_marks,
+    view_of,
+)
 from signorini.results.quantities import KINDS, PICTURED, RESULTANTS, SIDES, on_plate
 from signorini.results.result import Result
+from signorini.results.support_result import lines_below
 
 _LONGEST = 44
 """Letters of a combination's name that have room above a panel."""
@@ -72,6 +86,10 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
         grouped.setdefault(groups.get(one.name, ""), []).append((one, slug, marks))
     for ending, fields in pictures_of(named[0][0]).items() if named else ():
         for those in grouped.values():
+            if ending == REACTIONS:
+                drawn = [_diagrams(one, estimates, marks) for one, _, marks in those]
+                yield Sheet([f"{slug}{ending}.png" for _, slug, _ in those], drawn)
+                continue
             ranges = {field: [field_range(field, one) for one, *_ in those] for field in fields}
             limits = {field: (min(of)[0], max(high for _, high in of)) for field, of in ranges.items()}
             pictures = []
@@ -81,6 +99,17 @@ def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple
                 pictures.append(Picture(panels, marks, one.heading))
             files = [f"{slug}{ending}.png" for _, slug, _ in those]
             yield _views(files, pictures, [one for one, *_ in those]) if ending == DEFORMED else Sheet(files, pictures)
+
+
+def _diagrams(result: Result, estimates: Estimates | None, marks: Sequence[SupportMark]) -> Picture:
+    """Plan the picture of reactions along the lines of a plate."""
+    told = None if estimates is None else estimates[result.name].of(result).plus_minus
+    widths = [None] * len(result.supports) if told is None else [*told["supports"], *told.get("contacts", ())]
+    pairs = zip(result.supports, widths, strict=True)
+    widths_of = {support.name: width for support, width in pairs}
+    units = result.model.units
+    diagrams = [line_diagram(one, line, units, widths_of[one.name]) for one, line in lines_below(result.supports)]
+    return Picture([], marks, result.heading, diagrams)
 
 
 def _views(files: list[str], pictures: list[Picture], results: list[Result]) -> Sheet:
@@ -103,7 +132,15 @@ def _envelope_sheets(
         words = ", ".join(part for part in (result.model.title, what) if part)
         envelope, marks = results.combined.over(group), unsolved_marks(result)
         at_nodes = envelope.on(plate).fields
-        for ending, name in envelope_pictures(results, file).items():
+        for ending, name in envelope_pictures(results, file, name_of).items():
+            if ending == REACTIONS:
+                layout, both = envelope.layout, np.stack([values for values, _ in envelope.on_lines.sides])
+                diagrams = [
+                    enveloped_diagram(layout.lines[index], both[:, layout.on_lines[index]], results.model.units)
+                    for index in lines_on(results, name_of)
+                ]
+                yield Sheet([name], [Picture([], marks, words, diagrams)])
+                continue
             panels = []
             for end, side in enumerate(("largest", "smallest")):
                 for field in enveloped(results, ending):

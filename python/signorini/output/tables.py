@@ -15,7 +15,9 @@ from signorini.output.envelope_json import envelope_json, table_json
 from signorini.output.governing import governing_json
 from signorini.output.names import Pictures, csv_text, files, name_cell
 from signorini.results.figures import figures, joints, point_figures, total
+from signorini.results.line_reactions import LineReactions
 from signorini.results.result import Result
+from signorini.results.support_result import SupportResult
 from signorini.singularities.singularity import Singularity
 
 SCHEMA = 2
@@ -24,10 +26,12 @@ _COLUMNS = (
     *("closed", "open", "contact_area", "max_pressure"),
     *("reaction_plus_minus", "gap_plus_minus", "contact_area_plus_minus", "max_pressure_plus_minus"),
     *("max_tension", "node", "preload", "change", "tightened_to"),
+    *("s", "reaction_per_length", "corner_reaction", "max_per_length", "min_per_length"),
+    *("corner_reaction_plus_minus", "max_per_length_plus_minus", "min_per_length_plus_minus"),
 )
 _MOST_PLACES = 20
 """Points of a singularity that are listed; nodes of elements that a border cuts may be thousands."""
-_ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure")
+_ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure", "max_per_length", "min_per_length")
 
 
 def results_json(results: Results, estimates: Estimates | None = None, pictures: Pictures = None) -> dict[str, Any]:
@@ -66,7 +70,8 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
 def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
     """Give the reactions as a table of comma-separated values.
 
-    A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node. Names that a
+    A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node, along lines with
+    the reaction per length there. Names that a
     spreadsheet would compute have an apostrophe before them.
     """
     told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
@@ -140,13 +145,28 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
         bolts = {} if support.preloads is None else {"preload": support.preload}
         yield row | {"point": "total"} | total(support) | bolts | _half_widths(width)
         if support.area is None:
+            along = None if support.line is None else _along(support, support.line, width)
             nodes = result.mesh.nodes_at(support.positions).tolist()
             for number, (point, node) in enumerate(zip(point_figures(support), nodes, strict=True), start=1):
                 x, y = point.pop("at")
                 at_point = width["points"][number - 1] if "points" in width else {}
                 place = {"point": number, "x": x, "y": y, "node": node + 1 if node >= 0 else None}
                 place |= {name: float(values[number - 1]) for name, values in support.bolt_forces.items()}
+                place |= {} if along is None else along[number - 1]
                 yield row | place | point | _half_widths(at_point)
+
+
+def _along(support: SupportResult, line: LineReactions, widths: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Say how far along a line each of its points is, and the reaction per length there; at corners the force."""
+    per_length = np.interp(line.points_s, line.s, line.reactions)
+    pairs = zip(line.points_s.tolist(), per_length.tolist(), strict=True)
+    points: list[dict[str, Any]] = [{"s": s, "reaction_per_length": value} for s, value in pairs]
+    for number, (corner, force) in enumerate(zip(line.corners, line.corner_reactions.tolist(), strict=True)):
+        nearest = points[int(np.hypot(*(support.positions - corner).T).argmin())]
+        nearest["corner_reaction"] = nearest.get("corner_reaction", 0.0) + force
+        if "corners" in widths:
+            nearest["corner_reaction_plus_minus"] = widths["corners"][number]["reaction"]
+    return points
 
 
 def _half_widths(widths: Mapping[str, Any]) -> dict[str, Any]:

@@ -153,12 +153,31 @@ class Panel:
 
 
 @dataclass(frozen=True, eq=False)
+class LineDiagram:
+    """Values (m, k) at stations (k, 2) of a line as ordinates along normals (k, 2): of a result, or both ends of many.
+
+    Runs begin at the stations ``begins`` (k,). Beside the tips stand ``words``, each with its station and value; beside
+    ``corners`` (c, 2) their words. ``units`` are those of values and corners, in brackets.
+    """
+
+    positions: Floats
+    normals: Floats
+    begins: NDArray[np.bool_]
+    values: Floats
+    words: Sequence[tuple[str, int, float]]
+    corners: Floats
+    corner_words: Sequence[str]
+    units: tuple[str, str]
+
+
+@dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture of one result. Panels of one kind have the same labels, limits and titles."""
+    """A picture of one result: panels, of one kind with the same labels, limits and titles, or diagrams along lines."""
 
     panels: Sequence[Panel]
     marks: Sequence[SupportMark]
     title: str
+    diagrams: Sequence[LineDiagram] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +195,13 @@ class Sheet:
     @property
     def panels(self) -> int:
         """How many fields are to be drawn in all."""
-        return sum(len(picture.panels) for picture in self.pictures)
+        return sum(len(picture.panels) or 1 for picture in self.pictures)
+
+    @property
+    def largest(self) -> float:
+        """Largest ordinate of all diagrams."""
+        values = [np.abs(one.values).max(initial=0.0) for picture in self.pictures for one in picture.diagrams]
+        return float(max(values, default=0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from matplotlib.patheffects import withStroke
 from signorini.errors import InputError
 from signorini.plot.field import Scale, add_colour_bar, draw_field, draw_pressure
 from signorini.plot.files import DOTS, as_png, png_of
+from signorini.plot.line_diagrams import line_diagrams
 from signorini.plot.marks import LARGEST, Entry, draw_supports, draw_zones, legend_words
 from signorini.plot.model_marks import draw_balances, draw_cuts, draw_edges, draw_loads, draw_singular
 from signorini.plot.page import Page
@@ -183,7 +184,10 @@ def drawn(job: Job) -> Iterator[tuple[str, bytes]]:
     plan = Plan(job.points, job.elements, job.left_out)
     level = Plan(seen(job.points), job.elements)
     for sheet in job.sheets:
-        if sheet.seen:
+        if any(picture.diagrams for picture in sheet.pictures):
+            for file, picture in zip(sheet.files, sheet.pictures, strict=True):
+                yield file, png_of(line_diagrams(plan, picture, sheet.largest, job.length))
+        elif sheet.seen:
             for file, picture, nodes in zip(sheet.files, sheet.pictures, sheet.seen, strict=True):
                 yield file, png_of(view_picture(Plan(nodes, job.elements, job.left_out, level.nodes), level, picture))
         else:

@@ -146,6 +146,7 @@ class Envelope:
     # by place in the model, of areas the pressures at their points and, if elastic, nodes; of others along lines the
     # reactions of their points
     along: dict[int, Extremes]
+    on_lines: Extremes  # reactions per length and concentrated forces of all lines, as `Layout.on_lines` has them
     open_in: tuple[Ints, ...]  # of every support in how many results each of its points is open
 
     @classmethod
@@ -169,6 +170,7 @@ class Envelope:
             {name: Extremes.none(len(layout.nodes if name in PEAKING else mesh.points)) for name in names},
             {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
             along,
+            Extremes.none(max((where.stop for where in layout.on_lines.values()), default=0)),
             tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
         )
 
@@ -224,6 +226,7 @@ class Envelope:
             if index in self.along and index not in layout.at_rest:
                 own = block.reaction[rows, where]
                 self.along[index].take(own, who, _size(own))
+        self.on_lines.take(block.on_lines[rows], who, _size(block.on_lines[rows]))
         if layout.at_rest:
             self._take_areas(block, rows)
 
@@ -253,6 +256,7 @@ class Envelope:
         pairs = [(mine, other.fields[name]) for name, mine in self.fields.items()]
         pairs += [(mine, other.pressures[name][1]) for name, (_, mine) in self.pressures.items()]
         pairs += [(mine, other.along[index]) for index, mine in self.along.items()]
+        pairs.append((self.on_lines, other.on_lines))
         for extremes, others in pairs:
             extremes.meet(others)
         for count, more in zip(self.open_in, other.open_in, strict=True):

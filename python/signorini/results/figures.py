@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini.discretise.rows import Floats
 from signorini.results.local_results import SectionResult, StripResult
-from signorini.results.quantities import OF_AREAS, SIDES, Catalogue, Path
+from signorini.results.quantities import OF_AREAS, OF_LINES, SIDES, Catalogue, Path
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 
@@ -84,9 +84,7 @@ def _support(support: SupportResult) -> dict[str, Any]:
     result["contact_boundary"] = [line.tolist() for line in support.contact_boundary]
     if support.area is not None:
         return result
-    if support.edge is not None:
-        columns = support.edge.sides.tolist(), support.edge.couples.tolist()
-        result["line"] = [{"from": a, "to": b, "couple": couple} for (a, b), couple in zip(*columns, strict=True)]
+    result |= _line(support)
     return result | {"points" if support.place == "at" else "nodes": list(point_figures(support))}
 
 
@@ -107,6 +105,36 @@ def joints(result: Result) -> list[dict[str, Any]]:
     ]
 
 
+def _line(support: SupportResult) -> dict[str, Any]:
+    """Give stations along a line with the reaction per length; where an edge holds the slope, the couple from each on.
+
+    At the end of a run the side has no length, and the couple is that of the side before.
+    """
+    edge, line = support.edge, support.line
+    couples: dict[tuple[float, ...], dict[str, Any]] = {}
+    if edge is not None:
+        for (begin, end), couple in zip(edge.sides.tolist(), edge.couples.tolist(), strict=True):
+            couples[tuple(begin)] = {"from": begin, "to": end, "couple": couple}
+    if line is None:
+        return {"line": list(couples.values())} if edge is not None else {}
+    stations: list[dict[str, Any]] = []
+    columns = line.positions.tolist(), line.s.tolist(), line.lengths.tolist(), line.reactions.tolist()
+    last = np.append(line.begins[1:], True).tolist()
+    for at, s, length, reaction, ends in zip(*columns, last, strict=True):
+        station = {"at": at, "s": s, "length": length, "reaction": reaction}
+        if edge is not None:
+            before = stations[-1]["couple"] if stations else None
+            beside = {"from": at, "to": at, "couple": before if ends else None}
+            station |= beside if ends else couples.get(tuple(at), beside)
+        stations.append(station)
+    return {
+        "max_per_length_at": list(line.max_per_length_at),
+        "min_per_length_at": list(line.min_per_length_at),
+        "line": stations,
+        "corners": [{"at": at} for at in line.corners.tolist()],
+    }
+
+
 def total(support: SupportResult) -> dict[str, Any]:
     """Say what a support does as a whole."""
     return {
@@ -114,6 +142,7 @@ def total(support: SupportResult) -> dict[str, Any]:
         "closed": support.closed_count,
         "open": support.open_count,
         **{one.name: getattr(support, one.name) for one in OF_AREAS},
+        **({} if support.line is None else {one.name: getattr(support.line, one.name) for one in OF_LINES}),
     }
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from signorini.base.numbers import estimated, plain
+from signorini.base.numbers import estimated, in_unit, plain
 from signorini.discretise import Discretisation
 from signorini.discretise.quadrature import area_quadrature
 from signorini.discretise.rows import Bools, Floats
@@ -22,6 +23,7 @@ from signorini.model.whole import Units
 from signorini.plot.picture import (
     CutMark,
     EdgeMark,
+    LineDiagram,
     LoadMark,
     Panel,
     Picture,
@@ -34,7 +36,8 @@ from signorini.plot.view import seen
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.cells import known_values
 from signorini.results.contact_field.lines import Segments, chained
-from signorini.results.extremes import FieldExtremes
+from signorini.results.extremes import FieldExtremes, peak
+from signorini.results.line_reactions import Line, LineReactions
 from signorini.results.quantities import KINDS, PICTURED, PRESSURE
 from signorini.results.support_result import SupportResult, areas_below, describe
 from signorini.shapes import Polyline, Region, Ring
@@ -417,6 +420,60 @@ def panel(
     return Panel(result.stress_nodes.spread(result.fields[field]), limits, label, map_of, named)
 
 
+_NONE = 1e-9
+"""Part of all that a line carries below which a concentrated force is not written."""
+
+
+def line_diagram(
+    support: SupportResult, line: LineReactions, units: Units, widths: Mapping[str, Any] | None = None
+) -> LineDiagram:
+    """Draw the reactions per length of a support: of each run the largest, with half-widths where they are known."""
+    told, ends = widths is not None, dict[int, float | None]()
+    for side, sign in (("max", 1.0), ("min", -1.0)):
+        ends[peak(sign * line.reactions, line.positions)] = None if widths is None else widths[f"{side}_per_length"]
+    words = []
+    for station in _written_at(line.reactions, line.begins, ends):
+        value = float(line.reactions[station])
+        known = station in ends and told
+        words.append((_written(value, known, ends.get(station)), station, value))
+    of_corners = [None] * len(line.corners) if widths is None else [one["reaction"] for one in widths["corners"]]
+    corners = [
+        _written(force, told, width) if abs(force) > _NONE * float(np.abs(support.reactions).sum()) else ""
+        for force, width in zip(line.corner_reactions.tolist(), of_corners, strict=True)
+    ]
+    return LineDiagram(
+        *(line.positions, line.normals, line.begins, line.reactions[None], words, line.corners, corners),
+        (in_unit(units.force_by_length(-1)), in_unit(units.force)),
+    )
+
+
+def enveloped_diagram(line: Line, ends: Floats, units: Units) -> LineDiagram:
+    """Draw the largest and smallest (2, k + c) of the reactions per length and concentrated forces of a line."""
+    per_length, corners = ends[:, : len(line.s)], ends[:, len(line.s) :]
+    begins = np.append(True, line.pieces[:-1] < 0)
+    words = []
+    for values, sign in zip(per_length, (1.0, -1.0), strict=True):
+        most = peak(sign * values, line.positions)
+        for station in _written_at(sign * values, begins, [most]):
+            value = float(values[station])
+            words += [(_written(value, False, None), station, value)] * (sign * value > 0.0)
+    said = [" to ".join(_written(force, False, None) for force in pair) for pair in corners[::-1].T.tolist()]
+    return LineDiagram(
+        *(line.positions, line.normals, begins, per_length, words, line.corners, said),
+        (in_unit(units.force_by_length(-1)), in_unit(units.force)),
+    )
+
+
+def _written_at(values: Floats, begins: Bools, ends: Iterable[int]) -> list[int]:
+    """Stations whose values are written: the largest in size of each run, and of ``ends`` those of its sign or below 0.
+
+    A smallest value that pushes too is nothing to design for.
+    """
+    firsts = [*np.flatnonzero(begins).tolist(), len(values)]
+    result = [a + int(np.abs(values[a:b]).argmax()) for a, b in pairwise(firsts)]
+    return list(dict.fromkeys([*result, *(end for end in ends if values[end] < 0.0)]))
+
+
 def extreme(name: str, value: float, told: bool, width: float | None) -> str:
     """Say what stands at an extreme: its value and, where they are told, its half-width.
 
@@ -425,8 +482,11 @@ def extreme(name: str, value: float, told: bool, width: float | None) -> str:
     >>> extreme("min", -21.3412, True, 0.25), extreme("max", 21.3412, False, None), extreme("max", 21.3412, True, None)
     ('min −21.34 ± 0.25', 'max 21.34', 'max 21.34 ± ?')
     """
-    shown = estimated(value, width).replace("-", "−") if told else plain(value, 4)
-    return f"{name} {shown}"
+    return f"{name} {_written(value, told, width)}"
+
+
+def _written(value: float, told: bool, width: float | None) -> str:
+    return estimated(value, width).replace("-", "−") if told else plain(value, 4)
 
 
 def _ends(field: str, result: Shown) -> FieldExtremes:

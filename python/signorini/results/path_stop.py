@@ -14,10 +14,11 @@ from signorini.contact.certificate import imbalances
 from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints, Pieces
+from signorini.results.catalogue import catalogue_of
 from signorini.results.extremes import peak
 from signorini.results.of_plates import places_in_plates
 from signorini.results.quantities import SIDES, TURNING, Catalogue, Home
-from signorini.results.support_points import SupportPoints, catalogue_of, closed_part
+from signorini.results.support_points import SupportPoints, closed_part
 from signorini.results.support_result import area_at_rest
 
 _MOST_POINTS = 100

@@ -63,7 +63,7 @@ def shear_stresses(shear: Floats, thickness: Floats) -> Floats:
 
 Path = tuple[str | int, ...]
 """Keys and indices that lead to a number in results.json."""
-Home = Literal["field", "support", "point", "probe", "section", "strip", "station"]
+Home = Literal["field", "support", "point", "corner", "probe", "section", "strip", "station"]
 
 
 @dataclass(frozen=True)
@@ -94,6 +94,8 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "force": Kind(1, 0),
         "reaction": Kind(1, 0, "reaction"),
         "pressure": Kind(1, -2, "pressure", "PuOr"),
+        "per_length": Kind(1, -1, "pressure"),
+        "corner": Kind(1, 0, "reaction"),
         "area": Kind(0, 2),
         "part": Kind(),
         "count": Kind(),
@@ -247,6 +249,10 @@ OF_AREAS = (
     Quantity("contact_area", "area"),
     Quantity("max_tension", "pressure", tabled=False, along_paths=False),
 )
+OF_LINES = tuple(Quantity(f"{side}_per_length", "per_length", along_paths=False) for side in ("max", "min"))
+"""Of supports along edges, lines and circles."""
+AT_CORNERS = Quantity("reaction", "corner", "concentrated force", (), "", False, False, False)
+"""Concentrated forces at their corners and ends."""
 OF_LIMITED_AREAS = (Quantity("yielded_area", "area", tabled=False, along_paths=False),)
 OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
 OF_TURNING_POINTS = tuple(
@@ -269,7 +275,9 @@ THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("
 """Forces through sections."""
 MEANS = (Quantity("moment", "moment"), Quantity("twist", "moment"), Quantity("shear", "shear"))
 """Their means at the stations of a strip."""
-OF_STRIPS = tuple(Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment"))
+OF_STRIPS = tuple(
+    Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment", "max_per_length", "min_per_length")
+)
 SIDES = ("max", "min")
 SMOOTH = frozenset(("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"))
 """What is not linear in the load on one contact set."""
@@ -335,7 +343,7 @@ class Number:
     def ties(self) -> tuple[str, str, int]:
         """What it is told apart from but for rounding: numbers of one kind, of pressures and areas of one support."""
         kind = self.quantity.kind
-        return self.home, kind, self.owner if kind in ("pressure", "area") else -1
+        return self.home, kind, self.owner if kind in ("pressure", "area", "per_length") else -1
 
 
 def on_plate(field: str, plate: str) -> str:
@@ -359,12 +367,19 @@ class Catalogue:
 
     @classmethod
     def of(
-        cls, model: Model, points: Sequence[int], gaps: Sequence[bool], probes: int, fields: Sequence[str]
+        cls,
+        model: Model,
+        points: Sequence[int],
+        gaps: Sequence[bool],
+        corners: Mapping[int, int],
+        probes: int,
+        fields: Sequence[str],
     ) -> Catalogue:
-        """List a model's numbers: of supports with so many points that may open or not, and extremes of fields."""
+        """List a model's numbers: of supports with so many points that may open or not and corners, and of fields."""
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             own = OF_SUPPORTS + OF_AREAS * (support.area is not None)
+            own += OF_LINES * support.along_line
             own += OF_LIMITED_AREAS * (support.area is not None and support.can_yield)
             own += OF_BOLTS * support.is_bolt
             for one in own:
@@ -380,6 +395,10 @@ class Catalogue:
                     tabled, told = one.tabled and (opens or one.name != "gap"), one.kind != "count"
                     subject = f"{support.name}[{point + 1}]"
                     result.append(Number(one, "point", index, path, subject, point, tabled, told))
+            for corner in range(corners.get(index, 0)):
+                path = (*place_of(model, index), "corners", corner, *AT_CORNERS.path)
+                subject = f"{support.name} corner[{corner + 1}]"
+                result.append(Number(AT_CORNERS, "corner", index, path, subject, corner, AT_CORNERS.tabled))
         touching = any(support.area is not None for support in model.support)
         for index in range(probes):
             for one in AT_PROBES:

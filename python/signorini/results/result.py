@@ -29,6 +29,7 @@ from signorini.errors import InputError, point
 from signorini.formats.vtk import as_meshio, displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
+from signorini.results.catalogue import catalogue_of
 from signorini.results.contact_field.area_contact import Pressures
 from signorini.results.extremes import FieldExtremes, extremes, of_plates
 from signorini.results.local_results import (
@@ -46,11 +47,13 @@ from signorini.results.notebook import supports_table
 from signorini.results.of_plates import said_of
 from signorini.results.quantities import (
     AT_BOLTS,
+    AT_CORNERS,
     FIELDS,
     LINEAR,
     OF_AREAS,
     OF_BOLTS,
     OF_LIMITED_AREAS,
+    OF_LINES,
     SIDES,
     TOLD,
     TURNING,
@@ -58,7 +61,6 @@ from signorini.results.quantities import (
     Home,
     derived,
 )
-from signorini.results.support_points import catalogue_of
 from signorini.results.support_result import SupportResult, areas_below, support_result
 from signorini.results.warnings import model_warnings, result_warnings, sentences
 from signorini.singularities.named import singularities
@@ -389,6 +391,10 @@ class Result(Remade):
         areas = [one for one in self.supports if one.area is not None]
         put("support", self.supports, "reaction", "closed_part")
         put("support", areas, *(one.name for one in OF_AREAS))
+        lines = [one.line for one in self.supports if one.line is not None]
+        put("support", lines, *(one.name for one in OF_LINES))
+        corners = [line.corner_reactions for line in lines]
+        result[at("corner", AT_CORNERS.name)] = np.concatenate([np.zeros(0), *corners])
         limited = [one for one in areas if one.yielded_area is not None]
         put("support", limited, *(one.name for one in OF_LIMITED_AREAS))
         bolts = [one for one in self.supports if one.preloads is not None]

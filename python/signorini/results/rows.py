@@ -16,10 +16,12 @@ from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
+from signorini.results.catalogue import catalogue_of
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
-from signorini.results.quantities import FIELDS, OF_AREAS, PEAKING, SIDES, Catalogue
+from signorini.results.line_reactions import Line, lines_of
+from signorini.results.quantities import FIELDS, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue
 from signorini.results.result import Result
-from signorini.results.support_points import SupportPoints, catalogue_of
+from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_at_rest
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
@@ -118,6 +120,7 @@ class Layout:
     catalogue: Catalogue  # the numbers of every row
     supports: tuple[SupportPoints, ...]
     at_rest: Mapping[int, AreaContact]  # by the place of their support in the model
+    lines: Mapping[int, Line]  # likewise
     fields: tuple[str, ...]  # those that envelopes are sought of
     probes: Floats  # (q, 2)
     probe_thickness: Floats  # (q,)
@@ -140,7 +143,14 @@ class Layout:
         catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
         at = [at for probe in discretisation.model.probe for at in probe.at]
         probes = np.array(at).reshape(-1, 2), discretisation.probe_thickness
-        return cls(discretisation.model, catalogue, points, at_rest, fields, *probes, nodes, hidden)
+        lines = lines_of(discretisation)
+        return cls(discretisation.model, catalogue, points, at_rest, lines, fields, *probes, nodes, hidden)
+
+    @cached_property
+    def on_lines(self) -> Mapping[int, slice]:
+        """Which of all reactions per length, each line's concentrated forces behind them, are each line's."""
+        ends = np.cumsum([0, *(len(line.s) + len(line.corners) for line in self.lines.values())]).tolist()
+        return {index: slice(a, b) for index, (a, b) in zip(self.lines, pairwise(ends), strict=True)}
 
     @property
     def point_count(self) -> int:
@@ -177,6 +187,9 @@ class Layout:
         result = [("reaction", bearing) for bearing in self.bearings]
         opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
         areas = [one for one in self.bearings if one.support in self.at_rest]
+        result += [
+            (one.name, bearing) for bearing in self.bearings if bearing.support in self.lines for one in OF_LINES
+        ]
         result += [("gap", bearing) for bearing in opening]
         tabled = [one.name for one in OF_AREAS if one.tabled]
         return (*result, *((what, bearing) for bearing in areas for what in tabled))
@@ -207,6 +220,7 @@ class Block:
     values: Floats  # (k, n): in the order of the layout's catalogue
     reaction: Floats  # (k, p): of every point of every support
     closed: Bools  # (k, p)
+    on_lines: Floats  # (k, l): reactions per length and concentrated forces of all lines
     on_areas: Floats  # (k, a): deflections of the nodes around elastic areas
     # (k, f, 2, 2): where the largest and the smallest value of each enveloped field is, behind them those of each plate
     places: Floats
@@ -230,6 +244,7 @@ class Block:
             values,
             nan(layout.point_count),
             np.zeros((count, layout.point_count), np.bool_),
+            nan(max((where.stop for where in layout.on_lines.values()), default=0)),
             nan(len(layout.around_areas)),
             nan(len(layout.catalogue.at("field", "max")), len(SIDES), 2),
         )
@@ -252,6 +267,9 @@ class Block:
         for where, support in zip(layout.slices, result.supports, strict=True):
             self.reaction[row, where] = support.reactions
             self.closed[row, where] = support.closed
+        for index, where in layout.on_lines.items():
+            if (line := result.supports[index].line) is not None:
+                self.on_lines[row, where] = np.concatenate([line.reactions, line.corner_reactions])
         self.on_areas[row] = result.deflection[layout.around_areas]
         by_path = result.catalogue.by_path
         self.values[row] = result.numbers[[by_path[one.path] for one in layout.catalogue]]
@@ -277,6 +295,17 @@ class Block:
             numbers = [layout.catalogue.numbers[place] for place in at("point", what)]
             every = [layout.slices[one.owner].start + one.part for one in numbers]
             values[np.ix_(rows, at("point", what))] = of_points[:, every]
+
+    def put_lines(self, rows: Ints, layout: Layout, couples: Floats) -> None:
+        """Fill rows (r,) with the reactions per length, from what couples add (r, v) at vertices of all lines."""
+        first = 0
+        at = dict(zip(layout.lines, layout.catalogue.at("support", *(one.name for one in OF_LINES)), strict=True))
+        for index, line in layout.lines.items():
+            own = None if line.couples is None else couples[:, first : (first := first + line.couples.shape[0])]
+            per_length, corners = line.read(self.reaction[rows, layout.slices[index]], own)
+            self.on_lines[rows, layout.on_lines[index]] = np.concatenate([per_length, corners], axis=1)
+            ends = per_length.max(axis=1), per_length.min(axis=1)
+            self.values[np.ix_(rows, at[index])] = np.stack(ends, axis=1)
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
         """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,8 +14,6 @@ from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.discretise.places import STRIP
 from signorini.discretise.rows import Bools, Floats, Ints, Pieces
-from signorini.results.of_plates import places_in_plates
-from signorini.results.quantities import Catalogue
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,17 +166,6 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
     order = np.lexsort((point, element))
     start = np.searchsorted(element[order], np.arange(len(elements) + 1))
     return elements, csr_array((share[order], point[order], start), shape=(len(elements), len(shared)))
-
-
-@kept
-def catalogue_of(discretisation: Discretisation, fields: tuple[str, ...]) -> Catalogue:
-    """List the numbers of a model's results, found once."""
-    points = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
-    counts, opens = [len(of.positions) for of in points], [of.rows.size > 0 for of in points]
-    probes = sum(len(probe.at) for probe in discretisation.model.probe)
-    result = Catalogue.of(discretisation.model, counts, opens, probes, fields)
-    own = [catalogue_of(plate.own, fields) for plate in discretisation.plates]
-    return replace(result, in_plates=places_in_plates(discretisation.model, result.numbers, own)) if own else result
 
 
 _ALL = 1.0 - 1e-9

@@ -20,10 +20,8 @@ from signorini.discretise.supports import STIFFEST_SPRING
 from signorini.mesh import Mesh
 from signorini.model import Support
 from signorini.results.contact_field.area_contact import AreaContact, ground_of
+from signorini.results.line_reactions import Line, LineReactions, of_the_line_alone, per_length_of_sides
 from signorini.results.support_points import SupportPoints, closed_part
-
-_CORNER = np.cos(np.radians(15.0))
-"""Where an edge turns by more it has a corner: sides of a circle, which are parabolas, turn by less than 1°."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,12 +65,10 @@ class EdgeCouples:
         [1.0, 1.0]
         """
         sides = _sides(mesh, edges, rigid)
-        length = side_lengths(mesh, sides)
-        whole = np.bincount(sides.ravel(), length.ravel(), mesh.node_count)
         tangents = quadratic_tangents(mesh, sides)
-        across = tangents[..., 1] * nodal[sides, 0] - tangents[..., 0] * nodal[sides, 1]
-        own = np.where(_of_the_edge_alone(sides, tangents, held, rigid), length, 0.0)
-        couples = (own * across / whole[sides]).sum(axis=1) / own.sum(axis=1)
+        across = np.stack([tangents[..., 1], -tangents[..., 0]], axis=-1)
+        alone = of_the_line_alone(mesh, sides, held, rigid)
+        couples = per_length_of_sides(mesh, sides, across, alone) @ nodal.ravel()
         return cls(mesh.points[sides[:, [0, 2]]], couples)
 
 
@@ -82,18 +78,6 @@ def _sides(mesh: Mesh, edges: Sequence[str], rigid: Bools) -> Ints:
     sides = sides[np.sort(np.unique(sides[:, 1], return_index=True)[1])]
     outer = mesh.sides[mesh.on_boundary][:, 1]
     return np.asarray(sides[np.isin(sides[:, 1], outer) & ~rigid[sides].all(axis=1)])
-
-
-def _of_the_edge_alone(sides: Ints, tangents: Floats, held: Ints, rigid: Bools) -> Bools:
-    """Whether no other held side meets sides (k, 3) at their nodes, but for one in which they go on."""
-    _, once = np.unique(held[:, 1], return_index=True)
-    meeting = np.bincount(held[once][:, [0, 2]].ravel(), minlength=len(rigid))
-    begin, end = (np.zeros((len(rigid), 2)) for _ in range(2))
-    begin[sides[:, 0]], end[sides[:, 2]] = tangents[:, 0], tangents[:, 2]
-    goes_on = (begin * end).sum(axis=1) > _CORNER
-    result = ((meeting < 2) | ((meeting == 2) & goes_on)) & ~rigid
-    result[sides[:, 1]] = True
-    return np.asarray(result[sides])
 
 
 MEANINGS = {
@@ -167,6 +151,8 @@ class SupportResult(Remade):
         Of an area, its contact as a field.
     edge : EdgeCouples or None
         Of edges that hold the slope, their couples per length.
+    line : LineReactions or None
+        Of edges, lines and circles that act on the deflection, their reactions per length.
     yielded : (k,) array
         Whether it gives its limit there.
     pieces : (k,) array or None
@@ -195,6 +181,7 @@ class SupportResult(Remade):
     closed_part: float
     area: AreaContact | None
     edge: EdgeCouples | None
+    line: LineReactions | None
     yielded: Bools
     pieces: Ints | None
     moments: Floats | None
@@ -311,6 +298,11 @@ def support_result(
     if support.edge is not None and "slope" in support.fixed:
         held = sides_that_hold_turns(discretisation.model, discretisation.mesh)
         edge = EdgeCouples.of(discretisation.mesh, support.edge, held_couple, held, discretisation.held.bodies.inside)
+    line = None
+    if support.along_line:
+        stations = Line.of(discretisation, index)
+        couples = None if stations.couples is None else stations.couples @ held_couple.ravel()
+        line = LineReactions.of(stations, *stations.read(reactions, couples))
     return SupportResult(
         support.name,
         describe(support),
@@ -324,6 +316,7 @@ def support_result(
         closed_part(discretisation, index, answer, np.nan if area is None else area.contact_area),
         area,
         edge,
+        line,
         points.yielded(discretisation, answer.shared),
         points.pieces(discretisation, answer.piece) if support.place == "at" and support.has_pieces else None,
         points.moments(pull) if len(points.turning) else None,
@@ -337,6 +330,11 @@ def support_result(
 def areas_below(supports: Sequence[SupportResult]) -> list[AreaContact]:
     """Give the areas that a plate lies on, without those by which others lie on it."""
     return [one.area for one in supports if one.area is not None and not one.upon]
+
+
+def lines_below(supports: Sequence[SupportResult]) -> list[tuple[SupportResult, LineReactions]]:
+    """Give the supports of a plate along lines, without those by which others lie on it."""
+    return [(one, one.line) for one in supports if one.line is not None and not one.upon]
 
 
 def area_contact(

@@ -226,6 +226,7 @@ class _Run:
         block.on_areas[here] = _core.superpose(coefficients, terms.on_areas)
         fixed = _core.superpose(coefficients, terms.fixed)
         self._put_supports(block, here, fixed, reaction[rows], gap[rows], closed[rows])
+        block.put_lines(here, self.layout, _core.superpose(coefficients, terms.on_lines))
         for group, own in _by_group(groups, rows):
             shares = np.ascontiguousarray(coefficients[np.searchsorted(rows, own)])
             for name, extremes in self._envelope(group).fields.items():

@@ -13,6 +13,7 @@ from signorini.contact.certificate import FIGURES, off_laws
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
+from signorini.results.line_reactions import lines_of
 from signorini.results.quantities import LINEAR, PEAKING
 from signorini.results.support_points import SupportPoints
 
@@ -176,6 +177,8 @@ class Terms:
     """(b, 3s): moment, twist and shear of every section, and their means at every station of a strip."""
     fixed: Floats
     """(b, f): upward force of held nodes and springs, support by support."""
+    on_lines: Floats
+    """(b, v): what couples of edges that hold the twist add at vertices of their lines, line by line."""
     moments: Floats
     """(b, 2t): couples on θx and θy of points that turn, support by support."""
     proof: Proof
@@ -205,11 +208,12 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         terms += reader.read(solved, None)
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
-    fields, on_areas, probes, through, fixed, moments, sizes = zip(*terms, strict=True)
+    fields, on_areas, probes, through, fixed, on_lines, moments, sizes = zip(*terms, strict=True)
     by_name = dict(zip([*names, "reaction"] if names else [], map(np.array, zip(*fields, strict=True)), strict=True))
     at_areas, at_probes, cut, held = (np.array(column) for column in (on_areas, probes, through, fixed))
+    lines, turned = np.array(on_lines), np.array(moments)
     proof = Proof.of(result, sizes)
-    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, np.array(moments), proof)
+    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, lines, turned, proof)
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
@@ -218,7 +222,7 @@ def summed(enveloped: Sequence[str]) -> list[str]:
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
 
-_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, Sizes]
+_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, Floats, Sizes]
 """Of one term its fields, then what `Terms` has of it."""
 
 
@@ -231,6 +235,7 @@ class _Reader:
         elements, rows, further, stiffness, base = self._springs
         self._still = (elements, rows, further, stiffness, np.zeros_like(base))
         self._supports = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
+        self._lines = lines_of(discretisation)
         self._at = discretisation.probe_sides.where
         self._values: Floats = discretisation.mesh.shape_functions(self._at.elements, self._at.xi)
 
@@ -271,7 +276,10 @@ class _Reader:
         at_probes = np.einsum("qi,qif->qf", self._values, every[nodes.elements[self._at.elements]]).ravel()
         forces = [np.concatenate([at_holds[::3][points.nodes], pull[points.springs]]) for points in self._supports]
         fixed = np.concatenate([np.zeros(0), *forces])
+        couples = result.held.to_global(at_holds.reshape(-1, 3)[:, 1:]).ravel()
+        turned = [line.couples @ couples for line in self._lines.values() if line.couples is not None]
+        on_lines = np.concatenate([np.zeros(0), *turned])
         moments = np.concatenate([np.zeros(0), *(points.moments(pull).ravel() for points in self._supports)])
         sizes = Sizes.of(result, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest)
         through = result.through(load, hi, lo, reaction, pull)
-        return kept, nodal[self._nodes, 0], at_probes, through, fixed, moments, sizes
+        return kept, nodal[self._nodes, 0], at_probes, through, fixed, on_lines, moments, sizes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
@@ -192,13 +192,13 @@ def divided(
     return owner, s, np.where(last, end[owner], np.append(s[1:], 0.0))
 
 
-def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0, levels: Levels = ()) -> LineQuadrature:
-    """Quadrature along the part of a curve that is on the plate, in order; pieces end where levels change sign.
+def curve_pieces(mesh: Mesh, curve: Curve) -> Iterator[tuple[Arc, Floats, Ints]]:
+    """Divide a curve into pieces within one element.
 
-    Tangents point along the curve, of a ring counter-clockwise. Pieces within one element have ``order`` Gauss points,
-    those at ends and corners of a polyline as many of Lobatto's as ``at_ends`` says, if not 0.
+    Yields every arc of the curve, the arc lengths (k + 1,) at which its pieces end, and the element (k,) of each piece;
+    −1 off the plate.
     """
-    sides, parts, beside = mesh.unique_sides, [], np.zeros((0, 3), np.int64)
+    sides, beside = mesh.unique_sides, np.zeros((0, 3), np.int64)
     if isinstance(curve, Ring):
         # Parabolas along it cross it at midside nodes too, into more pieces than their deflection has dofs.
         along = mesh.sides_on(curve)
@@ -207,14 +207,24 @@ def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0,
         sides = sides[~np.isin(sides[:, 1], np.concatenate([along, beside])[:, 1])]
     for arc in arcs_of(curve.outline):
         stops = _in_thirds(arc, breaks(arc, mesh.points[sides], mesh.points[beside[:, [0, 2]].ravel()]))
-        inside = mesh.locate(arc.at(0.5 * (stops[1:] + stops[:-1]))[0]).elements
-        on = inside >= 0
+        yield arc, stops, mesh.locate(arc.at(0.5 * (stops[1:] + stops[:-1]))[0]).elements
+
+
+def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0, levels: Levels = ()) -> LineQuadrature:
+    """Quadrature along the part of a curve that is on the plate, in order; pieces end where levels change sign.
+
+    Tangents point along the curve, of a ring counter-clockwise. Pieces within one element have ``order`` Gauss points,
+    those at ends and corners of a polyline as many of Lobatto's as ``at_ends`` says, if not 0.
+    """
+    parts = []
+    for arc, stops, elements in curve_pieces(mesh, curve):
+        on = elements >= 0
         piece, begin, end = divided(stops[:-1][on], stops[1:][on], partial(_along, arc), levels)
         at_end = ((begin == stops[0]) | (end == stops[-1])) & (at_ends > 0 and not isinstance(curve, Ring))
         s, weights, part = _stations(begin, end, at_end, gauss(order), lobatto(max(at_ends - 1, 1)))
         points, tangents = arc.at(s)
         within, _ = arc.at(_inward(s, begin[part], end[part]))
-        elements = inside[on][piece][part]
+        elements = elements[on][piece][part]
         xi = mesh.invert(elements, points)
         parts.append((elements, xi, weights, points, tangents, within))
     return LineQuadrature(*(np.concatenate(items) for items in zip(*parts, strict=True)))

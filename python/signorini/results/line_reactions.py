@@ -1,0 +1,476 @@
+"""Reactions per length along edges, lines and circles, with concentrated forces at their ends and corners.
+
+Every force fᵢ of a support, at a place t of the piece of the line that it is on, goes to the two ends of the piece by
+their linear functions, Fⱼ = Σᵢ φⱼ(tᵢ) fᵢ (docs/theory.md, section 5). Quadratic elements share a smooth reaction
+between corners and midsides as 1 : 4, thin ones as they like; the forces Fⱼ have neither trace.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Self
+
+import numpy as np
+from scipy.sparse import csr_array, eye_array
+
+from signorini.base.components import components
+from signorini.base.on_demand import kept
+from signorini.base.remade import Remade
+from signorini.discretise import Discretisation
+from signorini.discretise.held import Bodies, sides_that_hold_turns
+from signorini.discretise.places import mesh_edges, quadratic_tangents, side_lengths
+from signorini.discretise.quadrature.lines import curve_pieces
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.supports import can_let_go
+from signorini.mesh import Mesh
+from signorini.mesh.isoparametric import BoxTree
+from signorini.model import Support
+from signorini.results.extremes import peak
+from signorini.results.support_points import SupportPoints
+
+CORNER = np.cos(np.radians(15.0))
+"""Where an edge turns by more it has a corner: sides of a circle, which are parabolas, turn by less than 1°."""
+_APART = 2.0
+"""Distance of stations along a line that cuts elements, over the size of these. Each element holds its mean there, and
+those that the line cuts in a corner carry more or less than their share.
+"""
+_PARALLEL = 1e-9
+"""Part of the largest eigenvalue below which points on a rigid zone are on one straight line."""
+_LAYER, _MOST_OF_RUN = 3.0, 0.25
+"""Length of a zone at the end of a line, over the plate's thickness, and at most over the line's length.
+
+The concentrated force of a thin plate is spread there in a layer about a third of the thickness long, which elements
+know or do not, as they are small or large.
+"""
+_WIDTH, _SEEN = 10.0**-0.5, 2.65
+"""Width δ of that layer over the thickness, and the part of it that elements know, as in ``accuracy/layers.py``."""
+_NEIGHBOURS = 3
+"""Stations from which reactions per length in such a zone are extrapolated: a parabola."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Pieces of a line: ends (k, 2, 2), unit tangents there (k, 2, 2) and lengths (k,).
+
+    ``sides`` (k, 3) are the sides of elements that the pieces are; None where the line cuts elements.
+    """
+
+    ends: Floats
+    tangents: Floats
+    lengths: Floats
+    sides: Ints | None
+
+    @classmethod
+    def of(cls, discretisation: Discretisation, index: int) -> Self:
+        """Divide the line of a support."""
+        mesh, where = discretisation.mesh, discretisation.model.support[index].where
+        sides = mesh_edges(mesh, discretisation.model.plate, where, ("support", index))
+        if sides is not None:
+            tangents = quadratic_tangents(mesh, sides)[:, [0, 2]]
+            return cls(mesh.points[sides[:, [0, 2]]], tangents, side_lengths(mesh, sides).sum(axis=1), sides)
+        assert where.curve is not None  # what is on no edge is on a line or a circle
+        parts = []
+        for arc, stops, elements in curve_pieces(mesh, where.curve):
+            size = _APART * np.sqrt(mesh.element_area[elements[elements >= 0]].mean())
+            for on in _runs_of(elements >= 0):
+                own = stops[on[0] : on[-1] + 2]
+                count = max(1, int((own[-1] - own[0]) / size))
+                wanted = np.linspace(own[0], own[-1], count + 1)
+                own = own[np.unique(np.abs(own[:, None] - wanted).argmin(axis=0))]
+                at, along = arc.at(own)
+                parts.append((*(np.stack([one[:-1], one[1:]], axis=1) for one in (at, along)), np.diff(own)))
+        ends, tangents, lengths = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return cls(ends, tangents, lengths, None)
+
+    def in_runs(self, near: float) -> tuple[Self, Ints, Bools]:
+        """Order the pieces by runs, that go on smoothly, in the direction of the first piece of each.
+
+        Returns with them the vertices (k, 2) at their ends, of which ends nearer than ``near`` are one, and which of
+        these (v,) are smooth.
+        """
+        places = self.ends.reshape(-1, 2)
+        pairs = BoxTree.build(np.hstack([places - near, places + near])).pairs(places)
+        ends = components(len(places), *pairs)
+        leaving = (self.tangents * np.array([[1.0], [-1.0]])).reshape(-1, 2)
+        turned = np.column_stack([np.bincount(ends, part) for part in leaving.T])
+        smooth = (np.bincount(ends) == 2) & ((turned**2).sum(axis=1) < 2.0 - 2.0 * CORNER)
+        by_vertex = np.bincount(ends, np.arange(len(ends))).astype(np.int64)
+        other = np.where(smooth[ends], by_vertex[ends] - np.arange(len(ends)), -1).tolist()
+        order, seen = list[int](), np.zeros(len(self.ends), np.bool_)
+        for first in range(0, len(ends), 2):
+            if seen[first // 2]:
+                continue
+            entered = first
+            while other[entered] >= 0 and (before := other[entered] ^ 1) != first:
+                entered = before
+            entered = first if other[entered] >= 0 else entered
+            while entered >= 0 and not seen[entered // 2]:
+                seen[entered // 2] = True
+                order.append(entered)
+                entered = other[entered ^ 1]
+        piece, turn = np.array(order) // 2, np.array(order) % 2 == 1
+        vertices = ends.reshape(-1, 2)[piece]
+        result = type(self)(
+            np.where(turn[:, None, None], self.ends[piece][:, ::-1], self.ends[piece]),
+            np.where(turn[:, None, None], -self.tangents[piece][:, ::-1], self.tangents[piece]),
+            self.lengths[piece],
+            None if self.sides is None else np.where(turn[:, None], self.sides[piece][:, ::-1], self.sides[piece]),
+        )
+        return result, np.where(turn[:, None], vertices[:, ::-1], vertices), smooth
+
+    def locate(self, points: Floats) -> tuple[Ints, Floats]:
+        """Find the piece (q,) nearest to each point (q, 2), and the part (q,) of the piece before it."""
+        begin, along = self.ends[:, 0], self.ends[:, 1] - self.ends[:, 0]
+        reach = self.lengths.max()
+        boxes = np.hstack([self.ends.min(axis=1) - reach, self.ends.max(axis=1) + reach])
+        point, piece = BoxTree.build(boxes).pairs(points)
+        offset = points[point] - begin[piece]
+        t = np.clip((offset * along[piece]).sum(axis=1) / (along[piece] ** 2).sum(axis=1), 0.0, 1.0)
+        far = np.hypot(*(offset - t[:, None] * along[piece]).T)
+        order = np.lexsort((piece, far, point))
+        _, first = np.unique(point[order], return_index=True)
+        return piece[order[first]], t[order[first]]
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """Stations (k,) along the line of a support, and how its forces make reactions per length there.
+
+    ``vertex`` (k,) is the end of pieces, 0 ≤ vertex < v, that a station is at: where the line turns a corner there are
+    two. ``lengths`` (k,) are the parts of the line that stations stand for, ``normals`` (k, 2) point to the right.
+    ``pieces`` (k,) are those that begin at the stations, −1 at the end of a run.
+    """
+
+    positions: Floats
+    normals: Floats
+    s: Floats
+    lengths: Floats
+    vertex: Ints
+    pieces: Ints
+    sides: Ints | None
+    forces: csr_array  # (v, p): from the forces of the support's points to those at vertices
+    couples: csr_array | None  # (v, 2n): from the couples on nodes' slopes θx, θy, where the twist is held
+    extrapolated: csr_array  # (k, k): reactions per length of smooth stations, and at ends what follows from these
+    beside: Ints  # (k,): of stations in a layer one beyond it, else they themselves
+    zones: csr_array  # (c, v): vertices in the layer at each corner
+    corners: Floats  # (c, 2): where these are
+    one_sided: bool
+    points_s: Floats  # (p,): length of the support up to each of its points
+
+    @staticmethod
+    @kept
+    def of(discretisation: Discretisation, index: int) -> Line:
+        """Stations of the support at that place in the model, found once."""
+        support, mesh = discretisation.model.support[index], discretisation.mesh
+        pieces, vertices, smooth = Pieces.of(discretisation, index).in_runs(mesh.near.place)
+        goes_on = (vertices[:-1, 1] == vertices[1:, 0]) & smooth[vertices[:-1, 1]]
+        firsts = np.flatnonzero(np.append(True, ~goes_on)).tolist()
+        runs = [np.arange(a, b) for a, b in pairwise([*firsts, len(vertices)])]
+        begin = np.concatenate([np.append(run, -1) for run in runs])
+        after = np.concatenate([np.append(-1, run) for run in runs])
+        half = 0.5 * pieces.lengths
+        lengths = np.where(begin >= 0, half[begin], 0.0) + np.where(after >= 0, half[after], 0.0)
+        piece, end = np.where(begin >= 0, begin, after), np.where(begin >= 0, 0, 1)
+        vertex = vertices[piece, end]
+        tangents = pieces.tangents[piece, end]
+        s = np.append(0.0, np.cumsum(pieces.lengths))[piece + end]
+        on, t = pieces.locate(SupportPoints.of(discretisation, index).positions)
+        layer = np.full(len(vertex), float(discretisation.thickness.at_points.mean()))
+        if "twist" in support.fixed:
+            # No layer is where two edges that hold the twist meet.
+            held = sides_that_hold_turns(discretisation.model, mesh)[:, [0, 2]]
+            meeting = np.append(np.bincount(held.ravel(), minlength=mesh.node_count), 0)
+            layer[meeting[mesh.nodes_at(pieces.ends[piece, end])] > 1] = 0.0
+        if not _concentrates(support):
+            smooth = np.ones(len(smooth), np.bool_)
+        extrapolated, toward, beside = _extrapolation(runs, pieces.lengths, smooth[vertex], layer)
+        ends, corner = np.unique(vertex[toward[toward >= 0]], return_inverse=True)
+        zones = np.unique(np.column_stack([corner.ravel(), vertex[toward >= 0]]), axis=0).T
+        return Line(
+            pieces.ends[piece, end],
+            np.column_stack([tangents[:, 1], -tangents[:, 0]]),
+            s,
+            lengths,
+            vertex,
+            begin,
+            pieces.sides,
+            _at_vertices(discretisation, index, pieces, vertices, len(smooth)),
+            _force_pairs(discretisation, index, pieces, vertices, len(smooth)) if "twist" in support.fixed else None,
+            extrapolated,
+            beside,
+            csr_array((np.ones(zones.shape[1]), zones), shape=(len(ends), len(smooth))),
+            np.stack([np.bincount(vertices.ravel(), x) for x in pieces.ends.reshape(-1, 2).T], axis=1)[ends]
+            / np.bincount(vertices.ravel())[ends, None],
+            can_let_go(support),
+            np.append(0.0, np.cumsum(pieces.lengths))[on] + t * pieces.lengths[on],
+        )
+
+    def read(self, forces: Floats, couples: Floats | None = None) -> tuple[Floats, Floats]:
+        """Reactions per length (..., k) and concentrated forces (..., c).
+
+        ``forces`` (..., p) are those of the support's points, ``couples`` (..., v) what couples add at vertices.
+        """
+        at_vertices = (self.forces @ forces.T).T + (0.0 if couples is None else couples)
+        whole = np.bincount(self.vertex, self.lengths)
+        mean = (at_vertices / whole)[..., self.vertex]
+        per_length = (self.extrapolated @ mean.T).T
+        next_to = mean[..., self.beside]
+        per_length = np.clip(per_length, np.minimum(mean, next_to), np.maximum(mean, next_to))
+        if self.one_sided:
+            # What can only push has no part of the other sign.
+            per_length = np.clip(per_length, np.minimum(mean, 0.0), np.maximum(mean, 0.0))
+        spread = np.zeros(at_vertices.shape)
+        np.add.at(spread.T, self.vertex, (per_length * self.lengths).T)
+        return np.asarray(per_length), np.asarray((self.zones @ (at_vertices - spread).T).T)
+
+
+def lines_of(discretisation: Discretisation) -> dict[int, Line]:
+    """Lines of the supports by their place in the model; between two plates on the upper one."""
+    result = {}
+    for plate in discretisation.plates or (None,):
+        own = discretisation if plate is None else plate.own
+        for index, support in enumerate(own.model.support):
+            if support.along_line and (plate is None or index not in plate.upon):
+                result[index if plate is None else plate.numbers["support"][index]] = Line.of(own, index)
+    return dict(sorted(result.items()))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LineReactions(Remade):
+    """Reactions per length of a support along edges, a line or a circle, positive where they push the plate up.
+
+    Between stations of one run the reaction per length is linear, so that its integral is
+    Σ ``reactions`` × ``lengths``. That and the sum of ``corner_reactions`` are the support's total reaction.
+
+    Parameters
+    ----------
+    positions : (k, 2) array
+        Stations, in the order of the line; two where it turns a corner, and at both ends of a gap in it.
+    normals : (k, 2) array
+        Unit normals of the line, to its right; of edges outward.
+    s : (k,) array
+        Length of the support up to each station.
+    lengths : (k,) array
+        Length that each station stands for.
+    reactions : (k,) array
+        Reaction per length.
+    begins : (k,) bool array
+        Which stations begin a run: the line goes on smoothly to the station before the next of these.
+    corners : (c, 2) array
+        Corners and ends of the line, at which a rigid support without limit has a concentrated force.
+    corner_reactions : (c,) array
+        These forces.
+    points_s : (p,) array
+        Length of the support up to each of its points.
+
+    Examples
+    --------
+    >>> from signorini import Model, solve
+    >>> model = Model(
+    ...     material={"E": 30e9, "nu": 0.2},
+    ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    ...     support=[{"edge": ["left", "right"], "fix": "clamped"}],
+    ...     load=[{"pressure": 5e3}],
+    ... )
+    >>> line = solve(model)["all"].supports[0].line
+    >>> round(float(line.reactions @ line.lengths), 3), line.s[[0, -1]].tolist()
+    (80000.0, [0.0, 8.0])
+    """
+
+    positions: Floats
+    normals: Floats
+    s: Floats
+    lengths: Floats
+    reactions: Floats
+    begins: Bools
+    corners: Floats
+    corner_reactions: Floats
+    points_s: Floats
+
+    @classmethod
+    def of(cls, line: Line, reactions: Floats, corner_reactions: Floats) -> Self:
+        """Put what was read beside the stations."""
+        begins = np.append(True, line.pieces[:-1] < 0)
+        return cls(
+            *(line.positions, line.normals, line.s, line.lengths, reactions, begins),
+            *(line.corners, corner_reactions, line.points_s),
+        )
+
+    @property
+    def max_per_length(self) -> float:
+        """Largest reaction per length."""
+        return float(self.reactions.max())
+
+    @property
+    def min_per_length(self) -> float:
+        """Smallest reaction per length."""
+        return float(self.reactions.min())
+
+    @property
+    def max_per_length_at(self) -> tuple[float, float]:
+        """Where it is largest; of places alike but for 1e-9 that of the least x, and then y."""
+        x, y = self.positions[peak(self.reactions, self.positions)].tolist()
+        return x, y
+
+    @property
+    def min_per_length_at(self) -> tuple[float, float]:
+        """Where it is smallest, likewise."""
+        x, y = self.positions[peak(-self.reactions, self.positions)].tolist()
+        return x, y
+
+
+def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int) -> csr_array:
+    """Take the forces (p,) of a support's points to those at vertices (v,), by linear functions along each piece.
+
+    Of the part of a line in a rigid zone only the resultant and the moments are known: there the reaction per length is
+    the linear one that has these. Points that can let go keep their forces.
+    """
+    points, bodies, mesh = SupportPoints.of(discretisation, index), discretisation.held.bodies, discretisation.mesh
+    on, t = pieces.locate(points.positions)
+    rows, columns = vertices[on].ravel(), np.repeat(np.arange(len(on)), 2)
+    shares = np.column_stack([1.0 - t, t]).ravel()
+    linear = csr_array((shares, (rows, columns)), shape=(count, len(on)))
+    if not bodies.inside.any() or can_let_go(discretisation.model.support[index]):
+        return linear
+    result: Any = linear.tolil()
+    nodes = mesh.nodes_at(points.positions)
+    of_points = np.where(nodes >= 0, _body(bodies, nodes), _body(bodies, mesh.elements[points.elements, 0]))
+    of_points[(nodes < 0) & ~bodies.rigid[points.elements]] = -1
+    if pieces.sides is not None:
+        of_pieces = np.where(bodies.inside[pieces.sides].all(axis=1), _body(bodies, pieces.sides[:, 1]), -1)
+    else:
+        elements = mesh.locate(pieces.ends.mean(axis=1)).elements
+        of_pieces = np.where(bodies.rigid[elements], _body(bodies, mesh.elements[elements, 0]), -1)
+    for body in np.intersect1d(of_points, of_pieces[of_pieces >= 0]).tolist():
+        (own,), mine = np.nonzero(of_points == body), of_pieces == body
+        some, first, which = np.unique(vertices[mine], return_index=True, return_inverse=True)
+        length = np.bincount(which.ravel(), np.repeat(0.5 * pieces.lengths[mine], 2))
+        at = pieces.ends[mine].reshape(-1, 2)[first]
+        there, here = (
+            np.column_stack([np.ones(len(one)), (one - at[0]) / mesh.size]) for one in (points.positions[own], at)
+        )
+        weighed = length[:, None] * here
+        result[:, own] = 0.0
+        result[np.ix_(some, own)] = weighed @ np.linalg.pinv(here.T @ weighed, _PARALLEL, hermitian=True) @ there.T
+    return csr_array(result)
+
+
+def _body(bodies: Bodies, nodes: Ints) -> Ints:
+    """The node that leads each of some nodes (q,), −1 of those in no rigid zone."""
+    return np.where(bodies.inside[nodes], bodies.leaders[nodes], -1)
+
+
+def _runs_of(which: Bools) -> list[Ints]:
+    """Divide the numbers of those marked into runs of consecutive ones."""
+    (numbers,) = np.nonzero(which)
+    return np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
+
+
+def _concentrates(support: Support) -> bool:
+    """Whether a support can carry a finite force at a place: a rigid one without limit."""
+    return support.modulus is None and support.law is None and support.limit is None
+
+
+def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floats) -> tuple[csr_array, Ints, Ints]:
+    """Take means (k,) over stations to reactions per length, by `_at_end` at ends of runs that are not ``smooth``.
+
+    ``layer`` (k,) is the thickness that makes a layer there, 0 where none is. Returns too the station (k,) at which the
+    force of each is concentrated, −1 of those away from ends; and the one with which each is compared.
+    """
+    count = sum(len(run) + 1 for run in runs)
+    result, toward, beside = eye_array(count, format="lil"), np.where(smooth, -1, np.arange(count)), np.arange(count)
+    first = 0
+    for run in runs:
+        stations = first + np.arange(len(run) + 1)
+        for order, along in ((stations, lengths[run]), (stations[::-1], lengths[run][::-1])):
+            if not smooth[order[0]]:
+                columns, weights = _at_end(along, float(layer[order[0]]))
+                for station, row in zip(order, weights, strict=False):
+                    result[station, station] = 0.0
+                    result[station, order[columns]] = row
+                    toward[station], beside[station] = order[0], order[columns[1:3][-1]]
+        first += len(stations)
+    return csr_array(result), toward, beside
+
+
+def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
+    """Weights (z, m) of means at m stations by which they make reactions per length at the first z.
+
+    In a layer longer than the first of pieces with these ``lengths`` the parabola through stations beyond it goes on.
+    In a shorter one the force Q has its middle at e = δ/h₀ of the first piece and adds eQ to the second station too.
+    """
+    s = np.append(0.0, np.cumsum(lengths))
+    reach = min(_LAYER * thickness, _MOST_OF_RUN * float(s[-1]))
+    count = max(1, int((s < reach).sum()))
+    inner = s[count:-1]
+    if not len(inner):
+        return np.zeros(0, np.int64), np.zeros((0, 0))
+    wanted = inner[0] + np.arange(_NEIGHBOURS) * max(reach, float(lengths[0]))
+    columns = np.append(0, count + np.unique(np.abs(inner[:, None] - wanted).argmin(axis=0)))
+    weights = np.array([[0.0, *_weights(lengths, station, columns[1:].tolist())] for station in range(count)])
+    if count > 1 or not thickness:
+        return columns, weights
+    seen = _SEEN * thickness / lengths[0]
+    e = seen * np.tanh(1.0 / seen) * _WIDTH * thickness / lengths[0]
+    spread = 2.0 * e / (lengths[0] + lengths[1])
+    first = np.eye(len(columns))[0]
+    force = (first - weights[0]) * 0.5 * lengths[0] / (1.0 - e - 0.5 * lengths[0] * weights[0, 1] * spread)
+    return columns, np.stack([weights[0] - weights[0, 1] * spread * force, np.eye(len(columns))[1] - spread * force])
+
+
+def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
+    """Weights of means at stations by which they make that at another one, for polynomials of so many terms."""
+    every = [station, *near]
+    before, after = np.append(0.0, lengths)[every], np.append(lengths, 0.0)[every]
+    s, size = np.append(0.0, np.cumsum(lengths))[every], lengths.sum()
+    x = (s - s[0]) / size
+    first = (after - before) / (3.0 * size)
+    second = (after**3 + before**3) / (6.0 * (after + before) * size**2)
+    moments = np.stack([np.ones(len(every)), x + first, x * x + 2.0 * x * first + second])[: len(near)]
+    return [*np.linalg.solve(moments[:, 1:], moments[:, 0])]
+
+
+def _force_pairs(
+    discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int
+) -> csr_array | None:
+    """Pairs of forces ±C/h at the ends of each side for the couple C about the normal that holds its twist."""
+    if (sides := pieces.sides) is None:
+        return None
+    mesh, held = discretisation.mesh, discretisation.held.bodies.inside
+    tangents = quadratic_tangents(mesh, sides)
+    alone = of_the_line_alone(mesh, sides, sides_that_hold_turns(discretisation.model, mesh), held)
+    per_length = per_length_of_sides(mesh, sides, tangents, alone)
+    rows, side = np.concatenate([vertices[:, 1], vertices[:, 0]]), np.tile(np.arange(len(sides)), 2)
+    signs = np.repeat([1.0, -1.0], len(sides))
+    return csr_array(csr_array((signs, (rows, side)), shape=(count, len(sides))) @ per_length)
+
+
+def per_length_of_sides(mesh: Mesh, sides: Ints, directions: Floats, alone: Bools) -> csr_array:
+    """Take couples on nodes (2n,) to their means per length (k,) on sides (k, 3), along directions (k, 3, 2).
+
+    Nodal couples are spread over the lengths that nodes stand for, on those nodes that are ``alone`` (k, 3).
+    """
+    length = side_lengths(mesh, sides)
+    whole = np.bincount(sides.ravel(), length.ravel(), mesh.node_count)
+    own = np.where(alone, length, 0.0)
+    total = own.sum(axis=1, keepdims=True)
+    shares = own / np.where(total > 0.0, total, 1.0) / whole[sides]
+    rows = np.repeat(np.arange(len(sides)), 6)
+    columns = (2 * sides[..., None] + np.arange(2)).ravel()
+    return csr_array(
+        ((shares[..., None] * directions).ravel(), (rows, columns)), shape=(len(sides), 2 * mesh.node_count)
+    )
+
+
+def of_the_line_alone(mesh: Mesh, sides: Ints, held: Ints, rigid: Bools) -> Bools:
+    """Whether no other held side meets sides (k, 3) at their nodes, but for one in which they go on."""
+    tangents = quadratic_tangents(mesh, sides)
+    _, once = np.unique(held[:, 1], return_index=True)
+    meeting = np.bincount(held[once][:, [0, 2]].ravel(), minlength=len(rigid))
+    begin, end = (np.zeros((len(rigid), 2)) for _ in range(2))
+    begin[sides[:, 0]], end[sides[:, 2]] = tangents[:, 0], tangents[:, 2]
+    goes_on = (begin * end).sum(axis=1) > CORNER
+    result = ((meeting < 2) | ((meeting == 2) & goes_on)) & ~rigid
+    result[sides[:, 1]] = ~rigid[sides[:, 1]]
+    return np.asarray(result[sides])
