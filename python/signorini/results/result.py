@@ -30,7 +30,7 @@ from signorini.formats.vtk import as_meshio, displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
 from signorini.results.contact_field.area_contact import Pressures
-from signorini.results.extremes import FieldExtremes, extremes, of_plates
+from signorini.results.extremes import FieldExtremes, Means, extremes, of_plates
 from signorini.results.local_results import (
     ProbeResult,
     ProfileResult,
@@ -47,9 +47,11 @@ from signorini.results.of_plates import said_of
 from signorini.results.quantities import (
     FIELDS,
     LINEAR,
+    MEAN_SIDES,
     OF_AREAS,
     OF_BOLTS,
     OF_LIMITED_AREAS,
+    PEAKING,
     SIDES,
     TOLD,
     TURNING,
@@ -113,6 +115,8 @@ class Result(Remade):
         What ``numbers`` are.
     combination : Combination or None
         The load, by factors of the model's cases; None where it is none of these.
+    means : Means or None
+        Means of moments and shears at the places where these have no limit. None where there is no equilibrium.
     plates : mapping of Result
         Of several plates each by name, with what is between it and others among its supports. The fields of all are
         behind one another in those of the whole.
@@ -144,6 +148,7 @@ class Result(Remade):
     thickness: Floats
     catalogue: Catalogue
     combination: Combination | None
+    means: Means | None = None
     plates: Mapping[str, Result] = field(default_factory=dict)
 
     @classmethod
@@ -226,6 +231,7 @@ class Result(Remade):
             thickness,
             catalogue_of(discretisation, TOLD),
             None if isinstance(load_of, str) else load_of,
+            Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting),
         )
 
     @classmethod
@@ -366,7 +372,8 @@ class Result(Remade):
         """
         if self.plates:
             return Named(of_plates([one.extremes for one in self.plates.values()]), "field", "This mapping of extremes")
-        return Named(extremes(self.fields, self.stress_nodes, self.singular), "field", "This mapping of extremes")
+        found = extremes(self.fields, self.stress_nodes, self.singular, self.means)
+        return Named(found, "field", "This mapping of extremes")
 
     @cached_property
     def numbers(self) -> Floats:
@@ -378,7 +385,8 @@ class Result(Remade):
             each = list(self.plates.values())
             for place, numbers in enumerate(self.catalogue.in_plates):
                 values = [each[plate].numbers[number] for plate, number in numbers]
-                result[place] = min(values) if self.catalogue.numbers[place].what == "min" else max(values)
+                smallest = self.catalogue.numbers[place].what.startswith("min")
+                result[place] = (np.fmin if smallest else np.fmax).reduce(values)
             return result
 
         def put(home: Home, owners: Sequence[object], *names: str) -> None:
@@ -417,6 +425,8 @@ class Result(Remade):
             result[at("strip", "min_moment")] = [one.hogging.moment for one in self.strips]
         for side in SIDES:
             result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
+        for side in MEAN_SIDES:
+            result[at("mean", side)] = [getattr(self.extremes[name], side) for name in PEAKING]
         return result
 
     def probe(self, points: Points) -> list[ProbeResult]:

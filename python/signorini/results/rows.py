@@ -17,10 +17,11 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
-from signorini.results.quantities import FIELDS, OF_AREAS, PEAKING, SIDES, Catalogue
+from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, PEAKING, Catalogue
 from signorini.results.result import Result
 from signorini.results.support_points import SupportPoints, catalogue_of
 from signorini.results.support_result import area_at_rest
+from signorini.singularities.beside import Beside, beside_of
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
 
@@ -123,6 +124,7 @@ class Layout:
     probe_thickness: Floats  # (q,)
     nodes: Floats  # (s, 2): positions of the nodes of stresses; the first are those of the mesh
     hidden: Mapping[str, Hidden]  # of every field its nodes at which it has no limit
+    beside: Beside  # the places at which moments or shears have none
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
@@ -140,7 +142,8 @@ class Layout:
         catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
         at = [at for probe in discretisation.model.probe for at in probe.at]
         probes = np.array(at).reshape(-1, 2), discretisation.probe_thickness
-        return cls(discretisation.model, catalogue, points, at_rest, fields, *probes, nodes, hidden)
+        beside = beside_of(discretisation)
+        return cls(discretisation.model, catalogue, points, at_rest, fields, *probes, nodes, hidden, beside)
 
     @property
     def point_count(self) -> int:
@@ -208,7 +211,7 @@ class Block:
     reaction: Floats  # (k, p): of every point of every support
     closed: Bools  # (k, p)
     on_areas: Floats  # (k, a): deflections of the nodes around elastic areas
-    # (k, f, 2, 2): where the largest and the smallest value of each enveloped field is, behind them those of each plate
+    # (k, f, 4, 2): where the extremes of each enveloped field and of its means are, behind them those of each plate
     places: Floats
 
     @classmethod
@@ -231,7 +234,7 @@ class Block:
             nan(layout.point_count),
             np.zeros((count, layout.point_count), np.bool_),
             nan(len(layout.around_areas)),
-            nan(len(layout.catalogue.at("field", "max")), len(SIDES), 2),
+            nan(len(layout.catalogue.at("field", "max")), len(ENDS), 2),
         )
 
     @property
@@ -257,7 +260,7 @@ class Block:
         self.values[row] = result.numbers[[by_path[one.path] for one in layout.catalogue]]
         each = [one.extremes[name] for one in (result, *result.plates.values()) for name in layout.fields]
         for at, ends in enumerate(each):
-            self.places[row, at] = ends.max_at, ends.min_at
+            self.places[row, at] = [getattr(ends, f"{end}_at") for end in ENDS]
 
     def put_supports(
         self, rows: Ints, layout: Layout, reaction: Floats, gap: Floats, closed: Bools, preload: Floats
@@ -296,9 +299,9 @@ class Block:
         yield from loads
         for one, values in zip(layout.catalogue, self.values.T, strict=True):
             yield one.column, values.astype(np.int64) if one.quantity.kind == "count" else values
-            if one.home == "field":
+            if one.home in ("field", "mean"):
                 for axis, letter in enumerate("xy"):
-                    yield f"{one.what}_{letter}:{one.subject}", self.places[:, one.owner, SIDES.index(one.what), axis]
+                    yield f"{one.what}_{letter}:{one.subject}", self.places[:, one.owner, ENDS.index(one.what), axis]
         for index, name in enumerate(FIGURES):
             yield f"certificate:{name}", self.certificate[:, index]
 

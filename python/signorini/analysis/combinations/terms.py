@@ -15,6 +15,7 @@ from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.results.quantities import LINEAR, PEAKING
 from signorini.results.support_points import SupportPoints
+from signorini.singularities.beside import beside_of
 
 _WATCHED = 64
 """Nodes whose deflections, and dofs whose loads, bound the largest from below."""
@@ -178,6 +179,8 @@ class Terms:
     """(b, f): upward force of held nodes and springs, support by support."""
     moments: Floats
     """(b, 2t): couples on θx and θy of points that turn, support by support."""
+    means: Floats
+    """(b, 10k): means at the places of `Beside`."""
     proof: Proof
     """What certificates are made of."""
 
@@ -205,11 +208,13 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         terms += reader.read(solved, None)
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
-    fields, on_areas, probes, through, fixed, moments, sizes = zip(*terms, strict=True)
+    fields, on_areas, probes, through, fixed, moments, means, sizes = zip(*terms, strict=True)
     by_name = dict(zip([*names, "reaction"] if names else [], map(np.array, zip(*fields, strict=True)), strict=True))
     at_areas, at_probes, cut, held = (np.array(column) for column in (on_areas, probes, through, fixed))
     proof = Proof.of(result, sizes)
-    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, np.array(moments), proof)
+    return Terms(
+        tuple(cases), shared, by_name, at_areas, at_probes, cut, held, np.array(moments), np.array(means), proof
+    )
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
@@ -218,7 +223,7 @@ def summed(enveloped: Sequence[str]) -> list[str]:
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
 
-_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, Sizes]
+_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, Floats, Sizes]
 """Of one term its fields, then what `Terms` has of it."""
 
 
@@ -274,4 +279,6 @@ class _Reader:
         moments = np.concatenate([np.zeros(0), *(points.moments(pull).ravel() for points in self._supports)])
         sizes = Sizes.of(result, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest)
         through = result.through(load, hi, lo, reaction, pull)
-        return kept, nodal[self._nodes, 0], at_probes, through, fixed, moments, sizes
+        # Fields are sought that have means, or none are read.
+        means = beside_of(result).means(stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
+        return kept, nodal[self._nodes, 0], at_probes, through, fixed, moments, means, sizes
