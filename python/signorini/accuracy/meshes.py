@@ -255,7 +255,11 @@ def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
         for number, width in zip(result.catalogue, estimate.widths.tolist(), strict=True):
             kind, at_probe = number.quantity.kind, number.home == "probe"
             skipped = at_probe and (kind in ("stress", "shear_stress") or (kind == "shear" and jumps[number.owner]))
-            if math.isnan(width) or skipped or (number.home in ("field", "mean") and number.quantity.name != "deflection"):
+            if (
+                math.isnan(width)
+                or skipped
+                or (number.home in ("field", "mean") and number.quantity.name != "deflection")
+            ):
                 continue
             size = largest[number.quantity.kind]
             yield _Wide(width / size if size > 0 else 0.0, result, number)

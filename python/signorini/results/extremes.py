@@ -14,7 +14,7 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.stressnodes import StressNodes
 from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, PEAKING, RESULTANTS, TOLD, derived
-from signorini.singularities.beside import PEAKS, Beside, beside_of
+from signorini.singularities.beside import PEAKS, Beside, beside_of, means_of
 from signorini.singularities.singularity import Singularity, away_from
 
 _ALIKE = 1e-9
@@ -105,7 +105,7 @@ _LINES = {"mx": [0], "sx": [0], "my": [1], "sy": [1], "qx": [0, 1], "txz": [0, 1
 def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools) -> tuple[Floats, Ints]:
     """Give the largest and smallest mean (..., 2) of a field, and the places (..., 2) that have them.
 
-    ``means`` (..., k, 10) are those of `Beside.means`, ``acting`` (..., k) tells where it has no limit. Fields that
+    ``means`` (..., k, 10) are those of `means_of`, ``acting`` (..., k) tells where it has no limit. Fields that
     follow from moments or shears follow here from the means. NaN, and place 0, where there is none.
     """
     peaks, lines = PEAKS.index(FIELDS[name].singular), _LINES.get(name.partition("_")[0], [0, 1])
@@ -157,7 +157,7 @@ class Means:
     def of(cls, discretisation: Discretisation, moment: Floats, shear: Floats, cases: Collection[str]) -> Means:
         """Read the means of one plate from moments (s, 3) and shears (s, 2) at the nodes of stresses."""
         beside = beside_of(discretisation)
-        return cls(beside, beside.means(moment, shear), beside.under(cases))
+        return cls(beside, means_of(discretisation, moment, shear), beside.under(cases))
 
     def ends(self, name: str) -> dict[str, Any]:
         """Give the extremes of a field's means, their places and widths."""

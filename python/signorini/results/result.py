@@ -63,7 +63,7 @@ from signorini.results.support_points import catalogue_of
 from signorini.results.support_result import SupportResult, areas_below, support_result
 from signorini.results.warnings import model_warnings, result_warnings, sentences
 from signorini.singularities.named import singularities
-from signorini.singularities.singularity import Singularity
+from signorini.singularities.singularity import Singularity, at_peaks
 
 if TYPE_CHECKING:
     from signorini.plot.pictures import Axes
@@ -374,6 +374,13 @@ class Result(Remade):
             return Named(of_plates([one.extremes for one in self.plates.values()]), "field", "This mapping of extremes")
         found = extremes(self.fields, self.stress_nodes, self.singular, self.means)
         return Named(found, "field", "This mapping of extremes")
+
+    def excluding(self, number: str) -> list[Singularity]:
+        """The singularities around which extremes of "moment" or "shear" leave out nodes; none where all would be."""
+        if self.plates:
+            return [replace(one, plate=name) for name, of in self.plates.items() for one in of.excluding(number)]
+        those = [one for one in self.singular if one.excludes(number)]
+        return [] if at_peaks(self.mesh, those, number).all() else those
 
     @cached_property
     def numbers(self) -> Floats:

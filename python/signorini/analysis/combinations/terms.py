@@ -15,7 +15,7 @@ from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
 from signorini.results.quantities import LINEAR, PEAKING
 from signorini.results.support_points import SupportPoints
-from signorini.singularities.beside import beside_of
+from signorini.singularities.beside import means_of
 
 _WATCHED = 64
 """Nodes whose deflections, and dofs whose loads, bound the largest from below."""
@@ -280,5 +280,5 @@ class _Reader:
         sizes = Sizes.of(result, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest)
         through = result.through(load, hi, lo, reaction, pull)
         # Fields are sought that have means, or none are read.
-        means = beside_of(result).means(stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
+        means = means_of(result, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
         return kept, nodal[self._nodes, 0], at_probes, through, fixed, moments, means, sizes
