@@ -175,8 +175,7 @@ def test_the_largest_moments_and_shears_of_every_combination_are_shown() -> None
             assert point(at, result.mesh.size) in row
     left_out = [line for line in lines if line.startswith("Excluded from extremes")]
     assert left_out
-    ends = "moments and shears within 0.2 m of force at a point of load[2]; pads at a point", "0.2 m of pads at a point"
-    assert all(line.endswith(ends) for line in left_out if "moments" in line)
+    assert all("moments and shears within 0.2 m of " in line and "pads at a point" in line for line in left_out)
 
 
 def test_supports_that_are_rigid_and_limits_of_equilibrium_are_told() -> None:

@@ -27,11 +27,12 @@ from signorini.cli.grid import (
 from signorini.cli.sentences import Labels, excluded
 from signorini.contact.certificate import FIGURES
 from signorini.errors import length, point
-from signorini.model import Units
+from signorini.model import Model, Units
 from signorini.output.envelope_json import envelope_json
 from signorini.output.governing import Governing, governing_reactions
 from signorini.output.names import GOVERNING, JSON
 from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, MEANS, PEAKING, SIDES, THROUGH, on_plate, place_of
+from signorini.results.rows import Bearing
 from signorini.singularities.beside import PEAKS
 from signorini.singularities.named import excluding
 from signorini.singularities.singularity import Singularity
@@ -62,7 +63,6 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
     if combined.not_unique:
         say(console, f"{combined.not_unique} not unique: the least of equal answers are given", style="yellow")
     console.print()
-    print_bearings(console, results, estimates, labels)
     for group, count in model.effective_combinations.groups.items() or (("", total),):
         if group:
             say(console, Text(group, style="bold") + Text(f": {count} combinations"))
@@ -76,6 +76,7 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
         _print_probes(console, results, result, labels)
         _print_enveloped(console, results, result, labels)
         print_governing(console, results, estimates, labels, group)
+    print_bearings(console, results, estimates, labels)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
@@ -87,7 +88,7 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
 
 
 MeanRow = tuple[str, Sequence[Sequence[str]]]
-"""A field, and cells of its largest and smallest mean: the number, where, the width and, of several, the combination."""
+"""A field, and cells of its largest and smallest mean: the number, where, the width and, if told, the combination."""
 
 
 def print_means(
@@ -118,8 +119,7 @@ def print_bearings(console: Console, results: Results, estimates: Estimates | No
     few = len(results) <= _MOST_COMBINATIONS and 1 < len(layout.bearings) <= _MOST_LISTED
     if rows is None or not few or not (points or model.tabulated):
         return
-    columns = [bearing.column(model) for bearing in layout.bearings]
-    names = [column.partition(":")[2] for column in columns]
+    columns, names = [bearing.column(model) for bearing in layout.bearings], _names(model, layout.bearings)
     values = np.array([rows[column] for column in columns])
     largest = size_of(values[~np.isnan(values)])
     unit = in_unit(model.units.force)
@@ -136,6 +136,17 @@ def print_bearings(console: Console, results: Results, estimates: Estimates | No
     console.print()
 
 
+def _names(model: Model, bearings: Sequence[Bearing]) -> list[str]:
+    """Names of bearings: of a support at one point that of the support."""
+    points = [one.support for one in bearings]
+    return [
+        f"{model.support[one.support].name}[{one.point}]"
+        if points.count(one.support) > 1
+        else model.support[one.support].name
+        for one in bearings
+    ]
+
+
 def _print_extreme_reactions(
     console: Console, results: Results, reactions: Sequence[Governing], labels: Labels
 ) -> None:
@@ -146,14 +157,16 @@ def _print_extreme_reactions(
     largest, by = size_of([one.own for one in reactions]), Column("of", coded=labels.numbered)
     at, unit = Column(f"at{in_unit(model.units.length)}", number=True, spare=True), in_unit(model.units.force)
     shown = Grid([Column("bearing"), at, *numbers(f"largest reaction{unit}"), by, *numbers("smallest"), by])
-    for high, low in (pair for pair in pairs if pair in most):
+    names = _names(model, [high.bearing for high, _ in pairs])
+    for name, (high, low) in zip(names, pairs, strict=True):
         bearing = high.bearing
+        if (high, low) not in most:
+            continue
         cells: list[str] = []
         for one in (high, low):
             told = one.own_width is not None
             text = estimated(one.own, one.own_width, largest) if told else number(one.own, largest)
             cells += [text, labels.cell(one.combination)]
-        name = bearing.column(model).partition(":")[2]
         shown.add(name, point(bearing.at, size) if bearing.at else "", *cells)
     shown.show(console)
 
@@ -170,11 +183,7 @@ def print_governing(
         console.print()
     if not 2 < len(reactions) <= 2 * _MOST_BEARINGS:
         return
-    points = [one.bearing.support for one in reactions[::2]]
-    names = []
-    for one in reactions[::2]:
-        name = model.support[one.bearing.support].name
-        names.append(f"{name}[{one.bearing.point}]" if points.count(one.bearing.support) > 1 else name)
+    names = _names(model, [one.bearing for one in reactions[::2]])
     largest = size_of([one.reactions for one in reactions])
     unit = in_unit(model.units.force)
     columns = [Column("reaction"), Column("of", coded=labels.numbered), *numbers(*(f"{name}{unit}" for name in names))]
