@@ -268,8 +268,8 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
     totals = [whole[f"reaction:{support.name}"] for support in model.support]
     largest = size_of([(ends.max, ends.min) for ends in totals])
     every = list(zip(model.support, layout.supports, whole.open_in, strict=True))
-    for index, ((support, points, open_in), ends) in enumerate(zip(every, totals, strict=True)):
-        lifted = f"{int((open_in > 0).sum())} of {points.rows.shape[1]}" if points.rows.size else ""
+    for index, ((support, points, _), ends) in enumerate(zip(every, totals, strict=True)):
+        lifted = f"{int((whole.lifted_in[index] > 0).sum())} of {points.rows.shape[1]}" if points.rows.size else ""
         most = cell(ends.max, widths, (*place_of(model, index), "reaction", "max"), largest)
         least = cell(ends.min, widths, (*place_of(model, index), "reaction", "min"), largest)
         by_most, by_least = (labels.cell(results.key(row)) for row in (ends.max_by, ends.min_by))

@@ -132,14 +132,21 @@ def prying(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
 
 
 def lifted(result: Result) -> str:
-    """Say which corners of the plate have lifted off what holds them from below, and how far; empty if none has."""
+    """Say which corners of the plate have lifted off what they touched at rest, and how far; empty if none has.
+
+    From w = 0, or from where the support has raised it: a support that settles from the plate lifts nothing.
+    """
+    if result.plates:
+        each = {name: lifted(plate) for name, plate in result.plates.items()}
+        return "; ".join(f"{name}: {sentence}" for name, sentence in each.items() if sentence)
     nodes = _corners(result)
     at, down = result.mesh.points[nodes], result.deflection[nodes]
     lifts = np.full(len(nodes), np.inf)
     for support, values in zip(result.model.support, result.supports, strict=True):
-        if support.resists == "down":
-            free = support.gap(*at.T) + support.settlement(*at.T) - down
-            lifts = np.where(_holds(result, support, values, at), np.minimum(lifts, free), lifts)
+        if support.resists == "down" and support.between is None:
+            free = np.minimum(support.settlement(*at.T), 0.0) - down
+            touching = _holds(result, support, values, at) & (support.gap(*at.T) == 0.0)
+            lifts = np.where(touching, np.minimum(lifts, free), lifts)
     least = ROUNDING * size_of(result.deflection)
     those = sorted(((float(lifts[i]), i) for i in np.flatnonzero((lifts > least) & np.isfinite(lifts))), reverse=True)
     if not those:

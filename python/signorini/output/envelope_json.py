@@ -178,11 +178,11 @@ class _Shown:
         return result
 
     def _support(self, index: int) -> dict[str, Any]:
-        layout, open_in = self.envelope.layout, self.envelope.open_in[index]
+        layout, lifted_in = self.envelope.layout, self.envelope.lifted_in[index]
         support, points = layout.model.support[index], layout.supports[index]
-        result: dict[str, Any] = {"name": support.name, "lifted": int((open_in > 0).sum())}
+        result: dict[str, Any] = {"name": support.name, "lifted": int((lifted_in > 0).sum())}
         if support.place == "at":
-            pairs = zip(points.positions.tolist(), open_in.tolist(), strict=True)
+            pairs = zip(points.positions.tolist(), lifted_in.tolist(), strict=True)
             result["points"] = [{"at": at, "gap": None, "lifted_in": count} for at, count in pairs]
         return result
 

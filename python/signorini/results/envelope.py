@@ -147,6 +147,7 @@ class Envelope:
     # reactions of their points
     along: dict[int, Extremes]
     open_in: tuple[Ints, ...]  # of every support in how many results each of its points is open
+    lifted_in: tuple[Ints, ...]  # in how many the plate has lifted off it
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
@@ -169,6 +170,7 @@ class Envelope:
             {name: Extremes.none(len(layout.nodes if name in PEAKING else mesh.points)) for name in names},
             {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
             along,
+            tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
             tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
         )
 
@@ -222,6 +224,7 @@ class Envelope:
                 self.places[mine, end] = block.places[rows[np.searchsorted(who, now[at[some]])], mine, end]
         for index, where in enumerate(layout.slices):
             self.open_in[index][:] += (~block.closed[rows, where]).sum(axis=0)
+            self.lifted_in[index][:] += block.lifted[rows, where].sum(axis=0)
             if index in self.along and index not in layout.at_rest:
                 own = block.reaction[rows, where]
                 self.along[index].take(own, who, _size(own))
@@ -257,7 +260,8 @@ class Envelope:
         pairs += [(mine, other.along[index]) for index, mine in self.along.items()]
         for extremes, others in pairs:
             extremes.meet(others)
-        for count, more in zip(self.open_in, other.open_in, strict=True):
+        counts = (*self.open_in, *self.lifted_in), (*other.open_in, *other.lifted_in)
+        for count, more in zip(*counts, strict=True):
             count[:] += more
 
     @property

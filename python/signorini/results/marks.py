@@ -33,7 +33,7 @@ from signorini.plot.view import seen
 from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.extremes import FieldExtremes
-from signorini.results.quantities import KINDS, PICTURED, PRESSURE
+from signorini.results.quantities import KINDS, PEAKING, PICTURED, PRESSURE
 from signorini.results.support_result import SupportResult, areas_below, describe
 from signorini.shapes import Polyline, Region, Ring
 from signorini.shapes.tessellation import tessellate
@@ -395,7 +395,7 @@ def panel(
         (extreme(name, value, values is not None, values and values[name]), at)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at))
     ]
-    hatched = discs(result.excluding(of.singular))
+    hatched = discs(result.excluding(of.singular) if field in PEAKING else ())
     return Panel(result.stress_nodes.spread(result.fields[field]), limits, label, map_of, named, hatched=hatched)
 
 

@@ -25,6 +25,8 @@ from signorini.singularities.beside import Beside, beside_of
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
 
+_MOVED = 1.0 + 1e-9
+"""Travel over that at rest from which on a point has moved away: more than rounding."""
 _MOST_BEARINGS = 100
 """Points of one support beyond which its reaction is looked at as a whole."""
 
@@ -125,6 +127,7 @@ class Layout:
     nodes: Floats  # (s, 2): positions of the nodes of stresses; the first are those of the mesh
     hidden: Mapping[str, Hidden]  # of every field its nodes at which it has no limit
     beside: Beside  # the places at which moments or shears have none
+    rest: Floats  # (p,): of every point of every support its travel in a plate at rest, infinite where it is apart
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
@@ -142,8 +145,11 @@ class Layout:
         catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
         at = [at for probe in discretisation.model.probe for at in probe.at]
         probes = np.array(at).reshape(-1, 2), discretisation.probe_thickness
-        beside = beside_of(discretisation)
-        return cls(discretisation.model, catalogue, points, at_rest, fields, *probes, nodes, hidden, beside)
+        beside, rest = beside_of(discretisation), [one.rest(discretisation) for one in points]
+        rest_of_all = np.concatenate([np.zeros(0), *rest])
+        return cls(
+            discretisation.model, catalogue, points, at_rest, fields, *probes, nodes, hidden, beside, rest_of_all
+        )
 
     @property
     def point_count(self) -> int:
@@ -210,6 +216,7 @@ class Block:
     values: Floats  # (k, n): in the order of the layout's catalogue
     reaction: Floats  # (k, p): of every point of every support
     closed: Bools  # (k, p)
+    lifted: Bools  # (k, p): open where the plate touches at rest, and has moved away
     on_areas: Floats  # (k, a): deflections of the nodes around elastic areas
     # (k, f, 4, 2): where the extremes of each enveloped field and of its means are, behind them those of each plate
     places: Floats
@@ -233,6 +240,7 @@ class Block:
             values,
             nan(layout.point_count),
             np.zeros((count, layout.point_count), np.bool_),
+            np.zeros((count, layout.point_count), np.bool_),
             nan(len(layout.around_areas)),
             nan(len(layout.catalogue.at("field", "max")), len(ENDS), 2),
         )
@@ -255,6 +263,7 @@ class Block:
         for where, support in zip(layout.slices, result.supports, strict=True):
             self.reaction[row, where] = support.reactions
             self.closed[row, where] = support.closed
+            self.lifted[row, where] = ~support.closed & (support.gaps > _MOVED * layout.rest[where])
         self.on_areas[row] = result.deflection[layout.around_areas]
         by_path = result.catalogue.by_path
         self.values[row] = result.numbers[[by_path[one.path] for one in layout.catalogue]]
@@ -267,6 +276,7 @@ class Block:
     ) -> None:
         """Fill rows (r,) with what all points do (r, p); ``preload`` (p,) is what they do before loads act."""
         self.reaction[rows], self.closed[rows] = reaction, closed
+        self.lifted[rows] = ~closed & (gap > _MOVED * layout.rest)
         at, values = layout.catalogue.at, self.values
         for column, where in zip(at("support", "reaction", "closed", "open"), layout.slices, strict=True):
             closed_count = closed[:, where].sum(axis=1)
