@@ -52,7 +52,7 @@ class OtherMesh:
     @property
     def work(self) -> float:
         """About how many times as long as the plate's own mesh it takes."""
-        return self.factor ** (-2.0 * _GROWTH)
+        return math.pow(self.factor, -2.0 * _GROWTH)
 
 
 def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:

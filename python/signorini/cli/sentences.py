@@ -85,11 +85,11 @@ def excluded(singular: Mapping[str, Iterable[Singularity]], units: Units) -> Ite
     for (kind, within), told in numbers.items():
         alike.setdefault((" and ".join(told), within), []).append(kind)
     unit = unit_of(units.length)
-    for (told, within), kinds in alike.items():
+    for (what, within), kinds in alike.items():
         where = f"within {length(within)}{unit} of" if within else "at"
         more = f" and {len(kinds) - MOST_KINDS} more kinds" if len(kinds) > MOST_KINDS else ""
-        listed = "; ".join(f"{kind[0].lower()}{kind[1:]}" for kind in kinds[:MOST_KINDS])
-        yield f"Excluded from extremes (singular): {told} {where} {listed}{more}"
+        listed = "; ".join(kinds[:MOST_KINDS])
+        yield f"Excluded from extremes (singular): {what} {where} {listed}{more}"
 
 
 def kind_of(one: Singularity) -> str:

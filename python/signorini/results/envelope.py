@@ -252,9 +252,9 @@ class Envelope:
         for side, better in enumerate(new):
             at = better[self.layout.governed_places]
             self.beside[side, at] = other.beside[side, at]
-            for at, owner, end in _ends(self.layout, side):
-                mine = owner[better[at]]
-                self.places[mine, end] = other.places[mine, end]
+            for numbers, owner, end in _ends(self.layout, side):
+                theirs = owner[better[numbers]]
+                self.places[theirs, end] = other.places[theirs, end]
         pairs = [(mine, other.fields[name]) for name, mine in self.fields.items()]
         pairs += [(mine, other.pressures[name][1]) for name, (_, mine) in self.pressures.items()]
         pairs += [(mine, other.along[index]) for index, mine in self.along.items()]

@@ -83,8 +83,8 @@ def _lines_of(discretisation: Discretisation) -> tuple[Beside, csr_array]:
         for one in singularities_of(discretisation, case):
             numbers = np.array([one.excludes(number) for number in PEAKS], np.bool_)
             for place in one.where if one.within and numbers.any() else ():
-                within, before = found.get((place, case or ""), (0.0, np.zeros(2, np.bool_)))
-                found[place, case or ""] = max(within, one.within), before | numbers
+                radius, before = found.get((place, case or ""), (0.0, np.zeros(2, np.bool_)))
+                found[place, case or ""] = max(radius, one.within), before | numbers
     keys = sorted(found)
     places = np.array([place for place, _ in keys], np.float64).reshape(-1, 2)
     within = np.array([found[key][0] for key in keys], np.float64)
