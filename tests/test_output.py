@@ -71,9 +71,10 @@ def of(names: str) -> dict[str, None]:
 def test_results_json_has_every_key_of_the_contract(results: signorini.Results) -> None:
     found = results_json(results, signorini.estimate(results))
     support = of("name kind reaction closed open closed_part contact_area max_pressure max_pressure_at max_tension")
+    means = of("max_mean max_mean_at max_mean_width min_mean min_mean_at min_mean_width")
     numbers = {
         "deflection": of("max max_at min min_at"),
-        "fields": {name: of("max max_at min min_at max_beside min_beside") for name in PEAKING},
+        "fields": {name: of("max max_at min min_at max_beside min_beside") | means for name in PEAKING},
         "supports": [support | of("contact_boundary") | {"points": [of("at reaction gap state")]}],
         "probes": [
             of("at deflection rotation moment shear pressure principal_moment")
@@ -86,7 +87,10 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
         **of("name status message method unsettled iterations not_unique warnings profiles"),
         "limit": of("case factor"),
         "plus_minus": numbers,
-        "singular": [of("where count box line limited within what numbers source advice")],
+        "singular": [
+            of("where count box line limited within what numbers source advice")
+            | {"means": [of("at width mx my mxy qx qy")]}
+        ],
         "certificate": figures | of("tension_limit equilibrium_limit balance_limit"),
         **numbers,
     }

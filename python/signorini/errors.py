@@ -173,18 +173,6 @@ def length(value: float, size: float = 0.0) -> str:
     return f"{rounded + 0.0:.{min(6 + farther, _DIGITS)}g}"
 
 
-def clause(sentence: str, names: Iterable[str]) -> str:
-    """Write a sentence within another: its first letter is small, but that of a name stays.
-
-    Examples
-    --------
-    >>> clause("The plate tips.", ["Tie"]), clause("Tie at a point", ["Tie"])
-    ('the plate tips.', 'Tie at a point')
-    """
-    named = any(sentence.startswith(f"{name} ") for name in names)
-    return sentence if named else sentence[:1].lower() + sentence[1:]
-
-
 def unknown(kind: str, result: str, allowed: Iterable[str], owner: str = "This model") -> str:
     """Say that a name is unknown, which names there are, of many the nearest, and whether one was meant.
 

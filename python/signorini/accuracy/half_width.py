@@ -140,7 +140,7 @@ def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
 
 def _group(one: Number) -> tuple[object, ...]:
     if one.quantity.vector:
-        return one.home, 0 if one.home == "field" else one.owner, one.quantity.vector
+        return one.home, 0 if one.home in ("field", "mean") else one.owner, one.quantity.vector
     if one.home == "point":
         return one.home, one.owner, ("points", one.what)
     return one.home, one.owner, one.path
@@ -166,7 +166,7 @@ def may_grow(
         near = (away(probes, one) <= max(reach, one.within)).tolist()
         whole = "deflection" in one.numbers and one.source in supports
         for place, number in enumerate(numbers):
-            if number.home in ("section", "strip", "station"):
+            if number.home in ("section", "strip", "station", "mean"):
                 result[place] |= "reaction" in one.numbers
             elif whole and number.quantity.kind in ("deflection", "rotation"):
                 result[place] = True
@@ -230,7 +230,7 @@ def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh
         if kind == "reaction":
             if one.home != "support" or one.owner not in points:
                 result[kind] = result[kind] + value
-        elif (
+        elif one.home != "mean" and (
             one.home not in ("probe", "field")
             or one.quantity.name in LINEAR
             or (one.home == "field" and kind == "pressure")

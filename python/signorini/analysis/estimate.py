@@ -277,7 +277,8 @@ def estimate(
 
 def estimates_of(results: Results, watcher: Watcher, table: str | os.PathLike[str] | None = None) -> Estimates:
     """Estimate results; a table that `signorini.solve` has written gains the half-widths of its columns."""
-    meshes = OtherMeshes(results.model, results.discretisation.mesh, watcher)
+    calls = 1 if results.model.tabulated else max(1, len(results.full))
+    meshes = OtherMeshes(results.model, results.discretisation.mesh, watcher, results.seconds["total"], calls)
     full = estimated(results, meshes) if results.estimates is None else results.estimates
     of_table = EstimatedTable.of(results, meshes, table) if results.model.tabulated else None
     return Estimates(results, full, of_table)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -53,6 +54,13 @@ class OtherMeshes:
     """The mesh that others are compared with."""
     watcher: Watcher
     """Called with a `Progress`; what it raises ends what is being solved and reaches the caller."""
+    seconds: float = math.nan
+    """What the mesh itself took, all calls of `solved` together."""
+    calls: int = 1
+    """How often something is solved."""
+    _begun: float = field(default_factory=time.monotonic)
+    _done: tuple[float, float] = (0.0, 0.0)
+    """Work done, over that of one call on the mesh itself, and the seconds since the beginning then."""
     _problems: dict[str, ContactProblem] = field(default_factory=dict)
 
     def solved(self, solve: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
@@ -72,9 +80,9 @@ class OtherMeshes:
         failed: list[str] = []
         for pair in pairs:
             result: dict[str, _T] = {}
-            for other in pair:
+            for number, other in enumerate(pair, 2):
                 try:
-                    result[other.words] = self._on(other, solve, result)
+                    result[other.words] = self._on(other, solve, pair[:_OTHERS], number, result)
                 except (SignoriniError, MemoryError) as error:
                     whys.append(f"on a mesh of {other.words}: {str(error) or 'not enough memory.'}")
                     if not isinstance(error, _SameMeshError):
@@ -87,11 +95,23 @@ class OtherMeshes:
                 return [*result.values()], without(len(result), " ".join(dict.fromkeys(failed))) if failed else ""
         return [], without(0, " ".join(dict.fromkeys(whys)) or none)
 
-    def _on(self, other: OtherMesh, solve: Callable[[ContactProblem, Watcher], _T], beside: Iterable[str] = ()) -> _T:
-        """Solve something on another mesh, unless it is much like the plate's own or one of those beside it."""
+    def _on(
+        self,
+        other: OtherMesh,
+        solve: Callable[[ContactProblem, Watcher], _T],
+        pair: tuple[OtherMesh, ...],
+        number: int,
+        beside: Iterable[str] = (),
+    ) -> _T:
+        """Solve something on another mesh, unless it is much like the plate's own or one of those beside it.
+
+        ``number`` counts the meshes of the run from 1, of which the plate's own is the first.
+        """
+        total = self.calls * sum(one.work for one in pair)
 
         def watch(now: Progress) -> None:
-            self.watcher(replace(now, other_mesh=other.words))
+            count = max(number, 1 + len(pair))
+            self.watcher(replace(now, other_mesh=other.words, mesh=number, meshes=count, left=self._left(total)))
 
         if other.words not in self._problems:
             watch(Progress(stage="mesh"))
@@ -104,7 +124,15 @@ class OtherMeshes:
                     raise _SameMeshError(f"it has {count} elements, about as many as a mesh of {known_count}.")
             watch(Progress(stage="factor"))
             self._problems[other.words] = contact_problem(discretisation)
-        return solve(self._problems[other.words], watch)
+        result = solve(self._problems[other.words], watch)
+        self._done = self._done[0] + other.work, time.monotonic() - self._begun
+        return result
+
+    def _left(self, total: float) -> float:
+        """Seconds that are left, from those of the work that is done or, before any is, of the mesh itself."""
+        done, spent = self._done
+        each = spent / done if done else self.seconds / self.calls
+        return max(0.0, each * (total - done) - (time.monotonic() - self._begun - spent))
 
 
 def without(count: int, why: str) -> str:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
+
+_MINUTES, _HOURS = 120.0, 7200.0
+"""Seconds from which on times are told in minutes and hours."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,10 @@ class Progress:
         "refined" comes where an accuracy is asked for, at the end of every mesh.
     other_mesh : str
         The other mesh that is being solved, such as "twice its size", to see how far this one is from the plate.
+    mesh, meshes : int
+        Which mesh is being solved, of how many: 1 of 1 but where other meshes are.
+    left : float
+        About how many seconds the other meshes still take; NaN where nothing tells.
     reached : str
         Where an accuracy is asked for, how far the mesh before this one came: "mesh 3, ± 0.12 on 400 elements"; before
         the second mesh empty. At the end of a mesh how far it came itself, of which number, and about how many elements
@@ -48,6 +56,9 @@ class Progress:
     residual: float = 1.0
     stage: Literal["mesh", "factor", "contact", "refined"] = "contact"
     other_mesh: str = ""
+    mesh: int = 1
+    meshes: int = 1
+    left: float = math.nan
     reached: str = ""
     method: str = ""
 
@@ -55,7 +66,10 @@ class Progress:
         """Say it in a line."""
         if self.stage == "refined":
             return self.reached
-        said = f"{self._said}, on a mesh of {self.other_mesh}" if self.other_mesh else self._said
+        said = self._said
+        if self.other_mesh:
+            said += f", on a mesh of {self.other_mesh}"
+            said += f" (mesh {self.mesh} of {self.meshes}{_left(self.left)})" if self.meshes > 1 else ""
         return f"{self.reached}: {said}" if self.reached else said
 
     @property
@@ -67,6 +81,20 @@ class Progress:
             return f"{self.combination}: solving{by}"
         points = f"{self.changing} contact point{'s' if self.changing != 1 else ''} changing"
         return f"{self.combination}{by}: step {self.step}, {points}, imbalance {self.residual:.1e}"
+
+
+def _left(seconds: float) -> str:
+    """Say how long something takes.
+
+    Examples
+    --------
+    >>> _left(0.2), _left(42.3), _left(200.0), _left(8000.0), _left(math.nan)
+    ('', ', about 42 s left', ', about 3 min left', ', about 2.2 h left', '')
+    """
+    if not seconds >= 1.0:
+        return ""
+    said = f"{seconds:.0f} s" if seconds < _MINUTES else f"{seconds / 60:.0f} min"
+    return f", about {said if seconds < _HOURS else f'{seconds / 3600:.1f} h'} left"
 
 
 Watcher: TypeAlias = Callable[[Progress], object]

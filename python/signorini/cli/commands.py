@@ -37,6 +37,7 @@ _OPTIONS = {
     "events": "--events",
     "unit": "--unit",
     "output": "--output",
+    "no_error": "--no-error",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
 """What the arguments of `signorini.path` and of `read_dxf` are called on the command line."""
@@ -54,6 +55,9 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+NoError = Annotated[
+    bool, typer.Option("--no-error", help="Leave ± out: solve no other meshes, as mesh.error = false does.")
+]
 InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file, TOML.", show_default=False)]
 
 
@@ -108,6 +112,7 @@ def solve(
             show_default=False,
         ),
     ] = None,
+    no_error: NoError = False,
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, .vtu files and pictures; print a table.
 
@@ -126,7 +131,7 @@ def solve(
         if threads is not None:
             # Rust's threads start at their first use and read this then.
             os.environ["RAYON_NUM_THREADS"] = str(threads)
-        model = signorini.load(file)
+        model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         try:
             with room_for(directory, model) as room, progress_line() as show:
@@ -211,6 +216,7 @@ def path(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Directory of the files. [default: FILE-path]")
     ] = None,
+    no_error: NoError = False,
 ) -> None:
     """Follow one load as another grows: at which t supports open or close, and where equilibrium ends.
 
@@ -222,7 +228,7 @@ def path(
         from signorini.output import write_path
         from signorini.output.directory import room_for_path
 
-        model = signorini.load(file)
+        model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
         with room_for_path(directory) as room, progress_line() as show, interrupts.at_once(room, interrupts.PATIENT):
             chosen = None if at is None else _numbers(at)
@@ -252,6 +258,16 @@ def path(
                     "at the contact points of this mesh. Take a finer mesh there"
                 )
             raise NotCertifiedError(f"the path was followed to t = {result.end:.6g} only; beyond, {why}.")
+
+
+def _loaded(file: Path, no_error: bool) -> signorini.Model:
+    """Load a model, with ``no_error`` one that asks for no half-widths."""
+    model = signorini.load(file)
+    if not no_error:
+        return model
+    if model.mesh.accuracy is not None:
+        raise InputError("mesh.accuracy needs ±. Leave --no-error out, or mesh.accuracy.", place="no_error")
+    return model.model_copy(update={"mesh": model.mesh.model_copy(update={"error": False})})
 
 
 def _numbers(text: str) -> list[float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 from typing import Any
 
@@ -24,12 +24,18 @@ from signorini.cli.grid import (
     say,
     unit_of,
 )
+from signorini.cli.sentences import Labels, excluded
 from signorini.contact.certificate import FIGURES
-from signorini.errors import point
+from signorini.errors import length, point
+from signorini.model import Model, Units
 from signorini.output.envelope_json import envelope_json
-from signorini.output.governing import governing_reactions
+from signorini.output.governing import Governing, governing_reactions
 from signorini.output.names import GOVERNING, JSON
-from signorini.results.quantities import FIELDS, LINEAR, MEANS, SIDES, THROUGH, on_plate, place_of
+from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, MEANS, PEAKING, SIDES, THROUGH, on_plate, place_of
+from signorini.results.rows import Bearing
+from signorini.singularities.beside import PEAKS
+from signorini.singularities.named import excluding
+from signorini.singularities.singularity import Singularity
 
 Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None where there are none."""
@@ -38,11 +44,13 @@ _MOST_NAMED = 5
 """Combinations without equilibrium that are named; the rest are in the files."""
 _MOST_PROBES = 6
 """Probes of which the extremes are listed, eight rows each."""
+_MOST_LISTED, _MOST_COMBINATIONS = 40, 40
+"""Bearings and combinations up to which reactions are tables of both."""
 _MOST_BEARINGS = 12
 """Bearings of which the governing reactions are listed; of more they are in a file alone."""
 
 
-def print_combined(console: Console, results: Results, estimates: Estimates | None) -> None:
+def print_combined(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
     """Print how many were solved, and the extremes with the combinations that they come from; of groups each apart."""
     combined, model = results.combined, results.model
     total = len(combined.combinations)
@@ -63,11 +71,12 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
             say(console, "none has an equilibrium", style="bold red")
             console.print()
             continue
-        _print_fields(console, results, group, result["plus_minus"])
-        _print_supports(console, results, group, result["plus_minus"])
-        _print_probes(console, results, result)
-        _print_enveloped(console, results, result)
-        print_governing(console, results, estimates, group)
+        _print_fields(console, results, group, result, labels)
+        _print_supports(console, results, group, result["plus_minus"], labels)
+        _print_probes(console, results, result, labels)
+        _print_enveloped(console, results, result, labels)
+        print_governing(console, results, estimates, labels, group)
+    print_bearings(console, results, estimates, labels)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {figures}")
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
@@ -75,26 +84,109 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
     elements = sorted((len(mesh.elements) for mesh in meshes), reverse=True)
     say(console, f"of the equations; of the mesh: {compared(elements, model.estimated)}")
     if results.full:
-        say(console, f"all results of: {', '.join(results.full)}")
+        say(console, f"all results of: {', '.join(map(labels.code, results.full))}")
 
 
-def print_governing(console: Console, results: Results, estimates: Estimates | None, group: str = "") -> None:
+MeanRow = tuple[str, Sequence[Sequence[str]]]
+"""A field, and cells of its largest and smallest mean: the number, where, the width and, if told, the combination."""
+
+
+def print_means(
+    console: Console,
+    singular: Mapping[str, Iterable[Singularity]],
+    rows: Sequence[MeanRow],
+    units: Units,
+    labels: Labels | None = None,
+) -> None:
+    """Say what extremes of moments and shears exclude, and print the means at these places."""
+    for sentence in excluded(singular, units):
+        say(console, sentence)
+    unit = in_unit(units.length)
+    columns = [*numbers(f"at{unit}", f"over{unit}"), *([Column("of", coded=labels.numbered)] if labels else [])]
+    shown = Grid([Column("mean there"), *numbers("largest"), *columns, *numbers("smallest"), *columns])
+    for name, cells in rows:
+        if any(cells):
+            most, least = (of or [""] * (1 + len(columns)) for of in cells)
+            shown.add(FIELDS[name].label(units), *most, *least)
+    if shown.rows:
+        shown.show(console)
+
+
+def print_bearings(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
+    """Print the reaction of each bearing in each combination, where both are few enough to be read."""
+    layout, rows, model = results.combined.layout, results.combined.rows, results.model
+    points = any(bearing.point is not None for bearing in layout.bearings)
+    few = len(results) <= _MOST_COMBINATIONS and 1 < len(layout.bearings) <= _MOST_LISTED
+    if rows is None or not few or not (points or model.tabulated):
+        return
+    columns, names = [bearing.column(model) for bearing in layout.bearings], _names(model, layout.bearings)
+    values = np.array([rows[column] for column in columns])
+    largest = size_of(values[~np.isnan(values)])
+    unit = in_unit(model.units.force)
+    shown = Grid([Column("combination", coded=labels.numbered), *numbers(*(f"{name}{unit}" for name in names))])
+    for row, of_row in enumerate(values.T.tolist()):
+        widths = [None if estimates is None else estimates.half_width(column, row) for column in columns]
+        told = any(width is not None for width in widths)
+        pairs = zip(of_row, widths, strict=True)
+        cells = [estimated(value, width, largest) if told else number(value, largest) for value, width in pairs]
+        solved = not np.isnan(of_row).all()
+        shown.add(labels.cell(results.key(row)), *(cells if solved else [""] * len(cells)))
+    say(console, "reaction of each bearing")
+    shown.show(console)
+    console.print()
+
+
+def _names(model: Model, bearings: Sequence[Bearing]) -> list[str]:
+    """Names of bearings: of a support at one point that of the support."""
+    points = [one.support for one in bearings]
+    return [
+        f"{model.support[one.support].name}[{one.point}]"
+        if points.count(one.support) > 1
+        else model.support[one.support].name
+        for one in bearings
+    ]
+
+
+def _print_extreme_reactions(
+    console: Console, results: Results, reactions: Sequence[Governing], labels: Labels
+) -> None:
+    """Print the largest and smallest reaction of each of many bearings; of very many those with the largest."""
+    model, size = results.model, results.discretisation.mesh.size
+    pairs = list(zip(reactions[::2], reactions[1::2], strict=True))
+    most = sorted(pairs, key=lambda pair: -max(abs(one.own) for one in pair))[:_MOST_LISTED]
+    largest, by = size_of([one.own for one in reactions]), Column("of", coded=labels.numbered)
+    at, unit = Column(f"at{in_unit(model.units.length)}", number=True, spare=True), in_unit(model.units.force)
+    shown = Grid([Column("bearing"), at, *numbers(f"largest reaction{unit}"), by, *numbers("smallest"), by])
+    names = _names(model, [high.bearing for high, _ in pairs])
+    for name, (high, low) in zip(names, pairs, strict=True):
+        bearing = high.bearing
+        if (high, low) not in most:
+            continue
+        cells: list[str] = []
+        for one in (high, low):
+            told = one.own_width is not None
+            text = estimated(one.own, one.own_width, largest) if told else number(one.own, largest)
+            cells += [text, labels.cell(one.combination)]
+        shown.add(name, point(bearing.at, size) if bearing.at else "", *cells)
+    shown.show(console)
+
+
+def print_governing(
+    console: Console, results: Results, estimates: Estimates | None, labels: Labels, group: str = ""
+) -> None:
     """Print the largest and the smallest reaction of each bearing, with those of all others in that combination."""
     model, reactions = results.model, governing_reactions(results, estimates, group)
     if len(reactions) > 2 * _MOST_BEARINGS:
+        _print_extreme_reactions(console, results, reactions, labels)
         bearings = f"{f'{group}, ' if group else ''}{len(reactions) // 2} bearings"
         say(console, f"{bearings}: {GOVERNING} has the largest and smallest reaction of each")
         console.print()
     if not 2 < len(reactions) <= 2 * _MOST_BEARINGS:
         return
-    points = [one.bearing.support for one in reactions[::2]]
-    names = []
-    for one in reactions[::2]:
-        name = model.support[one.bearing.support].name
-        names.append(f"{name}[{one.bearing.point}]" if points.count(one.bearing.support) > 1 else name)
+    names = _names(model, [one.bearing for one in reactions[::2]])
     largest = size_of([one.reactions for one in reactions])
     unit = in_unit(model.units.force)
-    columns = [Column("reaction"), Column("of"), *numbers(*(f"{name}{unit}" for name in names))]
+    columns = [Column("reaction"), Column("of", coded=labels.numbered), *numbers(*(f"{name}{unit}" for name in names))]
     shown = Grid(columns)
     for index, one in enumerate(reactions):
         side = "largest" if one.largest else "smallest"
@@ -102,19 +194,20 @@ def print_governing(console: Console, results: Results, estimates: Estimates | N
         pairs = zip(one.reactions, one.widths, strict=True)
         cells = [Text(estimated(value, width, largest) if told else number(value, largest)) for value, width in pairs]
         cells[index // 2].stylize("bold")
-        shown.add(f"{side} {names[index // 2]}", one.combination, *cells)
+        shown.add(f"{side} {names[index // 2]}", labels.cell(one.combination), *cells)
     of = f" in {group}" if group else ""
     say(console, f"largest and smallest reaction of each bearing{of}, beside it what the others do then")
     shown.show(console)
     console.print()
 
 
-def _print_fields(console: Console, results: Results, group: str, widths: Widths) -> None:
+def _print_fields(console: Console, results: Results, group: str, enveloped: Mapping[str, Any], labels: Labels) -> None:
     envelope, units = results.combined.over(group), results.model.units
     if not envelope.fields:
         return
     at = Column(f"at{in_unit(units.length)}", number=True, spare=True)
-    columns = [*numbers("largest"), at, Column("of"), *numbers("smallest"), at, Column("of")]
+    by, widths, means = Column("of", coded=labels.numbered), enveloped["plus_minus"], list[MeanRow]()
+    columns = [*numbers("largest"), at, by, *numbers("smallest"), at, by]
     shown, mesh = Grid([Column("field"), *columns], unknown=UNSETTLED), results.discretisation.mesh
     for plate, name in product(results.model.plates or ("",), envelope.layout.fields):
         of, path = on_plate(name, plate), (*(("plates", plate) if plate else ()), "fields", name)
@@ -125,12 +218,24 @@ def _print_fields(console: Console, results: Results, group: str, widths: Widths
         )
         label = FIELDS[name].label(units)
         label = f"{plate}: {label}" if plate else label
-        shown.add(label, *most, results.key(ends.max_by), *least, results.key(ends.min_by))
+        shown.add(label, *most, labels.cell(results.key(ends.max_by)), *least, labels.cell(results.key(ends.min_by)))
+        told = (enveloped["plates"][plate] if plate else enveloped)["fields"][name]
+        if name in PEAKING:
+            cells: list[list[str]] = [[], []]
+            for side, into in zip(MEAN_SIDES, cells, strict=True):
+                if told[side] is not None:
+                    into.append(cell(told[side], widths, (*path, side), size_of([ends.max, ends.min])))
+                    into += [point(told[f"{side}_at"], mesh.size), length(told[f"{side}_width"])]
+                    into.append(labels.cell(told[f"{side}_by"]))
+            means.append((name, cells))
     shown.show(console)
+    cases = frozenset(results.model.effective_combinations.cases_of(group))
+    singular = {number: excluding(results.discretisation, number, cases) for number in PEAKS}
+    print_means(console, singular, means, units, labels)
     console.print()
 
 
-def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any]) -> None:
+def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any], labels: Labels) -> None:
     """Print the extremes of the fields at probes, a row each, and which combinations these are of."""
     probes, units, widths = envelope["probes"], results.model.units, envelope["plus_minus"]
     if not probes:
@@ -140,33 +245,35 @@ def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any
         console.print()
         return
     where = f"at{in_unit(units.length)}"
-    shown = Grid(
-        [Column(where), Column("field"), *numbers("largest"), Column("of"), *numbers("smallest"), Column("of")]
-    )
+    by = Column("of", coded=labels.numbered)
+    shown = Grid([Column(where), Column("field"), *numbers("largest"), by, *numbers("smallest"), by])
     for field in LINEAR:
         size = size_of([[probe[field]["max"], probe[field]["min"]] for probe in probes])
         for index, probe in enumerate(probes):
             of, path = probe[field], ("probes", index, field)
             most, least = (cell(of[end], widths, (*path, end), size, 5) for end in ("max", "min"))
             at = point(probe["at"], results.discretisation.mesh.size)
-            shown.add(at, FIELDS[field].label(units), most, of["max_by"], least, of["min_by"])
+            by_most, by_least = labels.cell(of["max_by"]), labels.cell(of["min_by"])
+            shown.add(at, FIELDS[field].label(units), most, by_most, least, by_least)
     shown.show(console)
     console.print()
 
 
-def _print_supports(console: Console, results: Results, group: str, widths: Widths) -> None:
+def _print_supports(console: Console, results: Results, group: str, widths: Widths, labels: Labels) -> None:
     whole, model = results.combined.over(group), results.model
     units, layout = model.units, whole.layout
-    columns = [Column("support"), *numbers(f"largest reaction{in_unit(units.force)}"), Column("of")]
-    shown = Grid([*columns, *numbers("smallest"), Column("of"), Column("points lifted", number=True, spare=True)])
+    by = Column("of", coded=labels.numbered)
+    columns = [Column("support"), *numbers(f"largest reaction{in_unit(units.force)}"), by]
+    shown = Grid([*columns, *numbers("smallest"), by, Column("points lifted", number=True, spare=True)])
     totals = [whole[f"reaction:{support.name}"] for support in model.support]
     largest = size_of([(ends.max, ends.min) for ends in totals])
     every = list(zip(model.support, layout.supports, whole.open_in, strict=True))
-    for index, ((support, points, open_in), ends) in enumerate(zip(every, totals, strict=True)):
-        lifted = f"{int((open_in > 0).sum())} of {points.rows.shape[1]}" if points.rows.size else ""
+    for index, ((support, points, _), ends) in enumerate(zip(every, totals, strict=True)):
+        lifted = f"{int((whole.lifted_in[index] > 0).sum())} of {points.rows.shape[1]}" if points.rows.size else ""
         most = cell(ends.max, widths, (*place_of(model, index), "reaction", "max"), largest)
         least = cell(ends.min, widths, (*place_of(model, index), "reaction", "min"), largest)
-        shown.add(support.name, most, results.key(ends.max_by), least, results.key(ends.min_by), lifted)
+        by_most, by_least = (labels.cell(results.key(row)) for row in (ends.max_by, ends.min_by))
+        shown.add(support.name, most, by_most, least, by_least, lifted)
     shown.show(console)
     console.print()
     _print_lines(console, results, group, widths)
@@ -178,7 +285,10 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
             gap = cell(gaps[at].max, widths, (*of_support, "points", at, "gap", "max"))
             opening = f"{gap} {units.length}".rstrip()
             where = point(points.positions[at].tolist())
-            say(console, f"{support.name}: widest gap {opening} at {where} in {results.key(gaps[at].max_by)}")
+            say(
+                console,
+                f"{support.name}: widest gap {opening} at {where} in {labels.said(results.key(gaps[at].max_by))}",
+            )
         if (area := layout.at_rest.get(index)) is not None:
             pressed, touching = whole[f"max_pressure:{support.name}"], whole[f"contact_area:{support.name}"]
             pressure = cell(pressed.max, widths, (*of_support, "max_pressure", "max"))
@@ -187,8 +297,9 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
             where = point(area.pressure_places[whole.along[index].ends[0]].tolist(), results.discretisation.mesh.size)
             extent = float(points.weights.sum())
             least = in_contact(support.name, touching_cell, touching.min, extent, "area", unit_of(units.length, 2))
-            say(console, f"{support.name}: largest pressure {highest} at {where} in {results.key(pressed.max_by)}")
-            say(console, f"{least}, the least, in {results.key(touching.min_by)}")
+            by_pressure, by_area = (labels.said(results.key(row)) for row in (pressed.max_by, touching.min_by))
+            say(console, f"{support.name}: largest pressure {highest} at {where} in {by_pressure}")
+            say(console, f"{least}, the least, in {by_area}")
 
 
 def _print_lines(console: Console, results: Results, group: str, widths: Widths) -> None:
@@ -211,27 +322,23 @@ def _print_lines(console: Console, results: Results, group: str, widths: Widths)
         console.print()
 
 
-def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, Any]) -> None:
+def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, Any], labels: Labels) -> None:
     """Print the extremes of sections and strips over many combinations, and which these are."""
-    units, widths = results.model.units, envelope["plus_minus"]
+    units, widths, by = results.model.units, envelope["plus_minus"], Column("of", coded=labels.numbered)
     if envelope["sections"]:
-        shown = Grid([Column("section"), *numbers("largest"), Column("of"), *numbers("smallest"), Column("of")])
+        shown = Grid([Column("section"), *numbers("largest"), by, *numbers("smallest"), by])
         for one in THROUGH:
             size = size_of([[section[one.name]["max"], section[one.name]["min"]] for section in envelope["sections"]])
             for index, section in enumerate(envelope["sections"]):
                 of, path = section[one.name], ("sections", index, one.name)
                 most, least = (cell(of[end], widths, (*path, end), size) for end in SIDES)
-                shown.add(f"{section['name']}, {in_title(one, units)}", most, of["max_by"], least, of["min_by"])
+                by_most, by_least = labels.cell(of["max_by"]), labels.cell(of["min_by"])
+                shown.add(f"{section['name']}, {in_title(one, units)}", most, by_most, least, by_least)
         shown.show(console)
         console.print()
     if envelope["strips"]:
         where = f"at{in_unit(units.length)}"
-        columns = [
-            *numbers(f"largest mean {in_title(MEANS[0], units)}", where),
-            Column("of"),
-            *numbers("smallest", where),
-            Column("of"),
-        ]
+        columns = [*numbers(f"largest mean {in_title(MEANS[0], units)}", where), by, *numbers("smallest", where), by]
         shown = Grid([Column("strip"), *columns])
         for index, strip in enumerate(envelope["strips"]):
             moments = [station["moment"] for station in strip["stations"]]
@@ -241,7 +348,7 @@ def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, 
                 at = result.index(max(result) if end == "max" else min(result))
                 within = ("strips", index, "stations", at, "moment", end)
                 cells += [cell(result[at], widths, within, size, 5), point(strip["stations"][at]["at"])]
-                cells.append(moments[at][f"{end}_by"])
+                cells.append(labels.cell(moments[at][f"{end}_by"]))
             shown.add(strip["name"], *cells)
         shown.show(console)
         console.print()

@@ -25,6 +25,8 @@ _GLUE = "\ue000"
 """Stands, while lines are broken, for a space at which none may be."""
 _TOGETHER = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[±+−-]) (?=[\d?])|\[[^\[\]]{1,40}\]")
 """The space between a number and its unit, or its sign; a point, or a unit behind a title."""
+_JOINT = re.compile(r"[^+:;,/_|]*[+:;,/_|]|[^+:;,/_|]+")
+"""A part of a word, with the sign behind it that joins it to the next."""
 _PAGE = 120
 """Signs within which rows stand side by side, also where there is no end to a line, as in a file."""
 _LEAST, _SPARE = 16, 24
@@ -45,6 +47,7 @@ class Column:
     title: str
     number: bool = False  # whether its cells are at the right, and never broken
     spare: bool = False  # whether it goes first where there is no room
+    coded: bool = False  # whether the code before a colon stands for the cell where there is no room
 
 
 def numbers(*titles: str) -> list[Column]:
@@ -78,6 +81,12 @@ class Grid:
 
     def _show(self, console: Console) -> None:
         kept = list(range(len(self.columns)))
+        coded = [index for index in kept if self.columns[index].coded]
+        widths = self._widths(kept, console.width)
+        if any(widths is None or row[index].cell_len > widths[index] for row in self.rows for index in coded):
+            for row in self.rows:
+                for index in coded:
+                    row[index] = row[index].split(":")[0]
         while (widths := self._widths(kept, console.width)) is None:
             spare = [index for index in kept if self.columns[index].spare]
             if not spare:
@@ -155,8 +164,27 @@ def _longest_word(text: Text) -> int:
     return min(max(map(cell_len, text.plain.split(" ")), default=0), _LONGEST_WORD)
 
 
+def _filled(word: str, width: int) -> str:
+    """Divide a word into parts that fit a line, each as long as it may be.
+
+    Examples
+    --------
+    >>> _filled("ULS:1.35G1+1.35G2+1.5Q", 12)
+    'ULS:1.35G1+ 1.35G2+1.5Q'
+    """
+    parts = [""]
+    for piece in _JOINT.findall(word):
+        if parts[-1] and len(parts[-1]) + len(piece) > width:
+            parts.append("")
+        parts[-1] += piece
+    return " ".join(parts)
+
+
 def _broken(console: Console, text: Text, width: int) -> list[Text]:
-    """Break a glued text into lines."""
+    """Break a glued text into lines, words that are longer than a line behind signs that join their parts."""
+    if max(map(cell_len, text.plain.split(" "))) > width:
+        text = text.copy()
+        text.plain = " ".join(_filled(word, width) for word in text.plain.split(" "))
     lines = list(text.wrap(console, width))
     for line in lines:
         line.plain = line.plain.replace(_GLUE, " ")

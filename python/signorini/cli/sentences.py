@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -15,18 +17,84 @@ from signorini.cli.grid import cell, in_contact, unit_of
 from signorini.discretise import Discretisation
 from signorini.discretise.laws import can_let_go
 from signorini.discretise.rows import Bools, Floats
-from signorini.errors import point
-from signorini.model import MeshPlate, Support
+from signorini.errors import length, point
+from signorini.model import MeshPlate, Support, Units
 from signorini.output.envelope_json import envelope_json
 from signorini.results.figures import figures, joints
 from signorini.results.quantities import FIELDS, RESULTANTS, SIDES, place_of
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 from signorini.singularities.named import singularities
+from signorini.singularities.singularity import Singularity
 
 _SAME = 1e-9
 """Part of the plate's size within which a point of a support is at a corner: far above rounding."""
 _MOST_CORNERS = 6
+SEVERAL = 3
+"""Combinations from which on a summary is shown in place of each one's tables."""
+_SHORT_NAME, _LOOKED_AT = 12, 1000
+"""Letters of a name that needs no number, and names that are looked at."""
+MOST_KINDS = 6
+"""Kinds of places without a limit that are named."""
+_PLACES = re.compile(r" at \[.*")
+"""The places in the words about a singularity."""
+
+
+class Labels:
+    """Numbers of combinations with long names: "C7", counted from 1 in the order of the input.
+
+    In cells of tables the number stands before the name, alone where there is no room. In sentences it stands behind
+    the name. ``named`` collects the combinations that were told.
+    """
+
+    def __init__(self, results: Results) -> None:
+        self._number_of, self.named = results.number_of, dict[int, str]()
+        several = len(results) >= SEVERAL
+        self.numbered = several and any(len(name) > _SHORT_NAME for name in islice(results, _LOOKED_AT))
+
+    def code(self, name: str) -> str:
+        """Give the number of a combination, or its name where names are short."""
+        if not self.numbered:
+            return name
+        number = self._number_of(name) + 1
+        self.named[number] = name
+        return f"C{number}"
+
+    def cell(self, name: str) -> str:
+        """Write a combination in a column that is coded."""
+        return f"{self.code(name)}: {name}" if self.numbered else name
+
+    def said(self, name: str) -> str:
+        """Write a combination in a sentence."""
+        return f"{name} ({self.code(name)})" if self.numbered else name
+
+    def listed(self) -> Iterator[str]:
+        """Say what the numbers stand for."""
+        yield from (f"C{number}: {name}" for number, name in sorted(self.named.items()))
+
+
+def excluded(singular: Mapping[str, Iterable[Singularity]], units: Units) -> Iterator[str]:
+    """Say around which singularities extremes of moments and shears leave out nodes."""
+    numbers: dict[tuple[str, float], list[str]] = {}
+    for number, those in singular.items():
+        for one in those:
+            kind = f"{one.plate}: {kind_of(one)}" if one.plate else kind_of(one)
+            told = numbers.setdefault((kind, one.within), [])
+            told += [f"{number}s"] if f"{number}s" not in told else []
+    alike: dict[tuple[str, float], list[str]] = {}
+    for (kind, within), told in numbers.items():
+        alike.setdefault((" and ".join(told), within), []).append(kind)
+    unit = unit_of(units.length)
+    for (what, within), kinds in alike.items():
+        where = f"within {length(within)}{unit} of" if within else "at"
+        more = f" and {len(kinds) - MOST_KINDS} more kinds" if len(kinds) > MOST_KINDS else ""
+        listed = "; ".join(kinds[:MOST_KINDS])
+        yield f"Excluded from extremes (singular): {what} {where} {listed}{more}"
+
+
+def kind_of(one: Singularity) -> str:
+    """Say what a singularity is, without its places."""
+    return _PLACES.sub("", one.what)
 
 
 def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -> Iterator[str]:
@@ -69,14 +137,21 @@ def of_bolts(result: Result, widths: Mapping[str, Any] | None) -> Iterator[str]:
 
 
 def lifted(result: Result) -> str:
-    """Say which corners of the plate have lifted off what holds them from below, and how far; empty if none has."""
+    """Say which corners of the plate have lifted off what they touched at rest, and how far; empty if none has.
+
+    From w = 0, or from where the support has raised it: a support that settles from the plate lifts nothing.
+    """
+    if result.plates:
+        each = {name: lifted(plate) for name, plate in result.plates.items()}
+        return "; ".join(f"{name}: {sentence}" for name, sentence in each.items() if sentence)
     nodes = _corners(result)
     at, down = result.mesh.points[nodes], result.deflection[nodes]
     lifts = np.full(len(nodes), np.inf)
     for support, values in zip(result.model.support, result.supports, strict=True):
-        if support.resists == "down":
-            free = support.gap(*at.T) + support.settlement(*at.T) - down
-            lifts = np.where(_holds(result, support, values, at), np.minimum(lifts, free), lifts)
+        if support.resists == "down" and support.between is None:
+            free = np.minimum(support.settlement(*at.T), 0.0) - down
+            touching = _holds(result, support, values, at) & (support.gap(*at.T) == 0.0)
+            lifts = np.where(touching, np.minimum(lifts, free), lifts)
     least = ROUNDING * size_of(result.deflection)
     those = sorted(((float(lifts[i]), i) for i in np.flatnonzero((lifts > least) & np.isfinite(lifts))), reverse=True)
     if not those:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,56 +15,62 @@ from signorini.analysis.check import ASKED, Check
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import compared, in_unit, number, size_of
-from signorini.cli.governing import print_combined, print_governing
+from signorini.cli.governing import MeanRow, print_bearings, print_combined, print_governing, print_means
 from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers, say, unit_of
-from signorini.cli.sentences import lifted, of_bolts, resting, too_wide
+from signorini.cli.sentences import MOST_KINDS, SEVERAL, Labels, kind_of, lifted, of_bolts, resting, too_wide
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
-from signorini.errors import clause, length, point
+from signorini.errors import length, point
 from signorini.model import Model, Support
 from signorini.output.envelope_json import table_warnings
 from signorini.output.names import JSON
 from signorini.results.marks import case_totals
-from signorini.results.quantities import AT_BOLTS, AT_PROBES, FIELDS, LINEAR, MEANS, RESULTANTS, THROUGH, place_of
+from signorini.results.quantities import (
+    AT_BOLTS,
+    AT_PROBES,
+    FIELDS,
+    LINEAR,
+    MEAN_SIDES,
+    MEANS,
+    RESULTANTS,
+    THROUGH,
+    place_of,
+)
 from signorini.results.result import Result
 from signorini.results.support_result import MEANINGS, SYMBOLS, describe, kinds
+from signorini.singularities.beside import PEAKS
 from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
 Widths = Mapping[str, Any] | None
 """Half-widths as in results.json; None where there are none."""
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
-_SEVERAL = 3
-"""Combinations from which on a summary is shown in place of each one's tables."""
 _MOST_POINTS = 20
 """Points of supports whose reactions are listed; of more the largest."""
 _MOST_OPEN = 8
 """Open points named where not all points are listed; where more are open their number says enough."""
 _MOST_WARNINGS = 20
-_MOST_KINDS = 6
-"""Kinds of places without a limit that are named."""
-_PLACES = re.compile(r" at \[.*")
-"""The places in the words about a singularity."""
 
 
 def print_results(console: Console, results: Results, estimates: Estimates | None) -> None:
     """Print every combination: supports, their points, certificate, extremes, probes; then what is seldom meant."""
-    discretisation = results.discretisation
+    discretisation, labels = results.discretisation, Labels(results)
     _print_model(console, discretisation)
     if results.model.tabulated:
         console.print()
-        print_combined(console, results, estimates)
+        print_combined(console, results, estimates, labels)
         warnings: dict[str, list[str]] = {sentence: [] for sentence in table_warnings(results, estimates)}
     else:
         warnings = _by_sentence(results, estimates)
-        if len(results) >= _SEVERAL:
+        if len(results) >= SEVERAL:
             console.print()
-            _print_summary(console, results, estimates)
-            _print_largest(console, results, estimates)
+            _print_summary(console, results, estimates, labels)
+            _print_largest(console, results, estimates, labels)
+            print_bearings(console, results, estimates, labels)
             for group in (*results.model.effective_combinations.groups,) or ("",):
-                print_governing(console, results, estimates, group)
+                print_governing(console, results, estimates, labels, group)
             say(console, f"{JSON} has everything of every combination.")
-    for result in results.full.values() if not results.model.tabulated and len(results) < _SEVERAL else ():
+    for result in results.full.values() if not results.model.tabulated and len(results) < SEVERAL else ():
         console.print()
         if result.status == "solved":
             _print_result(console, result, _of(estimates, result), results.limits[result.name])
@@ -74,11 +79,16 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
     console.print()
     _print_refinement(console, results)
     warnings |= {sentence: [] for sentence in too_wide(results, estimates)}
-    _print_warnings(console, warnings, len(results))
+    told = {sentence: [labels.code(name) for name in names] for sentence, names in warnings.items()}
+    _print_warnings(console, told, len(results))
     named = [one for result in results.full.values() for one in result.singular]
     if results.model.tabulated:
         named = [*singularities(discretisation, results.model.effective_combinations.cases)]
     _print_singular(console, named, results.model, f" All in {JSON}.")
+    for said in labels.listed():
+        say(console, said)
+    if labels.named:
+        console.print()
     _print_legend(console, discretisation.model.support)
 
 
@@ -173,16 +183,16 @@ def _widths(estimates: Estimates | None, result: Result) -> Widths:
     return None if estimates is None else estimates[result.name].plus_minus
 
 
-def _print_summary(console: Console, results: Results, estimates: Estimates | None) -> None:
+def _print_summary(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
     model = results.discretisation.model
     names = [f"{support.name}{in_unit(model.units.force)}" for support in model.support]
     unit = in_unit(model.units.length)
     columns = [*numbers(f"largest deflection{unit}", f"smallest{unit}", "open points")]
-    shown = Grid([Column("combination"), *columns, *numbers(*names)])
+    shown = Grid([Column("combination", coded=labels.numbered), *columns, *numbers(*names)])
     size = max((size_of(result.deflection) for result in results.full.values() if result.supports), default=0.0)
     for result in results.full.values():
         if result.status != "solved":
-            shown.add(Text(result.name, style="bold red"), "", "", "", *[""] * len(names))
+            shown.add(Text(labels.cell(result.name), style="bold red"), "", "", "", *[""] * len(names))
             continue
         widths, load = _widths(estimates, result), largest_of(result)["reaction"]
         ends = (
@@ -193,26 +203,29 @@ def _print_summary(console: Console, results: Results, estimates: Estimates | No
             cell(result.reaction, widths, (*place_of(model, index), "reaction"), load)
             for index, result in enumerate(result.supports)
         )
-        shown.add(result.name, *ends, str(sum(result.open_count for result in result.supports)), *reactions)
+        shown.add(
+            labels.cell(result.name), *ends, str(sum(result.open_count for result in result.supports)), *reactions
+        )
     shown.show(console)
     if results.unbalanced:
         say(console, f"without equilibrium: {', '.join(results.unbalanced)}", style="bold red")
     solved = [result for result in results.full.values() if result.status == "solved"]
     for name, sentence in ((result.name, lifted(result)) for result in solved):
         if sentence:
-            say(console, f"{name}: {sentence}")
+            say(console, f"{labels.said(name)}: {sentence}")
     console.print()
 
 
-def _print_largest(console: Console, results: Results, estimates: Estimates | None) -> None:
+def _print_largest(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
     """Print the largest and smallest moments and shears of all combinations, the worst certificate and the meshes."""
     solved = [result for result in results.full.values() if result.status == "solved"]
     if not solved:
         return
     model, size = results.model, results.discretisation.mesh.size
     where = f"at{in_unit(model.units.length)}"
-    columns = [*numbers("largest", where), Column("of"), *numbers("smallest", where), Column("of")]
-    shown = Grid([Column("moments and shears"), *columns], unknown=UNSETTLED)
+    by = Column("of", coded=labels.numbered)
+    columns = [*numbers("largest", where), by, *numbers("smallest", where), by]
+    shown, means = Grid([Column("moments and shears"), *columns], unknown=UNSETTLED), list[MeanRow]()
     for name in RESULTANTS:
         scale, cells = max(largest_of(one)[FIELDS[name].kind] for one in solved), []
         most = max(solved, key=lambda one: one.extremes[name].max)
@@ -220,9 +233,12 @@ def _print_largest(console: Console, results: Results, estimates: Estimates | No
         for side, one in (("max", most), ("min", least)):
             value, at = getattr(one.extremes[name], side), getattr(one.extremes[name], f"{side}_at")
             cells += [cell(value, _widths(estimates, one), ("fields", name, side), scale, 5)]
-            cells += [point(at, size), one.name]
+            cells += [point(at, size), labels.cell(one.name)]
         shown.add(FIELDS[name].label(model.units), *cells)
+        means.append(_means(solved, name, scale, lambda one: _widths(estimates, one), labels))
     shown.show(console)
+    singular = {number: [each for one in solved for each in one.excluding(number)] for number in PEAKS}
+    print_means(console, singular, means, model.units, labels)
     console.print()
     worst = ", ".join(f"{name} {max(getattr(one.certificate, name) for one in solved):.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {worst}")
@@ -230,6 +246,23 @@ def _print_largest(console: Console, results: Results, estimates: Estimates | No
     of_mesh = compared(() if estimate is None else estimate.elements, model.estimated)
     say(console, f"of the equations; of the mesh: {of_mesh}")
     console.print()
+
+
+def _means(
+    results: Sequence[Result], name: str, size: float, widths: Callable[[Result], Widths], labels: Labels | None = None
+) -> MeanRow:
+    """Cells of the largest and smallest mean of a field over some results, where there are any."""
+    cells: list[list[str]] = []
+    for side, sign in zip(MEAN_SIDES, (1.0, -1.0), strict=True):
+        told = [one for one in results if not np.isnan(getattr(one.extremes[name], side))]
+        most = max(told, key=lambda one: sign * getattr(one.extremes[name], side), default=None)
+        cells.append([])
+        if most is not None:
+            value, at, width = (getattr(most.extremes[name], f"{side}{part}") for part in ("", "_at", "_width"))
+            number_there = cell(value, widths(most), ("fields", name, side), size, 5)
+            by = [labels.cell(most.name)] if labels else []
+            cells[-1] = [number_there, point(at, most.mesh.size), length(width), *by]
+    return name, cells
 
 
 def _print_result(console: Console, result: Result, estimate: Estimate | None, limit: tuple[str, float] | None) -> None:
@@ -342,25 +375,20 @@ def _print_deflection(console: Console, result: Result, widths: Widths, of: str)
 
 
 def _print_extremes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print the largest and smallest moments and shears, and at what they are larger still."""
+    """Print the largest and smallest moments and shears, what these exclude, and the means there."""
     units, size = result.model.units, result.mesh.size
     where = f"at{in_unit(units.length)}"
     shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)], unknown=UNSETTLED)
-    beside = dict[str, list[str]]()
+    means = list[MeanRow]()
     for name in RESULTANTS:
         values, cells, kind = result.extremes[name], [], FIELDS[name].kind
         for side, value, at in (("max", values.max, values.max_at), ("min", values.min, values.min_at)):
             cells += [cell(value, widths, ("fields", name, side), largest[kind], 5), point(at, size)]
         shown.add(FIELDS[name].label(units), *cells)
-        for what in dict.fromkeys(filter(None, (values.max_beside, values.min_beside))):
-            beside.setdefault(what, []).append(name)
+        means.append(_means([result], name, largest[kind], lambda one: widths))
     console.print()
     shown.show(console)
-    known = [support.name for support in result.model.support]
-    for what, names in beside.items():
-        reach = max(one.within for one in result.singular if one.what == what)
-        where = f"within {length(reach)}{unit_of(units.length)} of" if reach else "at"
-        say(console, f"without a limit there, and left out: {', '.join(names)} {where} {clause(what, known)}")
+    print_means(console, {number: result.excluding(number) for number in PEAKS}, means, units)
 
 
 def _print_probes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
@@ -441,15 +469,15 @@ def _print_singular(console: Console, named: Iterable[Singularity], model: Model
         for one in those:
             of = f' (case "{one.source}")' if one.source in cases else ""
             plate = f"{one.plate}: " if one.plate else ""
-            kinds.setdefault(plate + _PLACES.sub("", one.what) + of, []).append(one)
+            kinds.setdefault(plate + kind_of(one) + of, []).append(one)
         if not kinds:
             continue
         result = []
-        for kind, alike in list(kinds.items())[:_MOST_KINDS]:
+        for kind, alike in list(kinds.items())[:MOST_KINDS]:
             count = sum(1 if one.line else len(one.where) for one in alike)
             where = f" at {point(alike[0].where[0])}" if alike[0].where else ""
             result.append(f"{kind}{where}{f' and {count - 1} more' if count > 1 else ''}")
-        result += [f"{len(kinds) - _MOST_KINDS} more kinds"] * (len(kinds) > _MOST_KINDS)
+        result += [f"{len(kinds) - MOST_KINDS} more kinds"] * (len(kinds) > MOST_KINDS)
         *most, last = dict.fromkeys(number for one in those for number in one.numbers)
         numbers_there = " and ".join(filter(None, (", ".join(most), last)))
         is_or_are, has = ("are", "have") if most else ("is", "has")

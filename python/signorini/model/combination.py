@@ -394,7 +394,11 @@ class Combinations(Sequence[Combination]):
     @property
     def cases(self) -> set[str]:
         """Every case that occurs in some combination."""
-        return {case for product in self.products for case in product.cases}
+        return self.cases_of("")
+
+    def cases_of(self, group: str) -> set[str]:
+        """Every case that occurs in some combination of a group; with group "" in any combination."""
+        return {case for product in self.products if group in ("", product.group) for case in product.cases}
 
     @overload
     def __getitem__(self, index: int) -> Combination: ...

@@ -20,9 +20,10 @@ from signorini.mesh import Mesh
 from signorini.output.names import TABLE, envelope_file
 from signorini.results.envelope import NONE, Envelope
 from signorini.results.figures import with_widths
-from signorini.results.quantities import SIDES, Number, Path, Quantity, place_of
+from signorini.results.quantities import ENDS, SIDES, Number, Path, Quantity, place_of
 from signorini.results.warnings import idle_cases, model_warnings, too_far
-from signorini.singularities.named import singularities
+from signorini.singularities.beside import beside_of
+from signorini.singularities.named import excluding, singularities
 
 _ESTIMATED = ("fields", "supports", "contacts", "probes", "sections", "strips", "plates")
 
@@ -61,7 +62,7 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
     own = _Shown.of(results.combined, results.discretisation.mesh, group)
     if own is None:
         return None
-    plus_minus, tree = None, own.tree(results)
+    plus_minus, tree = None, own.tree(results, group)
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
     told = [one for combined, mesh in others if (one := _Shown.of(combined, mesh, group)) is not None]
     if told and estimates is not None:
@@ -107,8 +108,9 @@ class _Shown:
             if not one.quantity.enveloped:
                 continue
             for side, (_, by) in zip(SIDES, of.sides, strict=True):
-                if one.home != "field" or one.what == side:
-                    yield one, one.envelope_path, side, int(by[place])
+                if one.home not in ("field", "mean") or one.what.startswith(side):
+                    key = one.what if one.home == "mean" else side
+                    yield one, one.envelope_path, key, int(by[place])
 
     def wholes(self) -> Iterator[tuple[Number, float, int, list[float]]]:
         """What is largest and smallest over nodes or points of which rows have no number: by which row, and where."""
@@ -135,10 +137,10 @@ class _Shown:
             )
             yield number, float(per[at]), int(extremes.largest_by[at]), where[at].tolist()
 
-    def tree(self, results: Results) -> dict[str, Any]:
+    def tree(self, results: Results, group: str) -> dict[str, Any]:
         """Give extremes by their keys."""
         envelope, layout = self.envelope, self.envelope.layout
-        contacts = len(layout.model.contact)
+        contacts, cases = len(layout.model.contact), frozenset(results.model.effective_combinations.cases_of(group))
         result: dict[str, Any] = {
             "fields": {name: {} for name in layout.fields},
             **({"plates": {plate: {} for plate in layout.model.plates}} if layout.model.plates else {}),
@@ -158,10 +160,16 @@ class _Shown:
         for one, path, side, row in self.ends():
             if one.what == "gap" and (side == "min" or not envelope.open_in[one.owner][one.part]):
                 continue
-            at, value = _at(result, path), getattr(envelope[one.column], side)
+            at, value = _at(result, path), getattr(envelope[one.column], side[:3])
             at |= {side: None, f"{side}_by": None} if row == NONE else {side: value, f"{side}_by": results.key(row)}
-            if one.home == "field":
-                at[f"{side}_at"] = envelope.places[one.owner, SIDES.index(side)].tolist()
+            if one.home in ("field", "mean"):
+                place = envelope.places[one.owner, ENDS.index(side)].tolist()
+                at[f"{side}_at"] = None if row == NONE else place
+            if one.home == "mean":
+                of = excluding(results.discretisation, one.quantity.singular, cases)
+                named = [part for part in of if one.over_plates or part.plate == path[1]]
+                at["excluded"] = [{"what": part.what, "within": part.within} for part in named]
+                at[f"{side}_width"] = None if row == NONE else _width_at(results, place)
         for number, value, row, place in self.wholes():
             at, side = _at(result, number.path[:-1]), str(number.path[-1])
             at |= {side: value, f"{side}_by": results.key(row), f"{side}_at": place}
@@ -170,11 +178,11 @@ class _Shown:
         return result
 
     def _support(self, results: Results, index: int) -> dict[str, Any]:
-        layout, open_in = self.envelope.layout, self.envelope.open_in[index]
+        layout, lifted_in = self.envelope.layout, self.envelope.lifted_in[index]
         support, points = layout.model.support[index], layout.supports[index]
-        result: dict[str, Any] = {"name": support.name, "lifted": int((open_in > 0).sum())}
+        result: dict[str, Any] = {"name": support.name, "lifted": int((lifted_in > 0).sum())}
         if support.place == "at":
-            pairs = zip(points.positions.tolist(), open_in.tolist(), strict=True)
+            pairs = zip(points.positions.tolist(), lifted_in.tolist(), strict=True)
             result["points"] = [{"at": at, "gap": None, "lifted_in": count} for at, count in pairs]
         if (line := layout.lines.get(index)) is not None:
             where = layout.on_lines[index]
@@ -191,6 +199,10 @@ class _Shown:
         for side, (values, by) in zip(SIDES, self.envelope.on_lines.sides, strict=True):
             told |= {side: float(values[number]), f"{side}_by": results.key(int(by[number]))}
         return told
+
+
+def _width_at(results: Results, place: Sequence[float]) -> float:
+    return max(beside_of(plate).width_at(place) for plate in results.discretisation.each)
 
 
 def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:

@@ -124,6 +124,8 @@ def lines_on(results: Results, plate: str) -> list[int]:
 
 def enveloped(results: Results, ending: str) -> tuple[str, ...]:
     """Fields of an envelope's picture; no plate has the deflections of an envelope."""
+    if ending == PRESSURE:
+        return PICTURES[PRESSURE] if results.combined.layout.at_rest else ()
     fields = () if ending == DEFORMED else PICTURES[ending]
     return tuple(field for field in fields if field in results.combined.layout.fields)
 

@@ -14,6 +14,7 @@ from signorini.base.numbers import in_unit
 from signorini.discretise.discretisation import Discretisation, OfWhole
 from signorini.output.names import (
     DEFORMED,
+    PRESSURE,
     REACTIONS,
     REFINEMENT,
     Pictures,
@@ -30,20 +31,23 @@ from signorini.output.names import (
 )
 from signorini.plot.picture import Job, Panel, Picture, Sheet, SupportMark
 from signorini.plot.view import exaggeration, seen
-from signorini.results.envelope import Ends
+from signorini.results.envelope import Ends, Envelope
 from signorini.results.marks import (
+    discs,
     enveloped_diagram,
     extreme,
     field_range,
     line_diagram,
     panel,
+    pressure_layer,
     support_marks,
     unsolved_marks,
     view_of,
 )
-from signorini.results.quantities import KINDS, PICTURED, RESULTANTS, SIDES, on_plate
+from signorini.results.quantities import KINDS, PEAKING, PICTURED, RESULTANTS, SIDES, on_plate
 from signorini.results.result import Result
 from signorini.results.support_result import lines_below
+from signorini.singularities.named import excluding
 
 _LONGEST = 44
 """Letters of a combination's name that have room above a panel."""
@@ -132,6 +136,7 @@ def _envelope_sheets(
         words = ", ".join(part for part in (result.model.title, what) if part)
         envelope, marks = results.combined.over(group), unsolved_marks(result)
         at_nodes = envelope.on(plate).fields
+        cases = frozenset(results.model.effective_combinations.cases_of(group))
         for ending, name in envelope_pictures(results, file, name_of).items():
             if ending == REACTIONS:
                 layout, both = envelope.layout, np.stack([values for values, _ in envelope.on_lines.sides])
@@ -142,6 +147,9 @@ def _envelope_sheets(
                 yield Sheet([name], [Picture([], marks, words, diagrams)])
                 continue
             panels = []
+            if ending == PRESSURE:
+                yield Sheet([name], [Picture([_largest_pressure(results, estimates, envelope)], marks, words)])
+                continue
             for end, side in enumerate(("largest", "smallest")):
                 for field in enveloped(results, ending):
                     of = on_plate(field, name_of)
@@ -149,16 +157,46 @@ def _envelope_sheets(
                     said, above = _end(results, estimates, of, SIDES[end], ends)
                     shown = result.stress_nodes.spread(getattr(at_nodes[field], side))
                     label = f"{side} {PICTURED[field].label(result.model.units)}"
-                    limits = ends.min, ends.max
-                    panels.append(Panel(shown, limits, label, KINDS[PICTURED[field].kind].colours, [(said, at)], above))
+                    limits, singular = (ends.min, ends.max), PICTURED[field].singular
+                    hatched = discs(excluding(result, singular, cases) if field in PEAKING else ())
+                    map_of = KINDS[PICTURED[field].kind].colours
+                    panels.append(Panel(shown, limits, label, map_of, [(said, at)], above, hatched))
             yield Sheet([name], [Picture(panels, marks, words)], rows=2)
+
+
+def _largest_pressure(results: Results, estimates: Estimates | None, envelope: Envelope) -> Panel:
+    """Plan the largest contact pressure at every place, over all results of an envelope of one plate."""
+    layout, model = envelope.layout, results.model
+    layers, ends = [], []
+    for index, area in layout.at_rest.items():
+        rigid = area.support.modulus is None
+        where, of = envelope.pressures["rigid_contact_pressure" if rigid else "contact_pressure"]
+        pressure = np.zeros(len(area.mesh.elements) if rigid else area.mesh.node_count)
+        pressure[where] = of.largest
+        layers.append(pressure_layer(area, pressure))
+        along = envelope.along[index]
+        most, _ = along.ends
+        ends.append((float(along.largest[most]), int(along.largest_by[most]), index, area.pressure_places[most]))
+    value, row, index, at = max(ends, key=lambda end: end[0])
+    said, above = _said(results, estimates, f"max_pressure:{model.support[index].name}", "max", value, row)
+    limits = min(0.0, *(float(layer.values.min()) for layer in layers)), value
+    label = f"largest {PICTURED['pressure'].label(model.units)}"
+    named = [(said, at.tolist())] if value > 0.0 else []
+    return Panel(layers, limits, label, KINDS["pressure"].colours, named, above)
 
 
 def _end(results: Results, estimates: Estimates | None, field: str, end: str, ends: Ends) -> tuple[str, str]:
     """Of a field's largest or smallest value what stands at it, and the combination, in words."""
     value, by = (ends.max, ends.max_by) if end == "max" else (ends.min, ends.min_by)
+    return _said(results, estimates, f"{end}:{field}", end, value, by)
+
+
+def _said(
+    results: Results, estimates: Estimates | None, column: str, end: str, value: float, by: int
+) -> tuple[str, str]:
+    """The same of a number of the table by its column."""
     told = estimates is not None and estimates.of_table is not None and bool(estimates.of_table.others)
-    width = estimates.half_width(f"{end}:{field}", by) if told and estimates is not None else None
+    width = estimates.half_width(column, by) if told and estimates is not None else None
     name = results.key(by)
     cut = name if len(name) <= _LONGEST else f"{name[: _LONGEST - 1]}…"
     return extreme(end, value, told, width), f"{end}: {cut}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
@@ -92,7 +93,7 @@ def _combination(results: Results, result: Result, estimates: Estimates | None) 
         "iterations": result.iterations,
         "not_unique": [asdict(one) | {"supports": list(one.supports)} for one in result.not_unique],
         "warnings": [*result.warnings, *(() if estimate is None else estimate.warnings), *accuracy],
-        "singular": singular_json(result.singular),
+        "singular": singular_json(result.singular, result),
         "certificate": {**asdict(result.certificate), "passed": result.certificate.passed} if solved else None,
         **figures(result),
         **({"joints": of_bolts} if (of_bolts := joints(result)) else {}),
@@ -112,7 +113,7 @@ def snapped_json(snapped: Iterable[Snapped]) -> list[dict[str, Any]]:
     return [{"what": one.what, "from": list(one.begin), "to": list(one.end), "onto": one.onto} for one in snapped]
 
 
-def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
+def singular_json(named: Iterable[Singularity], result: Result) -> list[dict[str, Any]]:
     """Give the key "singular" of a combination."""
     return [
         {
@@ -126,10 +127,19 @@ def singular_json(named: Iterable[Singularity]) -> list[dict[str, Any]]:
             "numbers": list(one.numbers),
             "source": one.source,
             "advice": one.advice,
+            "means": list(_means(one, result.plates.get(one.plate, result))),
             **({"plate": one.plate} if one.plate else {}),
         }
         for one in named
     ]
+
+
+def _means(one: Singularity, result: Result) -> Iterator[dict[str, Any]]:
+    """Give the means at each listed place of a singularity; none of a line or of nodes of elements."""
+    by_place = {} if one.line or one.limited or result.means is None else result.means.by_place
+    for at in one.where[:_MOST_PLACES]:
+        if (mean := by_place.get(at)) is not None:
+            yield {"at": list(at)} | {name: None if math.isnan(value) else value for name, value in mean.items()}
 
 
 def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict[str, Any]]:

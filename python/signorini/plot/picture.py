@@ -150,6 +150,7 @@ class Panel:
     colours: str = "RdBu"  # a map whose middle is zero
     extremes: Sequence[tuple[str, Sequence[float]]] = ()  # what is written in the picture, and where
     title: str = ""
+    hatched: Floats = field(default_factory=lambda: np.zeros((0, 3)))  # (c, 3): x, y and radius of excluded discs
 
 
 @dataclass(frozen=True, eq=False)

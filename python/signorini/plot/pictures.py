@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes as Axes
-from matplotlib.collections import PathCollection
+from matplotlib.collections import PatchCollection, PathCollection
 from matplotlib.figure import Figure as Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Circle, Patch
 from matplotlib.patheffects import withStroke
 
 from signorini.errors import InputError
@@ -46,6 +46,7 @@ from signorini.plot.plan import (
 )
 from signorini.plot.view import AXES, seen
 
+EXCLUDED = "excluded from extremes (singular)"
 _ABOVE = 18.0
 """Points from a plan to its title: the name of an extreme at the upper edge is between them."""
 _SMALLEST_NUMBER = 2.5
@@ -91,7 +92,16 @@ def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence
         draw_field(axes, plan, panel.values, scale, labels)
     else:
         draw_pressure(axes, plan, panel.values, scale, labels)
-    return [*draw_supports(marks, axes), *_remarks(plan, hatched=isinstance(panel.values, np.ndarray))]
+    excluded = _draw_excluded(axes, panel)
+    return [*draw_supports(marks, axes), *_remarks(plan, hatched=isinstance(panel.values, np.ndarray)), *excluded]
+
+
+def _draw_excluded(axes: Axes, panel: Panel) -> list[Entry]:
+    """Hatch the discs that the extremes of a panel exclude; return their entry in the legend."""
+    look: dict[str, Any] = HATCHED | {"facecolor": "none", "edgecolor": INK, "alpha": 0.6}
+    discs = [Circle((x, y), radius) for x, y, radius in panel.hatched.tolist()]
+    axes.add_collection(PatchCollection(discs, zorder=2.1, **look), autolim=False)
+    return [(EXCLUDED, (Patch(**look),))] * bool(discs)
 
 
 def _remarks(plan: Plan, hatched: bool = True) -> list[Entry]:
@@ -135,7 +145,9 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
         return
     page, scales = _page(plan, pictures[0].panels, length, rows)
     for picture in pictures:
-        page.make_room(picture.title, [*legend_words(picture.marks), *(words for words, _ in _remarks(plan))])
+        excluded = [EXCLUDED] * any(len(panel.hatched) for panel in picture.panels)
+        remarks = [*(words for words, _ in _remarks(plan)), *excluded]
+        page.make_room(picture.title, [*legend_words(picture.marks), *remarks])
     page.figure.set_dpi(DOTS)
     canvas: Any = page.canvas  # matplotlib leaves its methods without types
     canvas.draw()

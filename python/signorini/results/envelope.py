@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Generic, TypeVar
 
@@ -18,7 +18,7 @@ from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
-from signorini.results.quantities import PEAKING, SIDES
+from signorini.results.quantities import ENDS, PEAKING, SIDES, Home
 from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Layout
 
@@ -74,7 +74,7 @@ class Extremes:
         columns, within, new = np.arange(values.shape[1]), _EQUAL * self.size, []
         for (bound, by), sign in zip(self.sides, _SIGNS, strict=True):
             signed = sign * values
-            most = signed.max(axis=0)
+            most = np.fmax.reduce(signed, axis=0)
             at = (signed >= most - within).argmax(axis=0)
             better = most > sign * bound + within
             bound[better], by[better] = values[at, columns][better], who[at[better]]
@@ -136,7 +136,7 @@ class Envelope:
 
     layout: Layout
     values: Extremes  # of every number of the layout's catalogue (n,)
-    places: Floats  # (f, 2, 2): where the largest and the smallest value of each field is, then of each plate's
+    places: Floats  # (f, 4, 2): where the extremes of each field and of its means are, then of each plate's
     # (2, e, b): the reactions of all bearings where what the layout calls governed is largest, and smallest
     beside: Floats
     fields: dict[str, Extremes]  # at every node of a field, by its name; "reaction" is that of supports on nodes
@@ -148,6 +148,7 @@ class Envelope:
     along: dict[int, Extremes]
     on_lines: Extremes  # reactions per length and concentrated forces of all lines, as `Layout.on_lines` has them
     open_in: tuple[Ints, ...]  # of every support in how many results each of its points is open
+    lifted_in: tuple[Ints, ...]  # in how many the plate has lifted off it
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
@@ -165,12 +166,13 @@ class Envelope:
         return cls(
             layout,
             Extremes.none(len(layout.catalogue)),
-            np.full((len(layout.catalogue.at("field", "max")), len(SIDES), 2), np.nan),
+            np.full((len(layout.catalogue.at("field", "max")), len(ENDS), 2), np.nan),
             np.full((2, len(layout.governed), len(layout.bearings)), np.nan),
             {name: Extremes.none(len(layout.nodes if name in PEAKING else mesh.points)) for name in names},
             {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
             along,
             Extremes.none(max((where.stop for where in layout.on_lines.values()), default=0)),
+            tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
             tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
         )
 
@@ -180,12 +182,12 @@ class Envelope:
         largest, smallest = float(of.largest[at]), float(of.smallest[at])
         return Ends(largest, int(of.largest_by[at]), smallest, int(of.smallest_by[at]))
 
-    def field(self, name: str) -> Ends:
+    def field(self, name: str, mean: str = "") -> Ends:
         """Extremes of a field over all results and its nodes, away from where it has no limit.
 
-        Of several plates "plate.field" is one plate's.
+        With ``mean`` "_mean" those of its means there. Of several plates "plate.field" is one plate's.
         """
-        high, low = self[f"max:{name}"], self[f"min:{name}"]
+        high, low = self[f"max{mean}:{name}"], self[f"min{mean}:{name}"]
         return Ends(high.max, high.max_by, low.min, low.min_by)
 
     def places_of(self, name: str) -> Floats:
@@ -218,11 +220,13 @@ class Envelope:
         for side, ((_, now), old) in enumerate(zip(self.values.sides, before, strict=True)):
             changed = np.flatnonzero(now[governed] != old[governed])
             self.beside[side, changed] = values[np.searchsorted(who, now[governed[changed]])][:, reactions]
-            at = layout.catalogue.at("field", SIDES[side])
-            changed = np.flatnonzero(now[at] != old[at])
-            self.places[changed, side] = block.places[rows[np.searchsorted(who, now[at[changed]])], changed, side]
+            for at, owner, end in _ends(layout, side):
+                some = np.flatnonzero(now[at] != old[at])
+                mine = owner[some]
+                self.places[mine, end] = block.places[rows[np.searchsorted(who, now[at[some]])], mine, end]
         for index, where in enumerate(layout.slices):
             self.open_in[index][:] += (~block.closed[rows, where]).sum(axis=0)
+            self.lifted_in[index][:] += block.lifted[rows, where].sum(axis=0)
             if index in self.along and index not in layout.at_rest:
                 own = block.reaction[rows, where]
                 self.along[index].take(own, who, _size(own))
@@ -251,15 +255,17 @@ class Envelope:
         for side, better in enumerate(new):
             at = better[self.layout.governed_places]
             self.beside[side, at] = other.beside[side, at]
-            at = better[self.layout.catalogue.at("field", SIDES[side])]
-            self.places[at, side] = other.places[at, side]
+            for numbers, owner, end in _ends(self.layout, side):
+                theirs = owner[better[numbers]]
+                self.places[theirs, end] = other.places[theirs, end]
         pairs = [(mine, other.fields[name]) for name, mine in self.fields.items()]
         pairs += [(mine, other.pressures[name][1]) for name, (_, mine) in self.pressures.items()]
         pairs += [(mine, other.along[index]) for index, mine in self.along.items()]
         pairs.append((self.on_lines, other.on_lines))
         for extremes, others in pairs:
             extremes.meet(others)
-        for count, more in zip(self.open_in, other.open_in, strict=True):
+        counts = (*self.open_in, *self.lifted_in), (*other.open_in, *other.lifted_in)
+        for count, more in zip(*counts, strict=True):
             count[:] += more
 
     @property
@@ -272,7 +278,19 @@ class Envelope:
             result.append(Ends(0.0, int(of.largest_by[high]), 0.0, int(of.smallest_by[low])))
         told = (one for one in self.layout.catalogue if one.home in ("support", "section"))
         result += [self[one.column] for one in told if one.home == "section" or one.what == "reaction"]
+        for name in (name for name in self.layout.fields if name in PEAKING):
+            field, mean = self.field(name), self.field(name, "_mean")
+            rows = mean.max_by if mean.max > field.max else NONE, mean.min_by if mean.min < field.min else NONE
+            result.append(Ends(mean.max, rows[0], mean.min, rows[1]))
         return [*dict.fromkeys(by for one in result for by in (one.max_by, one.min_by) if by != NONE)][:_GOVERNING]
+
+
+def _ends(layout: Layout, side: int) -> Iterator[tuple[Ints, Ints, int]]:
+    """Yield the numbers (k,) that are largest, or smallest, of fields and of their means: whose, and which end."""
+    homes: tuple[Home, Home] = ("field", "mean")
+    for home, end in zip(homes, (side, side + len(SIDES)), strict=True):
+        at = layout.catalogue.at(home, ENDS[end])
+        yield at, np.array([layout.catalogue.numbers[place].owner for place in at], np.int64), end
 
 
 def _sizes(values: Floats, kinds: list[tuple[str, str, int]]) -> Floats:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from signorini.discretise.rows import Bools, Floats
+from signorini.discretise import Discretisation
+from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.stressnodes import StressNodes
-from signorini.results.quantities import FIELDS, PEAKING, TOLD
+from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, PEAKING, RESULTANTS, TOLD, derived
+from signorini.singularities.beside import PEAKS, Beside, beside_of, means_of
 from signorini.singularities.singularity import Singularity, away_from
 
 _ALIKE = 1e-9
@@ -47,6 +51,13 @@ class FieldExtremes:
     min: float
     min_at: tuple[float, float]
     min_beside: str
+    # the largest and smallest mean at singularities of this field, where and over what width; NaN where there is none
+    max_mean: float = math.nan
+    max_mean_at: tuple[float, float] = (math.nan, math.nan)
+    max_mean_width: float = math.nan
+    min_mean: float = math.nan
+    min_mean_at: tuple[float, float] = (math.nan, math.nan)
+    min_mean_width: float = math.nan
 
     @classmethod
     def of(
@@ -77,21 +88,101 @@ def of_plates(each: Sequence[Mapping[str, FieldExtremes]]) -> dict[str, FieldExt
             min((of[name] for of in each), key=lambda one: one.min),
         )
         result[name] = replace(most, min=least.min, min_at=least.min_at, min_beside=least.min_beside)
+        for side, sign in (("max_mean", 1.0), ("min_mean", -1.0)):
+            of = max((one[name] for one in each), key=lambda one: np.nan_to_num(sign * getattr(one, side), nan=-np.inf))
+            result[name] = replace(result[name], **{key: getattr(of, key) for key in _keys(side)})
     return result
 
 
+def _keys(side: str) -> tuple[str, str, str]:
+    return side, f"{side}_at", f"{side}_width"
+
+
+_LINES = {"mx": [0], "sx": [0], "my": [1], "sy": [1], "qx": [0, 1], "txz": [0, 1], "qy": [2, 3], "tyz": [2, 3]}
+"""Lines of `Beside` that tell a field, by the first part of its name; of other moments both through the place."""
+
+
+def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools) -> tuple[Floats, Ints]:
+    """Give the largest and smallest mean (..., 2) of a field, and the places (..., 2) that have them.
+
+    ``means`` (..., k, 10) are those of `means_of`, ``acting`` (..., k) tells where it has no limit. Fields that
+    follow from moments or shears follow here from the means. NaN, and place 0, where there is none.
+    """
+    peaks, lines = PEAKS.index(FIELDS[name].singular), _LINES.get(name.partition("_")[0], [0, 1])
+    moment, shear = means[..., :6].reshape(*means.shape[:-1], 2, 3), means[..., 6:, None]
+    if peaks:
+        shear = np.repeat(shear[..., lines, :], 2, axis=-1)
+        moment, thickness = np.zeros((*shear.shape[:-1], 3)), beside.thickness[:, 2:][:, lines]
+    else:
+        moment = moment[..., lines, :]
+        shear, thickness = np.zeros((*moment.shape[:-1], 2)), beside.thickness[:, lines]
+    if name in LINEAR:
+        values = np.concatenate([moment, shear], axis=-1)[..., RESULTANTS.index(name)]
+    else:
+        values = derived([name], moment, shear, np.broadcast_to(thickness, moment.shape[:-1]))[..., 0]
+    values = np.where((acting & beside.numbers[:, peaks])[..., None], values, np.nan).reshape(*means.shape[:-2], -1)
+    if not len(beside):
+        return np.full((*values.shape[:-1], 2), np.nan), np.zeros((*values.shape[:-1], 2), np.int64)
+    signed = np.stack([values, -values], axis=-2)
+    most = np.fmax.reduce(signed, axis=-1)
+    near = signed >= (most - _ALIKE * np.fmax.reduce(np.abs(signed), axis=-1))[..., None]
+    return most * [1.0, -1.0], near.argmax(axis=-1) // len(lines)
+
+
 def extremes(
-    fields: Mapping[str, Floats], nodes: StressNodes, singular: Sequence[Singularity]
+    fields: Mapping[str, Floats], nodes: StressNodes, singular: Sequence[Singularity], means: Means | None
 ) -> dict[str, FieldExtremes]:
-    """Find the extremes of the deflection, and of what moments and shears make away from where these have no limit."""
+    """Find the extremes of the deflection, and of what moments and shears make away from where these have no limit.
+
+    Those of means are where these have none.
+    """
     numbers = {name: one.singular if name in PEAKING else "" for name, one in FIELDS.items() if name in TOLD}
     away = {number: away_from(nodes.mesh, singular, number) for number in dict.fromkeys(numbers.values())}
-    return {
+    result = {
         name: FieldExtremes.of(fields[name], nodes, away[number], singular, number) for name, number in numbers.items()
     }
+    told = {name: means.ends(name) for name in result if name in PEAKING} if means else {}
+    return {name: replace(one, **told.get(name, {})) for name, one in result.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Means:
+    """Means (k, 10) of one result at the places of `Beside`, of which some (k,) have no limit in it."""
+
+    beside: Beside
+    values: Floats
+    acting: Bools
+
+    @classmethod
+    def of(cls, discretisation: Discretisation, moment: Floats, shear: Floats, cases: Collection[str]) -> Means:
+        """Read the means of one plate from moments (s, 3) and shears (s, 2) at the nodes of stresses."""
+        beside = beside_of(discretisation)
+        return cls(beside, means_of(discretisation, moment, shear), beside.under(cases))
+
+    def ends(self, name: str) -> dict[str, Any]:
+        """Give the extremes of a field's means, their places and widths."""
+        result = dict[str, Any]()
+        values, places = mean_ends(name, self.values, self.beside, self.acting)
+        for side, value, place in zip(MEAN_SIDES, values.tolist(), places.tolist(), strict=True):
+            if not math.isnan(value):
+                at = tuple(self.beside.places[place].tolist())
+                told = value, at, 2.0 * float(self.beside.within[place])
+                result |= dict(zip(_keys(side), told, strict=True))
+        return result
+
+    @cached_property
+    def by_place(self) -> Mapping[tuple[float, float], dict[str, float]]:
+        """Means of moments and shears by place; of two lines the mean that is larger in size."""
+        result: dict[tuple[float, float], dict[str, float]] = {}
+        for (x, y), within, mean in zip(self.beside.places.tolist(), self.beside.within, self.values, strict=True):
+            pairs = {"mx": mean[:1], "my": mean[4:5], "mxy": mean[[2, 5]], "qx": mean[6:8], "qy": mean[8:]}
+            told = {name: of[~np.isnan(of)] for name, of in pairs.items()}
+            larger = {name: float(of[np.abs(of).argmax()]) if len(of) else math.nan for name, of in told.items()}
+            result[x, y] = {"width": 2.0 * float(within), **larger}
+        return result
 
 
 def _nearest(at: Floats, singular: Sequence[Singularity], number: str) -> str:
     """What singularity of a number is nearest."""
-    those = [one for one in singular if number in one.numbers and one.where and not (one.line or one.limited)]
+    those = [one for one in singular if one.excludes(number) and one.where]
     return min(those, key=lambda one: min(math.dist(at, place) for place in one.where)).what

@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini.discretise.rows import Floats
 from signorini.results.local_results import SectionResult, StripResult
-from signorini.results.quantities import OF_AREAS, OF_LINES, SIDES, Catalogue, Path
+from signorini.results.quantities import MEAN_SIDES, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Path
 from signorini.results.result import Result
 from signorini.results.support_result import SupportResult
 
@@ -17,7 +17,7 @@ from signorini.results.support_result import SupportResult
 def figures(result: Result) -> dict[str, Any]:
     """Give the keys of a combination that are numbers of the plate; docs/results.md describes them."""
     solved = result.status == "solved"
-    ends = {name: _places(of) for name, of in result.extremes.items()} if solved else {}
+    ends = {name: _places(name, of) for name, of in result.extremes.items()} if solved else {}
     deflection = ends.pop("deflection", None)
     first = len(result.supports) - len(result.model.contact)
     values: dict[str, Any] = {
@@ -35,7 +35,7 @@ def figures(result: Result) -> dict[str, Any]:
 
 def _of_plate(result: Result) -> dict[str, Any]:
     """The places of one plate's extremes."""
-    ends = {name: _places(of) for name, of in result.extremes.items()}
+    ends = {name: _places(name, of) for name, of in result.extremes.items()}
     return {"deflection": ends.pop("deflection"), "fields": ends}
 
 
@@ -69,12 +69,17 @@ def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ())
 
 _OF_THE_MESH = {"nodes", "line", "contact_boundary", "max_at", "min_at", "max_pressure_at"}
 """Lists as long as the mesh is fine, and places, of which there may be others as good."""
-_GIVEN = {"at", "length", "width"}
+_GIVEN = {"at", "length", "width", *(f"{side}_width" for side in MEAN_SIDES)}
 
 
-def _places(ends: Any) -> dict[str, Any]:
+def _places(name: str, ends: Any) -> dict[str, Any]:
     at = {f"{side}_at": [None if np.isnan(x) else x for x in getattr(ends, f"{side}_at")] for side in SIDES}
-    return at | {f"{side}_beside": getattr(ends, f"{side}_beside") for side in SIDES}
+    at |= {f"{side}_beside": getattr(ends, f"{side}_beside") for side in SIDES}
+    if name not in PEAKING:
+        return at
+    means = {f"{side}_at": list(getattr(ends, f"{side}_at")) for side in MEAN_SIDES}
+    means |= {f"{side}_width": getattr(ends, f"{side}_width") for side in MEAN_SIDES}
+    return at | {key: None if np.isnan(value).any() else value for key, value in means.items()}
 
 
 def _support(support: SupportResult) -> dict[str, Any]:

@@ -38,7 +38,7 @@ from signorini.results.contact_field.cells import known_values
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.extremes import FieldExtremes, peak
 from signorini.results.line_reactions import Line, LineReactions
-from signorini.results.quantities import KINDS, PICTURED, PRESSURE
+from signorini.results.quantities import KINDS, PEAKING, PICTURED, PRESSURE
 from signorini.results.support_result import SupportResult, areas_below, describe
 from signorini.shapes import Polyline, Region, Ring
 from signorini.shapes.tessellation import tessellate
@@ -104,13 +104,16 @@ def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged"
     return "clamped" if "slope" in support.fixed else "hinged"
 
 
-def pressure_layer(area: AreaContact) -> PressureLayer:
-    """Draw the pressure of an area support."""
+def pressure_layer(area: AreaContact, pressure: Floats | None = None) -> PressureLayer:
+    """Draw the pressure of an area support, or one that is given: (n,) at nodes, of a rigid area (ne,) on elements."""
     on = area.covered > 0
     cut = tessellate(area.mesh.elements[on])
     covered = area.support.where.region
     outline = None if covered is None else _loops(covered)
-    values = area.element_pressure[on] if area.stiff[on].all() else area.pressing(cut)
+    if pressure is not None:
+        values = pressure[on] if area.support.modulus is None else cut.interpolate(pressure)
+    else:
+        values = area.element_pressure[on] if area.stiff[on].all() else area.pressing(cut)
     return PressureLayer(cut, values, area.bounds, outline)
 
 
@@ -357,6 +360,9 @@ class Shown(Protocol):
     def supports(self) -> Sequence[SupportResult]:
         """What was found of each support."""
 
+    def excluding(self, number: str) -> Sequence[Singularity]:
+        """Singularities around which extremes of "moment" or "shear" leave out nodes."""
+
 
 def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[SupportResult]) -> list[SupportMark]:
     """Marks of the supports, open or closed."""
@@ -417,7 +423,14 @@ def panel(
         (extreme(name, value, values is not None, values and values[name]), at)
         for name, value, at in (("max", ends.max, ends.max_at), ("min", ends.min, ends.min_at))
     ]
-    return Panel(result.stress_nodes.spread(result.fields[field]), limits, label, map_of, named)
+    hatched = discs(result.excluding(of.singular) if field in PEAKING else ())
+    return Panel(result.stress_nodes.spread(result.fields[field]), limits, label, map_of, named, hatched=hatched)
+
+
+def discs(excluded: Iterable[Singularity]) -> Floats:
+    """Discs (c, 3) around singularities: x, y and radius."""
+    places = [(*at, one.within) for one in excluded if one.within for at in one.where]
+    return np.array(places, np.float64).reshape(-1, 3)
 
 
 _NONE = 1e-9

@@ -63,7 +63,7 @@ def shear_stresses(shear: Floats, thickness: Floats) -> Floats:
 
 Path = tuple[str | int, ...]
 """Keys and indices that lead to a number in results.json."""
-Home = Literal["field", "support", "point", "corner", "probe", "section", "strip", "station"]
+Home = Literal["field", "mean", "support", "point", "corner", "probe", "section", "strip", "station"]
 
 
 @dataclass(frozen=True)
@@ -279,6 +279,11 @@ OF_STRIPS = tuple(
     Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment", "max_per_length", "min_per_length")
 )
 SIDES = ("max", "min")
+MEAN_SIDES = ("max_mean", "min_mean")
+"""Extremes of the means at places where a field has no limit."""
+ENDS = (*SIDES, *MEAN_SIDES)
+_EXTREME = ("field", "mean")
+"""Homes of extremes of fields."""
 SMOOTH = frozenset(("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"))
 """What is not linear in the load on one contact set."""
 
@@ -311,7 +316,7 @@ class Number:
     def column(self) -> str:
         """Its column in tables."""
         what = self.what
-        if self.home in ("support", "field"):
+        if self.home in ("support", *_EXTREME):
             return f"{what}:{self.subject}"
         return f"{what}_at:{self.subject}" if self.home == "point" else f"{self.subject}:{what}"
 
@@ -323,17 +328,17 @@ class Number:
     @property
     def what(self) -> str:
         """The quantity, of extremes of a field which of them."""
-        return str(self.path[-1]) if self.home == "field" else self.quantity.name
+        return str(self.path[-1]) if self.home in _EXTREME else self.quantity.name
 
     @property
     def over_plates(self) -> bool:
         """Whether it is an extreme over all plates."""
-        return self.home == "field" and self.path[0] != "plates"
+        return self.home in _EXTREME and self.path[0] != "plates"
 
     @property
     def envelope_path(self) -> Path:
         """Where its extremes stand in an envelope, of which results.json names the quantities of probes and points."""
-        if self.home == "field":
+        if self.home in _EXTREME:
             plate = self.path[:2] if self.path[0] == "plates" else ()
             return (*plate, "fields", self.quantity.name)
         own = len(self.path) - len(self.quantity.path)
@@ -422,6 +427,8 @@ class Catalogue:
             on, of = ("plates", plate) if plate else (), (name,) if name == "deflection" else ("fields", name)
             path, subject = (*on, *of), on_plate(name, plate)
             result += [Number(FIELDS[name], "field", index, (*path, side), subject) for side in SIDES]
+            if name in PEAKING:
+                result += [Number(FIELDS[name], "mean", index, (*path, side), subject) for side in MEAN_SIDES]
         return cls(tuple(result))
 
     def __len__(self) -> int:

@@ -31,7 +31,7 @@ from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
 from signorini.results.catalogue import catalogue_of
 from signorini.results.contact_field.area_contact import Pressures
-from signorini.results.extremes import FieldExtremes, extremes, of_plates
+from signorini.results.extremes import FieldExtremes, Means, extremes, of_plates
 from signorini.results.local_results import (
     ProbeResult,
     ProfileResult,
@@ -50,10 +50,12 @@ from signorini.results.quantities import (
     AT_CORNERS,
     FIELDS,
     LINEAR,
+    MEAN_SIDES,
     OF_AREAS,
     OF_BOLTS,
     OF_LIMITED_AREAS,
     OF_LINES,
+    PEAKING,
     SIDES,
     TOLD,
     TURNING,
@@ -64,7 +66,7 @@ from signorini.results.quantities import (
 from signorini.results.support_result import SupportResult, areas_below, support_result
 from signorini.results.warnings import model_warnings, result_warnings, sentences
 from signorini.singularities.named import singularities
-from signorini.singularities.singularity import Singularity
+from signorini.singularities.singularity import Singularity, at_peaks
 
 if TYPE_CHECKING:
     from signorini.plot.pictures import Axes
@@ -116,6 +118,8 @@ class Result(Remade):
         What ``numbers`` are.
     combination : Combination or None
         The load, by factors of the model's cases; None where it is none of these.
+    means : Means or None
+        Means of moments and shears at the places where these have no limit. None where there is no equilibrium.
     plates : mapping of Result
         Of several plates each by name, with what is between it and others among its supports. The fields of all are
         behind one another in those of the whole.
@@ -147,6 +151,7 @@ class Result(Remade):
     thickness: Floats
     catalogue: Catalogue
     combination: Combination | None
+    means: Means | None = None
     plates: Mapping[str, Result] = field(default_factory=dict)
 
     @classmethod
@@ -229,6 +234,7 @@ class Result(Remade):
             thickness,
             catalogue_of(discretisation, TOLD),
             None if isinstance(load_of, str) else load_of,
+            Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting),
         )
 
     @classmethod
@@ -369,7 +375,15 @@ class Result(Remade):
         """
         if self.plates:
             return Named(of_plates([one.extremes for one in self.plates.values()]), "field", "This mapping of extremes")
-        return Named(extremes(self.fields, self.stress_nodes, self.singular), "field", "This mapping of extremes")
+        found = extremes(self.fields, self.stress_nodes, self.singular, self.means)
+        return Named(found, "field", "This mapping of extremes")
+
+    def excluding(self, number: str) -> list[Singularity]:
+        """The singularities around which extremes of "moment" or "shear" leave out nodes; none where all would be."""
+        if self.plates:
+            return [replace(one, plate=name) for name, of in self.plates.items() for one in of.excluding(number)]
+        those = [one for one in self.singular if one.excludes(number)]
+        return [] if at_peaks(self.mesh, those, number).all() else those
 
     @cached_property
     def numbers(self) -> Floats:
@@ -381,7 +395,8 @@ class Result(Remade):
             each = list(self.plates.values())
             for place, numbers in enumerate(self.catalogue.in_plates):
                 values = [each[plate].numbers[number] for plate, number in numbers]
-                result[place] = min(values) if self.catalogue.numbers[place].what == "min" else max(values)
+                smallest = self.catalogue.numbers[place].what.startswith("min")
+                result[place] = (np.fmin if smallest else np.fmax).reduce(values)
             return result
 
         def put(home: Home, owners: Sequence[object], *names: str) -> None:
@@ -423,6 +438,8 @@ class Result(Remade):
             result[at("strip", "min_moment")] = [one.hogging.moment for one in self.strips]
         for side in SIDES:
             result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
+        for side in MEAN_SIDES:
+            result[at("mean", side)] = [getattr(self.extremes[name], side) for name in PEAKING]
         return result
 
     def probe(self, points: Points) -> list[ProbeResult]:

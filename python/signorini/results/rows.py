@@ -19,13 +19,16 @@ from signorini.model import Model
 from signorini.results.catalogue import catalogue_of
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
 from signorini.results.line_reactions import Line, lines_of
-from signorini.results.quantities import FIELDS, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue
+from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, Catalogue
 from signorini.results.result import Result
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import area_at_rest
+from signorini.singularities.beside import Beside, beside_of
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
 
+_MOVED = 1.0 + 1e-9
+"""Travel over that at rest from which on a point has moved away: more than rounding."""
 _MOST_BEARINGS = 100
 """Points of one support beyond which its reaction is looked at as a whole."""
 
@@ -126,6 +129,8 @@ class Layout:
     probe_thickness: Floats  # (q,)
     nodes: Floats  # (s, 2): positions of the nodes of stresses; the first are those of the mesh
     hidden: Mapping[str, Hidden]  # of every field its nodes at which it has no limit
+    beside: Beside  # the places at which moments or shears have none
+    rest: Floats  # (p,): of every point of every support its travel in a plate at rest, infinite where it is apart
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
@@ -143,8 +148,12 @@ class Layout:
         catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
         at = [at for probe in discretisation.model.probe for at in probe.at]
         probes = np.array(at).reshape(-1, 2), discretisation.probe_thickness
-        lines = lines_of(discretisation)
-        return cls(discretisation.model, catalogue, points, at_rest, lines, fields, *probes, nodes, hidden)
+        lines, beside = lines_of(discretisation), beside_of(discretisation)
+        rest_of_all = np.concatenate([np.zeros(0), *(one.rest(discretisation) for one in points)])
+        return cls(
+            *(discretisation.model, catalogue, points, at_rest, lines, fields),
+            *(*probes, nodes, hidden, beside, rest_of_all),
+        )
 
     @cached_property
     def on_lines(self) -> Mapping[int, slice]:
@@ -220,9 +229,10 @@ class Block:
     values: Floats  # (k, n): in the order of the layout's catalogue
     reaction: Floats  # (k, p): of every point of every support
     closed: Bools  # (k, p)
+    lifted: Bools  # (k, p): open where the plate touches at rest, and has moved away
     on_lines: Floats  # (k, l): reactions per length and concentrated forces of all lines
     on_areas: Floats  # (k, a): deflections of the nodes around elastic areas
-    # (k, f, 2, 2): where the largest and the smallest value of each enveloped field is, behind them those of each plate
+    # (k, f, 4, 2): where the extremes of each enveloped field and of its means are, behind them those of each plate
     places: Floats
 
     @classmethod
@@ -244,9 +254,10 @@ class Block:
             values,
             nan(layout.point_count),
             np.zeros((count, layout.point_count), np.bool_),
+            np.zeros((count, layout.point_count), np.bool_),
             nan(max((where.stop for where in layout.on_lines.values()), default=0)),
             nan(len(layout.around_areas)),
-            nan(len(layout.catalogue.at("field", "max")), len(SIDES), 2),
+            nan(len(layout.catalogue.at("field", "max")), len(ENDS), 2),
         )
 
     @property
@@ -270,18 +281,20 @@ class Block:
         for index, where in layout.on_lines.items():
             if (line := result.supports[index].line) is not None:
                 self.on_lines[row, where] = np.concatenate([line.reactions, line.corner_reactions])
+            self.lifted[row, where] = ~support.closed & (support.gaps > _MOVED * layout.rest[where])
         self.on_areas[row] = result.deflection[layout.around_areas]
         by_path = result.catalogue.by_path
         self.values[row] = result.numbers[[by_path[one.path] for one in layout.catalogue]]
         each = [one.extremes[name] for one in (result, *result.plates.values()) for name in layout.fields]
         for at, ends in enumerate(each):
-            self.places[row, at] = ends.max_at, ends.min_at
+            self.places[row, at] = [getattr(ends, f"{end}_at") for end in ENDS]
 
     def put_supports(
         self, rows: Ints, layout: Layout, reaction: Floats, gap: Floats, closed: Bools, bolts: Mapping[str, Floats]
     ) -> None:
         """Fill rows (r,) with values at all points (r, p); ``bolts`` are ``tightened_to`` and ``preload`` (p,)."""
         self.reaction[rows], self.closed[rows] = reaction, closed
+        self.lifted[rows] = ~closed & (gap > _MOVED * layout.rest)
         at, values = layout.catalogue.at, self.values
         for column, where in zip(at("support", "reaction", "closed", "open"), layout.slices, strict=True):
             closed_count = closed[:, where].sum(axis=1)
@@ -327,9 +340,9 @@ class Block:
         yield from loads
         for one, values in zip(layout.catalogue, self.values.T, strict=True):
             yield one.column, values.astype(np.int64) if one.quantity.kind == "count" else values
-            if one.home == "field":
+            if one.home in ("field", "mean"):
                 for axis, letter in enumerate("xy"):
-                    yield f"{one.what}_{letter}:{one.subject}", self.places[:, one.owner, SIDES.index(one.what), axis]
+                    yield f"{one.what}_{letter}:{one.subject}", self.places[:, one.owner, ENDS.index(one.what), axis]
         for index, name in enumerate(FIGURES):
             yield f"certificate:{name}", self.certificate[:, index]
 

@@ -116,6 +116,15 @@ class SupportPoints:
         closed = np.zeros((*travel.shape[:-1], self.fixed))
         return np.asarray(np.concatenate([closed, travel], axis=-1)[..., self.order])
 
+    def rest(self, discretisation: Discretisation) -> Floats:
+        """Travel (p,) of every point in a plate at rest, w = 0: infinite where it does not touch the unloaded plate.
+
+        Elsewhere it is the way that the support settles from the plate. A plate that opens further has lifted there.
+        """
+        contacts = discretisation.contacts
+        apart = contacts.distance > contacts.settlement
+        return self.gaps(np.where(apart, np.inf, contacts.settlement))
+
     def closed(self, closed: Bools) -> Bools:
         """Whether every point is closed (..., p), from contacts (..., m); repeated ones are."""
         closed = _with(closed, self.rows, True)

@@ -15,7 +15,7 @@ from signorini.model import Support
 from signorini.shapes import Circle, Curve, Polyline, Region, Ring
 from signorini.singularities.boundary import boundary_of, shears_grow
 from signorini.singularities.lines import ends_of_line, ends_of_load, of_cut_elements, of_held_slopes
-from signorini.singularities.singularity import Singularity, as_places
+from signorini.singularities.singularity import Singularity, as_places, at_peaks
 
 _FOOTPRINT = "Give it a footprint, patch or radius."
 _AROUND = 1e-5
@@ -40,6 +40,20 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
         *(one for case in acting for one in singularities_of(discretisation, case)),
         *singularities_of(discretisation),
     )
+
+
+@kept
+def excluding(discretisation: Discretisation, number: str, cases: frozenset[str]) -> tuple[Singularity, ...]:
+    """Name those under some load cases around which extremes of "moment" or "shear" leave out nodes.
+
+    None on a plate that is all around them: its extremes are over all nodes.
+    """
+    result: list[Singularity] = []
+    for plate, own in zip(discretisation.plates or (None,), discretisation.each, strict=True):
+        those = [one for one in singularities(own, cases) if one.excludes(number)]
+        if not at_peaks(own.mesh, those, number).all():
+            result += [replace(one, plate=plate.name) if plate else one for one in those]
+    return tuple(result)
 
 
 @kept

@@ -36,6 +36,10 @@ class Singularity:
     within: float = 0.0
     plate: str = ""
 
+    def excludes(self, number: str) -> bool:
+        """Whether extremes of "moment", "shear" or another number leave out the nodes around it."""
+        return number in self.numbers and not (self.line or self.limited)
+
     def __str__(self) -> str:
         """Say it in a sentence."""
         have, are = ("have", "are") if len(self.numbers) > 1 else ("has", "is")
@@ -59,7 +63,7 @@ def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
 def at_peaks(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     """Which nodes (n,) are part of the peak of a number without a limit."""
     result = np.zeros(mesh.node_count, np.bool_)
-    peaks = [one for one in named if number in one.numbers and not (one.line or one.limited)]
+    peaks = [one for one in named if one.excludes(number)]
     if not peaks:
         return result
     order = np.argsort(mesh.points[:, 0])

@@ -22,7 +22,8 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Combination, Combinations, Model
 from signorini.results.envelope import Envelope, Extremes
-from signorini.results.quantities import LINEAR, SIDES, TURNING, derived
+from signorini.results.extremes import mean_ends
+from signorini.results.quantities import LINEAR, MEAN_SIDES, PEAKING, SIDES, TURNING, derived
 from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Hidden, Layout, together
 
@@ -240,7 +241,8 @@ class _Run:
                     place = self.layout.fields.index(name)
                     ends = [at("field", side)[place] for side in SIDES]
                     block.values[np.ix_(places[own], ends)] = peaks
-                    block.places[places[own], place] = self.layout.nodes[at_nodes]
+                    block.places[places[own], place, : len(SIDES)] = self.layout.nodes[at_nodes]
+        self._put_means(block, here, coefficients, factors[rows] != 0, terms)
         self._put_areas(block, here)
         block.iterations[places] = pivots
         for row in here:
@@ -296,6 +298,27 @@ class _Run:
                 "preload": np.concatenate([points.preloads(of) for points in supports]),
             }
             block.put_supports(rows, self.layout, all_forces, gaps, all_closed, bolts)
+
+    def _put_means(self, block: Block, rows: Ints, coefficients: Floats, cases: Bools, terms: Terms) -> None:
+        """Extremes of the means at places without a limit, of rows (r,) in which load cases (r, c) act."""
+        layout, beside = self.layout, self.layout.beside
+        named = [(name, place) for place, name in enumerate(layout.fields) if name in PEAKING]
+        if not len(beside) or not named:
+            return
+        column = {case: place for place, case in enumerate(terms.cases)}
+        always, known = np.array([(not case, case in column) for case in beside.case]).T
+        of_case = np.array([column.get(case, 0) for case in beside.case])
+        ends = layout.catalogue.at("mean", *MEAN_SIDES)
+        for first in range(0, len(rows), step := max(1, _DEFLECTIONS // terms.means.shape[1])):
+            some = slice(first, first + step)
+            share = np.ascontiguousarray(coefficients[some])
+            means = _core.superpose(share, terms.means).reshape(len(share), len(beside), -1)
+            acting = always | (known & cases[some][:, of_case])
+            for (name, place), columns in zip(named, ends, strict=True):
+                values, at = mean_ends(name, means, beside, acting)
+                block.values[np.ix_(rows[some], columns)] = values
+                where = np.where(np.isnan(values)[..., None], np.nan, beside.places[at])
+                block.places[rows[some], place, len(SIDES) :] = where
 
     def _put_areas(self, block: Block, rows: Ints) -> None:
         """Largest pressures and areas in contact of rows of which the deflections around areas are known."""

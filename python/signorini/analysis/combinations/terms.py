@@ -16,6 +16,7 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.results.line_reactions import lines_of
 from signorini.results.quantities import LINEAR, PEAKING
 from signorini.results.support_points import SupportPoints
+from signorini.singularities.beside import means_of
 
 _WATCHED = 64
 """Nodes whose deflections, and dofs whose loads, bound the largest from below."""
@@ -181,6 +182,8 @@ class Terms:
     """(b, v): what couples of edges that hold the twist add at vertices of their lines, line by line."""
     moments: Floats
     """(b, 2t): couples on θx and θy of points that turn, support by support."""
+    means: Floats
+    """(b, 10k): means at the places of `Beside`."""
     proof: Proof
     """What certificates are made of."""
 
@@ -208,12 +211,14 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         terms += reader.read(solved, None)
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
-    fields, on_areas, probes, through, fixed, on_lines, moments, sizes = zip(*terms, strict=True)
+    fields, on_areas, probes, through, fixed, on_lines, moments, means, sizes = zip(*terms, strict=True)
     by_name = dict(zip([*names, "reaction"] if names else [], map(np.array, zip(*fields, strict=True)), strict=True))
     at_areas, at_probes, cut, held = (np.array(column) for column in (on_areas, probes, through, fixed))
     lines, turned = np.array(on_lines), np.array(moments)
     proof = Proof.of(result, sizes)
-    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, lines, turned, proof)
+    return Terms(
+        tuple(cases), shared, by_name, at_areas, at_probes, cut, held, lines, turned, np.array(means), proof
+    )
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
@@ -282,4 +287,6 @@ class _Reader:
         moments = np.concatenate([np.zeros(0), *(points.moments(pull).ravel() for points in self._supports)])
         sizes = Sizes.of(result, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest)
         through = result.through(load, hi, lo, reaction, pull)
-        return kept, nodal[self._nodes, 0], at_probes, through, fixed, on_lines, moments, sizes
+        # Fields are sought that have means, or none are read.
+        means = means_of(result, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
+        return kept, nodal[self._nodes, 0], at_probes, through, fixed, on_lines, moments, means, sizes
