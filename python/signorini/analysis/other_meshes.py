@@ -95,7 +95,7 @@ class OtherMeshes:
             watch(Progress(stage="mesh"))
             # The method that was asked for may be slow on a finer mesh; every certified answer is the same.
             solver = other.model.solver.model_copy(update={"method": "auto"})
-            discretisation = discretise(other.model.model_copy(update={"solver": solver}), other.mesh)
+            discretisation = discretise(other.model.varied(solver=solver), other.mesh)
             count, own = len(discretisation.mesh.elements), len(self.mesh.elements)
             if not abs(math.log2(count / own)) > _OTHER:
                 raise _SameMeshError(f"it has {count} elements, hardly other ones than the {own} of this mesh.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -125,9 +126,11 @@ def path(
     watcher(Progress(stage="factor"))
     problem = tightened_by(contact_problem(discretisation), factors_named(discretisation, start), watcher)
     loads = PathLoads.of(problem, start, add)
+    times = None if isinstance(samples, int) else samples
+    options = {"from": start, "add": add, "until": until, "steps": steps, "at": times, "when": [*when], "events": events}
     if events == "all":
-        return exact_path(problem, loads, until, asked, watcher)
-    return sampled_path(problem, loads, until, samples, asked, watcher)
+        return replace(exact_path(problem, loads, until, asked, watcher), options=options)
+    return replace(sampled_path(problem, loads, until, samples, asked, watcher), options=options)
 
 
 def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int | list[float]:

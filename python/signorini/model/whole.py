@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -18,6 +18,8 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from signorini.base.provenance import Provenance
+from signorini.base.toml_text import toml_text
 from signorini.errors import Place, unknown
 from signorini.model.base import Complaint, Named, Table, Text
 from signorini.model.combination import Choice, Combination, Combinations, FrozenMapping, Positions, Product, products
@@ -33,6 +35,9 @@ from signorini.model.where import Acting, Located, one_of, worth_following
 _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
 _MOST_POSITIONS = 2000
+
+_LISTED = ("support", "contact", "load", "combination", "zone")
+"""Tables that a model's short form counts."""
 
 _HasName = TypeVar("_HasName", bound=Named)
 
@@ -132,6 +137,80 @@ class Model(Table):
     def model_post_init(self, context: Any) -> None:
         """Put contacts among the supports, which they are, of two plates; a dump tells them apart again."""
         self.__dict__["support"] = (*self._alone(self.support), *self.contact)
+
+    def __repr__(self) -> str:
+        """Count the tables."""
+        tables = {key: getattr(self, key) for key in _LISTED}
+        counts = [f"{len(of)} {key}" for key, of in tables.items() if of]
+        return f"Model({', '.join([repr(self.title)] * bool(self.title) + counts)})"
+
+    def to_toml(self) -> str:
+        """Write the input as TOML text, of which `signorini.loads` makes an equal model.
+
+        Files that the input names keep their paths.
+
+        Raises
+        ------
+        InputError
+            If a stiffness is a function, which TOML does not have.
+
+        Examples
+        --------
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "disc", "radius": 2, "thickness": "0.2 + 0.01*x"},
+        ...     support=[{"edge": "rim", "fix": "simple"}],
+        ...     load=[{"pressure": 2e3}],
+        ... )
+        >>> print(model.to_toml())
+        [material]
+        E = 30000000000.0
+        nu = 0.2
+        <BLANKLINE>
+        [plate]
+        shape = "disc"
+        radius = 2.0
+        thickness = "0.2 + 0.01*x"
+        <BLANKLINE>
+        [[support]]
+        edge = ["rim"]
+        fix = "simple"
+        name = "support 1"
+        <BLANKLINE>
+        [[load]]
+        pressure = 2000.0
+        <BLANKLINE>
+        """
+        return toml_text(self.model_dump(exclude_unset=True))
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Copy the model; with other tables it has neither the file nor the combinations of this one."""
+        copy = super().model_copy(update=update, deep=deep)
+        for key in self._beside_fields() if update else ():
+            del copy.__dict__[key]
+        return copy
+
+    def varied(self, **tables: object) -> Self:
+        """Copy the model with other tables for the program's own use: input file and combinations stay the same."""
+        copy = self.model_copy(update=tables)
+        copy.__dict__.update({"_asked": self} | self._beside_fields())
+        return copy
+
+    def _beside_fields(self) -> dict[str, Any]:
+        """What is computed of the fields, the input file (``_file``), and the model before the program changed it."""
+        return {key: value for key, value in self.__dict__.items() if key not in type(self).model_fields}
+
+    def read_from(self, file: str, sha256: str) -> Self:
+        """Copy the model with the name and the SHA-256 of its input file."""
+        copy = self.model_copy()
+        copy.__dict__["_file"] = (file, sha256)
+        return copy
+
+    @cached_property
+    def provenance(self) -> Provenance:
+        """The input file with its SHA-256, and the whole input as JSON, of what was asked."""
+        asked = self.__dict__.get("_asked", self)
+        return Provenance.of(asked.model_dump(exclude_unset=True), asked.__dict__.get("_file"))
 
     @field_serializer("support")
     def _alone(self, supports: tuple[Support, ...]) -> tuple[Support, ...]:

@@ -46,7 +46,8 @@ def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = 
         sheets += _envelope_sheets(results, estimates, of, plate) if pictures != "none" else ()
         nodes = of.stress_nodes
         if sheets:
-            jobs.append(Job(nodes.points, nodes.elements, sheets, results.model.units.length, nodes.left_out))
+            metadata, length = results.model.provenance.metadata, results.model.units.length
+            jobs.append(Job(nodes.points, nodes.elements, sheets, metadata, length, nodes.left_out))
     return jobs
 
 
@@ -59,7 +60,8 @@ def write_refinement(results: Results, directory: Path) -> None:
         from signorini.plot.files import save
 
         dofs, worst = [step.dofs for step in steps], [step.worst for step in steps]
-        save(refinement_picture(dofs, worst, asked, ORDER, results.model.title), directory / REFINEMENT)
+        figure = refinement_picture(dofs, worst, asked, ORDER, results.model.title)
+        save(figure, directory / REFINEMENT, results.model.provenance.metadata)
 
 
 def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple[Result, str]]) -> Iterator[Sheet]:
@@ -155,4 +157,5 @@ def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) 
         }
         distance = next(iter(curves.values())).distance
         along = f"{profile.name}{in_unit(units.length)}"
-        save(profile_picture(distance, panels, along, results.model.title), directory / file)
+        figure = profile_picture(distance, panels, along, results.model.title)
+        save(figure, directory / file, results.model.provenance.metadata)

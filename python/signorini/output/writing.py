@@ -133,7 +133,8 @@ def write_results(
             for (group, plate), name in envelope_files(results).items():
                 of = plates.get(plate)
                 nodes = (results.discretisation if of is None else of.own).stress_nodes
-                write_envelope(nodes, results.combined.over(group).on(of), beside / name)
+                envelope = results.combined.over(group).on(of)
+                write_envelope(nodes, envelope, beside / name, results.model.provenance.metadata)
             if table is not None:
                 Path(table).rename(beside / TABLE)
             elif results.model.tabulated:
@@ -164,5 +165,5 @@ def _write_table(results: Results, estimates: Estimates | None, path: Path) -> N
     from signorini.formats.parquet import writing
 
     widths = {} if estimates is None else estimates.table
-    with writing(path) as sink:
+    with writing(path, results.model.provenance.metadata) as sink:
         sink((*results.table.items(), *widths.items()))

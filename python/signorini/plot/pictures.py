@@ -125,7 +125,9 @@ def _draw_fields(
     return entries[-1]
 
 
-def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows: int = 1) -> Iterator[bytes]:
+def drawn_as_png(
+    plan: Plan, pictures: Sequence[Picture], metadata: Mapping[str, str], length: str = "", rows: int = 1
+) -> Iterator[bytes]:
     """Draw pictures of one kind, of several results, as `field_picture` does; yield .png files.
 
     Their panels have the same labels, limits and titles. What they share, axes and colour bars, is drawn once.
@@ -147,7 +149,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
         for artist in sorted(drawn, key=lambda artist: artist.get_zorder()):
             artist.draw(canvas.get_renderer())
         # Without the alpha channel, of which a page has no need, there is a fourth less to compress.
-        yield as_png(np.asarray(canvas.buffer_rgba())[..., :3])
+        yield as_png(np.asarray(canvas.buffer_rgba())[..., :3], metadata)
         for artist in drawn:
             artist.remove()
 
@@ -185,9 +187,11 @@ def drawn(job: Job) -> Iterator[tuple[str, bytes]]:
     for sheet in job.sheets:
         if sheet.seen:
             for file, picture, nodes in zip(sheet.files, sheet.pictures, sheet.seen, strict=True):
-                yield file, png_of(view_picture(Plan(nodes, job.elements, job.left_out, level.nodes), level, picture))
+                figure = view_picture(Plan(nodes, job.elements, job.left_out, level.nodes), level, picture)
+                yield file, png_of(figure, job.metadata)
         else:
-            yield from zip(sheet.files, drawn_as_png(plan, sheet.pictures, job.length, sheet.rows), strict=True)
+            contents = drawn_as_png(plan, sheet.pictures, job.metadata, job.length, sheet.rows)
+            yield from zip(sheet.files, contents, strict=True)
 
 
 def check_picture(

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -72,6 +72,8 @@ class LoadPath(States[float]):
         What was asked for with ``when``, and where it is reached.
     interrupted : bool
         Whether it was cut short; what it has is certified.
+    options : mapping
+        The arguments of `signorini.path`, by name.
     """
 
     start: str | None
@@ -86,6 +88,7 @@ class LoadPath(States[float]):
     thresholds: tuple[Threshold, ...]
     interrupted: bool
     _loads: tuple[CaseLoad, CaseLoad]
+    options: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
 
     @property
     def mesh(self) -> Mesh:

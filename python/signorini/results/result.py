@@ -528,7 +528,8 @@ class Result(Remade):
             If the file cannot be written.
         """
         self._require_fields()
-        write_vtu(path, as_meshio(self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self)))
+        mesh = as_meshio(self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
+        write_vtu(path, mesh, self.model.provenance.metadata)
 
     def to_pyvista(self) -> Any:
         """Give the plate with every field as a `pyvista.UnstructuredGrid`; PyVista must be installed.
