@@ -93,6 +93,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
     governing = of("support point at max max_by max_with min min_by min_with")
     assert keys(found) == {
         **of("schema title snapped groups"),
+        "program": of("name version commit"),
+        "input": of("file sha256 model"),
+        "options": of("pictures"),
         "units": of("length force"),
         "model": of("nodes elements dofs contact_points"),
         "combinations": [combination],

@@ -13,6 +13,7 @@ from signorini.analysis.sampled_path import sampled_path
 from signorini.analysis.sampler import PathLoads, load_named
 from signorini.analysis.tightening import tightened_by
 from signorini.base import arguments
+from signorini.base.arguments import checked
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import contact_problem
 from signorini.discretise import discretise
@@ -26,6 +27,7 @@ STEPS = 50
 _MOST_STEPS = 100_000
 
 
+@checked
 def path(
     model: Model,
     start: str | None,
@@ -127,7 +129,15 @@ def path(
     problem = tightened_by(contact_problem(discretisation), factors_named(discretisation, start), watcher)
     loads = PathLoads.of(problem, start, add)
     times = None if isinstance(samples, int) else samples
-    options = {"from": start, "add": add, "until": until, "steps": steps, "at": times, "when": [*when], "events": events}
+    options = {
+        "from": start,
+        "add": add,
+        "until": until,
+        "steps": steps,
+        "at": times,
+        "when": [*when],
+        "events": events,
+    }
     if events == "all":
         return replace(exact_path(problem, loads, until, asked, watcher), options=options)
     return replace(sampled_path(problem, loads, until, samples, asked, watcher), options=options)

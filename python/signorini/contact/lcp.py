@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from signorini import _core
 from signorini._core import LcpSolution
-from signorini.base.arguments import array
+from signorini.base.arguments import array, checked
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError
 
@@ -43,6 +43,7 @@ class Lcp(NamedTuple):
         return np.where(self.gap_is_z, w, z), np.where(self.gap_is_z, z, w)
 
 
+@checked
 def lemke(
     M: ArrayLike,
     q: ArrayLike,

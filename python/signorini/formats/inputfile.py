@@ -14,6 +14,7 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema
 
 from signorini.base import arguments
+from signorini.base.arguments import checked
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.expression import Expression
@@ -25,6 +26,7 @@ _LARGEST_FILE = 4_000_000
 _MOST_KEY_PARTS = 16
 
 
+@checked
 def load(path: str | os.PathLike[str]) -> Model:
     """Read an input file.
 
@@ -48,6 +50,7 @@ def load(path: str | os.PathLike[str]) -> Model:
     return _model(text, source, Path(path).parent).read_from(source, hashlib.sha256(content).hexdigest())
 
 
+@checked
 def loads(text: str) -> Model:
     """Read the text of an input file; the files that it names are looked for where the program runs.
 
@@ -171,6 +174,7 @@ def _syntax(message: str, text: str) -> tuple[str, int, str]:
     return says, last, f" (column {match.group(3)})"
 
 
+@checked
 def schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of the input file, for editors that complete and check it.
 

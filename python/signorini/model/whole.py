@@ -18,6 +18,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from signorini.base.arguments import checked
 from signorini.base.provenance import Provenance
 from signorini.base.toml_text import toml_text
 from signorini.errors import Place, unknown
@@ -194,7 +195,15 @@ class Model(Table):
         """Copy the model with other tables for the program's own use: input file and combinations stay the same."""
         copy = self.model_copy(update=tables)
         copy.__dict__.update({"_asked": self} | self._beside_fields())
+        if "combination" in tables:
+            copy.__dict__.pop("effective_combinations", None)
         return copy
+
+    @property
+    def asked(self) -> Model:
+        """The input, of which the program may have made this model."""
+        asked: Model = self.__dict__.get("_asked", self)
+        return asked
 
     def _beside_fields(self) -> dict[str, Any]:
         """What is computed of the fields, the input file (``_file``), and the model before the program changed it."""
@@ -209,7 +218,7 @@ class Model(Table):
     @cached_property
     def provenance(self) -> Provenance:
         """The input file with its SHA-256, and the whole input as JSON, of what was asked."""
-        asked = self.__dict__.get("_asked", self)
+        asked = self.asked
         return Provenance.of(asked.model_dump(exclude_unset=True), asked.__dict__.get("_file"))
 
     @field_serializer("support")
@@ -493,6 +502,7 @@ def _repeated(table: str, names: list[str], key: str = "name") -> Iterator[Compl
 TOP.update(tables_of(Model))
 
 
+@checked
 def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Place], int] | None = None) -> Model:
     """Make a model of nested mappings and lists, as read from an input file.
 

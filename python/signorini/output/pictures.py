@@ -40,8 +40,9 @@ def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = 
     named = list(pictured(results, pictures)) if pictures != "none" else []
     plates = results.discretisation.plates
     jobs = []
-    for of, plate in zip(results.discretisation.each, plates or (None,), strict=True):
-        mine = [one for one in named if one[0].mesh is of.mesh]
+    each = results.discretisation.each
+    for number, (of, plate) in enumerate(zip(each, plates or (None,), strict=True)):
+        mine = named[number :: len(each)]
         sheets = [*_sheets(results, estimates, mine)]
         sheets += _envelope_sheets(results, estimates, of, plate) if pictures != "none" else ()
         nodes = of.stress_nodes

@@ -15,7 +15,7 @@ from matplotlib.patheffects import withStroke
 
 from signorini.errors import InputError
 from signorini.plot.field import Scale, add_colour_bar, draw_field, draw_pressure
-from signorini.plot.files import DOTS, as_png, png_of
+from signorini.plot.files import DOTS, as_png, png_of, with_texts
 from signorini.plot.marks import LARGEST, Entry, draw_supports, draw_zones, legend_words
 from signorini.plot.model_marks import draw_balances, draw_cuts, draw_edges, draw_loads, draw_singular
 from signorini.plot.page import Page
@@ -125,9 +125,7 @@ def _draw_fields(
     return entries[-1]
 
 
-def drawn_as_png(
-    plan: Plan, pictures: Sequence[Picture], metadata: Mapping[str, str], length: str = "", rows: int = 1
-) -> Iterator[bytes]:
+def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows: int = 1) -> Iterator[bytes]:
     """Draw pictures of one kind, of several results, as `field_picture` does; yield .png files.
 
     Their panels have the same labels, limits and titles. What they share, axes and colour bars, is drawn once.
@@ -149,7 +147,7 @@ def drawn_as_png(
         for artist in sorted(drawn, key=lambda artist: artist.get_zorder()):
             artist.draw(canvas.get_renderer())
         # Without the alpha channel, of which a page has no need, there is a fourth less to compress.
-        yield as_png(np.asarray(canvas.buffer_rgba())[..., :3], metadata)
+        yield as_png(np.asarray(canvas.buffer_rgba())[..., :3])
         for artist in drawn:
             artist.remove()
 
@@ -182,16 +180,18 @@ def view_picture(view: Plan, level: Plan, picture: Picture) -> Figure:
 
 def drawn(job: Job) -> Iterator[tuple[str, bytes]]:
     """Draw pictures of one plate, one after another: name and content of a file."""
+    return ((name, with_texts(png, job.metadata)) for name, png in _drawn(job))
+
+
+def _drawn(job: Job) -> Iterator[tuple[str, bytes]]:
     plan = Plan(job.points, job.elements, job.left_out)
     level = Plan(seen(job.points), job.elements)
     for sheet in job.sheets:
         if sheet.seen:
             for file, picture, nodes in zip(sheet.files, sheet.pictures, sheet.seen, strict=True):
-                figure = view_picture(Plan(nodes, job.elements, job.left_out, level.nodes), level, picture)
-                yield file, png_of(figure, job.metadata)
+                yield file, png_of(view_picture(Plan(nodes, job.elements, job.left_out, level.nodes), level, picture))
         else:
-            contents = drawn_as_png(plan, sheet.pictures, job.metadata, job.length, sheet.rows)
-            yield from zip(sheet.files, contents, strict=True)
+            yield from zip(sheet.files, drawn_as_png(plan, sheet.pictures, job.length, sheet.rows), strict=True)
 
 
 def check_picture(

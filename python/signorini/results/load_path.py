@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from signorini.base import arguments
+from signorini.base.arguments import checked
 from signorini.contact.certificate import Certificate
 from signorini.contact.factoring import Method
 from signorini.contact.problem import ContactProblem
@@ -44,6 +45,7 @@ _AFTER = 2.0
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class LoadPath(States[float]):
     """The answer of a plate to start + t add, for every t from 0 to where the path ends.
@@ -152,7 +154,7 @@ class LoadPath(States[float]):
 
     def key(self, row: int) -> float:
         """The t of a stop, given its number from 0."""
-        return self.stops[row].t
+        return self.stops[arguments.index(row, len(self.stops), "stop", "row")].t
 
     @property
     def table(self) -> Mapping[str, Column]:
