@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from signorini.base.files import replacing
+from signorini.base.provenance import PROGRAM
 
 _FAST = 1
 """zlib's level for .png files: a fifth larger than by default, in a fourth of the time."""
@@ -20,11 +21,12 @@ DOTS = 120
 """Dots per inch of .png files."""
 
 
-def save(figure: Figure, path: str | os.PathLike[str], metadata: Mapping[str, str]) -> None:
+def save(figure: Figure, path: str | os.PathLike[str], metadata: Mapping[str, str] | None = None) -> None:
     """Write a figure to a file, whole or not at all; the suffix (``.png``, ``.svg``, ``.pdf``) gives the format.
 
     The file carries the metadata, texts by name; .svg and .pdf have the program as creator and all of it in words.
     """
+    metadata = metadata or {"Software": PROGRAM}
     with replacing(path) as beside:
         png = beside.suffix.lower() == ".png"
         options = {"pil_kwargs": {"compress_level": _FAST}} if png else {}
