@@ -306,7 +306,9 @@ def test_the_check_picture_shows_mesh_supports_and_loads() -> None:
 def test_node_numbers_are_drawn_on_request() -> None:
     assert not check_picture(PLAN).axes[0].texts
     texts = check_picture(PLAN, numbers=True).axes[0].texts
-    assert [(text.get_text(), text.xy) for text in texts] == [(str(i), tuple(at)) for i, at in enumerate(POINTS)]
+    assert [(text.get_text(), text.xy) for text in texts] == [
+        (str(i), tuple(at)) for i, at in enumerate(POINTS, start=1)
+    ]
     many = Plan(np.zeros((6000, 2)), ELEMENTS)
     with pytest.raises(InputError, match="6000 nodes cannot be read"):
         check_picture(many, numbers=True)

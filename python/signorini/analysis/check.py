@@ -134,8 +134,8 @@ class Check:
     def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> list[Path]:
         """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
 
-        The suffix gives the format. With ``numbers`` nodes have theirs, from 0, the places in
-        ``discretisation.mesh.points``. Of several plates each has a file, see `pictures_of`. Returns the files.
+        The suffix gives the format. With ``numbers`` nodes have theirs, from 1, as in
+        ``reactions.csv``. Of several plates each has a file, see `pictures_of`. Returns the files.
         """
         # Only this method needs matplotlib.
         from signorini.plot.files import save

@@ -28,7 +28,7 @@ from signorini.plot.picture import Job, Panel, Picture, Sheet, SupportMark
 from signorini.plot.view import exaggeration, seen
 from signorini.results.envelope import Ends
 from signorini.results.marks import extreme, field_range, panel, support_marks, unsolved_marks, view_of
-from signorini.results.quantities import KINDS, PICTURED, RESULTANTS, SIDES, on_plate
+from signorini.results.quantities import KINDS, PICTURED, PRESSURE, RESULTANTS, SIDES, on_plate
 from signorini.results.result import Result
 
 _LONGEST = 44
@@ -158,5 +158,6 @@ def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) 
         }
         distance = next(iter(curves.values())).distance
         along = f"{profile.name}{in_unit(units.length)}"
-        figure = profile_picture(distance, panels, along, results.model.title)
+        upward = [PRESSURE.label(units)]
+        figure = profile_picture(distance, panels, along, results.model.title, upward)
         save(figure, directory / file, results.model.provenance.metadata)

@@ -45,6 +45,7 @@ class SupportMark:
     words: str = ""  # what it is; by default what the kind means
     counts: tuple[int, int] | None = None  # how many points are closed and open; by default those of ``closed``
     footprints: Floats = field(default_factory=_nothing)  # outlines of what the points' reactions are spread over
+    numbers: Sequence[str] = ()  # what is written beside each point
 
     @property
     def label(self) -> str:

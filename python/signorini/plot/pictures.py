@@ -16,7 +16,7 @@ from matplotlib.patheffects import withStroke
 from signorini.errors import InputError
 from signorini.plot.field import Scale, add_colour_bar, draw_field, draw_pressure
 from signorini.plot.files import DOTS, as_png, png_of, with_texts
-from signorini.plot.marks import LARGEST, Entry, draw_supports, draw_zones, legend_words
+from signorini.plot.marks import LARGEST, Entry, draw_numbers, draw_supports, draw_zones, legend_words
 from signorini.plot.model_marks import draw_balances, draw_cuts, draw_edges, draw_loads, draw_singular
 from signorini.plot.page import Page
 from signorini.plot.picture import (
@@ -84,8 +84,9 @@ def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence
         labels.keep_free(places, LARGEST)
         for colour, width in (("white", 3.5), (INK, 1.2)):
             axes.plot(*places.T, "+", color=colour, markersize=6.8 + width, markeredgewidth=width, zorder=6)
-        for (words, _), at in zip(panel.extremes, places, strict=True):
-            labels.beside(words, at, 8.5)
+        for place, (words, _) in enumerate(panel.extremes):
+            labels.beside(words, places[place], 8.5, others=np.delete(places, place, axis=0))
+    draw_numbers(marks, labels)
     if isinstance(panel.values, np.ndarray):
         draw_field(axes, plan, panel.values, scale, labels)
     else:
@@ -213,7 +214,7 @@ def check_picture(
     """Draw a model before it is solved: mesh, supports, loads and what they amount to, sections and strips.
 
     ``totals`` are sums of load cases in words, ``poorest`` the corner of the worst element with words about it.
-    ``numbers`` are those of the nodes, from 0.
+    ``numbers`` are those of the nodes, from 1.
     """
     if numbers and len(plan.nodes) > _MOST_NUMBERS:
         raise InputError(
@@ -229,6 +230,7 @@ def check_picture(
     for positions in [mark.positions for marks in (supports, loads) for mark in marks if mark.style == "points"]:
         labels.keep_free(positions, LARGEST)
     entries = draw_zones(zones, axes, sheet, labels) + draw_supports(supports, axes)
+    draw_numbers(supports, labels)
     balances = draw_balances(balance, axes, labels)
     entries += draw_loads(loads, axes, totals or {}, sheet, labels) + draw_singular(singular, axes)
     if numbers:
@@ -249,5 +251,5 @@ def _number_nodes(axes: Axes, plan: Plan) -> None:
     size = float(np.clip(0.35 * side * inches_per_unit(axes) * 72, _SMALLEST_NUMBER, 8.0))
     halo = [withStroke(linewidth=0.3 * size, foreground="white")]
     for node in np.unique(plan.cells).tolist():
-        words = axes.annotate(str(node), plan.nodes[node], (0.25 * size, 0.25 * size), textcoords="offset points")
+        words = axes.annotate(str(node + 1), plan.nodes[node], (0.25 * size, 0.25 * size), textcoords="offset points")
         words.set(fontsize=size, color="#0b5d8f", path_effects=halo, zorder=6.5)

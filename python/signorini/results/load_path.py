@@ -222,7 +222,9 @@ class LoadPath(States[float]):
         return path_table([support.name for support in self.model.support], rows, self.model.units)
 
     def plot(self) -> Figure:
-        """Draw over t the reactions of the supports, their parts closed, and deflections at the probes or the extremes.
+        """Draw over t reactions of supports and of their points, pressures, closed parts, deflections and named events.
+
+        Deflections are those at the probes or, without probes, the extremes.
 
         Returns
         -------
@@ -233,10 +235,13 @@ class LoadPath(States[float]):
 
         supports, units, stops = self.model.support, self.model.units, self.stops
         reactions = {one.name: [stop.reactions[i] for stop in stops] for i, one in enumerate(supports)}
+        of_points, pressures = dict[str, list[float]](), dict[str, list[float]]()
         for one in stops[0].catalogue:
             if one.home == "point" and one.what == "reaction" and len(supports[one.owner].at or ()) > 1:
-                reactions[one.subject] = [stop.number(one.name) for stop in stops]
-                reactions.pop(supports[one.owner].name, None)
+                of_points[one.subject] = [stop.number(one.name) for stop in stops]
+            elif one.home == "support" and one.what == "max_pressure":
+                pressures[one.subject] = [stop.number(one.name) for stop in stops]
+        events = [(stops[row].t, self.words(row)) for row in sorted(self.events_at)]
         probes = self.discretisation.probe_positions.tolist()
         curves = {f"at {point(at)}": [stop.deflections[i] for stop in stops] for i, at in enumerate(probes)}
         extremes = {name: [getattr(stop, name) for stop in stops] for name in ("largest", "smallest")}
@@ -247,6 +252,9 @@ class LoadPath(States[float]):
             reactions,
             {support.name: [stop.parts[i] for stop in stops] for i, support in enumerate(supports)},
             {one.when: one.t for one in self.thresholds if one.t is not None},
+            of_points=of_points,
+            pressures=pressures,
+            events=events,
             stepwise=[support.name for support in supports if support.place == "at"],
             limit=self.end if self.ending == "no_equilibrium" else None,
             until=self._drawn,
