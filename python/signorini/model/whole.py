@@ -169,16 +169,17 @@ class Model(Table):
         nu = 0.2
         <BLANKLINE>
         [plate]
+        thickness = "0.2 + 0.01*x"
         shape = "disc"
         radius = 2.0
-        thickness = "0.2 + 0.01*x"
         <BLANKLINE>
         [[support]]
+        name = "support 1"
         edge = ["rim"]
         fix = "simple"
-        name = "support 1"
         <BLANKLINE>
         [[load]]
+        area = "all"
         pressure = 2000.0
         <BLANKLINE>
         """
