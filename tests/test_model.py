@@ -1,4 +1,5 @@
 import copy
+import json
 import pickle
 
 import numpy as np
@@ -10,7 +11,8 @@ from pydantic import ValidationError
 
 from signorini import shapes
 from signorini.errors import InputError
-from signorini.model import Area, Combination, DiscPlate, Load, MeshOptions, Model, Support, validate
+from signorini.formats.inputfile import loads
+from signorini.model import Area, Combination, DiscPlate, Load, Material, MeshOptions, Model, Support, validate
 from signorini.model.where import Where
 
 
@@ -73,6 +75,83 @@ def test_a_dumped_model_is_the_same_model():
     model = Model(**slab())
     assert validate(model.model_dump()) == model
     assert Model.model_validate_json(model.model_dump_json()) == model
+
+
+EVERYTHING = {
+    "title": 'Größe "1" \\ 荷重',
+    "units": {"length": "m", "force": "kN"},
+    "material": {"Ex": 30e9, "Ey": 1e10, "nu_xy": 0.2, "Gxy": 4e9, "unit_weight": 25e3},
+    "plate": {
+        "shape": "polygon",
+        "points": [[0, 0], [6, 0], {"through": [7, 2], "to": [6, 4]}, [0, 4]],
+        "thickness": "0.2 + 0.01*x",
+        "holes": [{"circle": {"center": [1, 1], "radius": 0.3}}],
+        "modifiers": {"twist": 0.7},
+    },
+    "mesh": {"size": 0.8, "refine": [{"at": [[2, 2]], "size": 0.2}], "error": False},
+    "zone": [
+        {
+            "area": {"rectangle": [3, 1, 4, 2]},
+            "thickness": 0.4,
+            "material": {"E": 2e11, "nu": 0.3, "unit_weight": 78e3},
+        }
+    ],
+    "support": [
+        {"name": "soil", "area": "all", "resists": "down", "stiffness": [[0, 0, 1e7], [6, 0, 2e7], [0, 4, 3e7]]},
+        {"name": "bolts", "at": [[1, 3], [5, 3]], "resists": "up", "law": [[0, 0], [0.001, 90e3], [0.01, 120e3]]},
+        {"edge": ["edge 1"], "fix": ["w"], "settlement": "1e-3*x"},
+    ],
+    "load": [
+        {"case": "G", "self_weight": True},
+        {
+            "case": "Q",
+            "area": {"annulus": {"inner": 0.5, "outer": 1, "center": [3, 2]}},
+            "pressure": "5e3*where(x>3, 1, 2)",
+        },
+        {"case": "Q", "at": [[2, 2]], "couple_about": {"x": 0, "y": 1e3}},
+    ],
+    "moving": [{"case": "crane", "line": [[1, 2], [5, 2]], "axles": [[0, 1e4], [1, 2e4]], "step": 1.0}],
+    "combination": [
+        {"name": "ULS", "group": "uls", "generate": "patterns", "permanent": {"G": [1.35, 1]}, "variable": {"Q": 1.5}},
+        {"generate": "table", "columns": ["G", "Q"], "rows": {"a.b c": [1, 0], "ü": [1, 1]}},
+        {"generate": "positions", "factors": {"crane": 1}},
+        {"factors": {}},
+    ],
+    "probe": [{"at": [[2, 2], [3, 3]]}],
+    "strip": [{"line": [[2, 2], [5, 2]], "width": 1, "stations": 3}],
+    "profile": [{"circle": {"center": [3, 2], "radius": 1}}],
+    "output": {"combinations": "table", "fields": "none", "envelope": ["mx"]},
+}
+
+
+@pytest.mark.parametrize("tables", [slab(), EVERYTHING], ids=["slab", "everything"])
+def test_a_model_written_as_toml_or_as_json_is_read_as_the_same_model(tables):
+    model = Model(**tables)
+    assert loads(model.to_toml()) == model
+    assert validate(json.loads(model.provenance.text)) == model
+
+
+def test_a_model_of_table_objects_is_written_as_toml_too():
+    model = Model(
+        material=Material(E=30e9, nu=0.2),
+        plate=DiscPlate(radius=2, thickness=0.2),
+        support=[Support(edge="rim", fix="simple")],
+        load=[Load(pressure=1e3)],
+    )
+    assert loads(model.to_toml()) == model
+
+
+def test_a_function_has_no_toml():
+    soil = {"area": "all", "stiffness": lambda x, y: 1e7 + x}
+    with pytest.raises(InputError, match="lambda"):
+        Model(**slab(support=[soil])).to_toml()
+
+
+def test_a_copy_with_other_combinations_has_these():
+    model = Model(**slab(combination=[{"name": "G", "factors": {"G": 1}}]))
+    assert [one.name for one in model.effective_combinations] == ["G"]
+    copy = model.model_copy(update={"combination": (Combination(name="Q", factors={"Q": 1}),)})
+    assert [one.name for one in copy.effective_combinations] == ["Q"]
 
 
 def test_numpy_numbers_and_arrays_and_table_objects_are_accepted():

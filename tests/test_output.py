@@ -97,6 +97,9 @@ def test_results_json_has_every_key_of_the_contract(results: signorini.Results) 
     governing = of("support point at max max_by max_with min min_by min_with")
     assert keys(found) == {
         **of("schema title snapped groups"),
+        "program": of("name version commit"),
+        "input": of("file sha256") | {"model": keys(found["input"]["model"])},
+        "options": of("pictures"),
         "units": of("length force"),
         "model": of("nodes elements dofs contact_points"),
         "combinations": [combination],
@@ -334,8 +337,8 @@ load = [{ case = "G", pressure = 5e3 }, { case = "Q", force = 4e4, at = [2, 4] }
             elif path.suffix == ".json":
                 one, two = json.loads(path.read_text()), json.loads(other.read_text())
                 assert one | {"seconds": None} == two | {"seconds": None}
-    with pytest.raises(signorini.InputError, match=r"found Result\(.* it must be a Results. signorini.solve"):
-        signorini.write(signorini.solve(model)["c0"], tmp_path / "none")
+    with pytest.raises(signorini.InputError, match=r"found Model\(.* it must be a Results. signorini.solve"):
+        signorini.write(model, tmp_path / "none")
     assert not (tmp_path / "none").exists()
 
 
@@ -614,7 +617,7 @@ def test_pictures_of_a_group_have_one_scale_of_their_own(tmp_path: Path, monkeyp
     assert limits["ULS 1", "deflection"] == limits["ULS 2", "deflection"] != limits["SLS", "deflection"]
     assert limits["ULS 2", "shear"][1] == pytest.approx(1.5 * limits["SLS", "shear"][1])
     plans = {path for path in tmp_path.glob("*.png") if not path.stem.endswith(("-deformed", "-reactions"))}
-    assert {path.read_bytes() for path in plans} == {b"drawn"}
+    assert {path.read_bytes()[:5] for path in plans} == {b"drawn"}
 
 
 def test_an_envelope_has_pictures_of_its_largest_and_smallest_values_in_one_scale(

@@ -341,18 +341,23 @@ def test_a_picture_goes_as_far_as_deflections_are_twice_the_thickness_of_a_thin_
     found = signorini.path(model, None, "load", until=1e5)
     (warning,) = found.warnings
     assert "is beyond the thickness, 0.05" in warning
-    drawn = np.abs([line.get_ydata() for line in found.plot().axes[2].lines[:2]])
+    drawn = np.abs([line.get_ydata() for line in found.plot().axes[-1].lines[:2]])
     assert drawn.max() == pytest.approx(0.1, rel=0.02)
 
 
 def test_the_picture_shows_reactions_parts_thresholds_and_deflections(slab: Path) -> None:
     found = signorini.path(signorini.load(slab), "G", "Q", when=["pads[2].reaction = 40"])
-    reactions, parts, deflections = found.plot().axes
-    shown = [", ".join(text.get_text().split("\n")) for text in reactions.get_legend().get_texts()]
+    reactions, points, parts, deflections = found.plot().axes
+    both = [*reactions.get_legend().get_texts(), *points.get_legend().get_texts()]
+    shown = [", ".join(text.get_text().split("\n")) for text in both]
     assert sum(name.count("[") for name in shown) == 4 and any("prop" in name for name in shown)
     assert [text.get_text() for text in parts.get_legend().get_texts()] == ["pads", "prop"]
     assert [text.get_text() for text in deflections.get_legend().get_texts()] == ["at [2, 2]", "at [3.5, 3.5]"]
-    assert {text.get_text() for text in reactions.texts} == {"equilibrium ends", "pads[2].reaction = 40"}
+    said = {text.get_text() for text in reactions.texts}
+    assert said >= {"equilibrium ends", "pads[2].reaction = 40"}
+    assert {found.words(row) for row in found.events_at} & said
+    colours = {line.get_label(): line.get_color() for line in reactions.lines if line.get_label()[0] != "_"}
+    assert all(colours[line.get_label()] == line.get_color() for line in parts.lines if line.get_label() in colours)
 
 
 def test_the_example_in_the_documentation_is_what_the_command_prints(tmp_path: Path) -> None:

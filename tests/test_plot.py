@@ -20,13 +20,14 @@ from signorini.discretise import discretise
 from signorini.errors import InputError
 from signorini.mesh.meshers import rectangle
 from signorini.output.pictures import jobs_of
+from signorini.plot.curves import load_path_picture, profile_picture
 from signorini.plot.files import save
 from signorini.plot.marks import draw_support, legend_words
 from signorini.plot.picture import BalanceMark, EdgeMark, LoadMark, Panel, Picture, PressureLayer, SupportMark, ZoneMark
 from signorini.plot.pictures import check_picture, drawn_as_png, field_picture, view_picture
 from signorini.plot.plan import Plan
 from signorini.plot.view import exaggeration, seen
-from signorini.results.marks import bedding_panel, case_totals, edge_marks, load_marks, singular_marks, support_marks
+from signorini.results.marks import bedding_panel, case_totals, edge_marks, load_marks, singular_marks, support_marks, unsolved_marks
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.named import singularities
 
@@ -331,7 +332,8 @@ def test_the_check_picture_has_a_map_of_bedding_that_is_not_constant(tmp_path) -
 def test_node_numbers_are_drawn_on_request() -> None:
     assert not check_picture(PLAN).axes[0].texts
     texts = check_picture(PLAN, numbers=True).axes[0].texts
-    assert [(text.get_text(), text.xy) for text in texts] == [(str(i), tuple(at)) for i, at in enumerate(POINTS)]
+    wanted = [(str(i), tuple(at)) for i, at in enumerate(POINTS, start=1)]
+    assert [(text.get_text(), text.xy) for text in texts] == wanted
     many = Plan(np.zeros((6000, 2)), ELEMENTS)
     with pytest.raises(InputError, match="6000 nodes cannot be read"):
         check_picture(many, numbers=True)
@@ -541,3 +543,71 @@ def test_no_words_of_a_check_picture_lie_on_others() -> None:
     plate = {"support": [{"edge": "left", "fix": "clamped"}], "load": [{"pressure": 1}]}
     marks = {mark.name: mark for mark in edge_marks(discretise(rectangular(divisions=[10, 10], **plate)).mesh)}
     assert all(marks[name].at[0] < 2.0 for name in ("top", "bottom"))
+
+
+def test_points_carry_the_numbers_of_the_tables_and_check_says_gaps_preloads_and_orders() -> None:
+    bolts = {"name": "bolts", "at": [[3, 1], [1, 1]], "resists": "up", "stiffness": 1e7, "preload": 5e4, "order": 2}
+    feet = {"name": "feet", "at": [[3, 3], [1, 3]], "resists": "down", "gap": "0.001*x"}
+    soil = {"area": "all", "resists": "down", "stiffness": 1e7}
+    model = rectangular(support=[bolts, feet, soil], load=[{"pressure": 1e3}])
+    bolted, footed, _ = unsolved_marks(discretise(model))
+    assert [*bolted.numbers] == ["bolts[1]", "bolts[2]"] and bolted.positions.tolist() == [[3, 1], [1, 1]]
+    assert "preload" in bolted.label and "order 2" in bolted.label
+    assert [text.partition(",")[0] for text in footed.numbers] == ["feet[1]", "feet[2]"]
+    assert "0.003" in footed.numbers[0] and "0.001" in footed.numbers[1]
+    texts = {text.get_text() for text in signorini.solve(model)["all"].plot("mx").texts}
+    assert texts >= {"bolts[1]", "bolts[2]", "feet[1]", "feet[2]"}
+
+
+def test_the_lifted_part_of_a_pressure_picture_is_blank() -> None:
+    load = [{"pressure": 1e3}, {"force": 3e4, "at": [3.5, 2]}]
+    model = rectangular(thickness=0.5, support=[{"area": "all", "resists": "down", "stiffness": 2e6}], load=load)
+    figure = signorini.solve(model)["all"].plot("pressure").figure
+    figure.canvas.draw()
+    dots = np.asarray(figure.canvas.buffer_rgba())
+    axes = figure.axes[0]
+
+    def colour(x: float, y: float) -> list[int]:
+        column, row = axes.transData.transform((x, y))
+        return dots[len(dots) - int(row), int(column), :3].tolist()
+
+    assert colour(0.3, 1.7) == [255, 255, 255] and min(colour(3.0, 1.7)) < 250
+
+
+def test_pressure_goes_up_in_a_profile_and_all_else_down() -> None:
+    curves = {"G": np.array([0.0, 1.0, 2.0])}
+    figure = profile_picture([0, 1, 2], {"deflection": curves, "pressure": curves}, upward=["pressure"])
+    assert [axes.yaxis.get_inverted() for axes in figure.axes] == [True, False]
+
+
+def test_words_at_an_extreme_are_nearest_to_its_own_cross() -> None:
+    for apart in (0.05, 0.1, 0.2, 0.3):
+        places = {"max 1.234 ± 0.567": (0.5, 0.5), "min −1.234 ± 0.567": (0.5 + apart, 0.5)}
+        panel = Panel(POINTS[:, 0].copy(), (-1.0, 1.0), extremes=list(places.items()))
+        axes = field_picture(PLAN, [panel]).axes[0]
+        for text in axes.texts:
+            if (words := text.get_text()) in places:
+                box = text.get_window_extent(axes.figure.canvas.get_renderer())
+                away = {
+                    name: float(np.hypot(*(np.clip(at, box.min, box.max) - at)))
+                    for name, at in ((name, axes.transData.transform(at)) for name, at in places.items())
+                }
+                assert away[words] == min(away.values())
+
+
+@pytest.mark.parametrize("name", ["W" * 60, "a name with some words in it that goes on and on " * 3])
+def test_the_legend_of_a_narrow_plate_is_within_the_page(name: str) -> None:
+    plan = Plan(POINTS * [0.1, 4.0], ELEMENTS)
+    panel = Panel(POINTS[:, 0].copy(), (0.0, 1.0))
+    figure = field_picture(plan, [panel], [SupportMark(name, "down", np.array([[0.01, 1.0]]))], title=name)
+    figure.canvas.draw()
+    box = figure.axes[0].get_legend().get_window_extent()
+    assert box.x0 >= 0 and box.x1 <= figure.bbox.x1 and box.y0 >= 0
+
+
+def test_the_design_range_of_a_path_is_not_flattened_by_its_end() -> None:
+    t, values = np.linspace(0, 1, 101), np.linspace(0, 1, 101)
+    values[-1] = 1e3
+    figure = load_path_picture(t, {"largest": values}, {"soil": values}, {"soil": np.ones(101)})
+    low, high = sorted(figure.axes[0].get_ylim())
+    assert low <= 0 and 0.97 <= high < 2

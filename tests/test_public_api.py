@@ -4,10 +4,12 @@ import inspect
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 import signorini
+from signorini.model.base import Table
 
 ROOT = Path(__file__).parents[1]
 SNAPSHOT = Path(__file__).with_name("public_api.txt")
@@ -79,6 +81,20 @@ def test_the_code_of_the_document_runs(monkeypatch: pytest.MonkeyPatch, capsys: 
     assert printed[1].endswith("True") and len(printed) == 7
     centre = [float(line.split("[")[1].rstrip("]")) for line in printed[2:]]
     assert centre == sorted(centre, reverse=True) and centre[-1] >= 0
+
+
+def _tables(annotation: object) -> Iterator[type]:
+    """Every table that may stand in a key, and those in it."""
+    if inspect.isclass(annotation) and issubclass(annotation, Table):
+        yield annotation
+        for field in annotation.model_fields.values():
+            yield from _tables(field.annotation)
+    for part in get_args(annotation):
+        yield from _tables(part)
+
+
+def test_every_table_of_the_input_is_a_public_class() -> None:
+    assert {table.__name__ for table in _tables(signorini.Model)} <= set(signorini.__all__)
 
 
 if __name__ == "__main__":

@@ -28,18 +28,62 @@ if TYPE_CHECKING:
     from signorini.analysis.solve import solve
     from signorini.analysis.tightening import tightened
     from signorini.base.progress import Progress
-    from signorini.contact.lcp import lemke
+    from signorini.contact.certificate import Certificate
+    from signorini.contact.lcp import Lcp, lemke
     from signorini.contact.own_rows import RowProblem, with_rows
     from signorini.contact.problem import ContactProblem, contact_problem
+    from signorini.contact.selection import NotUnique
     from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
-    from signorini.formats.inputfile import load, schema
-    from signorini.model import Model, validate
+    from signorini.formats.inputfile import load, loads, schema
+    from signorini.mesh.mesh import Mesh
+    from signorini.model import (
+        Annulus,
+        AnnulusPlate,
+        Arc,
+        Area,
+        Axes,
+        Circle,
+        Combination,
+        Contact,
+        DiscPlate,
+        FieldFile,
+        Form,
+        Hole,
+        Load,
+        Material,
+        MeshOptions,
+        MeshPlate,
+        Model,
+        Modifiers,
+        Moving,
+        Output,
+        Plate,
+        PolygonPlate,
+        Probe,
+        Profile,
+        RectanglePlate,
+        Refinement,
+        Section,
+        Solver,
+        Stiffness,
+        Strip,
+        Support,
+        Units,
+        Zone,
+        validate,
+    )
     from signorini.output.writing import write
+    from signorini.results.contact_field.area_contact import AreaContact
     from signorini.results.exact_path import ExactPath
+    from signorini.results.extremes import FieldExtremes
     from signorini.results.load_path import LoadPath
     from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StationResult, StripResult
+    from signorini.results.path_events import PathEvent, Threshold
+    from signorini.results.path_stop import PathStop
+    from signorini.results.quantities import Catalogue
     from signorini.results.result import Result
-    from signorini.results.support_result import SupportResult
+    from signorini.results.support_result import EdgeCouples, SupportResult
+    from signorini.singularities.singularity import Singularity
 
 _HOME = {
     "_core": ("LcpSolution", "__version__"),
@@ -51,66 +95,51 @@ _HOME = {
     "analysis.solve": ("solve",),
     "analysis.tightening": ("tightened",),
     "base.progress": ("Progress",),
-    "contact.lcp": ("lemke",),
+    "contact.certificate": ("Certificate",),
+    "contact.lcp": ("Lcp", "lemke"),
     "contact.own_rows": ("RowProblem", "with_rows"),
     "contact.problem": ("ContactProblem", "contact_problem"),
+    "contact.selection": ("NotUnique",),
     "errors": ("InputError", "NoEquilibriumError", "NotCertifiedError", "SignoriniError"),
-    "formats.inputfile": ("load", "schema"),
-    "model": ("Model", "validate"),
+    "formats.inputfile": ("load", "loads", "schema"),
+    "mesh.mesh": ("Mesh",),
     "output.writing": ("write",),
+    "results.contact_field.area_contact": ("AreaContact",),
     "results.exact_path": ("ExactPath",),
+    "results.extremes": ("FieldExtremes",),
     "results.load_path": ("LoadPath",),
     "results.local_results": ("ProbeResult", "ProfileResult", "SectionResult", "StationResult", "StripResult"),
+    "results.path_events": ("PathEvent", "Threshold"),
+    "results.path_stop": ("PathStop",),
+    "results.quantities": ("Catalogue",),
     "results.result": ("Result",),
-    "results.support_result": ("SupportResult",),
+    "results.support_result": ("EdgeCouples", "SupportResult"),
+    "singularities.singularity": ("Singularity",),
 }
-"""Where public names are; each is read when it is first asked for, as some take long."""
+"""Modules of public names, but for those in `model`; each is read when it is first asked for, as some take long."""
 
+# fmt: off
 __all__ = [
-    "ContactProblem",
-    "Estimate",
-    "Estimates",
-    "ExactPath",
-    "InputError",
-    "LcpSolution",
-    "LoadPath",
-    "Model",
-    "NoEquilibriumError",
-    "NotCertifiedError",
-    "PathEstimate",
-    "ProbeResult",
-    "ProfileResult",
-    "Progress",
-    "Result",
-    "Results",
-    "RowProblem",
-    "SectionResult",
-    "SignoriniError",
-    "StationResult",
-    "StripResult",
-    "SupportResult",
-    "__version__",
-    "contact_problem",
-    "estimate",
-    "lemke",
-    "load",
-    "path",
-    "recover",
-    "schema",
-    "solve",
-    "tightened",
-    "validate",
-    "with_rows",
-    "write",
+    "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Catalogue", "Certificate", "Circle",
+    "Combination", "Contact", "ContactProblem", "DiscPlate", "EdgeCouples", "Estimate", "Estimates", "ExactPath",
+    "FieldExtremes", "FieldFile", "Form", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
+    "Material", "Mesh", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "NoEquilibriumError",
+    "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate",
+    "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Result",
+    "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult",
+    "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Units", "Zone", "__version__",
+    "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve", "tightened",
+    "validate", "with_rows", "write",
 ]
+# fmt: on
 
 
 def __getattr__(name: str) -> Any:
-    for module, names in _HOME.items():
-        if name in names:
-            value = globals()[name] = getattr(import_module(f"signorini.{module}"), name)
-            return value
-    raise AttributeError(f"module 'signorini' has no attribute {name!r}", name=name)
+    if name not in __all__:
+        raise AttributeError(f"module 'signorini' has no attribute {name!r}", name=name)
+    home = next((module for module, names in _HOME.items() if name in names), "model")
+    value = globals()[name] = getattr(import_module(f"signorini.{home}"), name)
+    return value
 
 
 def __dir__() -> list[str]:

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from signorini import InputError, Model, NoEquilibriumError, solve
+from signorini import InputError, Model, NoEquilibriumError, loads, solve
 from signorini.contact.problem import contact_problem
 from signorini.contact.strategy import answered
 
@@ -22,6 +22,13 @@ def posed(tables, dense):
     load = problem.discretisation.cases["load"]
     twin = dense.of(problem, load.nodal)
     return None if twin.redundant else (problem, load, twin)
+
+
+@settings(max_examples=200)
+@given(data=st.data())
+def test_a_model_written_as_toml_is_read_as_the_same_model(data, drawing):
+    model = Model(**data.draw(drawing.models()))
+    assert loads(model.to_toml()) == Model(**model.model_dump()) == model
 
 
 @settings(max_examples=60)

@@ -73,6 +73,10 @@ class Estimate(Brief):
         """The estimate of a result: this one's, or of several plates one of them."""
         return next((one for one in self.plates.values() if one.result is result), self)
 
+    def to_dataframe(self) -> Any:
+        """Give the result's numbers as `Result.to_dataframe` does, with their half-widths as ``plus_minus``."""
+        return self.result.to_dataframe().assign(plus_minus=self.widths)
+
     def _repr_html_(self) -> str:
         """Show the supports with half-widths in a notebook."""
         return in_notebook(self.result, self.plus_minus, words.compared(self.elements, True))

@@ -141,10 +141,10 @@ def _scaled(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
     if model.plates:
         plates = {part.name: _scaled(part.model, mesh, factor).model for part in model.parts}
         own = {name: one.plate.model_copy(update={"mesh": one.mesh}) for name, one in plates.items()}
-        return OtherMesh(model.model_copy(update={"plates": own}), None, _WORDS[factor], factor)
+        return OtherMesh(model.varied(plates=own), None, _WORDS[factor], factor)
     assert not isinstance(model.plate, MeshPlate)
     scaled = model.plate.scaled(model.mesh, factor, model.divisions)
-    return OtherMesh(model.model_copy(update={"mesh": scaled}), None, _WORDS[factor], factor)
+    return OtherMesh(model.varied(mesh=scaled), None, _WORDS[factor], factor)
 
 
 def _divided(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
@@ -345,7 +345,7 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
     if not fits(_TWINS * needed(4 * count)):
         return None, f"{left}. There is not the memory for the next mesh, of {_cost(count)}."
     kept = {"accuracy": asked, "error": model.mesh.error}
-    return model.model_copy(update={"mesh": mesh.model_copy(update=kept)}), ""
+    return model.varied(mesh=mesh.model_copy(update=kept)), ""
 
 
 def _at_places(model: Model, estimates: Mapping[str, Estimate], everywhere: bool) -> tuple[MeshOptions, int]:

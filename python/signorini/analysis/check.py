@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from signorini.analysis.tightening import loosened
+from signorini.base.provenance import PROGRAM
 from signorini.base.regular import open_regular
 from signorini.discretise import Discretisation, discretise
 from signorini.discretise.rows import Floats
@@ -133,8 +134,8 @@ class Check:
     def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> list[Path]:
         """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
 
-        The suffix gives the format. With ``numbers`` nodes have theirs, from 0, the places in
-        ``discretisation.mesh.points``. Of several plates each has a file, see `pictures_of`. Returns the files.
+        The suffix gives the format. With ``numbers`` nodes have theirs, from 1, as in
+        ``reactions.csv``. Of several plates each has a file, see `pictures_of`. Returns the files.
         """
         # Only this method needs matplotlib.
         from signorini.plot.files import save
@@ -143,7 +144,7 @@ class Check:
         files = pictures_of(self.discretisation.model, path)
         try:
             for file, plate in zip(files, self.discretisation.each, strict=True):
-                save(self._picture(plate, numbers), file)
+                save(self._picture(plate, numbers), file, plate.model.provenance.metadata)
         except FileNotFoundError:
             raise InputError(f"there is no directory {Path(path).parent} to write the picture to.", str(path)) from None
         except OSError as error:
@@ -191,14 +192,11 @@ def require_picture(path: str | os.PathLike[str]) -> None:
 
 def require_free(path: str | os.PathLike[str]) -> None:
     """Refuse a picture's name that a file has which is no picture of ours, by its metadata."""
-    # Only this function needs matplotlib.
-    from signorini.plot.files import DRAWN_BY
-
     if not os.path.lexists(path):
         return
     try:
         with open_regular(path, sys.maxsize) as file:
-            ours = DRAWN_BY.encode() in file.read(_HEAD)
+            ours = PROGRAM.encode() in file.read(_HEAD)
     except OSError:
         ours = False
     if not ours:

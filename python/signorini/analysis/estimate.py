@@ -13,12 +13,12 @@ import numpy as np
 
 from signorini.accuracy.comparison import Estimate, Meshes, PathEstimate, compare, known
 from signorini.accuracy.half_width import FASTEST_OF_POINTS, acts_at_points, half_widths, rounded
-from signorini.analysis.other_meshes import ENDING, EstimatedTable, OtherMeshes
+from signorini.analysis.other_meshes import ENDING, EstimatedTable, OtherMeshes, without
 from signorini.analysis.results import Results
 from signorini.analysis.sampler import LINEAR, SMOOTH, PathLoads, Sampler, State, Watch, root
 from signorini.analysis.single import solve_one
 from signorini.analysis.tightening import tightened_by
-from signorini.base.arguments import index, key_of, watching
+from signorini.base.arguments import checked, index, key_of, watching
 from signorini.base.progress import Progress, Watcher
 from signorini.base.remade import Brief
 from signorini.contact.problem import ContactProblem
@@ -55,7 +55,10 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     ]
     count, wanted = len(watches), len(path.thresholds)
     if not _has_estimate(path):
-        return PathEstimate.nothing(count, wanted)
+        why = (
+            "the path was interrupted." if path.interrupted else 'a path of events = "all" is followed on its own mesh.'
+        )
+        return PathEstimate.nothing(count, wanted, (without(0, why),))
 
     def found(problem: ContactProblem, watch: Watcher) -> tuple[Mesh, list[float]]:
         problem = tightened_by(problem, factors_named(problem.discretisation, path.start), watch)
@@ -135,6 +138,7 @@ def _same_event(sampler: Sampler, near: State, watch: Watch, t: float, falls: bo
     raise SignoriniError("it does not happen on this mesh.")
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class Estimates(Brief, Mapping[str, Estimate]):
     """Half-widths of results, by combination.
@@ -230,6 +234,7 @@ def estimate(results: Results, progress: Watcher | None = None) -> Estimates: ..
 def estimate(results: Result, progress: Watcher | None = None) -> Estimate: ...
 @overload
 def estimate(results: LoadPath, progress: Watcher | None = None) -> PathEstimate: ...
+@checked
 def estimate(
     results: Results | Result | LoadPath, progress: Watcher | None = None
 ) -> Estimates | Estimate | PathEstimate:
@@ -293,7 +298,8 @@ def _estimate(result: Result, meshes: OtherMeshes) -> Estimate:
     """Compare a result with those on other meshes."""
     nothing, combination = np.full(len(result.catalogue), np.nan), result.combination
     if result.status != "solved" or combination is None:
-        return Estimate(result, nothing, None, (), ())
+        why = "there is no equilibrium." if result.status != "solved" else "the reactions were given."
+        return Estimate(result, nothing, None, (), (without(0, why),))
 
     def solved(problem: ContactProblem, watch: Watcher) -> Result:
         watch(Progress(combination.name))

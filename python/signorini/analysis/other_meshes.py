@@ -117,7 +117,7 @@ class OtherMeshes:
             watch(Progress(stage="mesh"))
             # The method that was asked for may be slow on a finer mesh; every certified answer is the same.
             solver = other.model.solver.model_copy(update={"method": "auto"})
-            discretisation = discretise(other.model.model_copy(update={"solver": solver}), other.mesh)
+            discretisation = discretise(other.model.varied(solver=solver), other.mesh)
             count, meshes = len(discretisation.mesh.elements), [self.mesh, *(self._problems[at].mesh for at in beside)]
             for known_count in (len(mesh.elements) for mesh in meshes):
                 if not abs(math.log2(count / known_count)) > _OTHER:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -12,6 +13,7 @@ from signorini.analysis.sampled_path import sampled_path
 from signorini.analysis.sampler import PathLoads, load_named
 from signorini.analysis.tightening import tightened_by
 from signorini.base import arguments
+from signorini.base.arguments import checked
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import contact_problem
 from signorini.discretise import discretise
@@ -25,6 +27,7 @@ STEPS = 50
 _MOST_STEPS = 100_000
 
 
+@checked
 def path(
     model: Model,
     start: str | None,
@@ -125,9 +128,19 @@ def path(
     watcher(Progress(stage="factor"))
     problem = tightened_by(contact_problem(discretisation), factors_named(discretisation, start), watcher)
     loads = PathLoads.of(problem, start, add)
+    times = None if isinstance(samples, int) else samples
+    options = {
+        "from": start,
+        "add": add,
+        "until": until,
+        "steps": steps,
+        "at": times,
+        "when": [*when],
+        "events": events,
+    }
     if events == "all":
-        return exact_path(problem, loads, until, asked, watcher)
-    return sampled_path(problem, loads, until, samples, asked, watcher)
+        return replace(exact_path(problem, loads, until, asked, watcher), options=options)
+    return replace(sampled_path(problem, loads, until, samples, asked, watcher), options=options)
 
 
 def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int | list[float]:

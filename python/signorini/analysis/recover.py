@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from signorini.analysis.tightening import tightened
-from signorini.base.arguments import array, known, made_by, vector
+from signorini.base.arguments import array, checked, known, made_by, vector
 from signorini.contact.certificate import TOLERANCE, certified
 from signorini.contact.own_rows import RowProblem
 from signorini.contact.problem import ContactProblem
@@ -35,6 +35,7 @@ _OWN = "own load"
 """Name of a load that is no combination."""
 
 
+@checked
 def recover(problem: ContactProblem | RowProblem, load: str | ArrayLike, reactions: ArrayLike) -> Result:
     """Certify reactions, however they were found, and recover the plate that they belong to.
 

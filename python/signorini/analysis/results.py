@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 from signorini.accuracy.comparison import Estimate
 from signorini.accuracy.meshes import Refined
 from signorini.analysis.combinations import Combined, Sink, Ways, combine
 from signorini.analysis.single import rows_of, solve_one, solve_rows
-from signorini.base.arguments import key_of, watching
+from signorini.base.arguments import checked, index, key_of, watching
 from signorini.base.on_demand import Named, OnDemand
 from signorini.base.packages import package
 from signorini.base.remade import short
-from signorini.contact.problem import ContactProblem
+from signorini.contact.problem import ContactProblem, unfactored
+from signorini.discretise import discretise
 from signorini.equilibrium.imbalance import nearest_limit
-from signorini.model import Combination
+from signorini.errors import InputError
+from signorini.model import Combination, Output
 from signorini.results.envelope import Envelope, States
 from signorini.results.result import Result
 from signorini.results.rows import Column, dataframe, dataset
@@ -26,6 +28,7 @@ _KEPT = 12
 """Results computed when they were asked for that are kept: each has every field at every node."""
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class Results(States[str], Mapping[str, Result]):
     """Results by combination, in the order of the model; what is not there yet is computed when it is asked for.
@@ -119,7 +122,7 @@ class Results(States[str], Mapping[str, Result]):
 
     def key(self, row: int) -> str:
         """Name of a combination, given its number from 0."""
-        return self.model.effective_combinations[row].name
+        return self.model.effective_combinations[index(row, len(self), "combination", "row")].name
 
     @cached_property
     def combined(self) -> Combined:
@@ -202,6 +205,23 @@ class Results(States[str], Mapping[str, Result]):
         """Give all solved results in ``full`` as a `pyvista.MultiBlock` by combination; PyVista must be installed."""
         blocks = {name: one.to_pyvista() for name, one in self.full.items() if one.status == "solved"}
         return package("pyvista").MultiBlock(blocks)
+
+    @classmethod
+    def alone(cls, result: Result) -> Self:
+        """The results that have this one alone, of one combination: the input is discretised again on its mesh.
+
+        Raises
+        ------
+        InputError
+            If it is of one of several plates.
+        """
+        if any(one.between for one in result.model.support) and not result.plates:
+            raise InputError("found the result of one of several plates; take that of all plates.", place="results")
+        own = result.combination or Combination(name=result.name, factors={})
+        output = Output(combinations="each")
+        model = result.model.asked.varied(combination=(own,), output=output)
+        discretisation = discretise(model, None if result.plates else result.mesh)
+        return cls(unfactored(discretisation), {result.name: result}, {"total": result.seconds})
 
     def _repr_html_(self) -> str:
         """Show the combinations in a notebook, of many those that have all results."""

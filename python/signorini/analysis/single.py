@@ -181,7 +181,7 @@ def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathL
     from signorini.formats.parquet import writing
 
     try:
-        with writing(table) as sink:
+        with writing(table, problem.discretisation.model.provenance.metadata) as sink:
             combined = solve_rows(problem, watcher, sink)
     except OSError as error:
         why = error.strerror or str(error)

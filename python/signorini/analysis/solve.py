@@ -15,7 +15,7 @@ from signorini.analysis.estimate import estimated
 from signorini.analysis.other_meshes import OtherMeshes
 from signorini.analysis.results import Results
 from signorini.analysis.single import solve_table, timed
-from signorini.base.arguments import watching
+from signorini.base.arguments import checked, watching
 from signorini.base.progress import Progress, Watcher
 from signorini.contact.problem import contact_problem
 from signorini.discretise import discretise
@@ -24,6 +24,7 @@ from signorini.model import Combination, Model
 from signorini.results.result import Result
 
 
+@checked
 def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLike[str] | None = None) -> Results:
     """Solve a model for each of its combinations.
 

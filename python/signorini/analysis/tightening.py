@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from signorini.base.arguments import known, made_by
+from signorini.base.arguments import checked, known, made_by
 from signorini.base.on_demand import kept
 from signorini.base.progress import Watcher, steps_of
 from signorini.contact.problem import ContactProblem, contact_problem
@@ -26,6 +26,7 @@ from signorini.equilibrium.imbalance import CONTRADICTION, explain, imbalance
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 
 
+@checked
 def tightened(problem: ContactProblem, combination: str) -> ContactProblem:
     """Tighten the bolts of a combination: the problem that its load is then solved on.
 

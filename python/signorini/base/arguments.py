@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import os
 import reprlib
-from collections.abc import Callable, Collection
-from typing import TypeVar
+from collections.abc import Callable, Collection, Mapping
+from functools import wraps
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,51 @@ from numpy.typing import NDArray
 from signorini.errors import InputError, UnknownNameError, unknown
 
 _T = TypeVar("_T")
+_C = TypeVar("_C", bound=Callable[..., Any])
+
+
+def checked(called: _C) -> _C:
+    """Check the arguments of a public function, or of every public method of a class: which are missing or unknown.
+
+    Examples
+    --------
+    >>> @checked
+    ... def area(width: float, height: float = 1.0) -> float:
+    ...     "Area of a rectangle."
+    ...     return width * height
+    >>> area(2.0), area.__name__
+    (2.0, 'area')
+    >>> area(2.0, 3.0, 4.0)
+    Traceback (most recent call last):
+    signorini.errors.InputError: area: too many positional arguments. Call area(width, height=1.0): Area of a rectangle.
+    """
+    if inspect.isclass(called):
+        for name, method in vars(called).items():
+            if name[0] != "_" and inspect.isfunction(method):
+                setattr(called, name, checked(method))
+        return called
+
+    @wraps(called)
+    def call(*given: Any, **named: Any) -> Any:
+        try:
+            return called(*given, **named)
+        except TypeError:
+            _require_fitting(called, given, named)
+            raise
+
+    return cast(_C, call)
+
+
+def _require_fitting(called: Callable[..., Any], given: tuple[Any, ...], named: Mapping[str, Any]) -> None:
+    """Refuse arguments that a function does not have, or that are missing; say how it is called."""
+    signature = inspect.signature(called)
+    try:
+        signature.bind(*given, **named)
+    except TypeError as error:
+        own = [one.replace(annotation=inspect.Parameter.empty) for one in signature.parameters.values()]
+        shown = inspect.Signature([one for one in own if one.name != "self"])
+        does = (inspect.getdoc(called) or "").partition("\n\n")[0]
+        raise InputError(f"{error}. Call {called.__name__}{shown}: {does}", place=called.__name__) from None
 
 
 def number(value: object, place: str) -> float:

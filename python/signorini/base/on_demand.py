@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import wraps
 from itertools import islice
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import Concatenate, ParamSpec, Self, SupportsIndex, TypeVar, overload
 from weakref import WeakKeyDictionary
 
 from signorini.base.arguments import key_of
@@ -79,6 +79,44 @@ class OnDemand(Mapping[str, _V]):
     def __len__(self) -> int:
         """Count the names."""
         return len(self._names)
+
+
+class Listed(tuple[_V, ...]):
+    """Things in their order, each by its number from 0 or by its name.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> feet = Listed([SimpleNamespace(name="west"), SimpleNamespace(name="east")], "support", "This result")
+    >>> feet["east"] is feet[1], len(feet)
+    (True, 2)
+    >>> feet["soil"]
+    Traceback (most recent call last):
+    signorini.errors.UnknownNameError: support: Unknown support 'soil'. This result has: east, west.
+    """
+
+    _words: tuple[str, str]
+
+    def __new__(cls, values: Iterable[_V], kind: str = "name", owner: str = "This result") -> Self:
+        """Keep the values, and in what words an unknown name is told."""
+        made = super().__new__(cls, values)
+        made._words = kind, owner
+        return made
+
+    @overload
+    def __getitem__(self, which: SupportsIndex | str) -> _V: ...
+    @overload
+    def __getitem__(self, which: slice) -> tuple[_V, ...]: ...
+    def __getitem__(self, which: SupportsIndex | str | slice) -> _V | tuple[_V, ...]:
+        """Give what has a name or a number, or those of a slice."""
+        if isinstance(which, str):
+            names = self._ipython_key_completions_()
+            return super().__getitem__(names.index(key_of(which, names, *self._words)))
+        return super().__getitem__(which)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        """Names that a notebook completes."""
+        return [one.name for one in self]  # type: ignore[attr-defined]  # each has a name
 
 
 class Named(dict[str, _V]):

@@ -162,7 +162,7 @@ def check(
             "-o", "--output", metavar="PICTURE", help="The picture, .png .svg .pdf. [default: FILE-check.png]"
         ),
     ] = None,
-    nodes: Annotated[bool, typer.Option("--nodes", help="Write the numbers of the nodes, from 0.")] = False,
+    nodes: Annotated[bool, typer.Option("--nodes", help="Write the numbers of the nodes, from 1.")] = False,
 ) -> None:
     """Validate, mesh, draw, and see whether the supports can balance every combination; solve nothing."""
     with _messages(file):

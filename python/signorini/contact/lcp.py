@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from signorini import _core
 from signorini._core import LcpSolution
-from signorini.base.arguments import array
+from signorini.base.arguments import array, checked
 from signorini.discretise.laws import Law
 from signorini.discretise.points import ContactPoints
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -100,6 +100,7 @@ def _along(law: Law, unit: float, scale: float, w_is_force: Bools) -> tuple[Floa
     return force, travel
 
 
+@checked
 def lemke(
     M: ArrayLike,
     q: ArrayLike,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, issparse, sparray, vstack
 
-from signorini.base.arguments import array, made_by
+from signorini.base.arguments import array, checked, made_by
 from signorini.base.remade import Brief
 from signorini.contact.lcp import lemke
 from signorini.contact.problem import ContactProblem
@@ -20,6 +20,7 @@ _REPEATED = 1e-10
 """Least eigenvalue of P over two-sided rows, its diagonal scaled to 1, that is more than the rounding of P."""
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class RowProblem(Brief):
     """The paper's problem over the model's contact points and, behind them, rows of one's own; see `with_rows`.
@@ -111,6 +112,7 @@ class RowProblem(Brief):
         return reactions
 
 
+@checked
 def with_rows(
     problem: ContactProblem,
     G: ArrayLike | sparray,

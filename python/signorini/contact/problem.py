@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csc_array, csr_array
 
 from signorini import _core
-from signorini.base.arguments import known, made_by, vector
+from signorini.base.arguments import checked, known, made_by, vector
 from signorini.base.arguments import points as points_of_plate
 from signorini.base.memory import require_memory_for_interior_point
 from signorini.base.remade import Remade
@@ -161,6 +161,7 @@ class Statement:
         return self.discretisation.load(result[known(combination, result, "combination", "combination")]).nodal
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactProblem(Statement, Remade):
     """A discretised model on its supports, factored once and condensed onto its contact points.
@@ -468,6 +469,7 @@ class ContactProblem(Statement, Remade):
         return {"order": order, "factor": factor, "condense": condense}
 
 
+@checked
 def contact_problem(model: Model | Discretisation) -> ContactProblem:
     """Assemble, factor and condense a model.
 
@@ -478,11 +480,14 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
     SignoriniError
         If it does not fit into memory.
     """
-    result = model if isinstance(model, Discretisation) else discretise(model)
-    freedom = rigid_freedom(result)
-    method = method_of(result)
-    base = base_of(result, method)
-    return ContactProblem(result, freedom, method, _cores={base: factored(result, freedom, base)})
+    problem = unfactored(model if isinstance(model, Discretisation) else discretise(model))
+    base = base_of(problem.discretisation, problem.method)
+    return replace(problem, _cores={base: factored(problem.discretisation, problem.freedom, base)})
+
+
+def unfactored(discretisation: Discretisation) -> ContactProblem:
+    """Pose a problem that is factored when something first needs it."""
+    return ContactProblem(discretisation, rigid_freedom(discretisation), method_of(discretisation), _cores={})
 
 
 def _require_one_plate(discretisation: Discretisation, what: str) -> None:

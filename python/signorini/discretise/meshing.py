@@ -180,7 +180,7 @@ def _at_nodes(model: Model, points: Mapping[int, Point]) -> Model:
                 items[i] = item.model_copy(update={"at": at, "nodes": None})
         update[key] = tuple(items)
     problems.tell()
-    return model.model_copy(update=update)
+    return model.varied(**update)
 
 
 def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -> Mesh:

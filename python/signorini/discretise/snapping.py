@@ -76,7 +76,7 @@ def snapped(model: Model, mesh: Mesh | None = None) -> tuple[Model, tuple[Snappe
         if items == before:
             break
     made = {key: tuple(item for path, item in items.items() if path[0] == key) for key in keys}
-    return model.model_copy(update=made), tuple(moved.values())
+    return model.varied(**made), tuple(moved.values())
 
 
 def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import os
 import re
+import reprlib
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,7 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema
 
 from signorini.base import arguments
+from signorini.base.arguments import checked
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.expression import Expression
@@ -23,6 +26,7 @@ _LARGEST_FILE = 4_000_000
 _MOST_KEY_PARTS = 16
 
 
+@checked
 def load(path: str | os.PathLike[str]) -> Model:
     """Read an input file.
 
@@ -41,20 +45,49 @@ def load(path: str | os.PathLike[str]) -> Model:
         If the file cannot be read or is not a model; every problem is named with its place and line.
     """
     arguments.path(path, "an input file", "path")
-    text = _read(path)
-    source = os.path.basename(path)
+    content = _content(path)
+    text, source = _decoded(content, path), os.path.basename(path)
+    return _model(text, source, Path(path).parent).read_from(source, hashlib.sha256(content).hexdigest())
+
+
+@checked
+def loads(text: str) -> Model:
+    """Read the text of an input file; the files that it names are looked for where the program runs.
+
+    Raises
+    ------
+    InputError
+        If the text is not a model; every problem is named with its place and line.
+
+    Examples
+    --------
+    >>> text = '''
+    ... material = { E = 30e9, nu = 0.2 }
+    ... plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }
+    ... support = [{ edge = "left", fix = "clamped" }]
+    ... load = [{ pressure = 5e3 }]
+    ... '''
+    >>> loads(text) == loads(loads(text).to_toml())
+    True
+    """
+    if not isinstance(text, str):
+        raise InputError(f"found {reprlib.repr(text)}; it must be the text of an input file.", place="text")
+    return _model(text, "text", Path())
+
+
+def _model(text: str, source: str, directory: Path) -> Model:
+    """Make a model of a text; files are named from where the program runs, not from the input file's directory."""
     lines = functools.cache(lambda: Lines(text))
     data = _parse(text, source)
-    # Tables of factors and stiffnesses are named from where the program runs, not from where the input file is.
     tables = data.get("combination")
     supports = data.get("support")
     fields = [one.get("stiffness") for one in supports if isinstance(one, dict)] if isinstance(supports, list) else []
     for table in (*(tables if isinstance(tables, list) else ()), *fields):
         if isinstance(table, dict) and isinstance(table.get("file"), str):
-            table["file"] = str(Path(path).parent / table["file"])
+            table["file"] = str(directory / table["file"])
     model = validate(data, source=source, line_of=lambda path: lines().of(path))
     if isinstance(model.plate, MeshPlate):
-        plate = model.plate.model_copy(update={"file": Path(path).parent / model.plate.file})
+        plate = model.plate.model_copy(update={"file": directory / model.plate.file})
         model = model.model_copy(update={"plate": plate})
     return model
 
@@ -66,7 +99,7 @@ def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
     """
     if not any(part.path for part in error.parts):
         return error
-    lines, source = Lines(_read(path)), os.path.basename(path)
+    lines, source = Lines(_decoded(_content(path), path)), os.path.basename(path)
     placed = sorted(((lines.of(part.path) if part.path else 0, part) for part in error.parts), key=lambda pair: pair[0])
     return InputError.of(
         [InputError(part.message, place=f"{source}:{line}: {part.place}") if line else part for line, part in placed],
@@ -74,10 +107,10 @@ def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
     )
 
 
-def _read(path: str | os.PathLike[str]) -> str:
+def _content(path: str | os.PathLike[str]) -> bytes:
     place = str(path)
     try:
-        content = read_regular(path, _LARGEST_FILE)
+        return read_regular(path, _LARGEST_FILE)
     except (OSError, ValueError) as error:
         match error:
             case FileNotFoundError():
@@ -89,6 +122,9 @@ def _read(path: str | os.PathLike[str]) -> str:
             case _:
                 why = f"this file cannot be read: {getattr(error, 'strerror', None) or error}."
         raise InputError(why, place=place if place.isprintable() else repr(place)) from None
+
+
+def _decoded(content: bytes, path: str | os.PathLike[str]) -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -138,6 +174,7 @@ def _syntax(message: str, text: str) -> tuple[str, int, str]:
     return says, last, f" (column {match.group(3)})"
 
 
+@checked
 def schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of the input file, for editors that complete and check it.
 

@@ -32,8 +32,9 @@ def widen(
     ``more`` gives them of the numbers of a block: of the file, and of every other one.
     """
     own = pq.ParquetFile(path)
+    metadata = {name.decode(): text.decode() for name, text in (own.schema_arrow.metadata or {}).items()}
     readers = [_Rows(pq.ParquetFile(other)) for other in others]
-    with writing(path) as sink:
+    with writing(path, metadata) as sink:
         for group in range(own.num_row_groups):
             block = own.read_row_group(group)
             blocks = [block, *(reader.take(len(block)) for reader in readers)]
@@ -64,10 +65,11 @@ def _numbers(block: Any) -> Blocks:
 
 
 @contextmanager
-def writing(path: str | os.PathLike[str]) -> Iterator[Sink]:
+def writing(path: str | os.PathLike[str], metadata: Mapping[str, str]) -> Iterator[Sink]:
     """Write a Parquet file that is there whole once the context ends, or not at all.
 
-    The sink takes columns as pairs of a name and an array or a list of texts. NaN becomes an absent value.
+    The sink takes columns as pairs of a name and an array or a list of texts. NaN becomes an absent value. The schema
+    carries the metadata.
     """
     with replacing(path) as beside:
         writer: pq.ParquetWriter | None = None
@@ -79,7 +81,8 @@ def writing(path: str | os.PathLike[str]) -> Iterator[Sink]:
                     {
                         name: values if isinstance(values, pa.ChunkedArray) else pa.array(values, from_pandas=True)
                         for name, values in columns
-                    }
+                    },
+                    metadata=dict(metadata),
                 )
                 if writer is None:
                     writer = pq.ParquetWriter(beside, block.schema)

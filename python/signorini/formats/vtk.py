@@ -44,12 +44,17 @@ def as_meshio(
     return meshio.Mesh(places, [(kind, cells) for kind, _, cells in every], dict(point_data), of_cells)
 
 
-def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh) -> None:
-    """Write a mesh to a compressed binary VTK file, whole or not at all."""
+def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh, metadata: Mapping[str, str] | None = None) -> None:
+    """Write a mesh to a compressed binary VTK file, whole or not at all; metadata are a comment at its beginning."""
     import meshio
 
+    # A comment in XML contains no two dashes.
+    words = "; ".join(f"{name}: {text}" for name, text in (metadata or {}).items()).replace("--", "- -")
     with replacing(path) as beside:
         meshio.vtu.write(beside, mesh)
+        content = beside.read_bytes()
+        head = content.index(b"<VTKFile")
+        beside.write_bytes(content[:head] + f"<!-- {words} -->\n".encode() + content[head:])
 
 
 def displacement_vector(deflection: ArrayLike) -> NDArray[np.float64]:

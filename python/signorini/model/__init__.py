@@ -5,10 +5,11 @@
 """
 
 from signorini.model.combination import Combination, Combinations, Factors
-from signorini.model.load import Load, Moving, Probe
-from signorini.model.material import Material, Zone
-from signorini.model.output import ENVELOPED, Output, Section, Strip
-from signorini.model.places import Area, Circle
+from signorini.model.field import FieldFile
+from signorini.model.load import Axes, Load, Moving, Probe
+from signorini.model.material import Material, Modifiers, Stiffness, Zone
+from signorini.model.output import ENVELOPED, Output, Profile, Section, Strip
+from signorini.model.places import Annulus, Arc, Area, Circle, Form, Hole
 from signorini.model.plate import (
     AnnulusPlate,
     DiscPlate,
@@ -20,34 +21,44 @@ from signorini.model.plate import (
     RectanglePlate,
     Refinement,
 )
-from signorini.model.support import Support
+from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
 from signorini.model.whole import Model, Solver, Units, validate
 
 __all__ = [
     "ENVELOPED",
+    "Annulus",
     "AnnulusPlate",
+    "Arc",
     "Area",
+    "Axes",
     "Circle",
     "Combination",
     "Combinations",
+    "Contact",
     "DiscPlate",
     "Factors",
+    "FieldFile",
+    "Form",
+    "Hole",
     "Load",
     "Material",
     "MeshOptions",
     "MeshPlate",
     "Model",
+    "Modifiers",
     "Moving",
     "OutlinedPlate",
     "Output",
     "Plate",
     "PolygonPlate",
     "Probe",
+    "Profile",
     "RectanglePlate",
     "Refinement",
     "Section",
     "Solver",
+    "Stiffness",
     "Strip",
     "Support",
     "Tightening",

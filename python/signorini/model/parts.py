@@ -59,7 +59,7 @@ class Whole(Protocol):
     def effective_combinations(self) -> object:
         """Every combination."""
 
-    def model_copy(self, *, update: Mapping[str, object] | None = None, deep: bool = False) -> Self:
+    def varied(self, **tables: object) -> Self:
         """A copy with other tables."""
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
@@ -92,7 +92,7 @@ class Part(Generic[M]):
         title = ", ".join(part for part in (whole.title, self.name) if part)
         # Combinations name the cases of all plates; a copy keeps what is computed of them.
         _ = whole.effective_combinations
-        return whole.model_copy(update={**tables, **own, "plate": plate, "plates": {}, "contact": (), "title": title})
+        return whole.varied(**tables, **own, plate=plate, plates={}, contact=(), title=title)
 
     @property
     def _own(self) -> tuple[str, ...]:

@@ -113,6 +113,10 @@ class _Plate(base.Table):
     )
     material: Material | None = Field(default=None, description="One of several plates: its own [material].")
 
+    def model_post_init(self, context: Any) -> None:
+        """Count the shape as given: input files tell plates by it."""
+        self.__pydantic_fields_set__.add("shape")
+
 
 class OutlinedPlate(_Plate):
     """A plate whose outline is given here and meshed by this program."""

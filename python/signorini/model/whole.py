@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -19,6 +19,9 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from signorini.base.arguments import checked
+from signorini.base.provenance import Provenance
+from signorini.base.toml_text import toml_text
 from signorini.errors import Place, unknown
 from signorini.expression import Expression
 from signorini.model.base import Complaint, Named, Table, Text
@@ -36,6 +39,9 @@ from signorini.model.where import Acting, Located, one_of, worth_following
 _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
 _MOST_POSITIONS = 2000
+
+_LISTED = ("support", "contact", "load", "combination", "zone")
+"""Tables that a model's short form counts."""
 
 _HasName = TypeVar("_HasName", bound=Named)
 
@@ -169,6 +175,89 @@ class Model(Table):
         bolts = {bolt_round.support for bolt_round in self.tightening}
         alone = (support.as_bolt() if support.name in bolts else support for support in self._alone(self.support))
         self.__dict__["support"] = (*alone, *self.contact)
+
+    def __repr__(self) -> str:
+        """Count the tables."""
+        tables = {key: getattr(self, key) for key in _LISTED}
+        counts = [f"{len(of)} {key}" for key, of in tables.items() if of]
+        return f"Model({', '.join([repr(self.title)] * bool(self.title) + counts)})"
+
+    def to_toml(self) -> str:
+        """Write the input as TOML text, of which `signorini.loads` makes an equal model.
+
+        Files that the input names keep their paths.
+
+        Raises
+        ------
+        InputError
+            If a stiffness is a function, which TOML does not have.
+
+        Examples
+        --------
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "disc", "radius": 2, "thickness": "0.2 + 0.01*x"},
+        ...     support=[{"edge": "rim", "fix": "simple"}],
+        ...     load=[{"pressure": 2e3}],
+        ... )
+        >>> print(model.to_toml())
+        [material]
+        E = 30000000000.0
+        nu = 0.2
+        <BLANKLINE>
+        [plate]
+        thickness = "0.2 + 0.01*x"
+        shape = "disc"
+        radius = 2.0
+        <BLANKLINE>
+        [[support]]
+        name = "support 1"
+        edge = ["rim"]
+        fix = "simple"
+        <BLANKLINE>
+        [[load]]
+        area = "all"
+        pressure = 2000.0
+        <BLANKLINE>
+        """
+        return toml_text(self.model_dump(exclude_unset=True))
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Copy the model; with other tables it has neither the file nor the combinations of this one."""
+        copy = super().model_copy(update=update, deep=deep)
+        for key in self._beside_fields() if update else ():
+            del copy.__dict__[key]
+        return copy
+
+    def varied(self, **tables: object) -> Self:
+        """Copy the model with other tables for the program's own use: input file and combinations stay the same."""
+        copy = self.model_copy(update=tables)
+        copy.__dict__.update({"_asked": self} | self._beside_fields())
+        if "combination" in tables:
+            copy.__dict__.pop("effective_combinations", None)
+        return copy
+
+    @property
+    def asked(self) -> Model:
+        """The input, of which the program may have made this model."""
+        asked: Model = self.__dict__.get("_asked", self)
+        return asked
+
+    def _beside_fields(self) -> dict[str, Any]:
+        """What is computed of the fields, the input file (``_file``), and the model before the program changed it."""
+        return {key: value for key, value in self.__dict__.items() if key not in type(self).model_fields}
+
+    def read_from(self, file: str, sha256: str) -> Self:
+        """Copy the model with the name and the SHA-256 of its input file."""
+        copy = self.model_copy()
+        copy.__dict__["_file"] = (file, sha256)
+        return copy
+
+    @cached_property
+    def provenance(self) -> Provenance:
+        """The input file with its SHA-256, and the whole input as JSON, of what was asked."""
+        asked = self.asked
+        return Provenance.of(asked.model_dump(exclude_unset=True), asked.__dict__.get("_file"))
 
     @field_serializer("support")
     def _alone(self, supports: tuple[Support, ...]) -> tuple[Support, ...]:
@@ -471,6 +560,7 @@ def _repeated(table: str, names: list[str], key: str = "name") -> Iterator[Compl
 TOP.update(tables_of(Model))
 
 
+@checked
 def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Place], int] | None = None) -> Model:
     """Make a model of nested mappings and lists, as read from an input file.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -216,7 +216,9 @@ def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:
     return table
 
 
-def write_envelope(nodes: StressNodes, envelope: Envelope, path: str | os.PathLike[str]) -> None:
+def write_envelope(
+    nodes: StressNodes, envelope: Envelope, path: str | os.PathLike[str], metadata: Mapping[str, str]
+) -> None:
     """Write a .vtu file: of every field its extremes, and the numbers of the rows that they come from."""
     mesh = nodes.mesh
     at_nodes: dict[str, Floats] = {}
@@ -231,4 +233,4 @@ def write_envelope(nodes: StressNodes, envelope: Envelope, path: str | os.PathLi
                 data[places] = values
                 (of_elements if rigid else at_nodes)[f"{name}_{side}{ending}"] = data
     at_nodes = {name: nodes.spread(data) for name, data in at_nodes.items()}
-    write_vtu(path, as_meshio(nodes.points, nodes.elements, at_nodes, of_elements))
+    write_vtu(path, as_meshio(nodes.points, nodes.elements, at_nodes, of_elements), metadata)

@@ -30,6 +30,7 @@ def path_json(path: LoadPath, estimate: PathEstimate | None = None) -> dict[str,
     model = path.model
     return {
         "schema": SCHEMA,
+        **model.provenance.json(path.options),
         "title": model.title,
         "units": {"length": model.units.length, "force": model.units.force},
         "snapped": snapped_json(path.problem.discretisation.snapped),
@@ -141,7 +142,7 @@ def write_path(
     figure = path.plot()
     try:
         with replacing_together(target, former_path, seal=PATH_JSON) as beside:
-            save(figure, beside / PATH_PICTURE)
+            save(figure, beside / PATH_PICTURE, path.model.provenance.metadata)
             (beside / PATH_CSV).write_text(path_csv(path, estimate), "utf-8")
             text = json.dumps(path_json(path, estimate), indent=1, ensure_ascii=False, allow_nan=False)
             (beside / PATH_JSON).write_text(text + "\n", "utf-8")

@@ -44,7 +44,7 @@ from signorini.results.marks import (
     unsolved_marks,
     view_of,
 )
-from signorini.results.quantities import KINDS, PEAKING, PICTURED, RESULTANTS, SIDES, on_plate
+from signorini.results.quantities import KINDS, PEAKING, PICTURED, PRESSURE, RESULTANTS, SIDES, on_plate
 from signorini.results.result import Result
 from signorini.results.support_result import lines_below
 from signorini.singularities.named import excluding
@@ -58,13 +58,15 @@ def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = 
     named = list(pictured(results, pictures)) if pictures != "none" else []
     plates = results.discretisation.plates
     jobs = []
-    for of, plate in zip(results.discretisation.each, plates or (None,), strict=True):
-        mine = [one for one in named if one[0].mesh is of.mesh]
+    each = results.discretisation.each
+    for number, (of, plate) in enumerate(zip(each, plates or (None,), strict=True)):
+        mine = named[number :: len(each)]
         sheets = [*_sheets(results, estimates, mine)]
         sheets += _envelope_sheets(results, estimates, of, plate) if pictures != "none" else ()
         nodes = of.stress_nodes
         if sheets:
-            jobs.append(Job(nodes.points, nodes.elements, sheets, results.model.units.length, nodes.left_out))
+            metadata, length = results.model.provenance.metadata, results.model.units.length
+            jobs.append(Job(nodes.points, nodes.elements, sheets, metadata, length, nodes.left_out))
     return jobs
 
 
@@ -77,7 +79,8 @@ def write_refinement(results: Results, directory: Path) -> None:
         from signorini.plot.files import save
 
         dofs, worst = [step.dofs for step in steps], [step.worst for step in steps]
-        save(refinement_picture(dofs, worst, asked, ORDER, results.model.title), directory / REFINEMENT)
+        figure = refinement_picture(dofs, worst, asked, ORDER, results.model.title)
+        save(figure, directory / REFINEMENT, results.model.provenance.metadata)
 
 
 def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple[Result, str]]) -> Iterator[Sheet]:
@@ -230,4 +233,6 @@ def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) 
         }
         distance = next(iter(curves.values())).distance
         along = f"{profile.name}{in_unit(units.length)}"
-        save(profile_picture(distance, panels, along, results.model.title), directory / file)
+        upward = [PRESSURE.label(units)]
+        figure = profile_picture(distance, panels, along, results.model.title, upward)
+        save(figure, directory / file, results.model.provenance.metadata)

@@ -47,6 +47,7 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
         of_table = {"table": table_json(results, estimates), "envelope": envelope_json(results, estimates)}
     return {
         "schema": SCHEMA,
+        **results.model.provenance.json({"pictures": pictures}),
         "title": discretisation.model.title,
         "units": {"length": discretisation.model.units.length, "force": discretisation.model.units.force},
         "model": {

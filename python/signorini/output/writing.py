@@ -9,11 +9,11 @@ from itertools import chain
 from pathlib import Path
 from typing import Literal, get_args
 
-from signorini.accuracy.comparison import PathEstimate
+from signorini.accuracy.comparison import Estimate, PathEstimate
 from signorini.analysis.estimate import Estimates, estimate_asked, estimates_of
 from signorini.analysis.results import Results
 from signorini.base import arguments
-from signorini.base.arguments import watching
+from signorini.base.arguments import checked, watching
 from signorini.base.files import replacing_together
 from signorini.errors import InputError
 from signorini.output.directory import cannot_write, former_results
@@ -25,14 +25,16 @@ from signorini.output.pictures import draw_profiles, jobs_of, profiles_csv, writ
 from signorini.output.tables import reactions_csv, results_json
 from signorini.plot.picture import Job
 from signorini.results.load_path import LoadPath
+from signorini.results.result import Result
 
 _NOT_ITS = "it must be what signorini.estimate(results) returns."
 
 
+@checked
 def write(
-    results: Results | LoadPath,
+    results: Results | Result | LoadPath,
     directory: str | os.PathLike[str],
-    estimate: Estimates | PathEstimate | None = None,
+    estimate: Estimates | Estimate | PathEstimate | None = None,
     pictures: Literal["all", "governing", "none"] | None = None,
 ) -> list[Path]:
     """Write what the command writes into its directory: `signorini solve` of results, `signorini path` of a load path.
@@ -43,11 +45,12 @@ def write(
 
     Parameters
     ----------
-    results : Results or LoadPath
-        What `signorini.solve` or `signorini.path` has returned.
+    results : Results, Result or LoadPath
+        What `signorini.solve` or `signorini.path` has returned, or a result of one combination, also of
+        `signorini.recover`.
     directory : path-like
         Made if need be.
-    estimate : Estimates or PathEstimate, optional
+    estimate : Estimates, Estimate or PathEstimate, optional
         Half-widths, as `signorini.estimate` gives them.
     pictures : {"all", "governing", "none"}, optional
         Of results, the combinations that have pictures: by default all of up to four, of more those that govern.
@@ -87,9 +90,13 @@ def write(
         if not isinstance(of_path, PathEstimate | None):
             raise InputError(_NOT_ITS, place="estimate")
         return write_path(results, directory, of_path)
+    if isinstance(results, Result):
+        results = Results.alone(results)
     arguments.made_by(
         results, Results, "signorini.solve(model) makes them, signorini.path(model, ...) a LoadPath.", "results"
     )
+    if isinstance(estimate, Estimate):
+        estimate = Estimates(results, {estimate.result.name: estimate}, None)
     if estimate is None and results.model.estimated:
         estimate = estimates_of(results, watching(None, ""))
     if not isinstance(estimate, Estimates | None):
@@ -133,7 +140,8 @@ def write_results(
             for (group, plate), name in envelope_files(results).items():
                 of = plates.get(plate)
                 nodes = (results.discretisation if of is None else of.own).stress_nodes
-                write_envelope(nodes, results.combined.over(group).on(of), beside / name)
+                envelope = results.combined.over(group).on(of)
+                write_envelope(nodes, envelope, beside / name, results.model.provenance.metadata)
             if table is not None:
                 Path(table).rename(beside / TABLE)
             elif results.model.tabulated:
@@ -164,5 +172,5 @@ def _write_table(results: Results, estimates: Estimates | None, path: Path) -> N
     from signorini.formats.parquet import writing
 
     widths = {} if estimates is None else estimates.table
-    with writing(path) as sink:
+    with writing(path, results.model.provenance.metadata) as sink:
         sink((*results.table.items(), *widths.items()))

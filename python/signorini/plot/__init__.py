@@ -14,7 +14,7 @@ __getattr__ = lazily(
     __name__,
     {
         "curves": ("line", "load_path_picture", "profile_picture"),
-        "files": ("DRAWN_BY", "save"),
+        "files": ("save",),
         "picture": _PICTURE,
         "pictures": ("check_picture", "drawn_as_png", "field_picture"),
         "plan": ("Plan",),

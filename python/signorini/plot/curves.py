@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import textwrap
-from collections.abc import Collection, Mapping
-from typing import Literal
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,16 +12,21 @@ from matplotlib.figure import Figure as Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
-from signorini.plot.plan import INK, literal
+from signorini.base.numbers import plain
+from signorini.plot.plan import INK, PAPER, literal, wrapped
 from signorini.shapes.arrays import Floats
 
 _CURVES = ("#1f5fa8", "#d95f02", "#1b6e53", "#7a3e9d", "#8c6d1f", "#b3261e")
 _STYLES: tuple[Literal["solid", "dashed", "dotted"], ...] = ("solid", "dashed", "dotted")
 """Of curves of one colour the first one's, the second one's and the third one's."""
 _MOST_CURVES = len(_CURVES) * len(_STYLES)
-_END, _ASKED = "#b3261e", "#5c5c5c"
-_WIDEST = 34
-"""Letters of a line of a legend."""
+_END, _ASKED, _EVENT = "#b3261e", "#5c5c5c", "#3f6f8f"
+_WIDEST = 2.6
+"""Inches of a line of a legend."""
+_DESIGN, _DWARFED = 0.97, 2.5
+"""Part of t whose values scale a panel if those beyond reach so many times as far."""
+_ROOM, _LONGEST = 0.04, 40
+"""Part of t between the words of two events, and letters of these."""
 _PART = "part closed [%]"
 _ALIKE = 1e-6
 """Difference of curves, over the largest of all, that is none."""
@@ -39,8 +43,9 @@ def line(
     xlabel: str = "",
     ylabel: str = "",
     title: str = "",
+    upward: bool = False,
 ) -> Axes:
-    """Draw values (k,) at places (k,) along a line, positive ones downwards as deflections are.
+    """Draw values (k,) at places (k,) along a line, positive ones downwards as deflections are, or ``upward``.
 
     Give the axes of an earlier call to draw several curves together. ``label`` is the curve's name in the legend.
     """
@@ -48,7 +53,7 @@ def line(
     axes.plot(np.asarray(x, dtype=float), np.asarray(y, dtype=float), label=label or "_curve", linewidth=1.6)
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(alpha=0.25)
-    axes.yaxis.set_inverted(True)
+    axes.yaxis.set_inverted(not upward)
     axes.set_xlabel(xlabel or axes.get_xlabel())
     axes.set_ylabel(ylabel or axes.get_ylabel())
     axes.set_title(title or axes.get_title())
@@ -64,6 +69,9 @@ def load_path_picture(
     closed: Mapping[str, ArrayLike],
     thresholds: Mapping[str, float] | None = None,
     *,
+    of_points: Mapping[str, ArrayLike] | None = None,
+    pressures: Mapping[str, ArrayLike] | None = None,
+    events: Sequence[tuple[float, str]] = (),
     stepwise: Collection[str] = (),
     limit: float | None = None,
     until: float | None = None,
@@ -73,13 +81,14 @@ def load_path_picture(
     length: str = "",
     force: str = "",
 ) -> Figure:
-    """Draw reactions, the parts of supports that are closed, and deflections against the load factor, in panels.
+    """Draw supports' reactions, those of points, largest pressures, closed parts and deflections over t, a panel each.
 
-    Curves (k,) by name are at the stops ``t`` (k,), parts that are closed from 0 to 1. What coincides is one curve
-    with all its names; of more than eighteen the first are drawn, and the panel says how many are left out.
-    ``thresholds`` are factors to mark, by what is reached there; ``stepwise`` are supports whose part that is closed
-    changes at once, those at points. Equilibrium ends at the ``limit``; beyond ``until`` the theory does not hold, and
-    beyond ``last`` nothing happens that is worth drawing.
+    Curves (k,) by name are at the stops ``t`` (k,), parts that are closed from 0 to 1. A name has one colour in all
+    panels. What coincides is one curve with all its names; of more than eighteen the first are drawn, and the panel
+    says how many are left out. Where the values of the last t are far beyond all before, they leave the panel, which
+    says how far they go. ``thresholds`` are factors to mark, by what is reached there; ``events`` are t with words;
+    ``stepwise`` are supports whose part that is closed changes at once, those at points. Equilibrium ends at the
+    ``limit``; beyond ``until`` the theory does not hold, and beyond ``last`` nothing happens that is worth drawing.
     """
     stops = np.asarray(t, dtype=float)
     drawn = min((to for to in (until, last) if to is not None), default=np.inf)
@@ -91,6 +100,8 @@ def load_path_picture(
 
     panels = {
         f"reaction{_unit(force)}, positive up": reactions,
+        f"reaction of a point{_unit(force)}": of_points or {},
+        f"largest pressure{_unit(f'{force}/{length}²' if force and length else '')}": pressures or {},
         _PART: {name: 100.0 * np.asarray(of, dtype=float) for name, of in closed.items()},
         f"deflection{_unit(length)}, positive down": deflections,
     }
@@ -99,9 +110,14 @@ def load_path_picture(
     figure = Figure(figsize=(8.6, 0.9 + sum(rows)), layout="constrained")
     axes = figure.subplots(len(curves), 1, sharex=True, squeeze=False, height_ratios=rows)[:, 0].tolist()
     figure.suptitle(literal(title), fontsize=11, color=INK)
+    named = dict.fromkeys(name for of in curves.values() for name in of)
+    looks = {
+        name: (_CURVES[i % len(_CURVES)], _STYLES[i // len(_CURVES) % len(_STYLES)]) for i, name in enumerate(named)
+    }
     for panel, (label, of) in zip(axes, curves.items(), strict=True):
-        _draw_curves(panel, shown, of, label, stepwise if label == _PART else ())
+        _draw_curves(panel, shown, of, label, stepwise if label == _PART else (), looks)
     axes[-1].invert_yaxis()
+    _mark_events(axes, [(at, words) for at, words in events if at <= shown[-1]], float(shown[-1]))
     axes[-1].set_xlabel(literal(factor), fontsize=9, color=INK)
     end, words = limit, "equilibrium ends"
     if until is not None and (end is None or until < end):
@@ -136,7 +152,43 @@ def _mark(axes: list[Axes], t: float, words: str, color: str) -> None:
     )
 
 
-def _together(curves: Mapping[str, Floats]) -> list[tuple[str, Floats]]:
+def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: float) -> None:
+    """Draw lines at events, and their words above the first panel where there is room."""
+    before = -np.inf
+    for t, words in events:
+        for panel in axes:
+            panel.axvline(t, color=_EVENT, linewidth=0.7, linestyle="dotted", zorder=0.9)
+        if t - before >= _ROOM * end:
+            short = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
+            axes[0].annotate(
+                literal(short),
+                (t, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(0, 2),
+                textcoords="offset points",
+                rotation=40,
+                fontsize=7,
+                color=_EVENT,
+            )
+            before = t
+
+
+def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
+    """Scale a panel by the values before the last part of t where those in it dwarf them, and say how far these go."""
+    before, every = stops <= _DESIGN * stops[-1], np.array(curves)
+    low, high = float(every[:, before].min()), float(every[:, before].max())
+    ends = float(every.min()), float(every.max())
+    if high <= low or np.abs(ends).max() <= _DWARFED * np.abs([low, high]).max():
+        return
+    room = 0.1 * (high - low)
+    axes.set_ylim(low - room, high + room)
+    beyond = [plain(end, 3) for end, kept in zip(ends, (low, high), strict=True) if end != kept]
+    words = f"to {' and '.join(beyond)} at t = {plain(float(stops[-1]), 3)}"
+    look: dict[str, Any] = {"ha": "right", "va": "top", "fontsize": 7.5, "color": _END, "bbox": PAPER}
+    axes.text(0.97, 0.97, words, transform=axes.transAxes, **look)
+
+
+def _together(curves: Mapping[str, Floats]) -> list[tuple[list[str], Floats]]:
     """Curves, those that coincide as one with all their names."""
     apart = _ALIKE * max((float(np.abs(values).max()) for values in curves.values()), default=0.0)
     result: list[tuple[list[str], Floats]] = []
@@ -146,23 +198,30 @@ def _together(curves: Mapping[str, Floats]) -> list[tuple[str, Floats]]:
             result.append(([name], values))
         else:
             same.append(name)
-    return [(", ".join(names), values) for names, values in result]
+    return result
 
 
 def _draw_curves(
-    axes: Axes, stops: Floats, curves: Mapping[str, Floats], label: str, stepwise: Collection[str]
+    axes: Axes,
+    stops: Floats,
+    curves: Mapping[str, Floats],
+    label: str,
+    stepwise: Collection[str],
+    looks: Mapping[str, tuple[str, Literal["solid", "dashed", "dotted"]]],
 ) -> None:
     every = _together(curves)
-    for i, (name, values) in enumerate(every[:_MOST_CURVES]):
-        line = Line2D(stops, values, color=_CURVES[i % len(_CURVES)], linestyle=_STYLES[i // len(_CURVES)])
-        line.set(label=literal("\n".join(textwrap.wrap(name, _WIDEST))), linewidth=1.5)
-        line.set_drawstyle("steps-post" if set(name.split(", ")) & set(stepwise) else "default")
+    for names, values in every[:_MOST_CURVES]:
+        colour, style = looks[names[0]]
+        line = Line2D(stops, values, color=colour, linestyle=style)
+        line.set(label=literal(wrapped(", ".join(names), _WIDEST, 8.0)), linewidth=1.5)
+        line.set_drawstyle("steps-post" if set(names) & set(stepwise) else "default")
         axes.add_line(line)
     left_out = len(every) - _MOST_CURVES
     if left_out > 0:
         axes.add_line(Line2D([], [], label=f"{left_out} more are not drawn", linestyle="none"))
     axes.autoscale_view()
     axes.margins(x=0.01)
+    _leave_out_end(axes, stops, [values for _, values in every[:_MOST_CURVES]])
     _without_rounding(axes, max((float(np.abs(values).max()) for values in curves.values()), default=0.0))
     axes.set_ylabel(label, fontsize=9, color=INK)
     axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
@@ -194,9 +253,13 @@ _ACROSS = 4
 
 
 def profile_picture(
-    distance: ArrayLike, panels: Mapping[str, Mapping[str, ArrayLike]], along: str = "", title: str = ""
+    distance: ArrayLike,
+    panels: Mapping[str, Mapping[str, ArrayLike]],
+    along: str = "",
+    title: str = "",
+    upward: Collection[str] = (),
 ) -> Figure:
-    """Draw quantities along a line, a panel each; positive values downwards.
+    """Draw quantities along a line, a panel each; positive values downwards, but for those that are ``upward``.
 
     Curves have gaps where values are NaN; panels without any value are left out.
     ``panels`` are of each quantity its curves (k,) by combination; ``along`` says what the distance (k,) is.
@@ -218,9 +281,10 @@ def profile_picture(
         sizes[_unit_of(name)] = max(sizes.get(_unit_of(name), 0.0), float(largest))
     for axes, (name, curves) in zip(grid, shown.items(), strict=False):
         for i, values in enumerate(curves.values()):
-            line(distance, values, ax=axes)
+            line(distance, values, ax=axes, upward=name in upward)
             axes.lines[-1].set_linestyle(_STYLES[i // _COLOURS % len(_STYLES)])
         _without_rounding(axes, sizes[_unit_of(name)])
+        axes.set_xlim(float(np.min(distance)), float(np.max(distance)))
         axes.set_ylabel(literal(name), fontsize=8.5, color=INK)
         axes.set_xlabel(literal(along), fontsize=8.5, color=INK)
         axes.tick_params(labelsize=8)

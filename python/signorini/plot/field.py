@@ -35,6 +35,8 @@ from signorini.plot.plan import (
 from signorini.shapes.arrays import Floats
 
 _NOISE = 1e-9
+_TINT = 0.3
+"""Part of the scale by which the palest colour of a pressure is darker than white."""
 _BANDS = 14
 _STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 10)
 """Of bands, in powers of ten: their limits have few digits."""
@@ -68,7 +70,9 @@ class Scale:
         if low < 0 < high:
             norm = Normalize(-max(-low, high), max(-low, high))
         else:
-            norm = Normalize(2 * low - high, high) if high > 0 else Normalize(low, 2 * high - low)
+            # Beside a blank plate even the least pressure has a colour.
+            more = (high - low) * (1.0 if isinstance(panel.values, np.ndarray) else 1.0 + _TINT)
+            norm = Normalize(low - more, high) if high > 0 else Normalize(low, high + more)
         return cls(bounds, colormaps[panel.colours], norm)
 
     def clipped(self, values: Floats) -> Floats:
@@ -104,8 +108,8 @@ def draw_field(axes: Axes, plan: Plan, field: Floats, scale: Scale, labels: Labe
 
 
 def draw_pressure(axes: Axes, plan: Plan, layers: Sequence[PressureLayer], scale: Scale, labels: Labels) -> None:
-    """Draw pressures on a pale plate, and the plate's outline."""
-    draw_sheet(axes, plan)
+    """Draw pressures, blank where there is none, and the plate's outline."""
+    draw_sheet(axes, plan, "white")
     draw_outlines(axes, plan, hatched=False)
     for layer in layers:
         drawn = _draw_layer(axes, plan.nodes, layer, scale, labels)

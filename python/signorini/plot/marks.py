@@ -22,6 +22,8 @@ from signorini.shapes.arrays import Bools, Floats
 
 _EDGE = "#d95f02"
 _ZONE = "#3f6f8f"
+LEGEND_SIZE = 8.5
+"""Points of the letters of legends."""
 LARGEST, _SMALLEST = 8.5, 3.2
 """Points (1/72 inch) that a mark is wide."""
 _FEW = 600
@@ -93,6 +95,14 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
         if chosen.any() or (chosen is closed and not len(positions)):
             samples.append(Line2D([], [], **_glyph(mark, 5.0, hollow)))
     return mark.label, tuple(samples)
+
+
+def draw_numbers(marks: Iterable[SupportMark], labels: Labels) -> None:
+    """Write the numbers of points beside them."""
+    named = [(words, at) for mark in marks for words, at in zip(mark.numbers, mark.positions, strict=False)]
+    for place, (words, at) in enumerate(named):
+        others = [other for number, (_, other) in enumerate(named) if number != place]
+        labels.beside(words, at, 7.5, others=others, zorder=6.3)
 
 
 def _draw_footprints(mark: SupportMark, closed: Bools, axes: Axes, per_unit: float) -> float:
@@ -246,7 +256,7 @@ def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | 
         borderaxespad=0.1,
         handlelength=2.6,
         frameon=False,
-        fontsize=8.5,
+        fontsize=LEGEND_SIZE,
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from signorini.plot.marks import Entry, draw_legend
-from signorini.plot.plan import INK, Plan, literal, put_label, set_window
+from signorini.plot.marks import LEGEND_SIZE, Entry, draw_legend
+from signorini.plot.plan import INK, Plan, literal, put_label, set_window, wrapped
 
 _WIDEST, _TALLEST = 5.6, 7.6
 """Inches that the plan of a plate may take."""
@@ -29,6 +28,9 @@ line of text."""
 _TITLE = 0.4
 """Inches above a plan for its title, and below that for the name of an extreme at the upper edge."""
 _TALLEST_BAR = 5.0
+_NARROWEST, _SAMPLES = 4.2, 1.1
+"""Inches that a page is wide at least, and that a legend takes beside its words."""
+_TITLE_SIZE = 11.0
 _TICKS = 0.6
 """Inches from one number of an axis to the next, about."""
 
@@ -81,17 +83,16 @@ class Page:
         across, up = self._size
         if title:
             self.figure.text(
-                0.5, 1 - 0.08 / up, literal(self._title(title)), ha="center", va="top", fontsize=11, color=INK
+                0.5, 1 - 0.08 / up, literal(self._title(title)), ha="center", va="top", fontsize=_TITLE_SIZE, color=INK
             )
         wrapped = [(self._words(words), samples) for words, samples in entries]
         draw_legend(self.plans[0], wrapped, (across / 2, self._below))
 
     def _title(self, title: str) -> str:
-        # A letter of this size is about 0.088 inches wide.
-        return textwrap.fill(title, max(20, int(self._size[0] / 0.088)))
+        return wrapped(title, self._size[0] - 0.3, _TITLE_SIZE)
 
     def _words(self, words: str) -> str:
-        return textwrap.fill(words, max(30, int((self._size[0] - 0.9) / 0.068)))
+        return wrapped(words, self._size[0] - _SAMPLES, LEGEND_SIZE)
 
     @property
     def _pitch(self) -> NDArray[np.float64]:
@@ -101,13 +102,14 @@ class Page:
     @property
     def _size(self) -> tuple[float, float]:
         across, up = self._pitch * [self._columns, self._rows] + [_LEFT - _BETWEEN, self._above + self._below]
-        return float(across), float(up)
+        return max(float(across), _NARROWEST), float(up)
 
     def _place(self) -> None:
         size = np.array(self._size)
+        left = 0.5 * (size[0] - self._pitch[0] * self._columns + _LEFT + _BETWEEN)
         for place, axes in enumerate(self.plans):
             row, column = divmod(place, self._columns)
-            corner = self._pitch * [column, self._rows - 1 - row] + [_LEFT, self._below + _BELOW]
+            corner = self._pitch * [column, self._rows - 1 - row] + [left, self._below + _BELOW]
             axes.set_position((*(corner / size), *(self._box / size)))
             if self.bars:
                 tall = min(self._box[1], _TALLEST_BAR)

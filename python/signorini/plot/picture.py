@@ -5,7 +5,7 @@ Outlines (k, 2) have a row of NaN between their pieces. Texts go into legends, b
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -45,6 +45,7 @@ class SupportMark:
     words: str = ""  # what it is; by default what the kind means
     counts: tuple[int, int] | None = None  # how many points are closed and open; by default those of ``closed``
     footprints: Floats = field(default_factory=_nothing)  # outlines of what the points' reactions are spread over
+    numbers: Sequence[str] = ()  # what is written beside each point
 
     @property
     def label(self) -> str:
@@ -207,10 +208,14 @@ class Sheet:
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """Pictures of one plate: nodes (n, 2), elements (e, 8), of which some (e,) are hatched in place of a field."""
+    """Pictures of one plate: nodes (n, 2), elements (e, 8), of which some (e,) are hatched in place of a field.
+
+    ``metadata`` are texts by name in each file.
+    """
 
     points: Floats
     elements: NDArray[np.int64]
     sheets: Sequence[Sheet]
+    metadata: Mapping[str, str]
     length: str = ""
     left_out: NDArray[np.bool_] | None = None

@@ -15,9 +15,9 @@ from matplotlib.patheffects import withStroke
 
 from signorini.errors import InputError
 from signorini.plot.field import Scale, add_colour_bar, draw_field, draw_pressure
-from signorini.plot.files import DOTS, as_png, png_of
+from signorini.plot.files import DOTS, as_png, png_of, with_texts
 from signorini.plot.line_diagrams import line_diagrams
-from signorini.plot.marks import LARGEST, Entry, draw_supports, draw_zones, legend_words
+from signorini.plot.marks import LARGEST, Entry, draw_numbers, draw_supports, draw_zones, legend_words
 from signorini.plot.model_marks import draw_balances, draw_cuts, draw_edges, draw_loads, draw_singular
 from signorini.plot.page import Page
 from signorini.plot.picture import (
@@ -86,8 +86,9 @@ def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence
         labels.keep_free(places, LARGEST)
         for colour, width in (("white", 3.5), (INK, 1.2)):
             axes.plot(*places.T, "+", color=colour, markersize=6.8 + width, markeredgewidth=width, zorder=6)
-        for (words, _), at in zip(panel.extremes, places, strict=True):
-            labels.beside(words, at, 8.5)
+        for place, (words, _) in enumerate(panel.extremes):
+            labels.beside(words, places[place], 8.5, others=np.delete(places, place, axis=0))
+    draw_numbers(marks, labels)
     if isinstance(panel.values, np.ndarray):
         draw_field(axes, plan, panel.values, scale, labels)
     else:
@@ -193,6 +194,10 @@ def view_picture(view: Plan, level: Plan, picture: Picture) -> Figure:
 
 def drawn(job: Job) -> Iterator[tuple[str, bytes]]:
     """Draw pictures of one plate, one after another: name and content of a file."""
+    return ((name, with_texts(png, job.metadata)) for name, png in _drawn(job))
+
+
+def _drawn(job: Job) -> Iterator[tuple[str, bytes]]:
     plan = Plan(job.points, job.elements, job.left_out)
     level = Plan(seen(job.points), job.elements)
     for sheet in job.sheets:
@@ -227,7 +232,7 @@ def check_picture(
 
     ``bedding`` has the stiffness of areas as layers.
     ``totals`` are sums of load cases in words, ``poorest`` the corner of the worst element with words about it.
-    ``numbers`` are those of the nodes, from 0.
+    ``numbers`` are those of the nodes, from 1.
     """
     if numbers and len(plan.nodes) > _MOST_NUMBERS:
         raise InputError(
@@ -246,6 +251,7 @@ def check_picture(
     for positions in [mark.positions for marks in (supports, loads) for mark in marks if mark.style == "points"]:
         labels.keep_free(positions, LARGEST)
     entries = draw_zones(zones, axes, sheet, labels) + draw_supports(supports, axes)
+    draw_numbers(supports, labels)
     balances = draw_balances(balance, axes, labels)
     entries += draw_loads(loads, axes, totals or {}, sheet, labels) + draw_singular(singular, axes)
     if numbers:
@@ -266,5 +272,5 @@ def _number_nodes(axes: Axes, plan: Plan) -> None:
     size = float(np.clip(0.35 * side * inches_per_unit(axes) * 72, _SMALLEST_NUMBER, 8.0))
     halo = [withStroke(linewidth=0.3 * size, foreground="white")]
     for node in np.unique(plan.cells).tolist():
-        words = axes.annotate(str(node), plan.nodes[node], (0.25 * size, 0.25 * size), textcoords="offset points")
+        words = axes.annotate(str(node + 1), plan.nodes[node], (0.25 * size, 0.25 * size), textcoords="offset points")
         words.set(fontsize=size, color="#0b5d8f", path_effects=halo, zorder=6.5)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -13,8 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
+from matplotlib.textpath import text_to_path
 from matplotlib.transforms import ScaledTranslation
 from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
@@ -90,9 +92,29 @@ def literal(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def draw_sheet(axes: Axes, plan: Plan) -> Path:
+@cache
+def _width(text: str, size: float) -> float:
+    """Inches that a text is wide."""
+    return float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), False)[0]) / 72
+
+
+def wrapped(text: str, inches: float, size: float) -> str:
+    """Break a text into lines of such a width, at blanks or, where a word is wider, within it."""
+    lines = [""]
+    for word in text.split(" "):
+        joined = f"{lines[-1]} {word}" if lines[-1] else word
+        lines[-1:] = [joined] if not lines[-1] or _width(joined, size) <= inches else [lines[-1], word]
+        while _width(lines[-1], size) > inches and len(lines[-1]) > 1:
+            fits = max(1, int(len(lines[-1]) * inches / _width(lines[-1], size)))
+            while fits > 1 and _width(lines[-1][:fits], size) > inches:
+                fits -= 1
+            lines[-1:] = [lines[-1][:fits], lines[-1][fits:]]
+    return "\n".join(lines)
+
+
+def draw_sheet(axes: Axes, plan: Plan, colour: str = _SHEET) -> Path:
     """Fill the plate with a pale colour, and return its outline with holes."""
-    drawn = axes.tricontourf(plan.triangles, np.zeros(len(plan.triangles.x)), levels=[-1, 1], colors=[_SHEET])
+    drawn = axes.tricontourf(plan.triangles, np.zeros(len(plan.triangles.x)), levels=[-1, 1], colors=[colour])
     return drawn.get_paths()[0]
 
 
@@ -187,6 +209,8 @@ _FAR = (5.0, 14.0, 26.0, 40.0)
 """Points from a place to the words beside it: nearer ones first."""
 _LEADER = 10.0
 """Points from which on a line leads from the words to their place."""
+_APART, _MISTAKEN = 3.0, 400
+"""Points that words are nearer to their place than to others; eighths that it costs if they are not."""
 _ON_WORDS, _OUTSIDE, _ON_MARKS = 20.0, 10.0, 6.0
 """What it costs to cover words, to leave the plan and to cover marks, against 1 for the eighth of the candidates."""
 
@@ -215,15 +239,25 @@ class Labels:
         middle = self.points(at)
         self.marks.append(np.hstack([middle - 0.5 * size, middle + 0.5 * size]))
 
-    def beside(self, words: str, places: ArrayLike, size: float = 8.0, color: str = INK, **look: Any) -> None:
-        """Write words beside one of the places (k, 2), the first one if that is free; a line leads to it from afar."""
+    def beside(
+        self, words: str, places: ArrayLike, size: float = 8.0, color: str = INK, others: ArrayLike = (), **look: Any
+    ) -> None:
+        """Write words beside one of the places (k, 2), the first one if that is free; a line leads to it from afar.
+
+        Words are not nearer to ``others`` (r, 2), places with words of their own.
+        """
         at = np.atleast_2d(np.asarray(places, dtype=np.float64))
         extent = np.array([_LETTER * len(words), _LINE]) * size
         ways = np.concatenate([gap * _AROUND for gap in _FAR])
         moved = np.tile(ways, (len(at), 1)) + 0.5 * extent * np.sign(np.tile(ways, (len(at), 1)))
         anchors = np.repeat(np.arange(len(at)), len(ways))
         order = np.tile(np.arange(len(ways)), len(at)) + 3 * anchors
-        best = self._best(self.points(at)[anchors] + moved, extent, order)
+        middles, own = self.points(at)[anchors] + moved, self.points(at)[anchors]
+        beside_others = np.zeros(len(moved), np.bool_)
+        for other in self.points(others) if np.size(others) else ():
+            away = [_away(middles, extent, place) for place in (other, own)]
+            beside_others |= away[0] <= away[1] + _APART
+        best = self._best(middles, extent, order + _MISTAKEN * beside_others)
         anchor, (x, y) = at[anchors[best]], moved[best]
         offset: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
         if np.abs(ways[best % len(ways)]).max() > _LEADER:
@@ -257,6 +291,11 @@ class Labels:
             return -1
         self.words.append(boxes[best][None])
         return best
+
+
+def _away(middles: Floats, extent: Floats, places: Floats) -> Floats:
+    """Distances (c,) of places from boxes with the middles (c, 2)."""
+    return np.asarray(np.hypot(*np.maximum(np.abs(places - middles) - 0.5 * extent, 0.0).T))
 
 
 def _look(size: float, color: str, look: dict[str, Any]) -> dict[str, Any]:

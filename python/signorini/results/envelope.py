@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from signorini import _core
+from signorini.base.arguments import key_of
 from signorini.base.remade import Brief, Remade
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import Discretisation
@@ -178,7 +179,8 @@ class Envelope:
 
     def __getitem__(self, column: str) -> Ends:
         """Extremes of a number of the table, by its column."""
-        at, of = self.layout.catalogue.by_column[column], self.values
+        by_column = self.layout.catalogue.by_column
+        at, of = by_column[key_of(column, by_column, "column", "This envelope")], self.values
         largest, smallest = float(of.largest[at]), float(of.smallest[at])
         return Ends(largest, int(of.largest_by[at]), smallest, int(of.smallest_by[at]))
 

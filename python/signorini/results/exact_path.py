@@ -9,6 +9,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from signorini import _core
+from signorini.base.arguments import checked
 from signorini.base.remade import Brief
 from signorini.contact.certificate import certified
 from signorini.contact.factoring import Method
@@ -37,6 +38,7 @@ class Segment(Brief):
         return self.begin.t == self.end.t
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class ExactPath(LoadPath):
     """A load path with a stop at every event of every contact point. Between two stops everything is linear in t.

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from signorini.base import arguments
+from signorini.base.arguments import checked
 from signorini.contact.certificate import Certificate
 from signorini.contact.factoring import Method
 from signorini.contact.problem import ContactProblem
@@ -44,6 +45,7 @@ _AFTER = 2.0
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class LoadPath(States[float]):
     """The answer of a plate to start + t add, for every t from 0 to where the path ends.
@@ -72,6 +74,8 @@ class LoadPath(States[float]):
         What was asked for with ``when``, and where it is reached.
     interrupted : bool
         Whether it was cut short; what it has is certified.
+    options : mapping
+        The arguments of `signorini.path`, by name.
     """
 
     start: str | None
@@ -86,6 +90,7 @@ class LoadPath(States[float]):
     thresholds: tuple[Threshold, ...]
     interrupted: bool
     _loads: tuple[CaseLoad, CaseLoad]
+    options: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
 
     @property
     def mesh(self) -> Mesh:
@@ -151,7 +156,7 @@ class LoadPath(States[float]):
 
     def key(self, row: int) -> float:
         """The t of a stop, given its number from 0."""
-        return self.stops[row].t
+        return self.stops[arguments.index(row, len(self.stops), "stop", "row")].t
 
     @property
     def table(self) -> Mapping[str, Column]:
@@ -219,7 +224,9 @@ class LoadPath(States[float]):
         return path_table([support.name for support in self.model.support], rows, self.model.units)
 
     def plot(self) -> Figure:
-        """Draw over t the reactions of the supports, their parts closed, and deflections at the probes or the extremes.
+        """Draw over t reactions of supports and of their points, pressures, closed parts, deflections and named events.
+
+        Deflections are those at the probes or, without probes, the extremes.
 
         Returns
         -------
@@ -230,10 +237,13 @@ class LoadPath(States[float]):
 
         supports, units, stops = self.model.support, self.model.units, self.stops
         reactions = {one.name: [stop.reactions[i] for stop in stops] for i, one in enumerate(supports)}
+        of_points, pressures = dict[str, list[float]](), dict[str, list[float]]()
         for one in stops[0].catalogue:
             if one.home == "point" and one.what == "reaction" and len(supports[one.owner].at or ()) > 1:
-                reactions[one.subject] = [stop.number(one.name) for stop in stops]
-                reactions.pop(supports[one.owner].name, None)
+                of_points[one.subject] = [stop.number(one.name) for stop in stops]
+            elif one.home == "support" and one.what == "max_pressure":
+                pressures[one.subject] = [stop.number(one.name) for stop in stops]
+        events = [(stops[row].t, self.words(row)) for row in sorted(self.events_at)]
         probes = self.discretisation.probe_positions.tolist()
         curves = {f"at {point(at)}": [stop.deflections[i] for stop in stops] for i, at in enumerate(probes)}
         extremes = {name: [getattr(stop, name) for stop in stops] for name in ("largest", "smallest")}
@@ -244,6 +254,9 @@ class LoadPath(States[float]):
             reactions,
             {support.name: [stop.parts[i] for stop in stops] for i, support in enumerate(supports)},
             {one.when: one.t for one in self.thresholds if one.t is not None},
+            of_points=of_points,
+            pressures=pressures,
+            events=events,
             stepwise=[support.name for support in supports if support.place == "at"],
             limit=self.end if self.ending == "no_equilibrium" else None,
             until=self._drawn,

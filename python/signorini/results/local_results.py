@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from signorini.base.on_demand import Listed
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
@@ -280,13 +281,13 @@ class StripResult:
 
 def section_results(
     discretisation: Discretisation, through: Floats
-) -> tuple[tuple[SectionResult, ...], tuple[StripResult, ...]]:
+) -> tuple[Listed[SectionResult], Listed[StripResult]]:
     """Give sections and strips what `Discretisation.through` says (3s,)."""
     lengths = discretisation.cut_lengths.tolist()
     values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=True))
-    sections = tuple(SectionResult(section.name, *next(values)) for section in discretisation.model.section)
+    sections = [SectionResult(section.name, *next(values)) for section in discretisation.model.section]
     strips = []
     for strip in discretisation.model.strip:
         at = strip.places[0].tolist()
         strips.append(StripResult(strip.name, tuple(StationResult((x, y), *next(values)) for x, y in at)))
-    return sections, tuple(strips)
+    return Listed(sections, "section"), Listed(strips, "strip")

@@ -39,6 +39,7 @@ from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.extremes import FieldExtremes, peak
 from signorini.results.line_reactions import Line, LineReactions
 from signorini.results.quantities import KINDS, PEAKING, PICTURED, PRESSURE
+from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult, areas_below, describe
 from signorini.shapes import Polyline, Region, Ring
 from signorini.shapes.tessellation import tessellate
@@ -47,6 +48,8 @@ from signorini.singularities.singularity import Singularity
 _AROUND = 180
 _MOST_EDGES = 40
 """Edges that have their names drawn; outlines of chords have hundreds."""
+_MOST_NUMBERS = 100
+"""Points of supports that have their numbers drawn."""
 _SAME = 1e-9
 """Part of the plate's size within which places are one above the other."""
 _ALONG = 200
@@ -64,8 +67,13 @@ def support_mark(
     positions: Floats,
     closed: Bools | None = None,
     boundary: Sequence[Floats] = (),
+    numbers: Sequence[str] = (),
+    words: str = "",
 ) -> SupportMark:
-    """Draw a support that acts at positions (k, 2), of which some are closed; None: not known yet."""
+    """Draw a support that acts at positions (k, 2), of which some are closed; None: not known yet.
+
+    ``numbers`` stand beside its points, ``words`` behind what it is.
+    """
     style = _STYLES.get(support.place, "line")
     if support.fix is not None:
         closed = None  # it never lets go
@@ -90,10 +98,41 @@ def support_mark(
         boundary,
         support.gives_way,
         not (support.gap.is_constant and support.gap.value == 0),
-        describe(support),
+        describe(support) + words,
         counts,
         _prints(support),
+        numbers,
     )
+
+
+def _numbers(supports: Sequence[Support], counts: Sequence[int]) -> list[list[str]]:
+    """Name the points of supports at points as tables do, from 1: by number alone where one support has points.
+
+    Of more than a hundred points none is named.
+    """
+    pointed = [count if one.place == "at" else 0 for one, count in zip(supports, counts, strict=True)]
+    alone = sum(count > 0 for count in pointed) == 1
+    names = []
+    for one, count in zip(supports, pointed, strict=True):
+        every = [str(n + 1) if alone else f"{one.name}[{n + 1}]" if count > 1 else one.name for n in range(count)]
+        names.append(every if sum(pointed) <= _MOST_NUMBERS else [])
+    return names
+
+
+def _given(support: Support, positions: Floats, units: Units) -> tuple[str, list[str]]:
+    """Say gap, preload and order of a support's points: what all have once, else of each point."""
+    same, each = "", [""] * len(positions)
+    for key, unit in (("gap", units.length), ("preload", units.force), ("order", "")):
+        value = getattr(support, key)
+        if value is None:
+            continue
+        values = value(*positions.T) if callable(value) else np.broadcast_to(value, len(positions))
+        words = [f", {key} {plain(float(one), 4)} {unit}".rstrip() for one in values] if np.any(values) else []
+        if len(set(words)) == 1:
+            same += words[0]
+        elif words:
+            each = [before + now for before, now in zip(each, words, strict=True)]
+    return same, each
 
 
 def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged", "symmetry"]:
@@ -118,14 +157,19 @@ def pressure_layer(area: AreaContact, pressure: Floats | None = None) -> Pressur
 
 
 def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
-    """Draw the supports of a model that is not solved."""
-    marks = []
-    for index, support in enumerate(discretisation.model.support):
+    """Draw the supports of a model that is not solved, points with their gaps, preloads and orders."""
+    marks, model = [], discretisation.model
+    places = [SupportPoints.of(discretisation, index).positions for index in range(len(model.support))]
+    numbers = _numbers(model.support, [len(one) for one in places])
+    for index, support in enumerate(model.support):
         held = (discretisation.held.support.reshape(-1, 3) == index).any(axis=1)
         springs, contacts = discretisation.springs, discretisation.contacts
         positions = [discretisation.mesh.points[held], springs.positions[springs.support == index]]
         positions.append(contacts.positions[contacts.support == index])
-        marks.append(support_mark(discretisation.mesh, support, np.unique(np.concatenate(positions), axis=0)))
+        every = places[index] if support.place == "at" else np.unique(np.concatenate(positions), axis=0)
+        words, each = _given(support, places[index], model.units) if support.place == "at" else ("", [])
+        named = [name + of for name, of in zip(numbers[index], each, strict=False)]
+        marks.append(support_mark(discretisation.mesh, support, every, numbers=named, words=words))
     return marks
 
 
@@ -366,8 +410,11 @@ class Shown(Protocol):
 
 def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[SupportResult]) -> list[SupportMark]:
     """Marks of the supports, open or closed."""
-    pairs = zip(asked, supports, strict=True)
-    return [support_mark(mesh, one, result.positions, result.closed, result.contact_boundary) for one, result in pairs]
+    numbers = _numbers(asked, [len(one.positions) for one in supports])
+    return [
+        support_mark(mesh, one, result.positions, result.closed, result.contact_boundary, own)
+        for one, result, own in zip(asked, supports, numbers, strict=True)
+    ]
 
 
 def view_of(picture: Picture, mesh: Mesh, deflection: Floats, factor: float) -> Picture:

@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from signorini.base.remade import short
 from signorini.discretise.rows import Floats, Ints
 from signorini.model import Model
 from signorini.model.whole import Units
@@ -434,6 +435,10 @@ class Catalogue:
     def __len__(self) -> int:
         """Count the numbers."""
         return len(self.numbers)
+
+    def __repr__(self) -> str:
+        """Name the first numbers."""
+        return f"Catalogue({short(self.by_name)})"
 
     def __iter__(self) -> Iterator[Number]:
         """Iterate over the numbers."""

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias
 import numpy as np
 
 from signorini.base import arguments
-from signorini.base.arguments import known
+from signorini.base.arguments import checked, known
 from signorini.base.numbers import estimated, number, size_of
-from signorini.base.on_demand import Named, OnDemand
+from signorini.base.on_demand import Listed, Named, OnDemand
 from signorini.base.packages import package
 from signorini.base.remade import Remade
 from signorini.contact.certificate import Certificate
@@ -61,6 +61,7 @@ from signorini.results.quantities import (
     TURNING,
     Catalogue,
     Home,
+    Number,
     derived,
 )
 from signorini.results.support_result import SupportResult, areas_below, support_result
@@ -75,6 +76,7 @@ Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 Status = Literal["solved", "no_equilibrium"]
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class Result(Remade):
     """One combination. Numbers are NaN where there is no equilibrium.
@@ -95,10 +97,9 @@ class Result(Remade):
     nodal_reaction : (n,) array
         Upward force of the supports at points, along lines and edges on every node that they act on. Areas have
         pressures instead, and footprints spread their reactions.
-    sections : tuple of SectionResult
-        Forces through the model's sections.
-    strips : tuple of StripResult
-        Mean moments of the model's strips.
+    supports, sections, strips : tuple of SupportResult, SectionResult, StripResult
+        What supports do, forces through sections, mean moments of strips: each by its number from 0 or by its name, as
+        ``supports["columns"]``.
     method : str
         "lemke", "active_set" or "interior_point"; "given" where `signorini.recover` was given the reactions.
     unsettled : tuple of str
@@ -141,10 +142,10 @@ class Result(Remade):
     moment: Floats
     shear: Floats
     nodal_reaction: Floats
-    supports: tuple[SupportResult, ...]
+    supports: Listed[SupportResult]
     probes: tuple[ProbeResult, ...]
-    sections: tuple[SectionResult, ...]
-    strips: tuple[StripResult, ...]
+    sections: Listed[SectionResult]
+    strips: Listed[StripResult]
     seconds: float
     warnings: tuple[str, ...]
     singular: tuple[Singularity, ...]
@@ -196,13 +197,14 @@ class Result(Remade):
         forces = load.weighing[::3]
         lift = -float(forces.sum())
         lift = lift if lift > NO_FORCE * np.abs(forces).sum() else np.nan
-        supports = tuple(
+        every = (
             support_result(
                 *(discretisation, index, held_force[::3], held_couple, pull, answer, lift),
                 *((beneath or {}).get(index, 0.0), index in upon),
             )
             for index in range(len(discretisation.model.support))
         )
+        supports = Listed(every, "support")
         nodes, thickness = discretisation.stress_nodes, discretisation.node_thickness
         fields = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(rotation), stress])
         through = discretisation.through(load, hi, lo, answer.shared, pull)
@@ -256,7 +258,7 @@ class Result(Remade):
             part = answer.on(one), certificate, None
             plates[one.name] = cls.of(one.own, load_of, methods, own, *part, beneath, one.upon)
 
-        def in_order(key: str, of: Callable[[Self], Sequence[Any]]) -> tuple[Any, ...]:
+        def in_order(key: str, of: Callable[[Self], Sequence[Any]]) -> Listed[Any]:
             """What plates have for each table of the model, in its order; of what is between two the upper one's."""
             result: dict[int, Any] = {}
             for one in each:
@@ -264,7 +266,7 @@ class Result(Remade):
                     between = key == "support" and discretisation.model.support[which].between
                     if not between or between[0] == one.name:
                         result[which] = value
-            return tuple(result[which] for which in sorted(result))
+            return Listed((result[which] for which in sorted(result)), key)
 
         nodes = discretisation.stress_nodes
         stress = np.empty((nodes.count, 5))
@@ -520,6 +522,8 @@ class Result(Remade):
         known(field, [*self.fields, "pressure"], "field", "field", "This result")
         if ax is not None and not hasattr(ax, "tricontourf"):
             raise InputError(f"found {ax!r}; it must be axes of matplotlib, or None for new ones.", place="ax")
+        if plus_minus is not None:
+            arguments.made_by(plus_minus, Mapping, "Take estimate(result).plus_minus.", "plus_minus")
         self._require_fields()
         if field == "pressure" and not areas_below(self.supports):
             raise InputError('There is no "pressure": the plate rests on no area.', place="field")
@@ -551,10 +555,13 @@ class Result(Remade):
             If the file cannot be written.
         """
         self._require_fields()
-        write_vtu(path, as_meshio(self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self)))
+        mesh = as_meshio(self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
+        write_vtu(path, mesh, self.model.provenance.metadata)
 
     def to_pyvista(self) -> Any:
         """Give the plate with every field as a `pyvista.UnstructuredGrid`; PyVista must be installed.
+
+        Several plates are a `pyvista.MultiBlock` by name.
 
         Raises
         ------
@@ -563,13 +570,59 @@ class Result(Remade):
         SignoriniError
             If PyVista is not installed.
         """
+        if self.plates:
+            return package("pyvista").MultiBlock({name: one.to_pyvista() for name, one in self.plates.items()})
         self._require_fields()
         mesh = as_meshio(self.stress_nodes.points, self.stress_nodes.elements, *vtk_fields(self))
         return package("pyvista").from_meshio(mesh)
 
+    def to_dataframe(self) -> Any:
+        """Give the ``numbers`` as a `pandas.DataFrame`, a row a number: value, unit, place. It needs pandas.
+
+        Rows have the names of thresholds, such as "bolts[1].reaction". A place (x, y) is that of a point, a probe, a
+        station or an extreme, else NaN.
+
+        Examples
+        --------
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        ...     units={"length": "m", "force": "N"},
+        ...     support=[{"name": "feet", "at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}],
+        ...     load=[{"pressure": 1e3}],
+        ... )
+        >>> table = solve(model)["all"].to_dataframe()
+        >>> table.loc["feet[3].reaction"].map(str).tolist()[1:], round(table.loc["feet[3].reaction", "value"])
+        (['N', '2.0', '3.0'], 8000)
+        """
+        units, places = self.model.units, [_place(self, one) for one in self.catalogue]
+        columns = {
+            "value": self.numbers,
+            "unit": [one.quantity.unit(units) for one in self.catalogue],
+            **dict(zip("xy", np.array(places).reshape(-1, 2).T, strict=True)),
+        }
+        names = package("pandas").Index([one.name for one in self.catalogue], name="name")
+        return package("pandas").DataFrame(columns, names)
+
     def _repr_html_(self) -> str:
         """Show the supports in a notebook."""
         return in_notebook(self, None, "")
+
+
+def _place(result: Result, one: Number) -> tuple[float, float]:
+    """Where a number of a result is; NaN where it has no place."""
+    own = result.plates[str(one.path[1])] if one.path[0] == "plates" else result
+    places: Mapping[str, Callable[[], tuple[float, float] | None]] = {
+        "point": lambda: tuple(own.supports[one.owner].positions[one.part].tolist()),
+        "probe": lambda: own.probes[one.owner].at,
+        "station": lambda: own.strips[one.owner].stations[one.part].at,
+        "strip": lambda: getattr(own.strips[one.owner], "sagging" if one.what == "max_moment" else "hogging").at,
+        "field": lambda: getattr(own.extremes[one.quantity.name], f"{one.what}_at"),
+        "support": lambda: own.supports[one.owner].max_pressure_at if one.what == "max_pressure" else None,
+    }
+    found = places[one.home]() if result.status == "solved" and one.home in places else None
+    return (np.nan, np.nan) if found is None else found
 
 
 def _by_table(result: Result) -> list[tuple[ProbeResult, ...]]:
@@ -663,10 +716,10 @@ def unsolved_result(discretisation: Discretisation, combination: Combination, me
         np.full((of_stress, 3), nan),
         np.full((of_stress, 2), nan),
         nothing,
+        Listed((), "support"),
         (),
-        (),
-        (),
-        (),
+        Listed((), "section"),
+        Listed((), "strip"),
         0.0,
         model_warnings(discretisation, combination.acting),
         (),
