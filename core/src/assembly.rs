@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 /// Marks a dof that is held and has no column.
 pub const HELD: usize = usize::MAX;
 
-/// Which column of the factor each free dof has, and each border behind the dofs.
+/// Column of the factor of each free dof, and of each multiplier row behind the dofs.
 pub struct Numbering {
-    /// Column of every dof, or [`HELD`], and of every border.
+    /// Column of each dof ([`HELD`] if it has none), then of each multiplier row.
     pub column: Vec<usize>,
-    /// Dof of every column; of a border's, the number of dofs and its own.
+    /// Dof of each column; for a multiplier row, the number of dofs plus its number.
     pub dof: Vec<usize>,
     /// How many of the last columns are contact dofs.
     pub trailing: usize,
@@ -25,14 +25,14 @@ pub struct Numbering {
 /// A row whose force is an unknown of its own: r·u − compliance · force = 0. Over many dofs it fills the factor less than
 /// its spring, which would couple them all; rigid, it is no stiffness at all.
 #[derive(Clone, Debug, Default)]
-pub struct Border {
+pub struct MultiplierRow {
     /// Node and coefficients, no node twice.
     pub row: Vec<(usize, [f64; 3])>,
     /// Infinite: there is no force.
     pub compliance: f64,
 }
 
-impl Border {
+impl MultiplierRow {
     /// Of dofs and coefficients.
     pub fn new(row: impl Iterator<Item = (usize, f64)>, compliance: f64) -> Self {
         let mut nodes: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
@@ -57,25 +57,25 @@ impl Numbering {
         Self { column, dof, trailing }
     }
 
-    /// The same with borders, each before the last of its nodes in whichever plate that comes first: what comes before holds
+    /// The same with multiplier_rows, each before the last of its nodes in whichever plate that comes first: what comes before holds
     /// still as long as that node does.
-    pub fn with_borders(
+    pub fn with_multiplier_rows(
         plate: &Plate,
         pairs: &[[u32; 2]],
         held: &[bool],
         trailing: &[bool],
-        borders: &[Border],
+        multiplier_rows: &[MultiplierRow],
     ) -> Self {
         let mut plain = Self::new(plate, pairs, held, trailing);
         let dofs = plate.dof_count();
         let leading = plain.dof.len() - plain.trailing;
         let first_of = |node: usize| plain.column[3 * node..3 * node + 3].iter().copied().filter(|&c| c != HELD).min();
-        let mut placed: Vec<(usize, usize)> = borders
+        let mut placed: Vec<(usize, usize)> = multiplier_rows
             .iter()
             .enumerate()
-            .map(|(at, border)| {
+            .map(|(at, multiplier_row)| {
                 let mut last: BTreeMap<usize, usize> = BTreeMap::new();
-                for &(node, _) in &border.row {
+                for &(node, _) in &multiplier_row.row {
                     let Some(column) = first_of(node) else { continue };
                     let last = last.entry(plate.components().of(node)).or_default();
                     *last = column.max(*last);
@@ -84,16 +84,16 @@ impl Numbering {
             })
             .collect();
         placed.sort_unstable();
-        let mut dof = Vec::with_capacity(plain.dof.len() + borders.len());
+        let mut dof = Vec::with_capacity(plain.dof.len() + multiplier_rows.len());
         let mut placed = placed.into_iter().peekable();
         for (column, &own) in plain.dof.iter().enumerate() {
-            while let Some((_, border)) = placed.next_if(|&(before, _)| before == column) {
-                dof.push(border);
+            while let Some((_, multiplier_row)) = placed.next_if(|&(before, _)| before == column) {
+                dof.push(multiplier_row);
             }
             dof.push(own);
         }
-        dof.extend(placed.map(|(_, border)| border));
-        plain.column.resize(dofs + borders.len(), HELD);
+        dof.extend(placed.map(|(_, multiplier_row)| multiplier_row));
+        plain.column.resize(dofs + multiplier_rows.len(), HELD);
         for (column, &own) in dof.iter().enumerate() {
             plain.column[own] = column;
         }
@@ -181,10 +181,10 @@ pub struct Assembly<'a> {
     incidence: Incidence,
     /// In the elements of pairs, one after the other.
     paired: Incidence,
-    borders: &'a [Border],
+    multiplier_rows: &'a [MultiplierRow],
     /// Borders of a node, and places in their rows.
     at_nodes: BTreeMap<usize, Vec<(usize, usize)>>,
-    firmer: f64,
+    diagonal_shift: f64,
 }
 
 impl<'a> Assembly<'a> {
@@ -207,34 +207,40 @@ impl<'a> Assembly<'a> {
             numbering,
             incidence: Incidence::new(plate, 0..plate.elements().len()),
             paired: Incidence::new(plate, bedding.pairs.as_flattened().iter().map(|&e| e as usize)),
-            borders: &[],
+            multiplier_rows: &[],
             at_nodes: BTreeMap::new(),
-            firmer: 0.0,
+            diagonal_shift: 0.0,
         }
     }
 
-    /// With borders, which the numbering must know.
-    pub fn bordered(self, borders: &'a [Border]) -> Self {
+    /// Adds multiplier rows, which the numbering must contain.
+    pub fn has_multiplier(self, multiplier_rows: &'a [MultiplierRow]) -> Self {
         let mut at_nodes: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
-        for (at, border) in borders.iter().enumerate() {
-            for (place, &(node, _)) in border.row.iter().enumerate() {
+        for (at, multiplier_row) in multiplier_rows.iter().enumerate() {
+            for (place, &(node, _)) in multiplier_row.row.iter().enumerate() {
                 at_nodes.entry(node).or_default().push((at, place));
             }
         }
-        Self { borders, at_nodes, ..self }
+        Self { multiplier_rows, at_nodes, ..self }
     }
 
     /// Borders of a node: column and coefficients.
-    fn borders_of(&self, node: usize) -> impl Iterator<Item = (usize, [f64; 3])> {
-        let column = |border: usize| self.numbering.column[self.plate.dof_count() + border];
-        let present = |border: usize| if self.borders[border].compliance.is_finite() { 1.0 } else { 0.0 };
+    fn multiplier_rows_of(&self, node: usize) -> impl Iterator<Item = (usize, [f64; 3])> {
+        let column = |multiplier_row: usize| self.numbering.column[self.plate.dof_count() + multiplier_row];
+        let present =
+            |multiplier_row: usize| if self.multiplier_rows[multiplier_row].compliance.is_finite() { 1.0 } else { 0.0 };
         let at = self.at_nodes.get(&node).into_iter().flatten();
-        at.map(move |&(border, place)| (column(border), self.borders[border].row[place].1.map(|c| present(border) * c)))
+        at.map(move |&(multiplier_row, place)| {
+            (
+                column(multiplier_row),
+                self.multiplier_rows[multiplier_row].row[place].1.map(|c| present(multiplier_row) * c),
+            )
+        })
     }
 
-    /// Entries of a border's column.
-    fn border_column(&self, border: usize, column: usize, entries: &mut Vec<(usize, f64)>) {
-        let Border { row, compliance } = &self.borders[border];
+    /// Entries of the column of a multiplier row.
+    fn multiplier_column(&self, multiplier_row: usize, column: usize, entries: &mut Vec<(usize, f64)>) {
+        let MultiplierRow { row, compliance } = &self.multiplier_rows[multiplier_row];
         let (part, own) = if compliance.is_finite() { (1.0, -compliance) } else { (0.0, -1.0) };
         entries.push((column, own));
         for (node, coefficients) in row {
@@ -247,8 +253,8 @@ impl<'a> Assembly<'a> {
     }
 
     /// With every dof stiffer by a part of its own.
-    pub fn firmer(self, part: f64) -> Self {
-        Self { firmer: part, ..self }
+    pub fn diagonal_shift(self, part: f64) -> Self {
+        Self { diagonal_shift: part, ..self }
     }
 
     /// Neighbours of a node, itself among them, some of them more than once.
@@ -314,12 +320,13 @@ impl Matrix for Assembly<'_> {
         let begins = |c: usize| c == 0 || block(c) != block(c - 1) || (dof[c] < dofs && dof[c] % 3 == 0);
         let first = (0..dof.len()).filter(|&c| begins(c)).chain([dof.len()]).collect();
         Graph::new(first, |c, rows| {
-            if let Some(border) = dof[c].checked_sub(dofs) {
-                let columns = self.borders[border].row.iter().flat_map(|&(n, _)| &column[3 * n..3 * n + 3]);
+            if let Some(multiplier_row) = dof[c].checked_sub(dofs) {
+                let columns =
+                    self.multiplier_rows[multiplier_row].row.iter().flat_map(|&(n, _)| &column[3 * n..3 * n + 3]);
                 rows.extend(columns.filter(|&&row| row > c && row != HELD));
                 return;
             }
-            rows.extend(self.borders_of(dof[c] / 3).map(|(row, _)| row).filter(|&row| row > c));
+            rows.extend(self.multiplier_rows_of(dof[c] / 3).map(|(row, _)| row).filter(|&row| row > c));
             rows.extend(self.across(c).map(|(row, _)| row));
             for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
@@ -342,22 +349,22 @@ impl Matrix for Assembly<'_> {
         let mut columns = NodeColumns::new(self);
         Box::new(move |column, entries| {
             let dof = self.numbering.dof[column];
-            if let Some(border) = dof.checked_sub(self.plate.dof_count()) {
+            if let Some(multiplier_row) = dof.checked_sub(self.plate.dof_count()) {
                 entries.clear();
-                self.border_column(border, column, entries);
+                self.multiplier_column(multiplier_row, column, entries);
                 return;
             }
             if columns.node != dof / 3 {
                 columns.sum(dof / 3);
             }
             entries.clear();
-            let borders = self.borders_of(dof / 3).filter(|&(row, _)| row > column);
-            entries.extend(borders.map(|(row, coefficients)| (row, coefficients[dof % 3])));
+            let multiplier_rows = self.multiplier_rows_of(dof / 3).filter(|&(row, _)| row > column);
+            entries.extend(multiplier_rows.map(|(row, coefficients)| (row, coefficients[dof % 3])));
             entries.extend(self.across(column));
             for (&n, block) in columns.neighbours.iter().zip(&columns.block) {
                 for (&row, values) in self.numbering.column[3 * n..3 * n + 3].iter().zip(block) {
                     if row == column {
-                        entries.push((row, values[dof % 3] * (1.0 + self.firmer)));
+                        entries.push((row, values[dof % 3] * (1.0 + self.diagonal_shift)));
                     } else if row > column && row != HELD {
                         entries.push((row, values[dof % 3]));
                     }
