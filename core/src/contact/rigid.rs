@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn a_soft_direction_beside_a_stiff_one_keeps_its_digits() {
-        // 1e14 (1, 1, 1)ᵀ(1, 1, 1) + 1e-6 (0, 1, 2)ᵀ(0, 1, 2) and nothing else.
+        // The matrix 1e14 (1, 1, 1)ᵀ(1, 1, 1) + 1e-6 (0, 1, 2)ᵀ(0, 1, 2).
         let stiff = [1.0, 1.0, 1.0];
         let soft = [0.0, 1.0, 2.0];
         let mut matrix = vec![vec![DoubleDouble::default(); 3]; 3];

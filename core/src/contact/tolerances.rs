@@ -27,8 +27,8 @@ pub(super) const SLOW: f64 = 0.7;
 /// Smallest deflection that counts, relative to the load divided by the plate stiffness D/a².
 pub(super) const NIL: f64 = 1e-6;
 
-/// Pivot in double-double, relative to the largest, below which a rigid motion is unconstrained: 10¹⁰ ε², the rounding
-/// of the lever arms.
+/// Relative tolerance for pivots in double-double: a smaller one belongs to an unconstrained rigid motion. 10¹⁰ ε², the
+/// rounding of the arms.
 pub(super) const HELD: f64 = 1e-22;
 
 /// Relative residual at which a response needs no further correction, relative to the largest nodal force. Sums of
@@ -42,9 +42,9 @@ pub(super) const SUM: f64 = 4.0 * f64::EPSILON;
 /// geometric mean of the two rounding errors that it balances.
 pub(super) const COMPLIANCE: f64 = 1e-9;
 
-/// Pivot relative to its diagonal entry below which the matrix is singular. The factored springs need not hold the
-/// plate, and q8r has mechanisms. The smallest pivot of a plate that is held was 1e-9, slender and soft plates
-/// included.
+/// Relative tolerance for pivots: with a smaller one, relative to its diagonal entry, the matrix is singular. The
+/// factored springs need not hold the plate, and q8r has mechanisms. The smallest pivot of a plate that is held was
+/// 1e-9, slender and soft plates included.
 pub(super) const LOOSE_PIVOT: f64 = 1e-13;
 
 /// Relative diagonal shift of K where springs alone hold the plate and are too soft for its factor: several roundings,
@@ -57,12 +57,12 @@ pub(super) const SHIFT_BELOW: f64 = 1e3;
 
 /// Condensation onto the contact points.
 pub(super) mod interface {
-    /// Relative difference up to which the factored stiffness δ equals the stiffness of a point: both have a few
+    /// Relative tolerance for the equality of the factored stiffness δ and the stiffness of a point: both have a few
     /// rounding errors.
     pub(crate) const ABSORBED: f64 = 1e-12;
 
-    /// Reactions relative to the load, gaps relative to the largest displacement, and lever arms relative to their
-    /// terms, below which an entry of q or M is zero: 10⁴ ε of elimination.
+    /// Relative tolerance for zeros of q and M: of reactions to the load, of gaps to the largest displacement, of other
+    /// entries to their terms. 10⁴ ε of elimination.
     pub(crate) const POSED: f64 = 1e-12;
 
     /// Rounding of a sum of stiffness times gap over all condensed points, relative to its terms.
@@ -97,17 +97,18 @@ pub(super) mod newton {
     /// Residual relative to the largest force at convergence: 500 ε.
     pub(crate) const SETTLED: f64 = 1e-13;
 
-    /// Multiple of `SETTLED` below which multipliers are updated although some points still change their piece.
+    /// Multiple of `SETTLED` at which multipliers are updated, although some points still change their piece.
     pub(crate) const NEARLY: f64 = 1e3;
 
-    /// Ratio of successive residuals on an unchanged contact state above which the residual is rounding.
+    /// Smallest ratio of successive residuals, on an unchanged contact state, that shows stagnation by rounding.
     pub(crate) const SLOW: f64 = 0.8;
 
     /// Largest relative residual that rounding explains, in the thinnest plates. A larger one means that supports
     /// contradict each other.
     pub(crate) const STALLED: f64 = 1e-3;
 
-    /// Residual relative to the largest force below which multipliers are updated: an update needs an equilibrium.
+    /// Largest residual, relative to the largest force, at which multipliers are updated: an update needs an
+    /// equilibrium.
     pub(crate) const BALANCED: f64 = 1e-3;
 
     /// Change of the multipliers relative to the largest force at which the next penalty stage begins.
@@ -116,11 +117,12 @@ pub(super) mod newton {
     /// Slope of the energy at the end of a line search, relative to the slope at its start.
     pub(crate) const FLAT: f64 = 1e-3;
 
-    /// Curvature along a direction, relative to that of the factored matrix, below which the direction is a free rigid
-    /// motion: 500 ε, the rounding of the sum of squares.
+    /// Relative tolerance for the curvature of a free rigid motion, relative to that of the factored matrix: 500 ε, the
+    /// rounding of the sum of squares.
     pub(crate) const FREE: f64 = 1e-13;
 
-    /// Curvature relative to that of the factored matrix above which its difference formula keeps ten digits.
+    /// Smallest curvature, relative to that of the factored matrix, for the difference formula, which then keeps ten
+    /// digits.
     pub(crate) const PLAIN: f64 = 1e-6;
 
     /// Stiffness added to unconstrained rigid motions, relative to the sum of all point stiffnesses. With it such a
@@ -138,7 +140,7 @@ pub(super) mod path {
     /// for one solution, since a segment starts from the end of the one before.
     pub(crate) const SIGN: f64 = 1e-9;
 
-    /// Distance relative to a step within which events coincide, and below which a path makes no progress.
+    /// Relative tolerance for coincident events, relative to a step. A path that advances by less makes no progress.
     pub(crate) const SAME_EVENT: f64 = 1e-9;
 
     /// Displacement relative to the largest deflection within which events of pivots coincide.
@@ -147,14 +149,14 @@ pub(super) mod path {
     /// Smallest t that sets the length of a step. An event at t = 0 has a t of this size by rounding.
     pub(crate) const NO_LOAD: f64 = 1e-9;
 
-    /// Value of t at which the plate moves by its least gap, below which t is measured in a smaller unit: 10⁵ times
-    /// [`NO_LOAD`] and [`SAME_EVENT`].
+    /// Smallest t, at which the plate moves by its least gap, without a change of unit: 10⁵ times [`NO_LOAD`] and
+    /// [`SAME_EVENT`].
     pub(crate) const FAR_BELOW: f64 = 1e-4;
 
     /// Distances behind an event, relative to a step, at which a solve finds the contact state where switching fails.
     pub(crate) const BEYOND: [f64; 5] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11];
 
-    /// Change of reaction or gap above which a switching point jumps.
+    /// Smallest relative change of reaction or gap that makes a switching point jump.
     pub(crate) const JUMP: f64 = 1e-9;
 
     /// Largest difference between the refined end of a segment and the end from pivoting, relative to the length of the
@@ -168,16 +170,17 @@ pub(super) mod path {
     /// Least length of a line, relative to such a step.
     pub(crate) const SHORT: f64 = 1e-3;
 
-    /// Relative change of a reaction or gap over a line below which it is constant.
+    /// Relative tolerance for a constant reaction or gap over a line.
     pub(crate) const STILL: f64 = 1e-10;
 
-    /// Displacement over a line without events, relative to the largest gap, below which the line may be too short.
+    /// Smallest displacement over a line without events, relative to the largest gap; with a smaller one the line may
+    /// be too short.
     pub(crate) const COUNTS: f64 = 0.1;
 
     /// Largest factor by which such a line is lengthened: a motion much smaller relative to its gap is nearly rounding.
     pub(crate) const LONGER: f64 = 1e12;
 
-    /// Relative size below which reactions and gaps are zero.
+    /// Relative tolerance for zero reactions and gaps.
     pub(crate) const NOTHING: f64 = 1e-14;
 
     /// Smallest resultant relative to its terms that serves as a scale: with it [`SIGN`] equals their rounding.

@@ -13,7 +13,7 @@ use crate::double_double::DoubleDouble;
 use crate::vectorized::vectorized;
 use faer::Mat;
 
-/// Share of changed points up to which an update is cheaper than a factorization.
+/// Largest share of changed points for an update: with more a factorization is cheaper.
 const FEW: f64 = 0.25;
 /// Largest number of points with a dense inverse; limits memory.
 const MOST: usize = 2000;

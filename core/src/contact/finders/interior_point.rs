@@ -1,8 +1,7 @@
 //! Primal–dual interior point method on the sparse K for any number of points (Clarabel: Goulart & Chen 2024).
 //!
 //! The convex quadratic program has displacements and travels along pieces as unknowns; its multipliers are the
-//! reactions. Its solution has about eight digits: enough for the contact state, from which the problem's own method
-//! refines.
+//! reactions. Its solution has about eight digits. The problem's own method starts from its contact state and refines.
 
 use super::finder::SetFinder;
 use super::program::Program;
