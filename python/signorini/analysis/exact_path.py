@@ -76,7 +76,7 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
 
 
 _LOST = 1e-6
-"""Relative tolerance for the resultant of reactions: a path decides by smaller differences than a single answer shows."""
+"""Relative tolerance for the resultant of reactions: paths decide by smaller differences than single answers."""
 _TURNS = 1e-9
 """Relative tolerance for the sign of a reaction, relative to the largest, and for simultaneous events, relative to a
 segment."""

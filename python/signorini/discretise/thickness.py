@@ -32,7 +32,7 @@ _SOFTEST = 1e-9
 """Least rigidity across a step over that along it: less would be lost in rounding where the step runs askew."""
 
 _SAME = 1e-9
-"""Smallest relative jump of the thickness that counts as a step; a formula may be continuous where its branches meet."""
+"""Smallest relative jump of the thickness that counts as a step; formulas may be continuous between branches."""
 
 
 @dataclass(frozen=True, eq=False)

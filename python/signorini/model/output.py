@@ -90,7 +90,7 @@ class Output(Table):
 _OF_STRIP = 21
 """Twenty steps meet supports, middles and quarters of one to five equal spans."""
 _CLOSED = 1e-5
-"""Relative tolerance for coincident ends of a line, relative to its extent: coordinates have at least as many digits."""
+"""Relative tolerance for coincident ends of a line, relative to its extent: coordinates have more digits."""
 
 
 def _closing(line: tuple[Point, ...]) -> tuple[Point, ...]:
