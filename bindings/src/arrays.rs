@@ -13,7 +13,7 @@ pub fn invalid(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// Room for so many numbers; a MemoryError where there is none.
+/// Allocates memory for numbers, or raises MemoryError.
 pub fn room(len: usize) -> PyResult<Vec<f64>> {
     dense::room(len).map_err(|_| PyMemoryError::new_err("not enough memory"))
 }
@@ -64,8 +64,8 @@ pub fn rows(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
     matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
 }
 
-/// (elements (m + q,), rows (m + q, 24), further (q,)) as m rows over a plate's elements; the last q are what the rows
-/// `further` have in further elements.
+/// Rows (elements (m + q,), coefficients (m + q, 24), further (q,)) as m rows of a plate; the last q continue the rows
+/// `further` in further elements.
 pub fn element_rows(
     elements: &PyReadonlyArray1<'_, i64>,
     rows: &PyReadonlyArray2<'_, f64>,

@@ -14,8 +14,8 @@ use signorini_core::stress::{Strained, smoothed_together};
 use signorini_core::superposition::{self, Envelope, LeftOut};
 use std::sync::Arc;
 
-/// What the plate does under one load case, or at one contact point, alone: displacements (3n,) as two doubles,
-/// reactions and displacements (m,) of the contact points.
+/// The response to one load case or to one contact point: displacements (3n,) as two doubles, reactions and
+/// displacements (m,) of the contact points.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct Response {
     inner: contact::Response,
@@ -50,7 +50,7 @@ impl Response {
     }
 }
 
-/// What the combinations of some load cases share.
+/// Data shared by the combinations of some load cases.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct CombinedCases {
     inner: contact::CombinedCases,

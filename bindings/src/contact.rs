@@ -90,7 +90,7 @@ fn form_of(name: &str) -> PyResult<Form> {
 }
 
 impl ContactProblem {
-    /// A nodal load and what held dofs are held at, over all dofs.
+    /// A nodal load (3n,) and the prescribed values (3n,).
     fn load_and_held(
         &self,
         load: &PyReadonlyArray1<'_, f64>,
@@ -100,13 +100,13 @@ impl ContactProblem {
         Ok((sized("the load", load, dofs)?, sized("held_value", held_value, dofs)?))
     }
 
-    /// Refuses what asks for an LCP of all points.
+    /// Refuses requests that need condensed points.
     fn require_condensed(&self) -> PyResult<()> {
         let condensed = self.inner.is_condensed();
         if condensed { Ok(()) } else { Err(invalid("points of an active set are not condensed")) }
     }
 
-    /// Refuses what another problem has made: equal sizes would hide it.
+    /// Refuses objects made by another problem, which equal sizes would hide.
     pub fn require_own(&self, of: &Arc<contact::ContactProblem>, what: &str) -> PyResult<()> {
         if Arc::ptr_eq(of, &self.inner) { Ok(()) } else { Err(invalid(format!("{what} is of another problem"))) }
     }
@@ -124,7 +124,7 @@ fn tell(py: Python<'_>, progress: Option<&Py<PyAny>>, now: Progress) -> PyResult
     }
 }
 
-/// Runs a solve with the interpreter released; what `progress` raises, or a signal, ends it.
+/// Runs a solve with the interpreter released; an exception in `progress`, or a signal, ends it.
 fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
@@ -133,7 +133,7 @@ fn watched<T: Send>(
     told(py, |py, now| tell(py, progress.as_ref(), now), solve)?.map_err(failed)
 }
 
-/// What a path tells.
+/// Messages of a path.
 enum News {
     Stop(f64, Vec<i64>, contact::ContactSolution),
     Progress(Progress),
@@ -180,7 +180,7 @@ impl ContactProblem {
         let method = method_of(method)?;
         let mut points = points_of(&plate.inner, &own, &distance, laws, &law, &scale)?;
         points.unit = unit;
-        // Points have what they need of it; a million of rows are a part of memory.
+        // Frees the arrays, which the points have copied: a million rows take considerable memory.
         drop(own);
         let on = Supported { springs, held, points, delta, free_motions };
         let shared = plate.inner.clone();
@@ -197,11 +197,11 @@ impl ContactProblem {
         Ok(Self { inner: Arc::new(self.inner.with_shift(distance)) })
     }
 
-    /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned of them. It begins with the
-    /// solution of another load on the same problem, if there is one.
+    /// Solves one load; `form` is "dual", "stiffness", or None for the better conditioned form. It starts from `start`,
+    /// the solution of another load on the same problem, if given.
     ///
-    /// `progress(step, changing, residual)` is called after every step of the active set: points that opened or closed,
-    /// and the imbalance over the largest nodal force. What it raises ends the solve.
+    /// `progress(step, changing, residual)` is called after every Newton step, with the number of points that changed
+    /// their piece and the residual over the largest nodal force. An exception in it ends the solve.
     #[pyo3(signature = (load, held_value, form=None, start=None, progress=None))]
     fn solve(
         &self,
@@ -270,12 +270,12 @@ impl ContactProblem {
         Ok(self.solution(inner))
     }
 
-    /// Follows the load start + t add from t = 0 to `end`, and says how that ended: "reached", "unbounded" (no more
-    /// events), "no_equilibrium", "too_many" or "unsolved".
+    /// Traces the load start + t add from t = 0 to `end`, and returns its end: "reached", "unbounded" (no more events),
+    /// "no_equilibrium", "too_many" or "unsolved".
     ///
-    /// `visit(t, switched, solution)` is called where it begins, at every event and where it ends, with the points that
-    /// open or close there and the contact set from there on. What it raises ends the path. `progress` is
-    /// called between events, by steps of the solves that find them.
+    /// `visit(t, switched, solution)` is called at the start, at every event and at the end, with the points that
+    /// change their piece and the contact state from there on. An exception in it ends the path. `progress` is called
+    /// between events, by steps of the solves.
     #[pyo3(signature = (start, add, held_value, end, visit, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn path(

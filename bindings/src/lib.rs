@@ -1,4 +1,4 @@
-//! Python face of `signorini-core` and `signorini-mesher`: conversions and nothing else.
+//! Python bindings of `signorini-core` and `signorini-mesher`: conversions only.
 
 #![forbid(unsafe_code)]
 

@@ -3,7 +3,7 @@ use crate::threads::released;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use signorini_mesher::{Line, Loop, Refinement, Wishes, mesh};
+use signorini_mesher::{Line, Loop, MeshOptions, Refinement, mesh};
 
 /// Corners (k, 2), a point (k, 2) that the side from each is an arc through, NaN: straight, and the sides' names.
 type LoopArrays<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, Vec<String>);
@@ -42,8 +42,8 @@ pub fn mesh_outline<'py>(
     };
     let lines = rows_of::<8, f64>("lines", &lines)?.into_iter().map(line).collect();
     let points = rows_of::<2, f64>("points", &points)?;
-    let wishes = Wishes { size, refinements, lines, points, most: Some(most), axes };
-    let made = released(py, || mesh(&loops, &wishes))?.map_err(|fault| match fault.side {
+    let options = MeshOptions { size, refinements, lines, points, most: Some(most), axes };
+    let made = released(py, || mesh(&loops, &options))?.map_err(|fault| match fault.side {
         Some((ring, side)) => PyValueError::new_err((fault.message, ring, side)),
         None => invalid(fault),
     })?;

@@ -212,8 +212,8 @@ impl Plate {
         Ok(PyArray1::from_vec(py, out))
     }
 
-    /// distance − row·u (m,) for rows (m + q, 24) over the dofs of elements (m + q,), in extended precision; the last q are
-    /// what the rows `further` (q,) have in further elements.
+    /// distance − g·u (m,) for rows (m + q, 24) on elements (m + q,), in extended precision; the last q continue the
+    /// rows `further` (q,) in further elements.
     #[allow(clippy::too_many_arguments)]
     fn openings<'py>(
         &self,
@@ -288,8 +288,8 @@ impl Plate {
         Ok((nodal, PyArray1::from_vec(py, sampled).reshape([count, 4, 5])?))
     }
 
-    /// What the nodes of elements (k,) do to them (k, 24), in the nodes' frames, loads but the stress-free curvature left
-    /// out, and [mx, my, mxy, qx, qy] (k, p, 5) at the points of their stiffness.
+    /// Nodal forces (k, 24) of elements (k,) in the frames of the nodes, without loads other than the stress-free
+    /// curvature, and [mx, my, mxy, qx, qy] (k, p, 5) at the integration points of their stiffness.
     fn element_forces<'py>(
         &self,
         py: Python<'py>,

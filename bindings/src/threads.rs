@@ -41,7 +41,7 @@ fn pool() -> PyResult<&'static ThreadPool> {
                     .stack_size(STACK)
                     .build()
                     .map_err(|error| PyOSError::new_err(format!("threads to work on cannot be started: {error}")))?;
-                // Another thread may have been here first; then the next round comes to its pool.
+                // Another thread may have set it first; the next round then uses its pool.
                 let _ = place.set(Box::new(Pool { key, threads, next: OnceLock::new() }));
             }
         }
@@ -54,10 +54,10 @@ pub fn released<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyR
     Ok(py.detach(|| pool.install(work)))
 }
 
-/// As `released`; `work` is given a function that hands its argument to `tell` and says whether to go on.
+/// As `released`; `work` gets a function that passes its argument to `tell` and returns whether to continue.
 ///
-/// `tell` runs on the thread that called, since signals and windows belong to one thread of Python's. What it raises
-/// ends the work and is the answer.
+/// `tell` runs on the calling thread, since Python handles signals and windows on one thread only. An exception in it
+/// ends the work and is the result.
 pub fn told<N: Send, T: Send>(
     py: Python<'_>,
     mut tell: impl FnMut(Python<'_>, N) -> PyResult<()> + Send,
@@ -75,7 +75,7 @@ pub fn told<N: Send, T: Send>(
             scope.spawn(move |_| {
                 *result = Some(work(&mut |now| news.send(now).is_ok() && answered.recv().is_ok()));
             });
-            // Without an answer the work ends, also where `tell` panics and drops what it is waited for with.
+            // Without an answer the work ends, also if `tell` panics and drops the channel.
             for now in heard {
                 match Python::attach(|py| in_callback(|| tell(py, now))) {
                     Ok(()) => drop(answer.send(())),

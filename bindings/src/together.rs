@@ -7,9 +7,8 @@ use crate::threads::told;
 use numpy::{PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-/// Solves many loads (k, 3n) side by side by an active set, from the solution of another load on if there is one.
-///
-/// `progress()` is called now and then; what it raises ends them all.
+/// Solves many loads (k, 3n) together by the Newton method, from the solution of another load if given. `progress()` is
+/// called at intervals; an exception in it cancels all.
 #[pyfunction]
 #[pyo3(signature = (problem, start, loads, held_value, progress=None))]
 pub fn solve_together(

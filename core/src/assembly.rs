@@ -1,4 +1,4 @@
-//! Element matrices and springs to the lower triangle of K, already in elimination order.
+//! Assembly of element matrices and springs to the lower triangle of K, in elimination order.
 
 use crate::cholesky::{Graph, Matrix, Reader};
 use crate::element::packed;
@@ -12,28 +12,28 @@ use std::collections::BTreeMap;
 /// Marks a dof that is held and has no column.
 pub const HELD: usize = usize::MAX;
 
-/// Which column of the factor each free dof has, and each border behind the dofs.
+/// Column of the factor of each free dof, and of each multiplier row behind the dofs.
 pub struct Numbering {
-    /// Column of every dof, or [`HELD`], and of every border.
+    /// Column of each dof ([`HELD`] if it has none), then of each multiplier row.
     pub column: Vec<usize>,
-    /// Dof of every column; of a border's, the number of dofs and its own.
+    /// Dof of each column; for a multiplier row, the number of dofs plus its number.
     pub dof: Vec<usize>,
     /// How many of the last columns are contact dofs.
     pub trailing: usize,
 }
 
-/// A row whose force is an unknown of its own: r·u − compliance · force = 0. Over many dofs it fills the factor less than
-/// its spring, which would couple them all; rigid, it is no stiffness at all.
+/// A multiplier row: its force is an unknown, g·u − compliance · force = 0. A row over many dofs fills the factor less
+/// than its spring, which couples all of them; a rigid one has no finite stiffness.
 #[derive(Clone, Debug, Default)]
-pub struct Border {
-    /// Node and coefficients, no node twice.
+pub struct MultiplierRow {
+    /// Nodes and coefficients; each node once.
     pub row: Vec<(usize, [f64; 3])>,
-    /// Infinite: there is no force.
+    /// An infinite compliance means zero force.
     pub compliance: f64,
 }
 
-impl Border {
-    /// Of dofs and coefficients.
+impl MultiplierRow {
+    /// Makes a row from dofs and coefficients.
     pub fn new(row: impl Iterator<Item = (usize, f64)>, compliance: f64) -> Self {
         let mut nodes: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
         row.for_each(|(dof, coefficient)| nodes.entry(dof / 3).or_default()[dof % 3] += coefficient);
@@ -42,7 +42,7 @@ impl Border {
 }
 
 impl Numbering {
-    /// Nested dissection of elements and pairs of them, with the dofs marked `trailing` moved behind all others.
+    /// Numbers by nested dissection of elements and of coupled pairs, with the dofs marked `trailing` last.
     pub fn new(plate: &Plate, pairs: &[[u32; 2]], held: &[bool], trailing: &[bool]) -> Self {
         let order = nested_dissection(plate, pairs);
         let free = |wanted: bool| order.iter().copied().filter(move |&dof| !held[dof] && trailing[dof] == wanted);
@@ -57,25 +57,25 @@ impl Numbering {
         Self { column, dof, trailing }
     }
 
-    /// The same with borders, each before the last of its nodes in whichever plate that comes first: what comes before holds
-    /// still as long as that node does.
-    pub fn with_borders(
+    /// The same with multiplier rows, each before the last of its nodes on the plate that comes first: the columns
+    /// before it are constrained as long as that node is.
+    pub fn with_multiplier_rows(
         plate: &Plate,
         pairs: &[[u32; 2]],
         held: &[bool],
         trailing: &[bool],
-        borders: &[Border],
+        multiplier_rows: &[MultiplierRow],
     ) -> Self {
         let mut plain = Self::new(plate, pairs, held, trailing);
         let dofs = plate.dof_count();
         let leading = plain.dof.len() - plain.trailing;
         let first_of = |node: usize| plain.column[3 * node..3 * node + 3].iter().copied().filter(|&c| c != HELD).min();
-        let mut placed: Vec<(usize, usize)> = borders
+        let mut placed: Vec<(usize, usize)> = multiplier_rows
             .iter()
             .enumerate()
-            .map(|(at, border)| {
+            .map(|(at, multiplier_row)| {
                 let mut last: BTreeMap<usize, usize> = BTreeMap::new();
-                for &(node, _) in &border.row {
+                for &(node, _) in &multiplier_row.row {
                     let Some(column) = first_of(node) else { continue };
                     let last = last.entry(plate.components().of(node)).or_default();
                     *last = column.max(*last);
@@ -84,23 +84,23 @@ impl Numbering {
             })
             .collect();
         placed.sort_unstable();
-        let mut dof = Vec::with_capacity(plain.dof.len() + borders.len());
+        let mut dof = Vec::with_capacity(plain.dof.len() + multiplier_rows.len());
         let mut placed = placed.into_iter().peekable();
         for (column, &own) in plain.dof.iter().enumerate() {
-            while let Some((_, border)) = placed.next_if(|&(before, _)| before == column) {
-                dof.push(border);
+            while let Some((_, multiplier_row)) = placed.next_if(|&(before, _)| before == column) {
+                dof.push(multiplier_row);
             }
             dof.push(own);
         }
-        dof.extend(placed.map(|(_, border)| border));
-        plain.column.resize(dofs + borders.len(), HELD);
+        dof.extend(placed.map(|(_, multiplier_row)| multiplier_row));
+        plain.column.resize(dofs + multiplier_rows.len(), HELD);
         for (column, &own) in dof.iter().enumerate() {
             plain.column[own] = column;
         }
         Self { dof, ..plain }
     }
 
-    /// Every dof free, in the mesh's own order.
+    /// All dofs free, in the order of the mesh.
     pub fn natural(plate: &Plate) -> Self {
         let dof: Vec<usize> = (0..plate.dof_count()).collect();
         Self { column: dof.clone(), dof, trailing: 0 }
@@ -115,7 +115,7 @@ impl Numbering {
     }
 }
 
-/// Lower triangle by columns; rows within a column are in no particular order.
+/// Lower triangle by columns; rows within a column are unsorted.
 #[derive(Default)]
 pub struct LowerTriangle {
     pub column_start: Vec<usize>,
@@ -123,18 +123,18 @@ pub struct LowerTriangle {
     pub value: Vec<f64>,
 }
 
-/// Springs over the deflections of one or two elements, summed by these.
+/// Springs on the deflections of one or two elements, summed by element or pair.
 #[derive(Default)]
 pub struct Bedding<'a> {
-    /// Elements that springs couple, whether they have stiffness or none.
+    /// Pairs of elements that springs couple, of zero stiffness too.
     pub pairs: &'a [[u32; 2]],
-    /// Σ k r rᵀ over the eight deflections of each element, as packed lower triangles; empty without springs.
+    /// Σ k g gᵀ on the eight deflections of each element, as packed lower triangles; empty without springs.
     pub own: Vec<[f64; 36]>,
-    /// Σ k r sᵀ of each pair, r over the first element and s over the second; empty without springs.
+    /// Σ k g₁g₂ᵀ of each pair, g₁ on the first element and g₂ on the second; empty without springs.
     pub across: Vec<[[f64; 8]; 8]>,
 }
 
-/// Where a node, or one that follows it, sits in some elements: (place among these, local node), compressed by node.
+/// Elements of each node or of its followers: (index of the element, local node), compressed by node.
 struct Incidence {
     start: Vec<usize>,
     at: Vec<(usize, usize)>,
@@ -169,22 +169,22 @@ impl Incidence {
 
 /// K: element matrices, springs and bedding.
 ///
-/// It is summed whenever it is read; the sums do not depend on who reads.
+/// Entries are summed at each read; the sums are the same for every reader.
 pub struct Assembly<'a> {
     plate: &'a Plate,
     springs: &'a Springs,
-    /// Springs over single elements, by element; empty where there are none.
+    /// Springs of single elements, by element; empty if there are none.
     attached: Vec<Vec<usize>>,
     linked: Linked,
     bedding: &'a Bedding<'a>,
     numbering: &'a Numbering,
     incidence: Incidence,
-    /// In the elements of pairs, one after the other.
+    /// Nodes in the elements of pairs, pair by pair.
     paired: Incidence,
-    borders: &'a [Border],
-    /// Borders of a node, and places in their rows.
+    multiplier_rows: &'a [MultiplierRow],
+    /// Multiplier rows of a node, and positions in these rows.
     at_nodes: BTreeMap<usize, Vec<(usize, usize)>>,
-    firmer: f64,
+    diagonal_shift: f64,
 }
 
 impl<'a> Assembly<'a> {
@@ -207,34 +207,40 @@ impl<'a> Assembly<'a> {
             numbering,
             incidence: Incidence::new(plate, 0..plate.elements().len()),
             paired: Incidence::new(plate, bedding.pairs.as_flattened().iter().map(|&e| e as usize)),
-            borders: &[],
+            multiplier_rows: &[],
             at_nodes: BTreeMap::new(),
-            firmer: 0.0,
+            diagonal_shift: 0.0,
         }
     }
 
-    /// With borders, which the numbering must know.
-    pub fn bordered(self, borders: &'a [Border]) -> Self {
+    /// Adds multiplier rows, which the numbering must contain.
+    pub fn has_multiplier(self, multiplier_rows: &'a [MultiplierRow]) -> Self {
         let mut at_nodes: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
-        for (at, border) in borders.iter().enumerate() {
-            for (place, &(node, _)) in border.row.iter().enumerate() {
+        for (at, multiplier_row) in multiplier_rows.iter().enumerate() {
+            for (place, &(node, _)) in multiplier_row.row.iter().enumerate() {
                 at_nodes.entry(node).or_default().push((at, place));
             }
         }
-        Self { borders, at_nodes, ..self }
+        Self { multiplier_rows, at_nodes, ..self }
     }
 
-    /// Borders of a node: column and coefficients.
-    fn borders_of(&self, node: usize) -> impl Iterator<Item = (usize, [f64; 3])> {
-        let column = |border: usize| self.numbering.column[self.plate.dof_count() + border];
-        let present = |border: usize| if self.borders[border].compliance.is_finite() { 1.0 } else { 0.0 };
+    /// Multiplier rows of a node: column and coefficients.
+    fn multiplier_rows_of(&self, node: usize) -> impl Iterator<Item = (usize, [f64; 3])> {
+        let column = |multiplier_row: usize| self.numbering.column[self.plate.dof_count() + multiplier_row];
+        let present =
+            |multiplier_row: usize| if self.multiplier_rows[multiplier_row].compliance.is_finite() { 1.0 } else { 0.0 };
         let at = self.at_nodes.get(&node).into_iter().flatten();
-        at.map(move |&(border, place)| (column(border), self.borders[border].row[place].1.map(|c| present(border) * c)))
+        at.map(move |&(multiplier_row, place)| {
+            (
+                column(multiplier_row),
+                self.multiplier_rows[multiplier_row].row[place].1.map(|c| present(multiplier_row) * c),
+            )
+        })
     }
 
-    /// Entries of a border's column.
-    fn border_column(&self, border: usize, column: usize, entries: &mut Vec<(usize, f64)>) {
-        let Border { row, compliance } = &self.borders[border];
+    /// Entries of the column of a multiplier row.
+    fn multiplier_column(&self, multiplier_row: usize, column: usize, entries: &mut Vec<(usize, f64)>) {
+        let MultiplierRow { row, compliance } = &self.multiplier_rows[multiplier_row];
         let (part, own) = if compliance.is_finite() { (1.0, -compliance) } else { (0.0, -1.0) };
         entries.push((column, own));
         for (node, coefficients) in row {
@@ -246,19 +252,19 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// With every dof stiffer by a part of its own.
-    pub fn firmer(self, part: f64) -> Self {
-        Self { firmer: part, ..self }
+    /// Multiplies the diagonal by 1 + `part`.
+    pub fn diagonal_shift(self, part: f64) -> Self {
+        Self { diagonal_shift: part, ..self }
     }
 
-    /// Neighbours of a node, itself among them, some of them more than once.
+    /// Neighbours of a node, including itself; some appear more than once.
     fn around(&self, node: usize) -> impl Iterator<Item = usize> {
         let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| *self.plate.leading(e));
         let of_links = self.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));
         of_elements.chain(of_links)
     }
 
-    /// What pairs couple the deflection of a column with: columns behind it, some of them more than once, and entries.
+    /// Entries by which pairs couple the deflection of a column with later columns; some columns appear more than once.
     fn across(&self, column: usize) -> impl Iterator<Item = (usize, f64)> {
         let Numbering { column: of_dof, dof, .. } = self.numbering;
         let places = if dof[column] % 3 == 0 { self.paired.of(dof[column] / 3) } else { &[] };
@@ -272,7 +278,7 @@ impl<'a> Assembly<'a> {
         entries.filter(move |&(row, _)| row > column && row != HELD)
     }
 
-    /// All of it, summed in parallel.
+    /// The whole lower triangle, summed in parallel.
     pub fn lower_triangle(&self) -> LowerTriangle {
         const CHUNK: usize = 4096;
         let columns = self.numbering.len();
@@ -310,21 +316,22 @@ impl Matrix for Assembly<'_> {
         let Numbering { column, dof, .. } = self.numbering;
         let dofs = self.plate.dof_count();
         let block = |c: usize| if dof[c] < dofs { dof[c] / 3 } else { dof[c] };
-        // A deflection has all rows of the slopes that follow it, and those across pairs.
+        // A deflection has the rows of the slopes after it, and those of pairs.
         let begins = |c: usize| c == 0 || block(c) != block(c - 1) || (dof[c] < dofs && dof[c] % 3 == 0);
         let first = (0..dof.len()).filter(|&c| begins(c)).chain([dof.len()]).collect();
         Graph::new(first, |c, rows| {
-            if let Some(border) = dof[c].checked_sub(dofs) {
-                let columns = self.borders[border].row.iter().flat_map(|&(n, _)| &column[3 * n..3 * n + 3]);
+            if let Some(multiplier_row) = dof[c].checked_sub(dofs) {
+                let columns =
+                    self.multiplier_rows[multiplier_row].row.iter().flat_map(|&(n, _)| &column[3 * n..3 * n + 3]);
                 rows.extend(columns.filter(|&&row| row > c && row != HELD));
                 return;
             }
-            rows.extend(self.borders_of(dof[c] / 3).map(|(row, _)| row).filter(|&row| row > c));
+            rows.extend(self.multiplier_rows_of(dof[c] / 3).map(|(row, _)| row).filter(|&row| row > c));
             rows.extend(self.across(c).map(|(row, _)| row));
             for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
                 for &row in &column[3 * n..3 * n + 3] {
-                    // Of columns that follow one another the first stands for all.
+                    // The first of consecutive columns represents all of them.
                     if row > c && row != HELD && row != last.wrapping_add(1) {
                         rows.push(row);
                     }
@@ -342,22 +349,22 @@ impl Matrix for Assembly<'_> {
         let mut columns = NodeColumns::new(self);
         Box::new(move |column, entries| {
             let dof = self.numbering.dof[column];
-            if let Some(border) = dof.checked_sub(self.plate.dof_count()) {
+            if let Some(multiplier_row) = dof.checked_sub(self.plate.dof_count()) {
                 entries.clear();
-                self.border_column(border, column, entries);
+                self.multiplier_column(multiplier_row, column, entries);
                 return;
             }
             if columns.node != dof / 3 {
                 columns.sum(dof / 3);
             }
             entries.clear();
-            let borders = self.borders_of(dof / 3).filter(|&(row, _)| row > column);
-            entries.extend(borders.map(|(row, coefficients)| (row, coefficients[dof % 3])));
+            let multiplier_rows = self.multiplier_rows_of(dof / 3).filter(|&(row, _)| row > column);
+            entries.extend(multiplier_rows.map(|(row, coefficients)| (row, coefficients[dof % 3])));
             entries.extend(self.across(column));
             for (&n, block) in columns.neighbours.iter().zip(&columns.block) {
                 for (&row, values) in self.numbering.column[3 * n..3 * n + 3].iter().zip(block) {
                     if row == column {
-                        entries.push((row, values[dof % 3] * (1.0 + self.firmer)));
+                        entries.push((row, values[dof % 3] * (1.0 + self.diagonal_shift)));
                     } else if row > column && row != HELD {
                         entries.push((row, values[dof % 3]));
                     }
@@ -367,7 +374,7 @@ impl Matrix for Assembly<'_> {
     }
 }
 
-/// The three columns of one node: its neighbours and the 3×3 block that each shares with it.
+/// The three columns of one node: its neighbours and its 3×3 block with each.
 struct NodeColumns<'a> {
     of: &'a Assembly<'a>,
     node: usize,
@@ -382,7 +389,7 @@ impl<'a> NodeColumns<'a> {
         Self { of, node: usize::MAX, slot, neighbours: Vec::new(), block: Vec::new() }
     }
 
-    /// Finds a node's neighbours, itself among them, without those whose columns all come before its own.
+    /// Finds the neighbours of a node, including itself, except those with earlier columns only.
     fn meet(&mut self, node: usize) {
         for &n in &self.neighbours {
             self.slot[n] = usize::MAX;
@@ -409,7 +416,7 @@ impl<'a> NodeColumns<'a> {
             let lower = plate.element_stiffness(e);
             for (i, &n) in plate.leading(e).iter().enumerate() {
                 let Some(block) = self.block.get_mut(self.slot[n]) else { continue };
-                // In the packed triangle the entries of a row follow one another.
+                // The entries of a row are consecutive in the packed triangle.
                 let mut own = match i.cmp(&local) {
                     Ordering::Greater => {
                         std::array::from_fn(|a| *lower[packed(3 * i + a, 3 * local)..].first_chunk().expect("three"))
@@ -470,7 +477,7 @@ impl<'a> NodeColumns<'a> {
     }
 }
 
-/// B_rowᵀ · block · B_column, B the motion of a node by that of its leader, at arms from this.
+/// B_rowᵀ · block · B_column, with B the rigid motion of a node by its leader, at the given arms.
 fn onto_leaders(block: &mut [[f64; 3]; 3], row: [f64; 2], column: [f64; 2]) {
     for k in 0..2 {
         (0..3).for_each(|b| block[1 + k][b] += row[k] * block[0][b]);
@@ -480,7 +487,7 @@ fn onto_leaders(block: &mut [[f64; 3]; 3], row: [f64; 2], column: [f64; 2]) {
     }
 }
 
-/// T_rowᵀ · block · T_column, T the turn of a node's slopes.
+/// T_rowᵀ · block · T_column, with T the rotation of a node's slopes into its frame.
 fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<[f64; 2]>) {
     if let Some([c, s]) = row {
         for b in 0..3 {
@@ -498,17 +505,17 @@ fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<
     }
 }
 
-/// A spring over several elements: its row by nodes.
+/// A spring on several elements: its row by node.
 struct Link {
     row: Vec<(usize, [f64; 3])>,
     stiffness: f64,
 }
 
-/// Springs over several elements, and where nodes have them.
+/// Springs on several elements, and their positions by node.
 #[derive(Default)]
 struct Linked {
     links: Vec<Link>,
-    /// (link, place in its row) pairs of every node.
+    /// Pairs (link, position in its row) of each node.
     at: BTreeMap<usize, Vec<(usize, usize)>>,
 }
 
@@ -528,7 +535,7 @@ impl Linked {
         linked
     }
 
-    /// The springs of a node, and its place in the row of each.
+    /// The springs of a node, with its position in each row.
     fn of(&self, node: usize) -> impl Iterator<Item = (usize, &Link)> {
         self.at.get(&node).into_iter().flatten().map(|&(link, place)| (place, &self.links[link]))
     }

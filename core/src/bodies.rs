@@ -1,11 +1,11 @@
-//! Nodes that move with others as one rigid body.
+//! Nodes that follow a leader as one rigid body.
 //!
-//! A node that follows another has no dofs of its own: w_i = w + θ·(x_i − x), θ_i = θ, with those of its leader. Forces go
-//! the other way, with their couples. Displacements stand at all nodes, forces out of balance at leaders alone.
+//! A follower has no dofs of its own: w_i = w + θ·(x_i − x), θ_i = θ, with w, θ, x of its leader. Forces and their
+//! couples go to the leader. Displacements are stored at all nodes, residual forces at leaders only.
 
 use crate::double_double::DoubleDouble;
 
-/// Where one node is, seen from the node that it follows: differences of doubles, with all digits.
+/// Position of a node relative to its leader: a difference of doubles without rounding.
 #[derive(Clone, Copy)]
 pub struct Follower {
     pub node: usize,
@@ -19,7 +19,7 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// Of the leader of every node; one that follows none is its own.
+    /// Makes the bodies from the leader of each node; a free node is its own leader.
     pub fn new(points: &[[f64; 2]], leader: &[usize]) -> Self {
         let follower = |(node, &leader): (usize, &usize)| {
             let arm = [0, 1].map(|k| DoubleDouble::from(points[node][k]) - DoubleDouble::from(points[leader][k]));
@@ -42,7 +42,7 @@ impl Bodies {
         self.gathered(force, |arm| arm);
     }
 
-    /// The same with magnitudes of forces.
+    /// Moves magnitudes of forces to the leaders.
     pub fn gather_magnitudes(&self, force: &mut [f64]) {
         self.gathered(force, f64::abs);
     }
@@ -57,7 +57,7 @@ impl Bodies {
         }
     }
 
-    /// Lets followers move as their leaders do.
+    /// Sets the displacements of followers from those of their leaders.
     pub fn follow(&self, vector: &mut [f64]) {
         for Follower { node, leader, arm } in &self.followers {
             let [w, x, y] = std::array::from_fn(|k| vector[3 * leader + k]);

@@ -1,6 +1,6 @@
-//! Connected components of a mesh: several plates in one table are as many.
+//! Connected components of a mesh: one per plate.
 
-/// Which component every node is of, numbered in the order of their first nodes.
+/// The component of each node, numbered in the order of their first nodes.
 #[derive(Clone, Default)]
 pub struct Components {
     of_node: Vec<usize>,
@@ -8,9 +8,9 @@ pub struct Components {
 }
 
 impl Components {
-    /// Given sets of nodes, each of which is connected.
+    /// Makes the components from connected sets of nodes.
     pub fn new<'a>(nodes: usize, connected: impl Iterator<Item = &'a [usize]>) -> Self {
-        // A chain of ever smaller nodes leads to the first one.
+        // Union–find: each chain of smaller nodes ends at the first node of a component.
         let mut before: Vec<usize> = (0..nodes).collect();
         let first_of = |before: &mut [usize], mut node: usize| {
             while before[node] != node {

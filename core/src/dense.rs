@@ -1,4 +1,4 @@
-//! Dense matrices and their factors, in memory that is there or is refused.
+//! Dense matrices and their factors, with checked allocation.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt;
@@ -7,32 +7,32 @@ use faer::linalg::matmul::matmul;
 use faer::perm::Perm;
 use faer::{Accum, Conj, Mat, MatMut, MatRef, Par};
 
-/// Memory that the system does not give.
+/// The allocation failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutOfMemory;
 
-/// From this order on dense operations are worth all of rayon's threads.
+/// Smallest order at which dense operations use all threads.
 pub const PARALLEL_ORDER: usize = 400;
 
 pub fn parallelism(order: usize) -> Par {
     if order < PARALLEL_ORDER { Par::Seq } else { Par::rayon(0) }
 }
 
-/// Room for so many numbers.
+/// Allocates memory for `len` numbers.
 pub fn room(len: usize) -> Result<Vec<f64>, OutOfMemory> {
     let mut numbers = Vec::new();
     numbers.try_reserve_exact(len).map_err(|_| OutOfMemory)?;
     Ok(numbers)
 }
 
-/// So many zeros.
+/// `len` zeros.
 pub fn zeros(len: usize) -> Result<Vec<f64>, OutOfMemory> {
     let mut numbers = room(len)?;
     numbers.resize(len, 0.0);
     Ok(numbers)
 }
 
-/// The matrix (rows, columns) of these entries, row by row.
+/// The matrix (rows, columns) of the given entries, row-major.
 pub fn row_major(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Result<Vec<f64>, OutOfMemory> {
     let mut matrix = room(rows.checked_mul(columns).ok_or(OutOfMemory)?)?;
     (0..rows).for_each(|i| matrix.extend((0..columns).map(|j| entry(i, j))));
@@ -63,7 +63,7 @@ pub struct Lu {
 }
 
 impl Lu {
-    /// Of a square matrix, regular or not.
+    /// Factors a square matrix, regular or singular.
     pub fn of(mut matrix: Mat<f64>) -> Result<Self, OutOfMemory> {
         let order = matrix.nrows();
         let parallelism = parallelism(order);
@@ -95,7 +95,7 @@ impl Lu {
 pub struct Cholesky(Mat<f64>);
 
 impl Cholesky {
-    /// `None` unless the matrix, of which the lower triangle is read, is positive definite.
+    /// Factors a matrix given by its lower triangle; `None` unless it is positive definite.
     pub fn of(mut matrix: Mat<f64>) -> Result<Option<Self>, OutOfMemory> {
         let parallelism = parallelism(matrix.nrows());
         let scratch = llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), parallelism, Default::default());

@@ -1,4 +1,4 @@
-//! Displacements carried as double-doubles, and what of them strains an element.
+//! Displacements in double-double, and their part that strains an element.
 
 use crate::bodies::{Bodies, Follower};
 use crate::double_double::DoubleDouble;
@@ -6,7 +6,7 @@ use crate::element::DOFS;
 use crate::plate::Plate;
 use crate::vectorized::vectorized;
 
-/// A displacement with its low-order part.
+/// Displacements hi + lo.
 #[derive(Clone, Debug, Default)]
 pub struct Displacement {
     pub hi: Vec<f64>,
@@ -28,7 +28,7 @@ impl Displacement {
         (self.hi[i], self.lo[i]) = (sum.hi, sum.lo);
     }
 
-    /// Lets nodes that follow others move as these do, to the last digit, so that nothing strains what is rigid.
+    /// Sets the displacements of followers exactly, so that rigid bodies have no strain.
     pub fn follow(&mut self, bodies: &Bodies) {
         for Follower { node, leader, arm } in bodies.followers() {
             let [w, x, y] = std::array::from_fn(|k| self.at(3 * leader + k));
@@ -39,7 +39,7 @@ impl Displacement {
         }
     }
 
-    /// Adds the rigid motion w + sx (x − cx) + sy (y − cy) of every component, which strains nothing, not even by rounding.
+    /// Adds the rigid motion w + sx (x − cx) + sy (y − cy) of each component, without strain by rounding.
     pub fn add_rigid(&mut self, plate: &Plate, centre: [f64; 2], motions: &[[f64; 3]]) {
         let add = |to: &mut Self, i: usize, what: DoubleDouble| {
             let sum = to.at(i) + what;
@@ -54,7 +54,7 @@ impl Displacement {
             add(self, 3 * node, DoubleDouble::from(w) + along(sx, 0) + along(sy, 1));
             let slopes = match plate.frame(node) {
                 Some([c, s]) => {
-                    // Turned back by `slopes`, whose c² + s² is 1 to rounding only.
+                    // Inverse of `slopes`; c² + s² is 1 to rounding only.
                     let square = DoubleDouble::from(c).times(c) + DoubleDouble::from(s).times(s);
                     let excess = (square - DoubleDouble::from(1.0)).value();
                     let turned = |a: f64, b: f64| {
@@ -71,7 +71,7 @@ impl Displacement {
         }
     }
 
-    /// θx, θy of a node, out of its frame.
+    /// θx, θy of a node, from its frame.
     fn slopes(&self, plate: &Plate, node: usize) -> [DoubleDouble; 2] {
         let [p, q] = [self.at(3 * node + 1), self.at(3 * node + 2)];
         match plate.frame(node) {
@@ -80,12 +80,12 @@ impl Displacement {
         }
     }
 
-    /// The element's displacements in x and y with its first node's rigid motion taken off.
+    /// Displacements of an element in x and y, minus the rigid motion of its first node.
     pub fn strained(&self, plate: &Plate, e: usize) -> [f64; DOFS] {
         self.stripped(plate, e).map(DoubleDouble::value)
     }
 
-    /// As [`Displacement::strained`], with all digits.
+    /// As [`Displacement::strained`], in double-double.
     pub fn stripped(&self, plate: &Plate, e: usize) -> [DoubleDouble; DOFS] {
         vectorized(
             #[inline(always)]
@@ -102,7 +102,7 @@ impl Displacement {
         let mut out = [DoubleDouble::default(); DOFS];
         for i in 1..8 {
             let point = plate.point(nodes[i]);
-            // Where the nodes are to the last bit: a rigid motion must not strain by what their differences round off.
+            // Differences of coordinates without rounding: a rigid motion must not strain the element.
             let along =
                 |k: usize| slope[k].times_sum_fused(DoubleDouble::from(point[k]) - DoubleDouble::from(first[k]));
             let rigid = along(0) + along(1);

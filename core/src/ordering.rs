@@ -1,15 +1,15 @@
-//! Nested dissection from the mesh's own geometry (George 1973).
+//! Nested dissection by the geometry of the mesh (George 1973).
 //!
-//! Cells, elements and pairs of them that springs couple, are split at the median of their centroids along the longer side
-//! of their bounding box; what both halves share is the separator and is numbered after both; and so on down. A pair has the
-//! deflections of its nodes alone, so that these and slopes are parts of their own.
+//! Cells are elements and coupled pairs of elements. They are split at the median of their centroids along the longer
+//! side of their bounding box. The nodes that both halves share are the separator, numbered after both; and so on
+//! recursively. A pair has the deflections of its nodes only, so deflections and slopes are separate parts.
 
 use crate::plate::Plate;
 
-/// Cells in a part that is not split further.
+/// Largest number of cells of a leaf.
 const LEAF: usize = 2;
 
-/// Dofs in elimination order: every one of a node that follows no other appears once.
+/// Dofs in elimination order; nodes without a leader only.
 pub fn nested_dissection(plate: &Plate, pairs: &[[u32; 2]]) -> Vec<usize> {
     let mut centroids: Vec<[f64; 2]> = (0..plate.elements().len()).map(|e| plate.centroid(e)).collect();
     for pair in pairs {
@@ -36,7 +36,7 @@ pub fn nested_dissection(plate: &Plate, pairs: &[[u32; 2]]) -> Vec<usize> {
 /// A node has two parts: its deflection is 2n, its slopes are 2n + 1.
 struct Dissection<'a> {
     plate: &'a Plate,
-    /// Cells behind those of the elements.
+    /// Cells after those of the elements.
     pairs: &'a [[u32; 2]],
     centroids: Vec<[f64; 2]>,
     seen: Vec<usize>,
@@ -90,7 +90,7 @@ impl<'a> Dissection<'a> {
         usize::from(high[1] - low[1] > high[0] - low[0])
     }
 
-    /// Parts of both halves that no earlier separator took, in order along the cut; they are taken.
+    /// Parts common to both halves and in no earlier separator, ordered along the cut; they are marked as taken.
     fn shared(&mut self, left: &[usize], right: &[usize], along: usize) -> Vec<usize> {
         self.stamp += 1;
         for &cell in left {
@@ -117,7 +117,7 @@ impl<'a> Dissection<'a> {
     fn unplaced(&self, cells: &[usize]) -> Vec<usize> {
         let mut parts: Vec<usize> =
             cells.iter().flat_map(|&cell| self.parts(cell)).filter(|&part| !self.placed[part]).collect();
-        // Those of one cell only go first: they fill nothing.
+        // Parts of one cell come first: they cause no fill.
         parts.sort_unstable();
         let count = |part: usize| parts.iter().filter(|&&other| other == part).count();
         let mut unique: Vec<(usize, usize)> = parts.iter().map(|&part| (count(part), part)).collect();

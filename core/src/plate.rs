@@ -13,26 +13,26 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What is wrong with the arrays of a plate.
+/// Errors in the arrays of a plate.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlateError {
-    /// There is no element.
+    /// There are no elements.
     Empty,
     /// An array has the wrong length.
     Length { what: &'static str, found: usize, expected: usize },
-    /// A number is not finite.
+    /// A number is NaN or infinite.
     NotFinite { what: &'static str, index: usize },
     /// A value is outside its range.
     Range { what: &'static str, index: usize },
-    /// An element names a node that is not there.
+    /// An element refers to a missing node.
     NoSuchNode { element: usize, node: usize },
-    /// An element names a node twice, and is neither [a, b, c, c, ab, bc, c, ca] nor [c, c, a, b, c, ca, ab, bc].
+    /// An element repeats a node in another pattern than [a, b, c, c, ab, bc, c, ca] or [c, c, a, b, c, ca, ab, bc].
     Repeated { element: usize },
-    /// A triangle of a kind that has none.
+    /// A triangle of an element kind without triangles.
     Triangle { element: usize },
-    /// A quadrilateral with a collapsed side of a kind that has none.
+    /// A collapsed quadrilateral of an element kind without them.
     Collapsed { element: usize },
-    /// The map of an element turns over at one of its Gauss points.
+    /// The Jacobian of an element is not positive at a Gauss point.
     Inverted { element: usize },
 }
 
@@ -64,11 +64,11 @@ impl std::fmt::Display for PlateError {
 
 impl std::error::Error for PlateError {}
 
-/// Size of the plate over its thickness, times the ratio of an element's sides, from which on nodal forces are formed from
-/// strains: those of the element's matrix would be wrong by this squared times the precision, over 1e-10 of the load.
+/// Smallest plate size over thickness, times the aspect ratio of an element, for nodal forces from strains. Forces by
+/// the element matrix have an error of its square times ε, more than 1e-10 of the load.
 const THIN: f64 = 2e3;
 
-/// Elements whose matrices one thread forms at a time.
+/// Elements of one parallel chunk.
 const CHUNK: usize = 64;
 
 pub struct Plate {
@@ -78,7 +78,7 @@ pub struct Plate {
     frames: Option<Vec<[f64; 2]>>,
     pub materials: Materials,
     pub kind: Kind,
-    /// Which of the matrices below each element has: those alike, up to their place, share one.
+    /// Matrix of each element; congruent elements share one.
     matrix: Vec<u32>,
     stiffness: Vec<f64>,
     centres: Vec<Centre>,
@@ -86,14 +86,14 @@ pub struct Plate {
     stress_nodes: Option<StressNodes>,
     bodies: Arc<Bodies>,
     components: Components,
-    /// With bodies, elements by the nodes that theirs follow, and which elements are within one.
+    /// With rigid bodies: elements by leading nodes, and whether an element is within one body.
     leading: Vec<[usize; 8]>,
     rigid: Vec<bool>,
 }
 
-/// Nodes of moments and shears where these jump: on a jump there is one for each of its sides.
+/// Nodes of moments and shears; on a jump there is one for each side.
 pub struct StressNodes {
-    /// As the plate's own elements.
+    /// Elements in terms of these nodes.
     pub elements: Vec<[usize; 8]>,
     pub count: usize,
 }
@@ -191,10 +191,10 @@ impl Plate {
         Ok(plate)
     }
 
-    /// Keeps moments and shears apart at nodes where they jump.
+    /// Separates moments and shears at nodes where they jump.
     pub fn with_stress_nodes(mut self, nodes: StressNodes) -> Result<Self, PlateError> {
         check_length("elements of stress nodes", nodes.elements.len(), self.elements.len())?;
-        // No more than elements have corners and midsides: what nobody could ask for is no reason to look for memory.
+        // At most the number of corners and midsides of all elements: checked before memory is allocated.
         if nodes.count > 8 * self.elements.len() {
             return Err(PlateError::Range { what: "stress nodes", index: 0 });
         }
@@ -207,8 +207,8 @@ impl Plate {
         Ok(self)
     }
 
-    /// Lets nodes follow others as rigid bodies, given the leader (n,) of each, its own where it is free. Elements within a
-    /// body are no part of K, and have no moments or shears.
+    /// Makes nodes follow leaders (n,) as rigid bodies; a free node is its own leader. Elements within a body do not
+    /// contribute to K and have no moments and shears.
     pub fn with_bodies(mut self, leader: &[usize]) -> Result<Self, PlateError> {
         check_length("leaders", leader.len(), self.node_count())?;
         let plain = |node: usize| self.frame(node).is_none();
@@ -229,12 +229,12 @@ impl Plate {
         &self.bodies
     }
 
-    /// The plates that it is made of: what elements and bodies connect.
+    /// The connected components, by elements and bodies.
     pub fn components(&self) -> &Components {
         &self.components
     }
 
-    /// The nodes whose dofs move an element's nodes: their own, or those that they follow.
+    /// The leading nodes of an element.
     pub fn leading(&self, e: usize) -> &[usize; 8] {
         self.leading.get(e).unwrap_or(&self.elements[e])
     }
@@ -244,18 +244,18 @@ impl Plate {
         self.rigid.get(e) == Some(&true)
     }
 
-    /// Whether any node of an element follows another.
+    /// Whether an element has followers.
     pub fn has_followers(&self, e: usize) -> bool {
         self.leading(e) != &self.elements[e]
     }
 
-    /// Where an element's node is, seen from the node that it follows.
+    /// Position of an element's node relative to its leader.
     pub fn arm(&self, e: usize, local: usize) -> [f64; 2] {
         let [from, to] = [self.leading(e)[local], self.elements[e][local]].map(|node| self.points[node]);
         [to[0] - from[0], to[1] - from[1]]
     }
 
-    /// Takes a covector over an element's dofs to those of the nodes that lead; each of these stands in it once.
+    /// Transforms a covector on an element's dofs to those of the leaders; each leader appears once.
     pub fn onto_leaders(&self, e: usize, covector: &mut [f64; DOFS]) {
         let leading = self.leading(e);
         for i in (0..8).filter(|_| self.has_followers(e)) {
@@ -267,14 +267,15 @@ impl Plate {
         }
     }
 
-    /// Elements by the nodes of moments and shears, and how many these are.
+    /// Elements in terms of the nodes of moments and shears, and the number of these nodes.
     pub fn stress_nodes(&self) -> (&[[usize; 8]], usize) {
         self.stress_nodes.as_ref().map_or((&self.elements, self.node_count()), |nodes| (&nodes.elements, nodes.count))
     }
 
-    /// Says which matrix each element has, and returns the first element with each of them.
+    /// Assigns matrices to elements and returns the first element of each.
     ///
-    /// Elements are alike if they are so to the last bit: what one has does not depend on what others there are.
+    /// Elements share a matrix if their geometry and section are equal to the last bit, so that a matrix does not
+    /// depend on other elements.
     fn share_matrices(&mut self) -> Vec<usize> {
         let mut first = Vec::new();
         let mut known = HashMap::new();
@@ -311,14 +312,14 @@ impl Plate {
         &self.elements
     }
 
-    /// Packed lower triangle of one element, in x and y (frames not applied); of a thin one a matrix to precondition with,
-    /// which has its own shear only where that leaves digits to bending.
+    /// Packed lower triangle of the matrix of one element, in x and y (frames not applied). For a thin element it is a
+    /// preconditioner, with reduced shear where the full shear would drown bending.
     pub fn element_stiffness(&self, e: usize) -> &[f64] {
         let matrix = self.matrix[e] as usize;
         &self.stiffness[PACKED * matrix..PACKED * (matrix + 1)]
     }
 
-    /// Whether an element's forces are to be formed from its strains, since those of its matrix would be rounding.
+    /// Whether the forces of an element are formed from its strains, since those by its matrix would be rounding.
     pub fn is_thin(&self, e: usize) -> bool {
         self.thin[self.matrix[e] as usize]
     }
@@ -327,13 +328,13 @@ impl Plate {
         self.thin.contains(&true)
     }
 
-    /// Strains of a thin element from displacements without its rigid motion.
+    /// Strains of a thin element from displacements without the rigid motion of its first node.
     pub fn strains(&self, e: usize, stripped: &[DoubleDouble; DOFS]) -> Strains<'_> {
         Strains::of(&self.geometry(e), self.materials.at(e), self.sections(e), self.centre(e), stripped)
     }
 
-    /// What an element's matrix lacks of its shear, if anything: springs with rows over the dofs of the nodes that lead its
-    /// own, in their frames, and compliances.
+    /// The missing shear of an element's matrix as springs: rows on the dofs of its leading nodes, in their frames, and
+    /// compliances.
     pub fn shear_springs(&self, e: usize) -> Vec<([f64; DOFS], f64)> {
         if !self.is_thin(e) || self.is_rigid(e) {
             return Vec::new();
@@ -348,7 +349,7 @@ impl Plate {
         springs
     }
 
-    /// What brings an element's centre rotations back.
+    /// Recovery of the condensed centre rotations of an element.
     pub fn centre(&self, e: usize) -> &Centre {
         &self.centres[self.matrix[e] as usize]
     }
@@ -360,7 +361,7 @@ impl Plate {
         Geometry { at, triangle: is_triangle(nodes) }
     }
 
-    /// What an element is made of at its points.
+    /// The sections at the points of an element.
     pub fn sections(&self, e: usize) -> Sections<'_> {
         self.thickness.of(self.kind, e)
     }
@@ -403,7 +404,7 @@ impl Plate {
         self.frames.as_ref().map(|f| f[node]).filter(|f| *f != [1.0, 0.0])
     }
 
-    /// Takes a covector over an element's dofs (a force, a row of G) from x and y into the nodes' frames.
+    /// Transforms a covector on an element's dofs (a force, a row of G) from x and y to the frames of the nodes.
     pub fn into_frames(&self, e: usize, covector: &mut [f64; DOFS]) {
         if self.frames.is_some() {
             for (i, &node) in self.elements[e].iter().enumerate() {
@@ -416,11 +417,11 @@ impl Plate {
         }
     }
 
-    /// Lets the force and couples of an element's first node, in x and y, balance those of the others.
+    /// Sets the force and couples of an element's first node to balance those of the others.
     ///
-    /// An element's own forces have no resultant. What rounding leaves of one would be a load that only the supports can
-    /// take, and would turn a plate on soft ones far. Of forces K_e u it is the transpose of stripping the first node's
-    /// rigid motion off u, so that what stands for K_e stays symmetric.
+    /// Internal forces have no resultant. A resultant of rounding would be a load on the supports, and would rotate a
+    /// plate on soft supports by much. For K_e u this is the transpose of removing the first node's rigid motion from
+    /// u, so that the operator stays symmetric.
     pub fn balance(&self, e: usize, force: &mut [f64; DOFS]) {
         let mut first = [0.0; 3];
         for (i, at) in self.geometry(e).at.iter().enumerate().skip(1) {
@@ -432,9 +433,8 @@ impl Plate {
         force[..3].copy_from_slice(&first);
     }
 
-    /// Rows over an element's dofs, in the nodes' frames, that give w, θx or θy at a reference point.
-    ///
-    /// `field`: 0 for w, 1 for θx, 2 for θy. The second value is the row's part on the two centre rotations.
+    /// Row on an element's dofs, in the frames of the nodes, for w, θx or θy (`field` 0, 1, 2) at a reference point.
+    /// The second value is its part on the two centre rotations.
     pub fn interpolation_row(&self, e: usize, xi: f64, eta: f64, field: usize) -> ([f64; DOFS], [f64; 2]) {
         let mut row = [0.0; DOFS];
         let mut centre = [0.0; 2];

@@ -1,8 +1,8 @@
-//! The refined residual: nodal forces out of balance, from displacements carried as double-doubles.
+//! The residual f − Ku of displacements in double-double.
 //!
-//! Each element's rigid motion (its first node's deflection and rotations) is stripped in double-double before the
-//! element matrix multiplies what is left, so that a thin plate's large rigid part costs no digits. Of elements so thin
-//! that rounding of the matrix itself would resist bending, the strains are formed instead (`element::thin`).
+//! The rigid motion of each element (deflection and rotations of its first node) is removed in double-double before the
+//! product with the element matrix, so that large rigid motions of thin plates cost no digits. For very thin elements,
+//! where rounding of the matrix would resist bending, forces are formed from strains (`element::thin`).
 
 use crate::displacement::Displacement;
 use crate::double_double::DoubleDouble;
@@ -13,8 +13,8 @@ use crate::superposition::sum_in_order;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// f − K u − Σ k r (r·u − base) at every dof, those held included (there it is minus the support's force); that of nodes
-/// that follow others at their leaders.
+/// f − Ku − Σ k g (g·u − base) at each dof; at a held dof it is minus the support force. Entries of followers are
+/// summed at their leaders.
 pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &Displacement) -> Vec<f64> {
     let forces = each_moving_element(plate, displacement, |e| nodal_force(plate, e, displacement));
     let mut out = load.to_vec();
@@ -28,7 +28,7 @@ pub fn residual(plate: &Plate, springs: &Springs, load: &[f64], displacement: &D
     out
 }
 
-/// What an element's nodes do to it, in their frames, at some displacements: K_e u without a resultant.
+/// Nodal forces K_e u of an element in the frames of its nodes, without a resultant.
 pub fn nodal_force(plate: &Plate, e: usize, displacement: &Displacement) -> [f64; DOFS] {
     let mut force = if plate.is_thin(e) {
         plate.strains(e, &displacement.stripped(plate, e)).nodal()
@@ -40,14 +40,14 @@ pub fn nodal_force(plate: &Plate, e: usize, displacement: &Displacement) -> [f64
     force
 }
 
-/// uᵀKu of plate and springs for a vector of doubles, as a sum of squares that no rigid motion cancels in.
+/// uᵀKu of plate and springs for a vector of doubles, as a sum of squares without cancellation of rigid motions.
 pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64 {
     const CHUNK: usize = 1024;
     let slopes = |node: usize| {
         let [p, q] = [vector[3 * node + 1], vector[3 * node + 2]];
         plate.frame(node).map_or([p, q], |[c, s]| [c * p - s * q, s * p + c * q])
     };
-    // Thin elements alone ask for it.
+    // Needed for thin elements only.
     let exact = match plate.has_thin() {
         true => Displacement { hi: vector.to_vec(), lo: vec![0.0; vector.len()] },
         false => Displacement::default(),
@@ -80,7 +80,9 @@ pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64
     plate_alone.max(0.0) + (0..springs.rows.len()).map(spring).sum::<f64>()
 }
 
-/// Σ|K_e||u_e| at every dof, of thin elements what their strains take: what rounding in [`residual`] is relative to.
+/// Σ|K_e
+///
+/// u_e| at each dof (for thin elements from strains): the reference of rounding in [`residual`].
 pub fn internal_magnitudes(plate: &Plate, displacement: &Displacement) -> Vec<f64> {
     let parts = each_moving_element(plate, displacement, |e| {
         let stripped = displacement.stripped(plate, e);
@@ -96,7 +98,7 @@ pub fn internal_magnitudes(plate: &Plate, displacement: &Displacement) -> Vec<f6
     sum
 }
 
-/// Nodal forces of all elements, computed side by side; of none at rest, where there is nothing to sum.
+/// Nodal forces of all elements, in parallel; empty for a plate at rest.
 fn each_moving_element(
     plate: &Plate,
     displacement: &Displacement,
@@ -134,8 +136,8 @@ fn magnitude(lower: &[f64], strained: &[f64; DOFS]) -> [f64; DOFS] {
     part
 }
 
-/// distance − row·u for rows over the dofs of elements, their coefficients (m + q, 24) one after the other, in
-/// double-double; the last q are what rows `further` (q,), in ascending order, have in further elements.
+/// distance − g·u in double-double for rows (m + q, 24) on elements; the last q continue the rows `further` (q,),
+/// ascending, in further elements.
 pub fn openings(
     plate: &Plate,
     elements: &[usize],
@@ -175,7 +177,7 @@ struct InternalForce<'a> {
 impl WithSimd for InternalForce<'_> {
     type Output = [f64; DOFS];
 
-    /// Sums of all rows side by side, so that none waits for itself.
+    /// All rows are summed in parallel lanes.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; DOFS] {
         let mut whole = [[0.0; DOFS]; DOFS];
@@ -233,7 +235,7 @@ mod tests {
             let thickness = crate::element::Thickness::Constant(thickness);
             let plate = Plate::new(points.to_vec(), vec![[0, 1, 2, 3, 4, 5, 6, 7]], thickness, material, kind, None);
             let plate = plate.unwrap();
-            // A curvature, whose internal forces are far less than the shears that cancel in them.
+            // A curvature: its internal forces are far smaller than the shears that cancel.
             let bent = |[x, y]: [f64; 2]| [0.5 * x * x + 0.2 * x * y, x + 0.2 * y, 0.2 * x];
             let hi = points.iter().flat_map(|&point| bent(point)).collect();
             let displacement = Displacement { hi, lo: vec![0.0; 24] };

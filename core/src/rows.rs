@@ -1,4 +1,4 @@
-//! Rows over the nodes of elements, by which supports hold a plate, and the springs on them.
+//! Rows of supports on the nodes of elements, and springs.
 
 use crate::displacement::Displacement;
 use crate::double_double::DoubleDouble;
@@ -6,13 +6,12 @@ use crate::element::DOFS;
 use crate::plate::Plate;
 use std::collections::BTreeMap;
 
-/// Rows over single elements (elastic supports, contact points), over the dofs of the nodes that lead theirs, in these
-/// nodes' frames.
+/// Rows on single elements (elastic supports, contact points), on the dofs of leading nodes in their frames.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
     pub element: Vec<usize>,
     pub coefficient: Vec<[f64; DOFS]>,
-    /// What rows have in further elements: of another plate, or under a footprint. No dof stands twice in a row.
+    /// Parts of rows in further elements: of another plate, or under a footprint. Each dof appears once in a row.
     pub further: BTreeMap<usize, Vec<(usize, [f64; DOFS])>>,
 }
 
@@ -25,7 +24,7 @@ impl Rows {
         self.element.is_empty()
     }
 
-    /// Takes rows over the dofs of elements' own nodes to those of the nodes that lead them.
+    /// Transforms rows from the nodes of elements to their leaders.
     pub fn onto_leaders(mut self, plate: &Plate) -> Self {
         if plate.bodies().is_empty() {
             return self;
@@ -34,7 +33,7 @@ impl Rows {
             plate.onto_leaders(e, own);
             let Some(further) = self.further.get_mut(&row) else { continue };
             further.iter_mut().for_each(|(e, own)| plate.onto_leaders(*e, own));
-            // What other elements have at a dof goes to the first of them.
+            // Coefficients of a common dof are summed in its first element.
             let mut place: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
             for piece in 0..=further.len() {
                 let nodes = plate.leading(if piece == 0 { e } else { further[piece - 1].0 });
@@ -51,7 +50,7 @@ impl Rows {
         self
     }
 
-    /// Puts a row of another table behind the others.
+    /// Appends a row of another table.
     pub fn push_from(&mut self, other: &Self, row: usize) {
         if let Some(further) = other.further.get(&row) {
             self.further.insert(self.len(), further.clone());
@@ -60,7 +59,7 @@ impl Rows {
         self.coefficient.push(other.coefficient[row]);
     }
 
-    /// The elements of a row over two of them.
+    /// The two elements of a row on a pair.
     pub fn pair(&self, row: usize) -> Option<[u32; 2]> {
         match self.further.get(&row)?[..] {
             [(second, _)] => Some([self.element[row] as u32, second as u32]),
@@ -68,7 +67,7 @@ impl Rows {
         }
     }
 
-    /// The dof and coefficient pairs of one row, zeros left out.
+    /// The (dof, coefficient) pairs of a row, without zeros.
     pub fn entries<'a>(&'a self, plate: &'a Plate, row: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
         let of_element = |element: usize, coefficient: &'a [f64; DOFS]| {
             let nodes = plate.leading(element);
@@ -100,7 +99,7 @@ impl Rows {
     }
 }
 
-/// Linear springs: stiffness k_i on row i, whose base sits at `base_i`.
+/// Linear springs: stiffness k_i on row i, with base `base_i`.
 #[derive(Clone, Debug, Default)]
 pub struct Springs {
     pub rows: Rows,
@@ -109,7 +108,7 @@ pub struct Springs {
 }
 
 impl Springs {
-    /// Puts a spring on a row of some table behind the others.
+    /// Appends a spring on a row of a table.
     pub fn push(&mut self, rows: &Rows, row: usize, stiffness: f64, base: f64) {
         self.rows.push_from(rows, row);
         self.stiffness.push(stiffness);

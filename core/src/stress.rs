@@ -1,10 +1,9 @@
 //! Moments and shears from displacements.
 //!
-//! Sampled at the 2×2 Gauss points, where the derivatives of quadratic elements converge one order faster (Barlow
-//! 1976), and carried to the nodes by the bilinear function through the four values, averaged over the elements that
-//! meet there (Hinton & Campbell 1974), but not across jumps of what the plate is made of (`Plate::stress_nodes`). Of
-//! triangles moments are sampled at three points, and carried on by the linear function through them; shear is the
-//! element's mean.
+//! They are sampled at the 2×2 Gauss points, where derivatives of quadratic elements converge one order faster (Barlow
+//! 1976), extrapolated bilinearly to the nodes, and averaged over the elements of a node (Hinton & Campbell 1974),
+//! except across jumps of the section (`Plate::stress_nodes`). Triangles sample moments at three points and extrapolate
+//! linearly; their shear is the element mean.
 
 use crate::displacement::Displacement;
 use crate::double_double::DoubleDouble;
@@ -31,7 +30,7 @@ pub fn at_gauss_points(
     Samples::of(plate, e).stress(plate, e, displacement, curvature, couples)
 }
 
-/// What the stresses at points of an element are made of, whatever its displacements.
+/// The strain–displacement matrices and sections at points of an element.
 struct Samples<const N: usize = 4> {
     strain: [StrainMatrix; N],
     sections: [Section; N],
@@ -49,7 +48,7 @@ impl Samples {
 }
 
 impl<const N: usize> Samples<N> {
-    /// At so many of the element's points, from a first one on.
+    /// The samples at N consecutive points of the element.
     fn from(plate: &Plate, e: usize, first: usize) -> Self {
         let geometry = plate.geometry(e);
         let points = &plate.kind.points_of(geometry.triangle)[first..];
@@ -86,8 +85,8 @@ impl<const N: usize> Samples<N> {
         out
     }
 
-    /// Strains by a displacement without its rigid motion; shears in double-double, since those of a thin plate are small
-    /// beside their terms.
+    /// Strains from displacements without rigid motion; shears in double-double, since they are differences of large
+    /// terms in thin plates.
     #[inline(always)]
     fn strains(&self, plate: &Plate, e: usize, stripped: &[DoubleDouble; DOFS], couples: [f64; 2]) -> [[f64; 5]; N] {
         let dot = |row: &[f64], values: &[DoubleDouble], from: f64| {
@@ -114,7 +113,7 @@ impl<const N: usize> Samples<N> {
     }
 }
 
-/// Stress at the points that an element's stiffness is integrated by: nine, or q8r's four.
+/// Stress at the integration points of the stiffness: nine, or four for q8r.
 pub fn at_integration_points(plate: &Plate, e: usize, of: &Strained) -> Vec<Stress> {
     let couples = [of.couples[2 * e], of.couples[2 * e + 1]];
     match plate.kind {
@@ -123,7 +122,7 @@ pub fn at_integration_points(plate: &Plate, e: usize, of: &Strained) -> Vec<Stre
     }
 }
 
-/// Strains there over the dofs of the element's nodes, in their frames, its centre following them.
+/// Strain matrices there on the dofs of the nodes, in their frames, with the centre condensed.
 pub fn strain_rows(plate: &Plate, e: usize) -> Vec<[[f64; DOFS]; 5]> {
     let condensed = |strain: &StrainMatrix| {
         strain.map(|row| {
@@ -139,14 +138,14 @@ pub fn strain_rows(plate: &Plate, e: usize) -> Vec<[[f64; DOFS]; 5]> {
     }
 }
 
-/// Displacements with the stress-free curvature and the couples on centre rotations that belong to them.
+/// Displacements with stress-free curvature and couples on centre rotations.
 pub struct Strained<'a> {
     pub displacement: &'a Displacement,
     pub curvature: [f64; 3],
     pub couples: &'a [f64],
 }
 
-/// Stress at every node for several displacements: the elements' matrices are made once.
+/// Stress at each node for several displacements; element matrices are made once.
 pub fn smoothed_together(plate: &Plate, all: &[Strained]) -> Vec<Vec<Stress>> {
     let sampled: Vec<Vec<[Stress; 4]>> = (0..plate.elements().len())
         .into_par_iter()
@@ -162,7 +161,7 @@ pub fn smoothed_together(plate: &Plate, all: &[Strained]) -> Vec<Vec<Stress>> {
     (0..all.len()).into_par_iter().map(|k| carried_to_nodes(plate, |e| sampled[e][k])).collect()
 }
 
-/// Stress at every node, five numbers each, and at the Gauss points of every element, twenty each.
+/// Stress at each node (5 numbers), and at the Gauss points of each element (20 numbers).
 pub fn smoothed(
     plate: &Plate,
     displacement: &Displacement,
@@ -178,7 +177,7 @@ pub fn smoothed(
     (nodal, sampled)
 }
 
-/// Mean, over the elements that meet at a node of the stresses, of what each one's samples give there.
+/// Mean of the extrapolated samples over the elements of each stress node.
 fn carried_to_nodes(plate: &Plate, sampled: impl Fn(usize) -> [Stress; 4]) -> Vec<Stress> {
     let of_squares: [[f64; 4]; 8] = std::array::from_fn(|i| bilinear(NODES[i][0], NODES[i][1]));
     let (elements, count) = plate.stress_nodes();

@@ -1,13 +1,13 @@
-//! Sums of many vectors with many sets of coefficients, and their extremes.
+//! Linear combinations of many vectors, and their extremes.
 //!
-//! Every sum runs over the vectors in their order, so that it does not depend on what is computed beside it.
+//! Each sum runs over the vectors in order, so that it does not depend on other sums.
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Entries summed at a time, few enough to stay in registers.
+/// Entries of a tile; they stay in registers.
 const TILE: usize = 16;
-/// Entries that one thread takes at a time.
+/// Entries of one parallel chunk.
 const SHARE: usize = 1024;
 
 /// Coefficients (k, b), row-major, times vectors (b, n): (k, n).
@@ -23,9 +23,8 @@ pub fn superpose(coefficients: &[f64], vectors: &[f64], count: usize) -> Vec<f64
     out
 }
 
-/// Sum of `count` terms, computed side by side and added in their order: the same bits on any number of threads.
-///
-/// `least` is how many terms are worth a thread.
+/// Sum of `count` terms, computed in parallel and added in order: the same bits for any number of threads. `least` is
+/// the chunk size.
 pub fn sum_in_order(count: usize, least: usize, term: impl Fn(usize) -> f64 + Send + Sync) -> f64 {
     let terms: Vec<f64> = (0..count).into_par_iter().with_min_len(least).map(term).collect();
     terms.iter().sum()
@@ -55,7 +54,7 @@ impl WithSimd for Superpose<'_> {
     }
 }
 
-/// Largest and smallest values (n,) met so far, and which combinations they come from.
+/// Running maxima and minima (n,), and their combinations.
 pub struct Envelope<'a> {
     pub largest: &'a mut [f64],
     pub largest_by: &'a mut [i64],
@@ -63,7 +62,7 @@ pub struct Envelope<'a> {
     pub smallest_by: &'a mut [i64],
 }
 
-/// Where a sum is largest and smallest.
+/// Positions of the extremes of a sum.
 #[derive(Clone, Copy, Debug)]
 pub struct Peak {
     pub largest: f64,
@@ -72,7 +71,7 @@ pub struct Peak {
     pub smallest_at: usize,
 }
 
-/// Entries (n,) by class, and of every sum (k,) the classes (k, c) whose entries are no part of its peak.
+/// Class of each entry (n,), and classes (k, c) excluded from the extremes of each sum.
 #[derive(Clone, Copy)]
 pub struct LeftOut<'a> {
     pub class: &'a [i64],
@@ -81,9 +80,9 @@ pub struct LeftOut<'a> {
 }
 
 impl LeftOut<'_> {
-    /// Moves a sum's peak to what of its entries from `first` on is beyond it and not left out.
+    /// Updates the extremes of a sum by its entries from `first`, except excluded ones.
     ///
-    /// Seldom called, and no part of the loop over sums.
+    /// Called seldom, and kept out of the loop over sums.
     #[cold]
     #[inline(never)]
     fn look(&self, sum: usize, first: usize, entries: &[f64], peak: &mut Peak) {
@@ -115,9 +114,8 @@ impl Peak {
     }
 }
 
-/// Widens an envelope by every sum of the vectors (b, n) with coefficients (k, b), and returns each sum's peak.
-///
-/// `who` (k,) names the combinations. Sums are made and judged tile by tile, and never stored.
+/// Updates an envelope by the combinations (k, b) of vectors (b, n), and returns the extremes of each. `who` (k,) are
+/// the numbers of the combinations. Sums are formed tile by tile and not stored.
 pub fn envelop(
     coefficients: &[f64],
     vectors: &[f64],
@@ -127,7 +125,7 @@ pub fn envelop(
 ) -> Vec<Peak> {
     let length = envelope.largest.len();
     let count = coefficients.len() / who.len().max(1);
-    // Cases that none of these combinations has cost nothing.
+    // Vectors without a nonzero coefficient are skipped.
     let used: Vec<usize> =
         (0..count).filter(|&b| coefficients.iter().skip(b).step_by(count).any(|c| *c != 0.0)).collect();
     let rows: Vec<f64> = coefficients.chunks_exact(count.max(1)).flat_map(|row| used.iter().map(|&b| row[b])).collect();
@@ -147,7 +145,7 @@ pub fn envelop(
                 for (row, &b) in tile.chunks_exact_mut(TILE).zip(&used) {
                     let source = &vectors[b * length + first..b * length + first + width];
                     row[..width].copy_from_slice(source);
-                    // A last tile that is not full repeats its last entry.
+                    // An incomplete last tile repeats its last entry.
                     row[width..].fill(source[width - 1]);
                 }
                 let part = from..from + width;
@@ -248,7 +246,7 @@ fn sum_strip<S: Simd, const N: usize>(simd: S, row: &[f64], vectors: &[S::f64s],
 mod tests {
     use super::*;
 
-    /// Numbers that look random and are the same every time.
+    /// Pseudo-random numbers from a fixed seed.
     fn numbers(count: usize, mut seed: u64) -> Vec<f64> {
         let mut next = || {
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -285,7 +283,7 @@ mod tests {
                 smallest: &mut smallest,
                 smallest_by: &mut smallest_by,
             };
-            // Every third entry counts for every other sum alone.
+            // Every third entry is excluded from every other sum.
             let class: Vec<i64> = (0..length as i64).map(|i| i64::from(i % 3 == 2)).collect();
             let sums_without: Vec<bool> = (0..combinations).flat_map(|k| [false, k % 2 == 1]).collect();
             let left_out = LeftOut { class: &class, sums: &sums_without, classes: 2 };

@@ -1,11 +1,11 @@
-//! Loops compiled for the widest registers that the machine turns out to have.
+//! Loops compiled for the widest vector registers of the machine at run time.
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Runs a closure marked `#[inline(always)]` with all that is inlined into it vectorized for this machine.
+/// Runs a closure marked `#[inline(always)]`, vectorized for this machine.
 ///
-/// It is called as `FnMut`: as `FnOnce` a closure that gives nothing away would be called by a shim that is not inlined,
-/// and so not vectorized; a fused multiply-add is then a function call.
+/// It is called as `FnMut`: as `FnOnce`, a closure that captures by reference is called through a shim that is not
+/// inlined and not vectorized; a fused multiply-add is then a function call.
 #[inline(always)]
 pub fn vectorized<R>(work: impl FnMut() -> R) -> R {
     Arch::new().dispatch(Work(work))

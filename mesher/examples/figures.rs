@@ -2,7 +2,7 @@
 //!
 //! Into a directory it also writes the meshes, as SVG.
 
-use signorini_mesher::{Line, Loop, Mesh, Point, Refinement, Wishes, mesh};
+use signorini_mesher::{Line, Loop, Mesh, MeshOptions, Point, Refinement, mesh};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::time::Instant;
@@ -58,8 +58,8 @@ fn floor() -> (Vec<Loop>, Vec<Line>) {
     (loops, lines)
 }
 
-fn cases() -> Vec<(&'static str, Vec<Loop>, Wishes)> {
-    let of = |size: f64| Wishes { size, ..Wishes::default() };
+fn cases() -> Vec<(&'static str, Vec<Loop>, MeshOptions)> {
+    let of = |size: f64| MeshOptions { size, ..MeshOptions::default() };
     let square = rectangle("edge", [0.0, 0.0, 10.0, 10.0]);
     let ell = polygon("", vec![[0.0, 0.0], [8.0, 0.0], [8.0, 4.0], [4.0, 4.0], [4.0, 8.0], [0.0, 8.0]]);
     let (floor, columns) = floor();
@@ -81,9 +81,9 @@ fn cases() -> Vec<(&'static str, Vec<Loop>, Wishes)> {
         ("square", vec![square.clone()], of(0.5)),
         ("L", vec![ell.clone()], of(0.5)),
         ("L with a hole", vec![ell.clone(), rectangle("hole 1", [1.3, 1.2, 2.6, 2.9])], of(0.5)),
-        ("floor .5", floor.clone(), Wishes { size: 0.5, lines: columns.clone(), ..of(0.5) }),
-        ("floor .2", floor.clone(), Wishes { size: 0.2, lines: columns.clone(), ..of(0.2) }),
-        ("floor .1", floor.clone(), Wishes { size: 0.1, lines: columns.clone(), ..of(0.1) }),
+        ("floor .5", floor.clone(), MeshOptions { size: 0.5, lines: columns.clone(), ..of(0.5) }),
+        ("floor .2", floor.clone(), MeshOptions { size: 0.2, lines: columns.clone(), ..of(0.2) }),
+        ("floor .1", floor.clone(), MeshOptions { size: 0.1, lines: columns.clone(), ..of(0.1) }),
         ("floor at 30 degrees .2", turned(&floor, 30.0), of(0.2)),
         ("disc .5", vec![ellipse_like("rim", [0.0; 2], [2.0; 2])], of(0.5)),
         ("disc .2", vec![ellipse_like("rim", [0.0; 2], [2.0; 2])], of(0.2)),
@@ -103,14 +103,18 @@ fn cases() -> Vec<(&'static str, Vec<Loop>, Wishes)> {
         (
             "square, refined at a point",
             vec![square.clone()],
-            Wishes { refinements: vec![at([3.0, 4.0], 0.05)], ..of(0.5) },
+            MeshOptions { refinements: vec![at([3.0, 4.0], 0.05)], ..of(0.5) },
         ),
         (
             "square, refined at an edge",
             vec![square.clone()],
-            Wishes { refinements: vec![Refinement { from: [10.0, 0.0], to: [10.0, 10.0], size: 0.1 }], ..of(0.5) },
+            MeshOptions { refinements: vec![Refinement { from: [10.0, 0.0], to: [10.0, 10.0], size: 0.1 }], ..of(0.5) },
         ),
-        ("square, skew line", vec![square.clone()], Wishes { lines: vec![line([1.0, 1.0], [9.0, 6.0])], ..of(0.5) }),
+        (
+            "square, skew line",
+            vec![square.clone()],
+            MeshOptions { lines: vec![line([1.0, 1.0], [9.0, 6.0])], ..of(0.5) },
+        ),
         ("square of 100,000", vec![square.clone()], of(10.0 / 316.3)),
         ("disc of 100,000", vec![ellipse_like("rim", [0.0; 2], [2.0; 2])], of(0.0112)),
         ("floor of 100,000", turned(&floor, 17.0), of(0.0255)),
@@ -140,9 +144,9 @@ fn svg(mesh: &Mesh) -> String {
 fn main() {
     let directory = std::env::args().nth(1);
     println!("{:28}{:>10}{:>12}{:>12}{:>8}", "case", "elements", "in quads", "least angle", "ms");
-    for (name, loops, wishes) in cases() {
+    for (name, loops, options) in cases() {
         let start = Instant::now();
-        let made = mesh(&loops, &wishes).unwrap_or_else(|fault| panic!("{name}: {fault}"));
+        let made = mesh(&loops, &options).unwrap_or_else(|fault| panic!("{name}: {fault}"));
         let time = start.elapsed().as_secs_f64() * 1e3;
         let (count, share) = (made.elements.len(), 100.0 * made.quadrilaterals);
         println!("{name:28}{count:>10}{share:>11.2}%{:>12.1}{time:>8.0}", made.least_angle);

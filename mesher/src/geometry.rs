@@ -237,7 +237,7 @@ impl Curve {
                 let apart = norm(axis);
                 let foot = 0.5 * (apart + (one.radius - two.radius) * (one.radius + two.radius) / apart);
                 let square = one.radius * one.radius - foot * foot;
-                // Of concentric ones the foot is not finite, and of those apart or one in the other nothing is left.
+                // For concentric circles the foot is not finite; for separate or nested ones the square is negative.
                 if !(square > 0.0 && foot.is_finite()) {
                     return Vec::new();
                 }
@@ -252,7 +252,7 @@ impl Curve {
         those.map(|p| (self.nearest(p), p)).collect()
     }
 
-    /// The part between two shares, from one point to another that are there but for rounding.
+    /// The part between two shares of the length, with end points given exactly.
     pub fn part(&self, [begin, end]: [f64; 2], from: Point, to: Point) -> Curve {
         let round = self.round.map(|round| {
             let start = round.start + begin * round.sweep;

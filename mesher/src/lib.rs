@@ -23,7 +23,7 @@ mod triangles;
 mod tunnels;
 
 pub use geometry::Point;
-pub use outline::{Fault, Loop};
+pub use outline::{Loop, MeshError};
 pub use sizes::Refinement;
 
 use geometry::Curve;
@@ -44,21 +44,21 @@ pub struct Line {
     pub ends: [Point; 2],
     /// A point that it is an arc through; `None`: it is straight.
     pub through: Option<Point>,
-    /// What is followed first has the least.
+    /// Order in which lines are followed; the least first.
     pub rank: usize,
-    /// Whether its parts are followed that leave the plate nowhere, and come nowhere nearer to the outline, or to what is
-    /// followed already, than about half an element; or all within the plate or nothing.
+    /// Whether the line may be followed in part: its parts inside the plate that keep half an element from the outline
+    /// and from followed lines. Otherwise it is followed as a whole, if it lies within the plate.
     pub in_part: bool,
 }
 
 /// How a plate is to be meshed.
 #[derive(Clone, Debug)]
-pub struct Wishes {
+pub struct MeshOptions {
     /// Largest side of an element, were they all squares.
     pub size: f64,
     pub refinements: Vec<Refinement>,
     pub lines: Vec<Line>,
-    /// Points for nodes, where that is too near to nothing.
+    /// Points that become nodes where they keep their distance from others.
     pub points: Vec<Point>,
     /// Elements at most, about; 10⁷ if it is not said.
     pub most: Option<usize>,
@@ -67,10 +67,10 @@ pub struct Wishes {
     pub axes: [Point; 2],
 }
 
-impl Default for Wishes {
-    fn default() -> Wishes {
+impl Default for MeshOptions {
+    fn default() -> MeshOptions {
         let axes = [[1.0, 0.0], [0.0, 1.0]];
-        Wishes { size: 0.0, refinements: Vec::new(), lines: Vec::new(), points: Vec::new(), most: None, axes }
+        MeshOptions { size: 0.0, refinements: Vec::new(), lines: Vec::new(), points: Vec::new(), most: None, axes }
     }
 }
 
@@ -90,7 +90,7 @@ pub struct Mesh {
     pub quadrilaterals: f64,
 }
 
-/// Elements at most, where nothing else is said.
+/// Default of the largest number of elements.
 const MOST: usize = 10_000_000;
 /// Times that a mesh with bad elements is made again with smaller ones about them.
 const ATTEMPTS: usize = 8;
@@ -108,22 +108,22 @@ const ATTEMPTS: usize = 8;
 /// # Examples
 ///
 /// ```
-/// use signorini_mesher::{Loop, Wishes, mesh};
+/// use signorini_mesher::{Loop, MeshOptions, mesh};
 /// let square = Loop {
 ///     corners: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]],
 ///     through: vec![None; 4],
 ///     names: (1..=4).map(|i| format!("edge {i}")).collect(),
 /// };
-/// let mesh = mesh(&[square], &Wishes { size: 0.5, ..Wishes::default() }).unwrap();
+/// let mesh = mesh(&[square], &MeshOptions { size: 0.5, ..MeshOptions::default() }).unwrap();
 /// assert_eq!((mesh.elements.len(), mesh.points.len(), mesh.sides.len()), (16, 65, 16));
 /// assert_eq!((mesh.least_angle, mesh.quadrilaterals), (90.0, 1.0));
 /// ```
-pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
-    let size = wishes.size;
-    if !(size > 0.0 && wishes.refinements.iter().all(|r| r.size > 0.0)) {
-        return Err(Fault { message: "An element size must be positive.".to_string(), side: None });
+pub fn mesh(loops: &[Loop], options: &MeshOptions) -> Result<Mesh, MeshError> {
+    let size = options.size;
+    if !(size > 0.0 && options.refinements.iter().all(|r| r.size > 0.0)) {
+        return Err(MeshError { message: "An element size must be positive.".to_string(), side: None });
     }
-    let most = wishes.most.unwrap_or(MOST) as f64;
+    let most = options.most.unwrap_or(MOST) as f64;
     let too_many = || {
         let message = format!(
             "Elements of size {}, and smaller ones where they are asked for or needed, would be more than the {} that there is \
@@ -131,15 +131,15 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
             outline::number(size),
             outline::number(most)
         );
-        Fault { message, side: None }
+        MeshError { message, side: None }
     };
     let sides = outline::sides(loops)?;
-    // Chords along arcs are much shorter than elements, so that what is far too much is refused before there are any.
+    // Chords along arcs are much shorter than elements: too large a mesh is refused before chords are made.
     if outline::area(&sides) > most * size * size {
         return Err(too_many());
     }
     Outline::new(sides.clone(), size).require(size)?;
-    let normal = Normal::new(loops, wishes);
+    let normal = Normal::new(loops, options);
     let size = normal.size(size);
     let (sides, given_sides) = normal.sides(loops, &sides);
     let (angle, slant) = directions(&sides);
@@ -147,10 +147,10 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
     let turn = |p: Point| turned(p, forth);
     let outline =
         Outline::new(sides.into_iter().map(|s| Side { curve: s.curve.mapped(turn, -angle), ..s }).collect(), size);
-    let (lines, given_lines) = normal.lines(&wishes.lines);
+    let (lines, given_lines) = normal.lines(&options.lines);
     let lines: Vec<(Curve, bool)> = lines.into_iter().map(|(c, in_part)| (c.mapped(turn, -angle), in_part)).collect();
-    let points: Vec<Point> = normal.points(&wishes.points).into_iter().map(turn).collect();
-    let mut refinements = normal.refinements(&wishes.refinements);
+    let points: Vec<Point> = normal.points(&options.points).into_iter().map(turn).collect();
+    let mut refinements = normal.refinements(&options.refinements);
     refinements.iter_mut().for_each(|r| (r.from, r.to) = (turn(r.from), turn(r.to)));
     for attempt in 1.. {
         let sizes = Sizes::new(&outline, size, &refinements);
@@ -170,23 +170,23 @@ pub fn mesh(loops: &[Loop], wishes: &Wishes) -> Result<Mesh, Fault> {
                  simplify the outline there.",
                 outline::place(normal.back(turned(bad[0], back)))
             );
-            return Err(Fault { message, side: None });
+            return Err(MeshError { message, side: None });
         }
         refinements.extend(bad.into_iter().map(|p| Refinement { from: p, to: p, size: 0.5 * sizes.at(p) }));
     }
     unreachable!("the last attempt returns")
 }
 
-/// A mesh with this share of the area in quadrilaterals and this smallest angle is good enough. Of so many elements, where
-/// the lattice within counts for more than what is along the outline, none is made in other styles.
+/// Share of the area in quadrilaterals, and smallest angle, of a mesh that is accepted at once. Meshes of so many
+/// elements, whose interior lattice dominates, are made in one style only.
 const ENOUGH: f64 = 0.99;
 const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;
 /// So few elements keep their triangles: longer quadrilaterals in their place would cost more than they bring.
 const FEW: usize = 28;
-/// Least quality, before nodes are moved, of what leads triangles together, and the same in meshes of many elements,
-/// which are not made again without it where it leaves sharp angles.
-const BOLD: f64 = 0.05;
+/// Least quality, before smoothing, of elements made by merging triangles; and the same in meshes of many elements,
+/// which are not made again without merging where it leaves sharp angles.
+const LEAST_MERGED: f64 = 0.05;
 const CAUTIOUS: f64 = 0.3;
 
 /// The better of two meshes, of equal ones the first.
@@ -270,7 +270,7 @@ impl Task<'_> {
         Ok(Draft { seeds, pieces, elements })
     }
 
-    /// A draft with what triangles it can do without led together, or with all of them, and its nodes moved.
+    /// Finishes a draft, with triangles merged where possible or with all of them, and smooths it.
     ///
     /// # Errors
     ///
@@ -284,7 +284,7 @@ impl Task<'_> {
         for led in if paired.len() < FEW { &[false][..] } else { &[true, false] } {
             let mut elements = paired.clone();
             if *led {
-                tunnels::join(&mut elements, &before, &chords, self.sizes, if many { CAUTIOUS } else { BOLD });
+                tunnels::join(&mut elements, &before, &chords, self.sizes, if many { CAUTIOUS } else { LEAST_MERGED });
             }
             seeds.points.copy_from_slice(&before);
             result = match (result, self.shaped(&mut seeds, &pieces, &elements)) {

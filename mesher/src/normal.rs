@@ -5,10 +5,10 @@ use crate::geometry::{Curve, Point, dot, order};
 use crate::outline::{Loop, Side};
 use crate::sizes::Refinement;
 use crate::tree::Box2;
-use crate::{Line, Wishes};
+use crate::{Line, MeshOptions};
 
-/// Coordinates are multiples of this part of the extent: far above the rounding of numbers in whatever unit, and below
-/// all that tells places apart.
+/// Grid of coordinates, relative to the extent: far above the rounding of numbers in any unit, and below the distance
+/// of different places.
 const GRID: f64 = 1.0 / (1u64 << 40) as f64;
 /// The same of places of refinements, and of sizes: those matter less, and distances that they come from have fewer digits.
 const COARSE: f64 = 1.0 / (1u64 << 30) as f64;
@@ -17,7 +17,7 @@ pub struct Normal {
     centre: Point,
     extent: f64,
     axes: [Point; 2],
-    /// Of either coordinate the values that were given, rounded, and as they are.
+    /// Given values of each coordinate: rounded, and original.
     known: [Vec<(f64, f64)>; 2],
 }
 
@@ -31,15 +31,15 @@ pub struct Given {
 }
 
 impl Normal {
-    pub fn new(loops: &[Loop], wishes: &Wishes) -> Normal {
+    pub fn new(loops: &[Loop], options: &MeshOptions) -> Normal {
         let mut given: Vec<Point> =
             loops.iter().flat_map(|ring| ring.corners.iter().chain(ring.through.iter().flatten())).copied().collect();
         let Box2 { low, high } = Box2::around(given.iter().copied());
         let centre = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
         let extent = Box2 { low, high }.extent();
-        given.extend(wishes.lines.iter().flat_map(|line| line.ends));
-        given.extend(&wishes.points);
-        let mut normal = Normal { centre, extent, axes: wishes.axes, known: [Vec::new(), Vec::new()] };
+        given.extend(options.lines.iter().flat_map(|line| line.ends));
+        given.extend(&options.points);
+        let mut normal = Normal { centre, extent, axes: options.axes, known: [Vec::new(), Vec::new()] };
         normal.known = [0, 1].map(|axis| {
             let mut known: Vec<(f64, f64)> = given.iter().map(|&p| (normal.rounded(p, GRID)[axis], p[axis])).collect();
             known.sort_by(|s, t| s.0.total_cmp(&t.0).then(s.1.total_cmp(&t.1)));
@@ -53,7 +53,7 @@ impl Normal {
         [0, 1].map(|axis| ((p[axis] - self.centre[axis]) / self.extent / grid).round() * grid)
     }
 
-    /// Whether what is counter-clockwise is clockwise in the normal form.
+    /// Whether the normal form is mirrored.
     pub fn is_mirrored(&self) -> bool {
         self.axes[0][0] * self.axes[1][1] < self.axes[0][1] * self.axes[1][0]
     }
@@ -68,8 +68,7 @@ impl Normal {
     }
 
     pub fn size(&self, size: f64) -> f64 {
-        // The upper bits of a number (Dekker 1971).
-        // Of 53 bits the upper 30 (Dekker 1971).
+        // The upper 30 of 53 bits (Dekker 1971).
         let size = size / self.extent;
         let wide = f64::from((1 << 23) + 1) * size;
         wide - (wide - size)
@@ -127,7 +126,7 @@ impl Normal {
         (own, given)
     }
 
-    /// Lines to follow, and whether in part, by rank, and those of a rank by their places; arcs that are none are left out.
+    /// Lines to follow, and whether in part, ordered by rank and then by place; degenerate arcs are left out.
     pub fn lines(&self, lines: &[Line]) -> (Vec<(Curve, bool)>, Vec<Curve>) {
         let mut result: Vec<(usize, [f64; 6], bool, Curve)> = Vec::new();
         for &Line { mut ends, through, rank, in_part } in lines {

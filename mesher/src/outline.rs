@@ -11,25 +11,25 @@ pub struct Loop {
     pub corners: Vec<Point>,
     /// A point that the side from each corner is an arc through; `None`: a straight side.
     pub through: Vec<Option<Point>>,
-    /// What each side is called; several may share a name.
+    /// Name of each side; several sides may share a name.
     pub names: Vec<String>,
 }
 
 /// Why there is no mesh, and of which side of which loop.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
+pub struct MeshError {
     pub message: String,
     /// The loop, the outline being the first, and its side.
     pub side: Option<(usize, usize)>,
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for MeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
     }
 }
 
-impl std::error::Error for Fault {}
+impl std::error::Error for MeshError {}
 
 #[derive(Clone, Debug)]
 pub struct Side {
@@ -52,17 +52,17 @@ pub struct Outline {
 
 /// Sides nearer to each other than this share of the element size, or shorter, would need elements by the thousand.
 const NARROW: f64 = 1e-3;
-/// Of a corner sharper than this (one degree) no element is of use.
+/// Smallest angle of a corner, in radians (one degree): elements in a sharper one are useless.
 const SHARP: f64 = 0.017_452;
 
 /// The sides of loops, the outline first and then the holes, with the plate on their left.
-pub fn sides(loops: &[Loop]) -> Result<Vec<Side>, Fault> {
+pub fn sides(loops: &[Loop]) -> Result<Vec<Side>, MeshError> {
     let mut sides: Vec<Side> = Vec::new();
     for (ring, given) in loops.iter().enumerate() {
         let count = given.corners.len();
         let first = sides.len();
         for number in 0..count {
-            let curve = curve(given, number).map_err(|message| Fault { message, side: Some((ring, number)) })?;
+            let curve = curve(given, number).map_err(|message| MeshError { message, side: Some((ring, number)) })?;
             sides.push(Side { curve, name: given.names[number].clone(), ring, number, neighbours: [0; 2] });
         }
         let round = area(&sides[first..]);
@@ -95,8 +95,9 @@ impl Outline {
         Outline { sides, chords: Tree::new(chords), bounds }
     }
 
-    /// Refuses what is no outline of a plate with elements of a size; sides are of the outline first and then of holes.
-    pub fn require(&self, size: f64) -> Result<(), Fault> {
+    /// Refuses invalid outlines of a plate with elements of a size; sides of the outline come first, then those of
+    /// holes.
+    pub fn require(&self, size: f64) -> Result<(), MeshError> {
         self.require_corners(NARROW * size)?;
         self.require_simple(NARROW * size)?;
         self.require_nested(self.sides.last().map_or(0, |side| side.ring + 1))
@@ -119,11 +120,11 @@ impl Outline {
         self.sides.iter().map(inside).fold(TAU, f64::min).to_degrees()
     }
 
-    fn fault(&self, side: usize, message: String) -> Fault {
-        Fault { message, side: Some((self.sides[side].ring, self.sides[side].number)) }
+    fn fault(&self, side: usize, message: String) -> MeshError {
+        MeshError { message, side: Some((self.sides[side].ring, self.sides[side].number)) }
     }
 
-    fn require_corners(&self, narrow: f64) -> Result<(), Fault> {
+    fn require_corners(&self, narrow: f64) -> Result<(), MeshError> {
         for (index, side) in self.sides.iter().enumerate() {
             let length = side.curve.length();
             if length < narrow {
@@ -155,7 +156,7 @@ impl Outline {
     }
 
     /// Refuses sides that cross, touch or all but touch.
-    fn require_simple(&self, narrow: f64) -> Result<(), Fault> {
+    fn require_simple(&self, narrow: f64) -> Result<(), MeshError> {
         let touching = 1e-9 * self.bounds.extent();
         let mut worst: Option<(f64, usize, usize, Point)> = None;
         for (index, side) in self.sides.iter().enumerate() {
@@ -207,11 +208,11 @@ impl Outline {
             )
         };
         let key = |side: usize| (self.sides[side].ring, self.sides[side].number);
-        Err(Fault { message, side: Some(key(one).max(key(other))) })
+        Err(MeshError { message, side: Some(key(one).max(key(other))) })
     }
 
     /// Refuses holes outside the outline, or in other holes; sides no longer meet.
-    fn require_nested(&self, rings: usize) -> Result<(), Fault> {
+    fn require_nested(&self, rings: usize) -> Result<(), MeshError> {
         for (index, side) in self.sides.iter().enumerate() {
             if side.ring == 0 || self.sides[..index].iter().any(|before| before.ring == side.ring) {
                 continue;
@@ -277,11 +278,11 @@ pub fn place(p: Point) -> String {
     format!("[{}, {}]", number(p[0]), number(p[1]))
 }
 
-/// The direction, in [0, π/2), along or across which most of the outline's straight length runs; and the angle from there
-/// to what most of the rest runs along, if there is such.
+/// The direction, in [0, π/2), along or across which the largest straight length of the outline runs; and the angle
+/// from it to the second one, if any.
 pub fn directions(sides: &[Side]) -> (f64, Option<f64>) {
     use std::f64::consts::{FRAC_PI_2, PI};
-    // Sides of one direction but for the rounding of their corners.
+    // Tolerance for equal directions of sides, in radians: the rounding of their corners.
     const SAME: f64 = 1e-6;
     // Cosines of the flattest angle between lines of a lattice (40°), and of one that is as good as 90°.
     const FLATTEST: f64 = 0.766;

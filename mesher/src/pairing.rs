@@ -18,7 +18,7 @@ const DEPTH: usize = 10;
 pub fn pair(triangles: &Triangles, points: &[Point], kept: impl Fn(Point, Point) -> bool) -> Vec<Corners> {
     let count = triangles.corners.len();
     let mut sides = Vec::new();
-    // Of each triangle the partners it may have.
+    // Possible partners of each triangle.
     let mut partners = vec![[NONE; 3]; count];
     for t in 0..count {
         for i in 0..3 {

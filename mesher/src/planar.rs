@@ -14,7 +14,7 @@ pub struct Piece {
     pub of: Source,
 }
 
-/// What a piece is part of: a side of the outline, or a line within the plate; its number.
+/// Source of a piece: a side of the outline, or a line within the plate, with its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Source {
     Side(usize),
@@ -43,7 +43,7 @@ pub struct Planar<'a> {
     same: f64,
 }
 
-/// Shares of the element size within which nothing is followed that is not already there.
+/// Smallest distance of followed lines from existing ones, as a share of the element size.
 pub const NEAR: f64 = 0.55;
 /// Sine of the least angle at which a line is followed up to another (25°).
 const SLANT: f64 = 0.42;
@@ -96,7 +96,7 @@ impl<'a> Planar<'a> {
         }
     }
 
-    /// Makes a point of the plate a vertex if that is too near to nothing else.
+    /// Makes a point of the plate a vertex if it keeps its distance from others.
     pub fn follow_point(&mut self, p: Point) {
         let on = self.track_at(p);
         if !(on.is_some() || self.outline.contains(p)) || self.vertex_at(p).is_some() || !self.has_room(p) {
@@ -111,7 +111,7 @@ impl<'a> Planar<'a> {
 
     /// The vertices, and the pieces between them; a vertex without a piece is a point to follow.
     pub fn finish(mut self) -> (Vec<Point>, Vec<Piece>) {
-        // Numbers are by places, not by what was followed before what.
+        // Numbers depend on places only, independent of the order of following.
         let sides = self.outline.sides.len();
         let mut result: Vec<usize> = (0..self.vertices.len()).collect();
         result[sides..].sort_by(|&one, &other| order(&self.vertices[one], &self.vertices[other]));
@@ -179,7 +179,7 @@ impl<'a> Planar<'a> {
         }
     }
 
-    /// What may be followed of a stretch of a line: all of it, or the parts that come too near to nothing else.
+    /// The parts of a stretch of a line that may be followed: all of it, or those that keep their distance.
     fn with_room(&self, ends: &[Stop; 2], stretch: &Curve) -> Vec<([Stop; 2], Curve)> {
         if self.may_follow(ends, stretch) {
             return vec![(*ends, *stretch)];
@@ -197,7 +197,7 @@ impl<'a> Planar<'a> {
                 && parts.last().is_none_or(|(ends, _): &([Stop; 2], Curve)| distance(ends[1].at, at(i)) >= near(at(i)))
         }) {
             let last = (first..=count).take_while(|&i| clear[i]).last().unwrap_or(first);
-            // From and to the ends of the stretch, if these are what was too near.
+            // Extends to the ends of the stretch if only these were too near.
             let from =
                 if parts.is_empty() { vec![Stop { share: 0.0, ..ends[0] }, stop(first)] } else { vec![stop(first)] };
             let to = if clear[last..].iter().skip(1).any(|&c| c) {
@@ -271,7 +271,7 @@ impl<'a> Planar<'a> {
         self.vertices.iter().all(|&v| distance(v, at) >= near) && self.is_clear(at, near)
     }
 
-    /// Whether a point is so far from all tracks but those it is on.
+    /// Whether a point keeps its distance from all tracks except its own.
     fn is_clear(&self, at: Point, near: f64) -> bool {
         self.tracks.iter().all(|track| {
             let off = distance(track.curve.at(track.curve.nearest(at)), at);

@@ -49,7 +49,7 @@ impl Quadratic {
         let mut nodes: Vec<[usize; 8]> = corners
             .iter()
             .map(|own| {
-                // Of a triangle the third corner is repeated, and is also the middle of the side from it to itself.
+                // A triangle repeats its third corner, also as the middle of the collapsed side.
                 let mut all = [own[2]; 8];
                 all[..count(own)].copy_from_slice(&own[..count(own)]);
                 all
@@ -183,7 +183,7 @@ impl Quadratic {
             Source::Side(side) => &sides[side].curve,
             Source::Line(line) => &lines[line],
         };
-        // What rounding moved is put onto the curves as they were given; where two of them cross, onto one and the other.
+        // Nodes moved by rounding are projected onto the given curves; at crossings alternately onto both.
         for (of, node) in [&self.on[..], &self.on, &self.bent].concat() {
             let curve = given(of);
             points[node] = curve.at(curve.nearest(points[node]));

@@ -9,7 +9,7 @@ use crate::tree::{Box2, Segment, Tree};
 /// Nodes and the chords of pieces between them.
 pub struct Seeds {
     pub points: Vec<Point>,
-    /// The first so many points are vertices, which stay where they are.
+    /// Number of vertices among the points; they are fixed.
     pub fixed_points: usize,
     /// The piece and the share of its curve of each node that may slide on it.
     pub on: Vec<Option<(usize, f64)>>,
@@ -36,7 +36,7 @@ pub enum Style {
     Square,
     /// On a square lattice, and at one element's depth along pieces across it.
     Lined,
-    /// On a square lattice where elements have their largest size; elsewhere nodes are left to the refinement.
+    /// Seeds a square lattice where elements have their largest size; elsewhere the refinement adds nodes.
     Loose,
     /// On a lattice with an angle, other than 90°, between its lines.
     Skew(f64),
@@ -77,7 +77,7 @@ pub fn seed(outline: &Outline, sizes: &Sizes, vertices: Vec<Point>, pieces: &[Pi
 impl Seeds {
     /// Whether a point is far enough from all pieces for a node of elements of a size.
     pub fn is_free(&self, p: Point, size: f64) -> bool {
-        // Lattice lines come as near to lines that they follow as `NEAR` of the size, but for rounding.
+        // Tolerance of the distance `NEAR` of lattice lines from followed lines: rounding.
         self.fixed.least(p, 1.0, (NEAR - 1e-6) * size, |_| true).is_none()
     }
 
@@ -125,7 +125,7 @@ impl Seeds {
 /// Lattice lines, by the coordinate that each has, in a plane sheared such that they are x = … and y = ….
 pub struct Grid {
     lines: [Vec<f64>; 2],
-    /// Of the lattice's second direction, cosine and sine.
+    /// Cosine and sine of the lattice's second direction.
     second: [f64; 2],
     /// Coordinates this near to each other are one.
     level: f64,

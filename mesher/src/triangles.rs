@@ -19,11 +19,11 @@ pub struct Triangles {
     pub fixed: Vec<[bool; 3]>,
 }
 
-/// Circumradius over size above which a triangle is too large; that of half a square with sides 1.42 sizes is 1.0.
+/// Largest circumradius over size of a triangle; that of half a square with sides of 1.42 sizes is 1.0.
 const LARGE: f64 = 1.1;
 /// The same where no lattice gives nodes, which are then 0.8 to 1.6 sizes apart.
 const LARGE_LOOSE: f64 = 0.8;
-/// Circumradius over shortest side above which a triangle is too thin (20°).
+/// Largest circumradius over shortest side of a triangle (20°).
 const THIN: f64 = 1.42;
 /// Times that triangles are refined; few meshes need more than five.
 const ROUNDS: usize = 24;
@@ -33,7 +33,7 @@ impl Triangles {
     ///
     /// # Errors
     ///
-    /// The places where chords of arcs cross what the arcs themselves do not.
+    /// The places where chords of arcs cross although the arcs do not.
     pub fn new(
         seeds: &mut Seeds,
         sizes: &Sizes,

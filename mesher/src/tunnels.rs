@@ -17,7 +17,7 @@ const LONG: f64 = 2.1;
 /// Quadrilaterals between two triangles at most, and places that are looked at from each triangle.
 const FAR: usize = 12;
 const LOOKS: usize = 1000;
-/// What a step costs beside what it costs in shape.
+/// Cost of a step, in addition to its cost in shape.
 const STEP: f64 = 0.05;
 
 /// Replaces pairs of triangles, and the quadrilaterals between them, by quadrilaterals alone.
@@ -67,7 +67,7 @@ pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, size
     });
 }
 
-/// Sides along pieces, both ways, and of arcs the directions in which they leave their first ends.
+/// Sides along pieces in both directions; for arcs, the tangents at their first ends.
 pub struct Chords(HashMap<[usize; 2], Option<Point>>);
 
 impl Chords {
@@ -129,7 +129,7 @@ impl Ord for Next {
 }
 
 impl Search<'_> {
-    /// The triangle that another one is best led to, and what the elements on the way, the first included, become.
+    /// The best triangle to merge with, and the new corners of the elements on the path, including the first.
     fn run(&self, start: usize) -> Option<(usize, Vec<(usize, Corners)>)> {
         let [a, b, c, _] = self.elements[start];
         let mut stops = vec![Stop { triangle: [a, b, c], before: NONE, steps: 0, into: start, behind: [NONE; 4] }];
@@ -192,7 +192,7 @@ impl Search<'_> {
         let (_, mut at, end, mut made) = best?;
         let mut changed = Vec::new();
         while at != NONE {
-            // What the triangle's last element becomes lies where the next one began.
+            // The new last element lies where the next one started.
             changed.push((stops[at].into, made));
             made = stops[at].behind;
             at = stops[at].before;

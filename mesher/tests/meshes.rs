@@ -1,6 +1,6 @@
 //! Meshes of typical plates, and outlines that are none.
 
-use signorini_mesher::{Fault, Line, Loop, Mesh, Point, Refinement, Wishes, mesh};
+use signorini_mesher::{Line, Loop, Mesh, MeshError, MeshOptions, Point, Refinement, mesh};
 use std::f64::consts::TAU;
 
 fn polygon(corners: &[Point]) -> Loop {
@@ -25,15 +25,15 @@ fn box_of([x0, y0]: Point, [x1, y1]: Point) -> Vec<Point> {
     vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]
 }
 
-fn of(size: f64) -> Wishes {
-    Wishes { size, ..Wishes::default() }
+fn of(size: f64) -> MeshOptions {
+    MeshOptions { size, ..MeshOptions::default() }
 }
 
-fn made(loops: &[Loop], wishes: &Wishes) -> Mesh {
-    mesh(loops, wishes).unwrap_or_else(|fault| panic!("{fault}"))
+fn made(loops: &[Loop], options: &MeshOptions) -> Mesh {
+    mesh(loops, options).unwrap_or_else(|fault| panic!("{fault}"))
 }
 
-fn refused(loops: &[Loop]) -> Fault {
+fn refused(loops: &[Loop]) -> MeshError {
     mesh(loops, &of(0.5)).map(|mesh| mesh.elements.len()).unwrap_err()
 }
 
@@ -172,7 +172,7 @@ fn lines_with_room_are_followed_and_others_left() {
     let plate = [polygon(&box_of([0.0, 0.0], [8.0, 6.0]))];
     let ends =
         [[[1.3, 1.0], [6.2, 4.5]], [[2.0, 5.0], [10.0, 5.0]], [[2.0, 4.9], [7.0, 4.9]], [[1.0, 0.0], [5.0, 0.0]]];
-    let mesh = made(&plate, &Wishes { lines: lines(&ends), points: vec![[6.5, 1.1]], ..of(0.5) });
+    let mesh = made(&plate, &MeshOptions { lines: lines(&ends), points: vec![[6.5, 1.1]], ..of(0.5) });
     assert!(nodes_on(&mesh, ends[0][0], ends[0][1]) >= 12);
     assert_eq!(nodes_on(&mesh, [2.0, 5.0], [8.0, 5.0]), 13);
     assert_eq!(nodes_on(&mesh, ends[2][0], ends[2][1]), 0, "it is too near to the one before it");
@@ -186,7 +186,7 @@ fn walls_are_followed_but_where_they_come_too_near_to_something() {
     // One ends beside the upper edge, the other passes the end of the first.
     let mut walls = lines(&[[[2.0, 1.0], [5.0, 5.95]], [[0.5, 0.9], [7.5, 0.9]]]);
     walls.iter_mut().for_each(|wall| wall.in_part = true);
-    let mesh = made(&plate, &Wishes { lines: walls, ..of(0.5) });
+    let mesh = made(&plate, &MeshOptions { lines: walls, ..of(0.5) });
     assert!(nodes_on(&mesh, [2.0, 1.0], [4.6, 5.29]) >= 10);
     assert!(nodes_on(&mesh, [0.5, 0.9], [1.6, 0.9]) >= 3 && nodes_on(&mesh, [2.4, 0.9], [7.5, 0.9]) >= 10);
     assert!(mesh.least_angle > 25.0);
@@ -201,7 +201,7 @@ fn arcs_are_followed_within_the_plate_and_their_sides_are_round() {
         (0..4).map(|i| Line { ends: ends(i), through: through[i], ..Line::default() }).collect()
     };
     for (centre, radius, part) in [([3.0, 3.0], 1.7, 1.0), ([0.0, 0.0], 2.5, 0.25), ([5.8, 3.0], 1.5, 0.882)] {
-        let mesh = made(&plate, &Wishes { lines: ring(centre, radius), ..of(0.5) });
+        let mesh = made(&plate, &MeshOptions { lines: ring(centre, radius), ..of(0.5) });
         let off = |node: usize| f64::hypot(mesh.points[node][0] - centre[0], mesh.points[node][1] - centre[1]) - radius;
         let on = |node: usize| off(node).abs() < 1e-12;
         let mut length = 0.0;
@@ -225,7 +225,7 @@ fn arcs_are_followed_within_the_plate_and_their_sides_are_round() {
 fn elements_are_smaller_where_that_is_asked_for_and_grow_slowly() {
     let plate = [polygon(&box_of([0.0, 0.0], [8.0, 6.0]))];
     let finest = Refinement { from: [3.0, 2.0], to: [3.0, 2.0], size: 0.05 };
-    let mesh = made(&plate, &Wishes { refinements: vec![finest], ..of(0.5) });
+    let mesh = made(&plate, &MeshOptions { refinements: vec![finest], ..of(0.5) });
     for element in &mesh.elements {
         for i in (0..4).filter(|&i| element[i] != element[(i + 1) % 4]) {
             let [p, q] = [element[i], element[(i + 1) % 4]].map(|node| mesh.points[node]);
@@ -240,8 +240,8 @@ fn elements_are_smaller_where_that_is_asked_for_and_grow_slowly() {
 #[test]
 fn the_same_plate_has_the_same_bits() {
     let loops = [circle("rim", [0.0, 0.0], 3.0), hole(&box_of([-1.0, -0.5], [0.3, 0.9]), 1)];
-    let wishes = Wishes { lines: lines(&[[[1.0, -1.0], [2.0, 1.5]]]), ..of(0.11) };
-    let (one, two) = (made(&loops, &wishes), made(&loops, &wishes));
+    let options = MeshOptions { lines: lines(&[[[1.0, -1.0], [2.0, 1.5]]]), ..of(0.11) };
+    let (one, two) = (made(&loops, &options), made(&loops, &options));
     assert_eq!((one.points, one.elements, one.sides), (two.points, two.elements, two.sides));
 }
 
@@ -303,15 +303,16 @@ fn bad_outlines_are_refused_with_side_place_and_remedy() {
     }
     let line = Refinement { from: [1.0, 1.0], to: [3.0, 3.0], size: 1e-7 };
     let round = circle("rim", [2.0, 2.0], 2.0);
-    for (plate, wishes) in [
+    for (plate, options) in [
         (&plate, of(1e-4)),
-        (&plate, Wishes { refinements: vec![line], ..of(0.5) }),
+        (&plate, MeshOptions { refinements: vec![line], ..of(0.5) }),
         (&round, of(1e-4)),
         (&round, of(1e-200)),
     ] {
-        let fault = mesh(std::slice::from_ref(plate), &wishes).map(|mesh| mesh.elements.len()).unwrap_err();
+        let fault = mesh(std::slice::from_ref(plate), &options).map(|mesh| mesh.elements.len()).unwrap_err();
         assert!(fault.message.contains("would be more than the 10000000 that there is room for"), "{fault}");
     }
-    let fault = mesh(&[round], &Wishes { most: Some(1000), ..of(0.01) }).map(|mesh| mesh.elements.len()).unwrap_err();
+    let fault =
+        mesh(&[round], &MeshOptions { most: Some(1000), ..of(0.01) }).map(|mesh| mesh.elements.len()).unwrap_err();
     assert!(fault.message.contains("more than the 1000 that"), "{fault}");
 }

@@ -2,7 +2,7 @@
 //!
 //! `OUTLINES=10000 cargo test --release --test random_outlines -- --nocapture` tries more of them.
 
-use signorini_mesher::{Line, Loop, Mesh, Point, Refinement, Wishes, mesh};
+use signorini_mesher::{Line, Loop, Mesh, MeshOptions, Point, Refinement, mesh};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
@@ -94,7 +94,7 @@ fn ring(random: &mut Random, name: &str, middle: Point, radius: f64) -> Loop {
     Loop { corners, through, names: (1..=count).map(|i| format!("{name} {i}")).collect() }
 }
 
-fn plate(seed: u64) -> (Vec<Loop>, Wishes) {
+fn plate(seed: u64) -> (Vec<Loop>, MeshOptions) {
     let mut random = Random(seed);
     let mut loops = vec![ring(&mut random, "edge", [0.0, 0.0], 10.0)];
     for hole in 1..=random.below(4) {
@@ -103,23 +103,23 @@ fn plate(seed: u64) -> (Vec<Loop>, Wishes) {
         loops.push(ring(&mut random, &format!("hole {hole}, side"), middle, radius));
     }
     let size = 10f64.powf(random.within(-0.6, 1.0));
-    let mut wishes = Wishes { size, ..Wishes::default() };
+    let mut options = MeshOptions { size, ..MeshOptions::default() };
     if random.chance(0.5) {
         for (count, round) in [(4, true), (8, false)] {
             for _ in 0..random.below(count) {
                 let [from, through, to] = [(); 3].map(|()| random.point(10.0));
-                let rank = wishes.lines.len();
-                wishes.lines.push(Line { ends: [from, to], through: round.then_some(through), rank, in_part: false });
+                let rank = options.lines.len();
+                options.lines.push(Line { ends: [from, to], through: round.then_some(through), rank, in_part: false });
             }
         }
-        wishes.points = (0..random.below(8)).map(|_| random.point(10.0)).collect();
+        options.points = (0..random.below(8)).map(|_| random.point(10.0)).collect();
     }
     if random.chance(0.3) {
         let from = random.point(8.0);
         let to = if random.chance(0.5) { from } else { random.point(8.0) };
-        wishes.refinements.push(Refinement { from, to, size: size * random.within(0.05, 1.0) });
+        options.refinements.push(Refinement { from, to, size: size * random.within(0.05, 1.0) });
     }
-    (loops, wishes)
+    (loops, options)
 }
 
 /// Area within the loops: of polygons and the segments of circles on their sides.
@@ -189,9 +189,9 @@ fn random_outlines_are_meshed_or_refused_with_a_reason() {
     let (mut meshed, mut failed, mut longest) = (0, Vec::new(), (Duration::ZERO, 0));
     let (mut sharp, mut share) = (Vec::new(), 0.0);
     for seed in 0..count {
-        let (loops, wishes) = plate(seed);
+        let (loops, options) = plate(seed);
         let start = Instant::now();
-        let made = mesh(&loops, &wishes);
+        let made = mesh(&loops, &options);
         longest = longest.max((start.elapsed(), seed));
         match made {
             Ok(made) => {
@@ -218,7 +218,7 @@ fn random_outlines_are_meshed_or_refused_with_a_reason() {
 }
 
 /// A plate as somebody sees it who has other axes, another origin and another unit of length.
-fn seen(loops: &[Loop], wishes: &Wishes, axes: [Point; 2], shift: Point, unit: f64) -> (Vec<Loop>, Wishes) {
+fn seen(loops: &[Loop], options: &MeshOptions, axes: [Point; 2], shift: Point, unit: f64) -> (Vec<Loop>, MeshOptions) {
     let at = |p: Point| [0, 1].map(|i| unit * (axes[i][0] * p[0] + axes[i][1] * p[1] + shift[i]));
     let ring = |ring: &Loop| Loop {
         corners: ring.corners.iter().map(|&p| at(p)).collect(),
@@ -227,15 +227,15 @@ fn seen(loops: &[Loop], wishes: &Wishes, axes: [Point; 2], shift: Point, unit: f
     };
     let line = |line: &Line| Line { ends: line.ends.map(at), through: line.through.map(at), ..*line };
     let finer = |r: &Refinement| Refinement { from: at(r.from), to: at(r.to), size: unit * r.size };
-    let wishes = Wishes {
-        size: unit * wishes.size,
-        refinements: wishes.refinements.iter().map(finer).collect(),
-        lines: wishes.lines.iter().map(line).collect(),
-        points: wishes.points.iter().map(|&p| at(p)).collect(),
-        most: wishes.most,
+    let options = MeshOptions {
+        size: unit * options.size,
+        refinements: options.refinements.iter().map(finer).collect(),
+        lines: options.lines.iter().map(line).collect(),
+        points: options.points.iter().map(|&p| at(p)).collect(),
+        most: options.most,
         axes: [[axes[0][0], axes[1][0]], [axes[0][1], axes[1][1]]],
     };
-    (loops.iter().map(ring).collect(), wishes)
+    (loops.iter().map(ring).collect(), options)
 }
 
 #[test]
@@ -251,13 +251,13 @@ fn a_plate_has_the_same_mesh_in_other_units_elsewhere_mirrored_and_turned() {
     ];
     let mut others = Vec::new();
     for seed in 0..40 {
-        let (loops, wishes) = plate(seed);
-        let Ok(first) = mesh(&loops, &wishes) else {
+        let (loops, options) = plate(seed);
+        let Ok(first) = mesh(&loops, &options) else {
             continue;
         };
         for (axes, shift, unit) in views {
-            let (loops, wishes) = seen(&loops, &wishes, axes, shift, unit);
-            let other = mesh(&loops, &wishes).unwrap_or_else(|fault| panic!("{seed}: {fault}"));
+            let (loops, options) = seen(&loops, &options, axes, shift, unit);
+            let other = mesh(&loops, &options).unwrap_or_else(|fault| panic!("{seed}: {fault}"));
             let at = |p: Point| [0, 1].map(|i| unit * (axes[i][0] * p[0] + axes[i][1] * p[1] + shift[i]));
             let far = |(&p, &q): (&Point, &Point)| f64::hypot(at(p)[0] - q[0], at(p)[1] - q[1]) > 1e-10 * unit;
             let nodes = |mesh: &Mesh| -> Vec<Vec<usize>> {

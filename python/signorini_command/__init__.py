@@ -40,7 +40,7 @@ def main() -> None:
 
 
 def _asked(number: int, frame: FrameType | None) -> None:
-    """Raise, and remember: what is read half may take that for a fault of its own."""
+    """Raise, and remember the signal: a half-imported module may take the exception for an error of its own."""
     ASKED.append(number)
     signal.default_int_handler(number, frame)
 

@@ -1,13 +1,13 @@
-//! Room for numbers, which is there or is refused, and which nothing writes before its user does.
+//! Uninitialised memory for numbers, with checked allocation.
 
 use super::error::FactorError;
 use memmap2::MmapMut;
 use std::ops::{Deref, DerefMut};
 
-/// Bytes from which room is taken from the system itself, which hands out zeros on first touch; below, the allocator
-/// uses again what was freed (160×160 `mitc9`, factored again: 0.78 s instead of 0.94).
+/// Smallest size, in bytes, of an allocation from the system, which gives zeros at first touch. Smaller ones come from
+/// the allocator, which reuses freed memory (160×160 `mitc9`, factored again: 0.78 s instead of 0.94).
 ///
-/// Huge pages were tried: where a virtual machine gives free ones back to its host they are slower to come by.
+/// Huge pages were tried: on a virtual machine that returns free pages to its host they are slower to obtain.
 const LARGE: usize = 1 << 25;
 
 /// Zeros to begin with.

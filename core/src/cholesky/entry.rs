@@ -1,10 +1,10 @@
-//! What substitution works on: one number a row, or those of several right-hand sides side by side.
+//! Entries of right-hand sides: one number a row, or one of several right-hand sides.
 
 use super::layout::{PANEL, ROWS};
 use pulp::{Arch, Simd, WithSimd};
 use std::marker::PhantomData;
 
-/// Right-hand sides that stand side by side.
+/// Right-hand sides of one block.
 pub const LANES: usize = 8;
 
 /// A row of the right-hand sides.
@@ -48,7 +48,7 @@ impl Entry for f64 {
     }
 }
 
-/// Every lane is computed as if it were alone, so that its bits do not depend on what stands beside it.
+/// Each lane is computed independently, so that its bits do not depend on other lanes.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Lanes(pub(super) [f64; LANES]);
@@ -287,10 +287,10 @@ impl Kernel<f64> for Substitute {
     }
 }
 
-/// Products of columns with a vector's whole blocks of rows.
+/// Products of columns with the full blocks of a vector.
 ///
-/// The last block comes first, since backward substitution comes to the columns from the last one on: read in one direction
-/// throughout, L comes from memory half as fast again. Sums have names, since arrays that loops run over are kept in memory.
+/// The last block comes first, since backward substitution starts at the last column: read in one direction, L comes
+/// from memory half as fast again. The sums are separate variables, since arrays in loops are kept in memory.
 #[inline(always)]
 fn products<S: Simd, const N: usize>(simd: S, blocks: &[f64], count: usize, vector: &[f64]) -> [f64; PANEL] {
     let blocks = || blocks.chunks_exact(ROWS * count).zip(vector.chunks_exact(ROWS));

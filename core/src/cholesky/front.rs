@@ -1,6 +1,6 @@
-//! Dense elimination: the first columns of a symmetric matrix, of which only the lower triangle is there.
+//! Dense elimination of the first columns of a symmetric matrix, stored as its lower triangle.
 //!
-//! Pivots have the given signs S, 1 or −1: A = L S Lᵀ. Products of columns whose signs are all 1 do without them.
+//! Pivots have the given signs S, 1 or −1: A = L S Lᵀ. Products of columns with positive signs omit them.
 
 use crate::vectorized::vectorized;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -11,19 +11,19 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-/// Columns that are eliminated before the others hear of them.
+/// Columns eliminated before the others are updated.
 const BLOCK: usize = 64;
-/// Columns that one thread brings up to date: always the same ones, so that the bits are.
+/// Columns updated by one thread: a fixed division, for the same bits.
 pub(super) const TILE: usize = 128;
 /// Rows that one thread solves below a block.
 const ROWS: usize = 256;
-/// Columns of L that are taken off others at a time.
+/// Columns of L in one update.
 const DEPTH: usize = 256;
-/// Rows below a tile from which its own rows of L are copied one after the other: where they lie, neighbours in a row are
-/// pages apart, and the product reads each row many times.
+/// Smallest number of rows below a tile at which its rows of L are copied contiguously: in place, neighbours in a row
+/// are pages apart, and the product reads each row many times.
 const TALL: usize = 512;
 
-/// Room that the dense elimination works in.
+/// Workspace of the dense elimination.
 pub(super) fn scratch() -> Option<MemBuffer> {
     MemBuffer::try_new(cholesky_in_place_scratch::<f64>(BLOCK, Par::Seq, Default::default())).ok()
 }
@@ -55,7 +55,7 @@ pub(super) fn eliminate(panel: &mut [f64], height: usize, signs: &[f64], scratch
         tail.par_row_chunks_mut(ROWS)
             .for_each(|rows| solve_lower_triangular_in_place(head, rows.transpose_mut(), Par::Seq));
         if signed {
-            // What was solved for is L₂S.
+            // The solution of the triangular system is L₂S.
             for (column, _) in done.chunks_exact_mut(height).zip(signs).filter(|&(_, &sign)| sign < 0.0) {
                 column[first + count..].iter_mut().for_each(|value| *value = -*value);
             }
@@ -101,7 +101,7 @@ fn eliminate_signed(block: &mut [f64], height: usize, signs: &[f64]) -> Result<(
 }
 
 /// Overwrites `rest` with −L₂SL₂ᵀ for the rows of L below its first `width`, as `merge` reads it.
-pub(super) fn leave(panel: &[f64], height: usize, signs: &[f64], mut rest: &mut [f64]) {
+pub(super) fn write_update(panel: &[f64], height: usize, signs: &[f64], mut rest: &mut [f64]) {
     let width = panel.len() / height;
     let mut tiles = Vec::new();
     for from in (width..height).step_by(TILE) {
@@ -114,7 +114,7 @@ pub(super) fn leave(panel: &[f64], height: usize, signs: &[f64], mut rest: &mut 
         .for_each(|(from, tile)| subtract_square(panel, height, signs, from, tile, from, Accum::Replace));
 }
 
-/// Takes L S Lᵀ off columns of a symmetric matrix from `from` on, whose first `skipped` rows are left out.
+/// Subtracts L S Lᵀ from columns of a symmetric matrix from `from` on, without their first `skipped` rows.
 fn subtract_square(
     l: &[f64],
     height: usize,
@@ -199,7 +199,7 @@ mod tests {
         for signs in [signs(|_| false), signs(|k| k % 3 == 1), signs(|k| k == 2 * BLOCK), signs(|_| true)] {
             let l = eliminated(&signs);
             let mut rest = vec![f64::NAN; triangle(HEIGHT - WIDTH)];
-            leave(&l, HEIGHT, &signs, &mut rest);
+            write_update(&l, HEIGHT, &signs, &mut rest);
             let product = |i: usize, j: usize| -> f64 {
                 (0..WIDTH.min(j + 1)).map(|k| signs[k] * l[k * HEIGHT + i] * l[k * HEIGHT + j]).sum()
             };

@@ -1,4 +1,4 @@
-//! The graph of a matrix, its columns of the same pattern taken as one, and their elimination tree.
+//! The graph of a matrix with columns of equal pattern merged, and its elimination tree.
 
 /// Marks a root of a forest.
 pub(super) const NONE: u32 = u32::MAX;
@@ -13,8 +13,8 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// Of blocks with the given first columns, the number of columns behind them; `rows` appends the rows of a block's first
-    /// column, with or without those above it.
+    /// Makes the graph of blocks with the given first columns, followed by the number of columns. `rows` appends the
+    /// rows of a block's first column; rows above it are allowed.
     pub fn new(first: Vec<usize>, mut rows: impl FnMut(usize, &mut Vec<usize>)) -> Self {
         let count = first.len() - 1;
         let mut block_of = vec![0; first[count]];

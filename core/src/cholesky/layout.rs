@@ -1,7 +1,6 @@
-//! How a supernode's columns of L are stored: a few side by side, without the rows above them, and in one stream.
+//! Storage of a supernode's columns of L: panels of a few columns, without the rows above them, in one stream.
 //!
-//! Of these few the rows of their own pivots come first, then the rows below, some at a time; what comes at a time is
-//! stored by columns.
+//! In a panel the rows of its pivots come first, then the rows below in blocks; each block is stored by columns.
 
 /// Columns stored side by side.
 pub(super) const PANEL: usize = 8;
@@ -15,7 +14,7 @@ pub(super) struct Panel {
     pub(super) count: usize,
     /// Rows stored.
     pub(super) height: usize,
-    /// Where they begin among the supernode's numbers.
+    /// Offset among the supernode's numbers.
     pub(super) at: usize,
 }
 

@@ -1,4 +1,4 @@
-//! What is factored: a symmetric matrix, of which no more is asked than its columns one at a time.
+//! A symmetric matrix to be factored, given by its columns one at a time.
 
 use super::graph::Graph;
 

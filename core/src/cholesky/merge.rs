@@ -1,22 +1,22 @@
-//! What a child leaves is added to the front of its parent.
+//! Assembly of the update matrices of children into the front of their parent (Duff & Reid 1983).
 
 use super::front::TILE;
 use crate::vectorized::vectorized;
 use std::ops::Range;
 
-/// Rows that follow one another in the child and in the parent.
+/// Rows consecutive in both the child and the parent.
 pub(super) struct Run {
     from: usize,
     to: usize,
     len: usize,
 }
 
-/// Numbers of a lower triangle that is stored some columns at a time, without the rows above these.
+/// Number of entries of a lower triangle stored by panels, without the rows above them.
 pub(super) fn triangle(order: usize) -> usize {
     (0..order).step_by(TILE).map(|first| TILE.min(order - first) * (order - first)).sum()
 }
 
-/// Where a triangle's column begins, and the row that it begins with.
+/// Offset of a triangle's column, and its first row.
 fn column(at: usize, order: usize) -> (usize, usize) {
     let first = at - at % TILE;
     // Every tile before is whole, and its columns are TILE shorter than those before it.
@@ -24,7 +24,7 @@ fn column(at: usize, order: usize) -> (usize, usize) {
     (tile + (at - first) * (order - first), first)
 }
 
-/// A child's lower triangle, by columns, and where its rows are in the parent.
+/// The update matrix of a child (lower triangle, by columns), and the positions of its rows in the parent.
 pub(super) struct Child<'a> {
     pub(super) values: &'a [f64],
     pub(super) order: usize,
@@ -34,7 +34,7 @@ pub(super) struct Child<'a> {
 }
 
 impl<'a> Child<'a> {
-    /// Of a child with the given rows; `local` says where they are in the parent, which eliminates the first `width` rows.
+    /// Makes the child from its rows; `local` maps them to rows of the parent, which eliminates the first `width`.
     pub(super) fn new(values: &'a [f64], rows: &[u32], local: &[u32], width: usize, runs: &mut Vec<Run>) -> Self {
         let start = runs.len();
         let mut eliminated = 0;
@@ -56,7 +56,7 @@ impl<'a> Child<'a> {
         self.add(&runs[self.runs.clone()], 0..self.eliminated, panel, 0, |at| (at * height, 0));
     }
 
-    /// Adds the others to what the parent leaves, whose rows come after the first `width`.
+    /// Adds the other columns to the parent's update matrix, whose rows follow the first `width`.
     pub(super) fn add_to_rest(&self, runs: &[Run], rest: &mut [f64], height: usize, width: usize) {
         let columns = self.eliminated..self.runs.len();
         self.add(&runs[self.runs.clone()], columns, rest, width, |at| column(at, height - width));

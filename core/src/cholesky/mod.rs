@@ -91,10 +91,10 @@ impl Factor {
         self.len() == 0
     }
 
-    /// The column whose pivot is the smallest part of its diagonal entry, and that part, both taken without their signs.
+    /// The column with the smallest ratio |pivot|/|diagonal entry|, and this ratio.
     ///
-    /// Near the unit roundoff the pivot is rounding: the matrix is singular to working precision. Where columns of the other
-    /// sign come before, a pivot may also be larger than its entry, and the part does not tell what has cancelled.
+    /// Near the unit roundoff the pivot is rounding: the matrix is singular to working precision. After columns of the
+    /// other sign a pivot may exceed its diagonal entry, and the ratio does not show the cancellation.
     pub fn weakest_pivot(&self) -> WeakestPivot {
         self.weakest_pivot
     }

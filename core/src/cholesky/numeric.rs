@@ -1,4 +1,4 @@
-//! The multifrontal method (Duff and Reid 1983): what a supernode leaves of the rows below it is added to its parent's.
+//! The multifrontal method (Duff & Reid 1983): the update matrix of each supernode is added to the front of its parent.
 
 use super::buffer::Buffer;
 use super::error::FactorError;
@@ -11,19 +11,18 @@ use super::{front, layout};
 use faer::dyn_stack::MemBuffer;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What is known of the numbers before there are any.
+/// Sizes of the factor and of its workspace, from the pattern.
 pub(super) struct Plan {
-    /// Numbers of L that each part has.
+    /// Entries of L of each part.
     entries: Vec<usize>,
-    /// Numbers that each part leaves to its parent.
+    /// Entries of the update matrices of each part's roots.
     left: Vec<usize>,
-    /// Most numbers that each part has at a time on each of two stacks: what supernodes of even and of odd depth leave, one
-    /// after the other.
+    /// Largest size of the two stacks of update matrices of each part, for supernodes of even and of odd depth.
     ///
-    /// A supernode's children are on top of one when it puts its own on the other.
+    /// The update matrices of a supernode's children are on top of one stack when it pushes its own on the other.
     stacks: Vec<[usize; 2]>,
     odd: Vec<bool>,
-    /// Most numbers of a supernode of each part, the upper triangle among them.
+    /// Largest panel of each part, including its upper triangle.
     panels: Vec<usize>,
 }
 
@@ -58,9 +57,9 @@ impl Plan {
         plan
     }
 
-    /// Bytes that are taken at the most: L's, what parts have left to others, and what each thread works in.
+    /// Largest memory in bytes: of L, of waiting update matrices, and of the workspace of each thread.
     pub(super) fn bytes(&self, parts: &Parts, threads: usize) -> usize {
-        // What waits below each part at the most: if all wait for each other, and if one thread works in order.
+        // Largest size of waiting update matrices below each part: all at once, and for one thread in order.
         let (mut all, mut ordered) = (vec![0; self.left.len()], vec![0; self.left.len()]);
         let (mut at_roots, mut most_ordered) = (0, 0);
         for (index, part) in parts.0.iter().enumerate() {
@@ -79,8 +78,8 @@ impl Plan {
         }
         let waiting = at_roots.min(threads * most_ordered);
         let most = |(stacks, panel): (&[usize; 2], &usize)| stacks.iter().sum::<usize>() + panel;
-        let desk = self.stacks.iter().zip(&self.panels).map(most).max().unwrap_or(0);
-        size_of::<f64>() * (self.entries() + waiting + threads * desk)
+        let workspace = self.stacks.iter().zip(&self.panels).map(most).max().unwrap_or(0);
+        size_of::<f64>() * (self.entries() + waiting + threads * workspace)
     }
 
     /// Numbers stored for L.
@@ -89,17 +88,17 @@ impl Plan {
     }
 }
 
-/// Numbers that a supernode leaves to its parent.
+/// Entries of the update matrix of a supernode.
 fn left(tree: &Tree, s: usize) -> usize {
     triangle(tree.below(s).len())
 }
 
-/// A column, and what part of its diagonal entry its pivot is.
+/// A column and the ratio of its pivot to its diagonal entry.
 pub(super) type WeakestPivot = (usize, f64);
 
 const NO_PIVOT: WeakestPivot = (0, f64::INFINITY);
 
-/// The smaller part of two; of the same the first column.
+/// The smaller ratio of two; of equal ones the first column.
 fn weaker(one: WeakestPivot, other: WeakestPivot) -> WeakestPivot {
     if one.1 < other.1 || (one.1 == other.1 && one.0 <= other.0) { one } else { other }
 }
@@ -118,11 +117,11 @@ pub(super) fn factorize(
         parts,
         plan,
         matrix,
-        desks: Mutex::default(),
+        workspaces: Mutex::default(),
         spare: Mutex::default(),
         done: parts.0.iter().map(|_| Mutex::new(None)).collect(),
     };
-    parts.climb(|index| {
+    parts.bottom_up(|index| {
         let result = job.eliminate(index);
         *lock(&job.done[index]) = Some(result);
     });
@@ -142,7 +141,7 @@ pub(super) fn factorize(
     failed.map_or(Ok((all, weakest)), Err)
 }
 
-/// Of two errors the one to tell, whichever came first.
+/// The error to report of two, independent of their order in time.
 fn worse(one: Option<FactorError>, other: FactorError) -> FactorError {
     match (one, other) {
         (Some(FactorError::NotPositiveDefinite { column: a }), FactorError::NotPositiveDefinite { column: b }) => {
@@ -161,20 +160,20 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 struct Done {
     values: Vec<f64>,
     weakest: WeakestPivot,
-    /// What its roots leave, one after the other.
+    /// Update matrices of its roots.
     left: Buffer,
 }
 
-/// What one thread works with.
-struct Desk<'a> {
+/// Workspace of one thread.
+struct Workspace<'a> {
     read: Reader<'a>,
     /// Entries of a column.
     entries: Vec<(usize, f64)>,
-    /// The matrix's own diagonal entries of the supernode at hand.
+    /// Diagonal entries of the matrix in the present supernode.
     diagonal: Vec<f64>,
     /// The signs of its pivots.
     signs: Vec<f64>,
-    /// Row of a place in the supernode at hand.
+    /// Row in the present supernode of each postorder index.
     local: Vec<u32>,
     scratch: MemBuffer,
     runs: Vec<Run>,
@@ -185,22 +184,22 @@ struct Job<'a> {
     parts: &'a Parts,
     plan: &'a Plan,
     matrix: &'a dyn Matrix,
-    desks: Mutex<Vec<Desk<'a>>>,
+    workspaces: Mutex<Vec<Workspace<'a>>>,
     /// Buffers whose numbers are no longer needed.
     spare: Mutex<Vec<Buffer>>,
     done: Vec<Mutex<Option<Result<Done, FactorError>>>>,
 }
 
 impl<'a> Job<'a> {
-    fn desk(&self) -> Result<Desk<'a>, FactorError> {
-        if let Some(desk) = lock(&self.desks).pop() {
-            return Ok(desk);
+    fn workspace(&self) -> Result<Workspace<'a>, FactorError> {
+        if let Some(workspace) = lock(&self.workspaces).pop() {
+            return Ok(workspace);
         }
         let mut local = Vec::new();
         local.try_reserve_exact(self.tree.columns()).map_err(|_| FactorError::OutOfMemory)?;
         local.resize(self.tree.columns(), 0);
         let scratch = front::scratch().ok_or(FactorError::OutOfMemory)?;
-        Ok(Desk {
+        Ok(Workspace {
             read: self.matrix.reader(),
             entries: Vec::new(),
             diagonal: Vec::new(),
@@ -221,7 +220,7 @@ impl<'a> Job<'a> {
         match fits {
             Some(at) => Ok(spare.swap_remove(at)),
             None => {
-                // Upwards in the tree fronts grow: what is too small now has had its use.
+                // Fronts grow up the tree: buffers that are too small now are no longer needed.
                 spare.clear();
                 Buffer::new(len)
             }
@@ -242,14 +241,14 @@ impl<'a> Job<'a> {
         if let Some(error) = failed {
             return Err(error);
         }
-        let mut desk = self.desk()?;
+        let mut workspace = self.workspace()?;
         let mut done = Done { values: Vec::new(), weakest: NO_PIVOT, left: self.buffer(self.plan.left[index])? };
         done.values.try_reserve_exact(self.plan.entries[index]).map_err(|_| FactorError::OutOfMemory)?;
         let [even, odd] = self.plan.stacks[index];
         let mut stacks = [self.buffer(even)?, self.buffer(odd)?];
         let mut panel = self.buffer(self.plan.panels[index])?;
-        let result = self.supernodes(index, &given, &mut desk, &mut stacks, &mut panel, &mut done);
-        lock(&self.desks).push(desk);
+        let result = self.supernodes(index, &given, &mut workspace, &mut stacks, &mut panel, &mut done);
+        lock(&self.workspaces).push(workspace);
         lock(&self.spare).extend(given.into_iter().chain(stacks).chain([panel]));
         result.map(|()| done)
     }
@@ -258,13 +257,13 @@ impl<'a> Job<'a> {
         &self,
         index: usize,
         given: &[Buffer],
-        desk: &mut Desk<'_>,
+        workspace: &mut Workspace<'_>,
         stacks: &mut [Buffer; 2],
         panel: &mut [f64],
         done: &mut Done,
     ) -> Result<(), FactorError> {
         let (tree, part) = (self.tree, &self.parts.0[index]);
-        let Desk { read, entries, diagonal, signs, local, scratch, runs } = desk;
+        let Workspace { read, entries, diagonal, signs, local, scratch, runs } = workspace;
         let (mut tops, mut out) = ([0; 2], 0);
         for s in part.supernodes.clone() {
             let (width, height) = (tree.width(s), tree.height(s));
@@ -325,7 +324,7 @@ impl<'a> Job<'a> {
                 tops[side] += size;
                 &mut mine[tops[side] - size..tops[side]]
             };
-            front::leave(panel, height, signs, rest);
+            front::write_update(panel, height, signs, rest);
             children.iter().for_each(|child| child.add_to_rest(runs, rest, height, width));
             layout::store(panel, height, &mut done.values);
         }

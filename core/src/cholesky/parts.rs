@@ -1,6 +1,6 @@
-//! Supernodes by the part that one thread works through: whole subtrees, and above them supernodes by themselves.
+//! Division of the supernodes among threads: whole subtrees, and single supernodes above them.
 //!
-//! The parts are the same on any number of threads, and so is all that is summed between them.
+//! The division does not depend on the number of threads, nor do the sums between parts.
 
 use super::graph::NONE;
 use rayon::Scope;
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Subtrees are split until none holds more than this part of the work: enough for the threads of a large machine.
+/// Largest share of the work of one part: small enough for the threads of a large machine.
 const PART: f64 = 1.0 / 32.0;
 
 /// A part: consecutive supernodes, and where its results go.
@@ -25,9 +25,9 @@ pub(super) struct Part {
 pub(super) struct Parts(pub(super) Vec<Part>);
 
 impl Parts {
-    /// Parts of a tree whose children stand before parents, subtrees in one piece; `work` is what each supernode costs.
+    /// Divides a postordered tree; `work` is the cost of each supernode.
     ///
-    /// Subtrees below `least` are not split: starting threads would cost more.
+    /// Subtrees with less work than `least` are not split: starting threads would cost more.
     pub(super) fn new(parent: &[u32], work: &[f64], least: f64) -> Self {
         let count = parent.len();
         let mut whole = work.to_vec();
@@ -79,8 +79,8 @@ impl Parts {
         Self(parts)
     }
 
-    /// Does every part's work after that of its children, in parallel.
-    pub(super) fn climb(&self, work: impl Fn(usize) + Sync) {
+    /// Bottom-up pass: runs each part after its children, in parallel.
+    pub(super) fn bottom_up(&self, work: impl Fn(usize) + Sync) {
         if let [_] = self.0[..] {
             return work(0);
         }
@@ -98,8 +98,8 @@ impl Parts {
         });
     }
 
-    /// Does every part's work after that of its parent, in parallel.
-    pub(super) fn descend(&self, work: impl Fn(usize) + Sync) {
+    /// Top-down pass: runs each part after its parent, in parallel.
+    pub(super) fn top_down(&self, work: impl Fn(usize) + Sync) {
         if let [_] = self.0[..] {
             return work(0);
         }

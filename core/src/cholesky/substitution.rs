@@ -1,7 +1,7 @@
-//! Forward and backward substitution, the parts of the elimination tree side by side.
+//! Forward and backward substitution, parallel over the parts of the elimination tree.
 //!
-//! It is bound by reading L once each way, which one core alone cannot do at the speed of the memory, and which several
-//! right-hand sides share.
+//! Its time is bound by reading L once in each direction. One core cannot read at the full memory speed; several
+//! right-hand sides share one reading.
 
 use super::entry::Entry;
 use super::layout;
@@ -10,7 +10,7 @@ use super::tree::Tree;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// What each part works on.
+/// The share of each part.
 pub(super) struct Schedule(Vec<Share>);
 
 /// Supernodes in elimination order, over the rows that they touch.
@@ -68,7 +68,7 @@ impl Schedule {
     pub(super) fn forward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Vec<f64>], rhs: &mut [E]) {
         let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
         let given = &*rhs;
-        parts.climb(|index| {
+        parts.bottom_up(|index| {
             let share = &self.0[index];
             let mut vector = Vec::with_capacity(share.rows);
             vector.extend(tree.column[share.own.clone()].iter().map(|&column| given[column as usize]));
@@ -89,7 +89,7 @@ impl Schedule {
     pub(super) fn backward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Vec<f64>], rhs: &mut [E]) {
         let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
         let given = &*rhs;
-        parts.descend(|index| {
+        parts.top_down(|index| {
             let share = &self.0[index];
             let mut vector = Vec::with_capacity(share.rows);
             vector.extend(tree.column[share.own.clone()].iter().map(|&column| given[column as usize]));
@@ -144,7 +144,7 @@ impl Share {
         (share, foreign)
     }
 
-    /// The part's own rows solved, and what they add to the others; a sparse vector reads little of L.
+    /// Solves the rows of the part and adds their contributions to other rows; a sparse vector reads little of L.
     fn forward<E: Entry>(&self, values: &[f64], vector: &mut [E]) {
         let mut dense = vec![E::ZERO; self.tallest];
         for node in &self.supernodes {
@@ -167,7 +167,7 @@ impl Share {
         }
     }
 
-    /// The part's own rows solved, the others being given.
+    /// Solves the rows of the part, given the other rows.
     fn backward<E: Entry>(&self, values: &[f64], vector: &mut [E]) {
         let mut dense = vec![E::ZERO; self.tallest];
         for node in self.supernodes.iter().rev() {

@@ -1,9 +1,9 @@
-//! Supernodes: columns of L that are eliminated together, in an order in which subtrees stand one after the other.
+//! Supernodes: columns of L eliminated together, in postorder.
 
 use super::error::FactorError;
 use super::graph::{Graph, NONE};
 
-/// The pattern of L. A place is a column's position in the order of elimination.
+/// The pattern of L. The postorder index of a column is its position in the order of elimination.
 pub(super) struct Tree {
     /// Column of the matrix at each place, and the other way round.
     pub(super) column: Vec<u32>,
@@ -184,10 +184,10 @@ impl Groups {
     }
 }
 
-/// Nanoseconds that it takes to eliminate `width` columns with so many rows below and to hand on what is left of them.
+/// Estimated nanoseconds to eliminate `width` columns with `below` rows below them and to assemble the update matrix.
 ///
-/// Measured on one core of 55 GFlop/s: the dense kernels lose on few columns, and every entry is written and read. Zeros
-/// among those of L are charged more than their time, for their memory: of 160×160 `mitc9` 39.2M entries are as fast as 41.5M.
+/// Measured on one core of 55 GFlop/s: dense kernels are slow on few columns, and each entry is written and read. Zeros
+/// in L are charged more than their time, for their memory: of 160×160 `mitc9` 39.2M entries are as fast as 41.5M.
 fn cost(width: usize, below: usize) -> f64 {
     let (k, m) = (width as f64, below as f64);
     let flops = k * (k * k / 3.0 + k * m + m * m);

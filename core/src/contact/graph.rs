@@ -1,8 +1,8 @@
-//! Laws of contact points as monotone graphs: force over travel, a nondecreasing polyline (Moreau 1965; Rockafellar 1970,
-//! section 24).
+//! Laws of contact points as monotone graphs r(s): a nondecreasing polyline of force r over travel s (Moreau 1965;
+//! Rockafellar 1970, section 24).
 //!
-//! Horizontal pieces are open or yielding points, vertical ones rigid contact. The state of a point is the number of the
-//! piece that it is on; what a piece means to the equations is its slope alone.
+//! A point that is open or yields is on a horizontal piece, rigid contact on a vertical one. The state of a point is
+//! the number of its piece. The equations need the slope of that piece only.
 
 use std::fmt;
 
@@ -19,14 +19,15 @@ const DRAWN: f64 = 1e-12;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph {
-    /// Travel and force; one at least, through which a straight graph passes.
+    /// Vertices [s, r]; at least one. A straight graph passes through its only vertex.
     vertices: Vec<[f64; 2]>,
-    /// In order.
+    /// In order of travel.
     pieces: Vec<Piece>,
 }
 
-/// The line of a piece: force − `force` = slope (travel − `travel`), or travel = `travel` where the slope is infinite. Its
-/// point is where there is no force, if the piece has such a point, so that small forces keep their digits beside a limit.
+/// The line of a piece: r − `force` = `slope` (s − `travel`), or s = `travel` where the slope is infinite. The point
+/// (`travel`, `force`) is the one with r = 0 if the piece has one, so that small forces keep their digits beside a
+/// large limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     pub travel: f64,
@@ -34,7 +35,7 @@ pub struct Piece {
     pub slope: f64,
 }
 
-/// Why a polyline is no law.
+/// Reasons why a polyline is an invalid law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraphError {
     NoVertex,
@@ -43,7 +44,7 @@ pub enum GraphError {
     Falls(usize),
     /// A slope at an end is negative.
     NegativeSlope,
-    /// More pieces than a state can number.
+    /// More pieces than a `u8` can number.
     TooManyPieces,
 }
 
@@ -62,7 +63,7 @@ impl fmt::Display for GraphError {
 impl std::error::Error for GraphError {}
 
 impl Graph {
-    /// Through vertices [travel, force], with slopes before the first and beyond the last.
+    /// Makes the graph through vertices [s, r], with slopes before the first and after the last vertex.
     pub fn new(vertices: Vec<[f64; 2]>, ends: [f64; 2]) -> Result<Self, GraphError> {
         if vertices.is_empty() {
             return Err(GraphError::NoVertex);
@@ -85,12 +86,12 @@ impl Graph {
         Ok(Self::of(vertices, slopes))
     }
 
-    /// A support that acts one way only, at travel 0; an infinite stiffness is rigid.
+    /// A one-sided law: r = 0 for s ≤ 0, r = `stiffness` s for s > 0. An infinite stiffness is rigid.
     pub fn one_sided(stiffness: f64) -> Self {
         Self::of(vec![[0.0, 0.0]], vec![0.0, stiffness])
     }
 
-    /// A support that holds both ways, at travel 0: a single piece.
+    /// A linear law r = `stiffness` s: a single piece.
     pub fn two_sided(stiffness: f64) -> Self {
         Self::of(vec![[0.0, 0.0]], vec![stiffness])
     }
@@ -119,7 +120,7 @@ impl Graph {
         self.pieces.len()
     }
 
-    /// Whether there is a single piece, so that the state never changes.
+    /// Whether the law is linear: a single piece, so that the state is constant.
     pub fn is_straight(&self) -> bool {
         self.pieces.len() == 1
     }
@@ -128,7 +129,7 @@ impl Graph {
         self.pieces[usize::from(number)]
     }
 
-    /// Where a piece ends below and above; `None` where it goes on for ever.
+    /// Lower and upper end [s, r] of a piece; `None` where it is unbounded.
     pub fn ends(&self, number: u8) -> [Option<[f64; 2]>; 2] {
         if self.is_straight() {
             return [None, None];
@@ -137,40 +138,40 @@ impl Graph {
         [number.checked_sub(1).map(|at| self.vertices[at]), self.vertices.get(number).copied()]
     }
 
-    /// The number of the steepest piece, of several the first.
+    /// The number of the steepest piece; the first one if several are equally steep.
     pub fn steepest(&self) -> u8 {
         let steeper = |most: usize, at: usize| if self.pieces[at].slope > self.pieces[most].slope { at } else { most };
         (1..self.pieces.len()).fold(0, steeper) as u8
     }
 
-    /// The piece at a stretch of the graph in series with a compliance: at travel + compliance · force.
-    pub fn piece_at(&self, compliance: f64, stretch: f64) -> u8 {
+    /// The piece at the augmented travel s + σr, with σ the compliance in series.
+    pub fn piece_at(&self, compliance: f64, augmented_travel: f64) -> u8 {
         if self.is_straight() {
             return 0;
         }
-        self.vertices.iter().take_while(|[travel, force]| stretch > travel + compliance * force).count() as u8
+        self.vertices.iter().take_while(|[travel, force]| augmented_travel > travel + compliance * force).count() as u8
     }
 
-    /// Force at such a stretch, and the slope of force over stretch there: the Yosida regularization of the graph.
-    pub fn force_at(&self, compliance: f64, stretch: f64) -> (f64, f64) {
-        let piece = self.piece(self.piece_at(compliance, stretch));
+    /// Force r at the augmented travel s + σr, and its derivative: the Yosida regularization of the graph.
+    pub fn force_at(&self, compliance: f64, augmented_travel: f64) -> (f64, f64) {
+        let piece = self.piece(self.piece_at(compliance, augmented_travel));
         let slope = piece.in_series(compliance);
-        (piece.force + slope * (stretch - piece.travel - compliance * piece.force), slope)
+        (piece.force + slope * (augmented_travel - piece.travel - compliance * piece.force), slope)
     }
 }
 
 impl Piece {
-    /// Whether the force on it depends on the travel.
+    /// Whether the slope is positive, so that the force depends on the travel.
     pub fn holds(self) -> bool {
         self.slope > 0.0
     }
 
-    /// Travel over force; 0 where it is rigid, and where it does not hold.
+    /// Compliance 1/slope; 0 for rigid and for horizontal pieces.
     pub fn compliance(self) -> f64 {
         if self.slope > 0.0 { 1.0 / self.slope } else { 0.0 }
     }
 
-    /// Its slope in series with a compliance.
+    /// Slope of the piece in series with a compliance.
     pub fn in_series(self, compliance: f64) -> f64 {
         if self.slope == 0.0 { 0.0 } else { 1.0 / (1.0 / self.slope + compliance) }
     }
@@ -185,12 +186,15 @@ mod tests {
         // Open, elastic, rigid, yielding.
         let graph = Graph::new(vec![[0.0, 0.0], [1.0, 2.0], [1.0, 5.0]], [0.0, 0.0]).unwrap();
         let compliance = 0.1;
-        for (stretch, number, force, slope) in
+        for (augmented_travel, number, force, slope) in
             [(-1.0, 0, 0.0, 0.0), (0.6, 1, 1.0, 1.0 / 0.6), (1.3, 2, 3.0, 10.0), (9.0, 3, 5.0, 0.0)]
         {
-            assert_eq!(graph.piece_at(compliance, stretch), number);
-            let result = graph.force_at(compliance, stretch);
-            assert!((result.0 - force).abs() < 1e-12 && (result.1 - slope).abs() < 1e-12, "{stretch}: {result:?}");
+            assert_eq!(graph.piece_at(compliance, augmented_travel), number);
+            let result = graph.force_at(compliance, augmented_travel);
+            assert!(
+                (result.0 - force).abs() < 1e-12 && (result.1 - slope).abs() < 1e-12,
+                "{augmented_travel}: {result:?}"
+            );
         }
     }
 

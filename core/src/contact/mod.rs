@@ -1,13 +1,13 @@
-//! Plates on supports that may hold one way only: min ½uᵀKu − fᵀu + Σ energies of the points' laws.
+//! Contact of plates on one-sided supports: min ½uᵀKu − fᵀu + Σ ψᵢ(gᵢᵀu), with ψᵢ the energy of the law of point i.
 //!
-//! From the ground up: `tolerances`; `graph`, the law of a point; `points`, rows and laws; `scale`, what forces and lengths
-//! are compared with; `system`, K with springs, factored; `interface`, the plate condensed onto its points; `residual`;
-//! `kkt`, the equations on given pieces and their solvers; `refine`; `finders` of the pieces; `problem`, what all loads
-//! share; `solve`. On these stand `path`, a load that grows, and `responses` and `combine`, many combinations of a few load cases.
+//! Modules in order of dependence: `tolerances`; `graph`, the law of a point; `points`, rows and laws; `scale`,
+//! reference forces and lengths; `system`, K with springs, factored; `interface`, the plate condensed onto its contact
+//! points; `residual`; `kkt`, the linear equations of a fixed contact state and their solvers; `refine`, iterative
+//! refinement; `finders`, methods that find the contact state; `problem`, data shared by all loads; `solve`. Built on
+//! these: `path`, a load f₀ + t f₁; `responses` and `combine`, linear combinations of load cases.
 
 mod combine;
 mod finders;
-mod floating;
 mod graph;
 mod interface;
 mod kkt;
@@ -18,6 +18,7 @@ mod refine;
 mod residual;
 mod responses;
 mod rigid;
+mod rigid_body_space;
 mod scale;
 mod solution;
 mod solve;

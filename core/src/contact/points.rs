@@ -1,4 +1,4 @@
-//! Contact points: rows over dofs, and the law of force over travel of each.
+//! Contact points: the rows of G, and the law of each point.
 
 use super::graph::{Graph, Piece};
 use crate::assembly::Bedding;
@@ -10,42 +10,42 @@ use crate::vectorized::vectorized;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// The elements whose dofs a row is over.
+/// The elements whose dofs a row of G has.
 #[derive(Clone, Copy, Debug)]
 enum Over {
     One(u32),
-    /// By its number.
+    /// Number of the pair.
     Pair(u32),
     Several,
 }
 
-/// Contact points in the caller's order. Point i travels by (row_i·u − shift_i) / unit_i and pushes with weight_i times the force
-/// of its graph at that travel, against its row: Ku + Gᵀr = f.
+/// Contact points in the caller's order. Travel s_i = (g_i·u − shift_i)/unit_i, reaction r_i = weight_i · graph_i(s_i),
+/// with g_i row i of G and Ku + Gᵀr = f.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
     start: Vec<usize>,
     dof: Vec<u32>,
     coefficient: Vec<f64>,
     over: Vec<Over>,
-    /// Whether a row is over deflections alone.
+    /// Whether a row has deflection dofs only.
     deflects: Vec<bool>,
     /// Elements of every pair, and the number of each.
     pairs: Vec<[u32; 2]>,
     pair: HashMap<[u32; 2], u32>,
     graphs: Vec<Graph>,
     graph: Vec<u32>,
-    /// Travel of the row before the graph's begins: a gap, a settlement.
+    /// Displacement g·u at which s = 0: gap and settlement.
     pub shift: Vec<f64>,
-    /// Force for a unit of the graph's: an area, a stiffness.
+    /// Force per unit force of the graph: an area, a length, a stiffness.
     pub weight: Vec<f64>,
-    /// Length of a unit of the graph's travel, as where laws differ by their limits alone; 1 unless said otherwise.
+    /// Displacement per unit travel of the graph; 1 unless laws differ by their limits only.
     pub unit: Vec<f64>,
-    /// By what a reaction is a force, and one over that a travel is a length: 1, or the arm of a couple.
+    /// Factor from reaction to force: 1, or the lever arm of a couple. Its inverse converts a travel to a length.
     pub arm: Vec<f64>,
 }
 
 impl Points {
-    /// With room for so many points, each on the deflections of an element.
+    /// Reserves memory for `count` points, each with the deflections of one element.
     pub fn with_capacity(count: usize) -> Self {
         let mut points = Self::default();
         points.dof.reserve(8 * count);
@@ -61,13 +61,13 @@ impl Points {
         self.graph.is_empty()
     }
 
-    /// Adds a law that points may have, and returns its number.
+    /// Adds a law and returns its number.
     pub fn add_graph(&mut self, graph: Graph) -> u32 {
         self.graphs.push(graph);
         self.graphs.len() as u32 - 1
     }
 
-    /// Puts a point behind the others: its row as dofs and coefficients, no dof twice.
+    /// Appends a point: dofs and coefficients of its row, each dof once.
     pub fn push(&mut self, row: impl Iterator<Item = (usize, f64)>, graph: u32, shift: f64, weight: f64) {
         if self.start.is_empty() {
             self.start.push(0);
@@ -86,7 +86,7 @@ impl Points {
         self.unit.push(1.0);
     }
 
-    /// Puts row i of a table behind the others.
+    /// Appends row i of a table.
     pub fn push_row(&mut self, plate: &Plate, rows: &Rows, i: usize, graph: u32, shift: f64, weight: f64) {
         self.push(rows.entries(plate, i), graph, shift, weight);
         let over = match rows.pair(i) {
@@ -104,12 +104,12 @@ impl Points {
         })
     }
 
-    /// The pairs of elements that rows are over.
+    /// The pairs of elements that have common rows.
     pub(super) fn pairs(&self) -> &[[u32; 2]] {
         &self.pairs
     }
 
-    /// The elements of a row, if they are no more than two.
+    /// The elements of a row with one or two elements; else empty.
     fn elements(&self, i: usize) -> &[u32] {
         match &self.over[i] {
             Over::One(element) => std::slice::from_ref(element),
@@ -118,7 +118,7 @@ impl Points {
         }
     }
 
-    /// Gives rows that turn the plate alone, so that their reactions are couples, an arm.
+    /// Sets the lever arm of rows with rotation dofs only: their reactions are couples.
     pub(super) fn set_arm(&mut self, arm: f64) {
         for i in 0..self.len() {
             let mut dofs = self.dof[self.start[i]..self.start[i + 1]].iter();
@@ -148,12 +148,12 @@ impl Points {
         }
     }
 
-    /// Rows times a nodal vector (m,).
+    /// G times a nodal vector: (m,).
     pub fn change(&self, vector: &[f64]) -> Vec<f64> {
         (0..self.len()).into_par_iter().with_min_len(4096).map(|i| self.dot(i, vector)).collect()
     }
 
-    /// Rows times a displacement less `from` (m,), in double-double.
+    /// G u − `from` (m,), in double-double.
     pub fn travel_from(&self, from: &[f64], displacement: &Displacement) -> Vec<f64> {
         let mut out = vec![0.0; self.len()];
         out.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
@@ -187,49 +187,49 @@ impl Points {
         &self.graphs[self.graph[i] as usize]
     }
 
-    /// The line of a piece of a point, over the travel of its row and in its own force.
+    /// The line of a piece of a point, in displacement and force of the point.
     pub fn piece(&self, i: usize, number: u8) -> Piece {
         let Piece { travel, force, slope } = self.graph(i).piece(number);
         let (weight, unit) = (self.weight[i], self.unit[i]);
         Piece { travel: self.shift[i] + unit * travel, force: weight * force, slope: weight / unit * slope }
     }
 
-    /// Where a piece of a point ends below and above, [travel of its row, force].
+    /// Lower and upper end [displacement, force] of a piece of a point.
     pub fn ends(&self, i: usize, number: u8) -> [Option<[f64; 2]>; 2] {
         let own = |[travel, force]: [f64; 2]| [self.shift[i] + self.unit[i] * travel, self.weight[i] * force];
         self.graph(i).ends(number).map(|end| end.map(own))
     }
 
-    /// The piece at a stretch, travel + compliance · force, beyond `shift`, of the graph in series with a compliance.
-    pub fn piece_at(&self, i: usize, compliance: f64, stretch: f64) -> u8 {
-        self.graph(i).piece_at(compliance * self.weight[i] / self.unit[i], stretch / self.unit[i])
+    /// The piece at the augmented travel s + σr, measured from `shift`.
+    pub fn piece_at(&self, i: usize, compliance: f64, augmented_travel: f64) -> u8 {
+        self.graph(i).piece_at(compliance * self.weight[i] / self.unit[i], augmented_travel / self.unit[i])
     }
 
-    /// Force at such a stretch, and the slope of force over stretch.
-    pub fn force_at(&self, i: usize, compliance: f64, stretch: f64) -> (f64, f64) {
+    /// Force at that augmented travel, and its derivative.
+    pub fn force_at(&self, i: usize, compliance: f64, augmented_travel: f64) -> (f64, f64) {
         let (weight, unit) = (self.weight[i], self.unit[i]);
-        let (force, slope) = self.graph(i).force_at(compliance * weight / unit, stretch / unit);
+        let (force, slope) = self.graph(i).force_at(compliance * weight / unit, augmented_travel / unit);
         (weight * force, weight / unit * slope)
     }
 
-    /// Whether forces on the pieces depend on travels, by point.
+    /// Whether the force of each point depends on its travel, for given pieces: (m,).
     pub fn holding(&self, pieces: &[u8]) -> Vec<bool> {
         (0..self.len()).map(|i| self.graph(i).piece(pieces[i]).holds()).collect()
     }
 
-    /// Whether points on the pieces have a force: open ones have none.
+    /// Whether each point has a force, for given pieces; open points have none.
     pub fn acting(&self, pieces: &[u8]) -> Vec<bool> {
         let acts = |piece: Piece| piece.holds() || piece.force != 0.0;
         (0..self.len()).map(|i| acts(self.graph(i).piece(pieces[i]))).collect()
     }
 
-    /// Pieces of points that hold or do not; of graphs with more than two pieces the first one that does.
+    /// The first piece of each point whose force depends on its travel, or does not, as `holds` says.
     pub fn pieces_holding(&self, holds: &[bool]) -> Vec<u8> {
         let first = |i: usize| (0..self.graph(i).pieces() as u8).find(|&p| self.graph(i).piece(p).holds() == holds[i]);
         (0..self.len()).map(|i| first(i).unwrap_or(0)).collect()
     }
 
-    /// The first piece of every point: open, where it is one-sided.
+    /// The first piece of each point, on which a one-sided point is open.
     pub fn first_pieces(&self) -> Vec<u8> {
         vec![0; self.len()]
     }
@@ -242,23 +242,23 @@ impl Points {
         self.graph(i).is_straight()
     }
 
-    /// Whether a row is over the dofs of one element.
+    /// Whether a row has dofs of one element only.
     pub(super) fn is_narrow(&self, i: usize) -> bool {
         matches!(self.over[i], Over::One(_))
     }
 
-    /// Whether springs of a point are summed with the matrices of its elements.
+    /// Whether the spring of a point is assembled with the element matrices.
     pub(super) fn is_bedding(&self, i: usize) -> bool {
         self.deflects[i] && !matches!(self.over[i], Over::Several)
     }
 
-    /// The thinnest of some lengths by element, at the elements of rows.
+    /// The least of a value by element, over the elements of all rows.
     pub(super) fn least_at(&self, of_element: impl Fn(usize) -> f64 + Sync) -> f64 {
         let least = |i: usize| self.elements(i).iter().map(|&e| of_element(e as usize)).fold(f64::INFINITY, f64::min);
         (0..self.len()).into_par_iter().with_min_len(4096).map(least).reduce(|| f64::INFINITY, f64::min)
     }
 
-    /// Springs on the points, those that are no bedding left out.
+    /// Springs of the points that are assembled with element matrices.
     pub fn bedding(&self, plate: &Plate, stiffness: &[f64]) -> Bedding<'_> {
         let mut bedding = Bedding { pairs: &self.pairs, ..Bedding::default() };
         if stiffness.iter().all(|&k| k == 0.0) {

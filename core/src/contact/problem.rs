@@ -1,13 +1,13 @@
 //! A plate on its supports, factored once.
 
-use super::floating::Floating;
 use super::graph::Piece;
 use super::interface::Interface;
 use super::points::Points;
 use super::rigid::nearest_motions;
+use super::rigid_body_space::RigidBodySpace;
 use super::scale::Scale;
 use super::solution::ContactSolution;
-use super::system::{Blueprint, System};
+use super::system::{KktPattern, System};
 use super::tolerances;
 use crate::cholesky::FactorError;
 use crate::displacement::Displacement;
@@ -26,27 +26,27 @@ pub struct Seconds {
     pub condense: f64,
 }
 
-/// Which method the plate is factored for.
+/// The method for which the plate is factored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Lemke's algorithm: all points are condensed, of which there are few.
+    /// Lemke's algorithm: all points are condensed; for few points.
     Lemke,
-    /// The active set: points in any number, springs in the factor.
+    /// The semismooth Newton method: any number of points, springs in the factor.
     ActiveSet,
-    /// The active set with nothing eliminated: every point's force is an unknown of the factor. Springs may be as stiff as
-    /// rigid supports are but for rounding, which tells points apart that nearly repeat each other.
+    /// The semismooth Newton method on the saddle-point system: the force of each point is an unknown of the factor.
+    /// Springs may be nearly as stiff as rigid supports, so that nearly dependent points keep their digits.
     Saddle,
 }
 
-/// What a contact problem is made of.
+/// Input of a contact problem.
 pub struct Supported {
     pub springs: Springs,
-    /// Dofs with a prescribed value (3n,).
+    /// Whether each dof has a prescribed value (3n,).
     pub held: Vec<bool>,
     pub points: Points,
-    /// Slope (m,) that the factor carries at points that are condensed, so that it is regular; 0 for most.
+    /// Stiffness δ (m,) that the factor includes at condensed points, so that it is regular; 0 for most.
     pub delta: Vec<f64>,
-    /// Rigid motions over all dofs that springs, held dofs and two-sided points do not hold.
+    /// Rigid motions (3n,) that springs, held dofs and two-sided points leave free.
     pub free_motions: Vec<Vec<f64>>,
 }
 
@@ -62,22 +62,22 @@ pub struct ContactProblem {
     pub(super) delta: Vec<f64>,
     pub(super) free_motions: Vec<Vec<f64>>,
     pub(super) scale: Scale,
-    pub(super) blueprint: Arc<Blueprint>,
+    pub(super) pattern: Arc<KktPattern>,
     pub(super) base: Arc<System>,
-    /// Where the points are condensed.
+    /// The condensed plate; `None` for the Newton method.
     pub(super) interface: Option<Arc<Interface>>,
-    /// The plate's own stiffness at every point, which its shear makes; empty where the points are condensed.
+    /// Shear stiffness of the plate at each point; empty where points are condensed.
     shear: Vec<f64>,
-    /// The limit of springs that the active set begins with.
-    pub(super) first_limit: f64,
-    /// The rigid motions of plates of which no dof is held.
-    pub(super) floating: Option<Arc<Floating>>,
-    /// Part of its own by which every dof is stiffer in a factor.
-    firmer: f64,
+    /// First penalty of the Newton method.
+    pub(super) first_penalty: f64,
+    /// Rigid motions of plates without held dofs.
+    pub(super) rigid_space: Option<Arc<RigidBodySpace>>,
+    /// Relative shift of the diagonal in every factor.
+    diagonal_shift: f64,
 }
 
 impl ContactProblem {
-    /// Orders, factors, and condenses. A factor that takes more than `room`, in bytes, is refused before it is begun.
+    /// Orders, factors and condenses. A factor of more than `room` bytes is refused before it is begun.
     pub fn new(plate: Arc<Plate>, on: Supported, method: Method, room: usize) -> Result<Self, FactorError> {
         let Supported { springs, held, mut points, delta, free_motions } = on;
         let clock = Instant::now();
@@ -87,43 +87,43 @@ impl ContactProblem {
         let mut trailing = vec![false; plate.dof_count()];
         let last = (0..points.len()).filter(|&i| condensed && points.is_narrow(i));
         last.flat_map(|i| points.row(i)).for_each(|(dof, _)| trailing[dof] = true);
-        let is_border = |i: usize| match method {
+        let is_multiplier_row = |i: usize| match method {
             Method::Lemke => delta[i] > 0.0 && !points.is_bedding(i),
             Method::ActiveSet => !points.is_bedding(i),
             Method::Saddle => true,
         };
-        let blueprint = Arc::new(Blueprint::new(&plate, &held, &springs, &points, &trailing, is_border));
+        let pattern = Arc::new(KktPattern::new(&plate, &held, &springs, &points, &trailing, is_multiplier_row));
         let order = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let (mut shear, mut first_limit) = (Vec::new(), tolerances::newton::STIFFEST);
+        let (mut shear, mut first_penalty) = (Vec::new(), tolerances::newton::STIFFEST);
         let mut carried = delta.clone();
         if !condensed {
             if method == Method::ActiveSet {
                 shear = shear_at(&plate, &points);
-                first_limit = limit_to_begin_with(&plate, &points, &shear);
+                first_penalty = initial_penalty(&plate, &points, &shear);
             } else {
                 let stiffest = scale.stiffness / (tolerances::COMPLIANCE * tolerances::newton::STIFFEST);
                 shear = points.arm.iter().map(|arm| stiffest * arm * arm).collect();
             }
-            let series = series(&points, &shear, first_limit);
+            let series = series(&points, &shear, first_penalty);
             carried = (0..points.len()).map(|i| steepest(&points, i).in_series(series[i])).collect();
         }
-        let floating = Floating::on(&plate, &held, &scale, &points, &springs).map(Arc::new);
-        let softest = floating.as_ref().map(|floating| floating.softest(|i| carried[i], &springs.stiffness));
-        // What holds as firmly as the plate holds together needs no help.
-        let firmer =
-            softest.filter(|&softest| softest < scale.stiffness).map_or(0.0, |softest| firmness(&plate, softest));
-        let base = Arc::new(blueprint.factored(&plate, &springs, &points, carried, firmer, room)?);
+        let rigid_space = RigidBodySpace::on(&plate, &held, &scale, &points, &springs).map(Arc::new);
+        let softest = rigid_space.as_ref().map(|rigid_space| rigid_space.softest(|i| carried[i], &springs.stiffness));
+        // Springs as stiff as the plate need no diagonal shift.
+        let diagonal_shift =
+            softest.filter(|&softest| softest < scale.stiffness).map_or(0.0, |softest| needed_shift(&plate, softest));
+        let base = Arc::new(pattern.factored(&plate, &springs, &points, carried, diagonal_shift, room)?);
         let factor = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
         let interface = if condensed {
             let moves = |motion: &Vec<f64>| (0..points.len()).map(|i| points.dot(i, motion)).collect();
             let moves: Vec<Vec<f64>> = free_motions.iter().map(moves).collect();
-            let (rows, borders) = (blueprint.rows(&points), blueprint.borders(plate.dof_count()));
-            let last = blueprint.numbering.trailing;
-            Some(Arc::new(Interface::on(&base.factor, last, &rows, &borders, delta.clone(), &moves)?))
+            let (rows, multiplier_rows) = (pattern.rows(&points), pattern.multiplier_rows(plate.dof_count()));
+            let last = pattern.numbering.trailing;
+            Some(Arc::new(Interface::on(&base.factor, last, &rows, &multiplier_rows, delta.clone(), &moves)?))
         } else {
             None
         };
@@ -138,17 +138,17 @@ impl ContactProblem {
             delta,
             free_motions,
             scale,
-            blueprint,
+            pattern,
             base,
             interface,
             shear,
-            first_limit,
-            floating,
-            firmer,
+            first_penalty,
+            rigid_space,
+            diagonal_shift,
         })
     }
 
-    /// The same plate on the same supports, whose graphs begin at other travels (m,). It shares the factor.
+    /// The same problem with other shifts (m,) of its points. It shares the factor.
     pub fn with_shift(&self, shift: Vec<f64>) -> Self {
         let mut moved = self.clone();
         moved.points.shift = shift;
@@ -160,7 +160,7 @@ impl ContactProblem {
         self.base.solve(load)
     }
 
-    /// Entries of the factor, and the multiplications and additions that it takes.
+    /// Number of entries of the factor, and of its multiplications and additions.
     pub fn factor_size(&self) -> (usize, f64) {
         (self.base.factor.entries(), self.base.factor.flops())
     }
@@ -173,7 +173,7 @@ impl ContactProblem {
         self.interface.as_ref().expect("the points are condensed")
     }
 
-    /// No load: held dofs are where they are held, and every plate goes with its own as a rigid one, as far as that can, which
+    /// The plate without load: held dofs at their values, and each plate moved by the nearest rigid motion, which
     /// strains it least.
     pub(super) fn at_rest(&self, held_value: &[f64]) -> ContactSolution {
         let mut displacement = self.carried_along(held_value);
@@ -186,7 +186,7 @@ impl ContactProblem {
         ContactSolution { displacement, reaction: none.clone(), gap: none, piece, ..ContactSolution::default() }
     }
 
-    /// The rigid motions nearest to what dofs are held at. Twice, so that they miss only what strains the plates.
+    /// The rigid motions nearest to the prescribed values. Two passes, so that only the straining part is missing.
     fn carried_along(&self, held_value: &[f64]) -> Displacement {
         let mut displacement = Displacement::zeros(self.plate.dof_count());
         for _ in 0..2 {
@@ -197,7 +197,7 @@ impl ContactProblem {
         displacement
     }
 
-    /// What held dofs are held at, past these motions.
+    /// Prescribed values minus these rigid motions.
     pub(super) fn strained(&self, held_value: &[f64]) -> Vec<f64> {
         self.missed(held_value, &self.carried_along(held_value))
     }
@@ -207,10 +207,10 @@ impl ContactProblem {
         (0..self.held.len()).map(|dof| if self.held[dof] { of(dof) } else { 0.0 }).collect()
     }
 
-    /// The factor with other slopes at the points.
+    /// The factor with other springs at the points.
     pub(super) fn factored(&self, carried: Vec<f64>) -> Result<System, FactorError> {
         let Self { plate, springs, points, .. } = self;
-        self.blueprint.factored(plate, springs, points, carried, self.firmer, usize::MAX)
+        self.pattern.factored(plate, springs, points, carried, self.diagonal_shift, usize::MAX)
     }
 
     /// Compliance in series with every point so that none is stiffer than a limit.
@@ -226,7 +226,7 @@ impl ContactProblem {
         (0..self.points.len()).map(|i| self.points.graph(i).steepest()).collect()
     }
 
-    /// Zeroes a nodal vector at the dofs held.
+    /// Sets a nodal vector to zero at held dofs.
     pub(super) fn release_held(&self, vector: &mut [f64]) {
         for (value, _) in vector.iter_mut().zip(&self.held).filter(|(_, held)| **held) {
             *value = 0.0;
@@ -238,7 +238,7 @@ fn steepest(points: &Points, i: usize) -> Piece {
     points.piece(i, points.graph(i).steepest())
 }
 
-/// The largest stiffness of an element against a deflection or slope of a row.
+/// Largest diagonal stiffness of an element at the dofs of each row of G.
 fn shear_at(plate: &Plate, points: &Points) -> Vec<f64> {
     let mut largest = vec![0.0_f64; plate.dof_count()];
     for e in 0..plate.elements().len() {
@@ -254,8 +254,8 @@ fn shear_at(plate: &Plate, points: &Points) -> Vec<f64> {
     (0..points.len()).map(of).collect()
 }
 
-/// Compliance in series with every point so that none is stiffer than a limit, over the plate's stiffness in shear; a point
-/// that never changes its piece has the stiffest spring from the beginning.
+/// Compliance σ in series with each point, so that none is stiffer than the penalty times the shear stiffness of the
+/// plate. A point with a linear law has the largest penalty from the start.
 fn series(points: &Points, shear: &[f64], limit: f64) -> Vec<f64> {
     let of = |i: usize| {
         let limit = if points.is_straight(i) { tolerances::newton::STIFFEST } else { limit };
@@ -265,8 +265,9 @@ fn series(points: &Points, shear: &[f64], limit: f64) -> Vec<f64> {
     (0..points.len()).map(of).collect()
 }
 
-/// The limit that the active set begins with: springs that bend the plate over many elements find the pieces in few steps.
-fn limit_to_begin_with(plate: &Plate, points: &Points, shear: &[f64]) -> f64 {
+/// First penalty of the Newton method: springs that bend the plate over many elements find the contact state in few
+/// steps.
+fn initial_penalty(plate: &Plate, points: &Points, shear: &[f64]) -> f64 {
     let slenderness = |e: usize| plate.thickness.first(plate.kind, e) / plate.geometry(e).size();
     let thinnest = points.least_at(slenderness);
     let limit = f64::min(tolerances::newton::LONG_WAVE * thinnest * thinnest, 1.0);
@@ -275,11 +276,15 @@ fn limit_to_begin_with(plate: &Plate, points: &Points, shear: &[f64]) -> f64 {
     if all_softer { tolerances::newton::STIFFEST } else { limit }
 }
 
-/// Part of its own by which every dof is to be stiffer where springs alone hold the plate, by their softest hold on a rigid
-/// motion: none where that is no rounding of the factor. What it adds is taken back with the residual.
-fn firmness(plate: &Plate, softest: f64) -> f64 {
+/// Relative diagonal shift where springs alone hold the plate, from the softest projected stiffness; 0 where that is
+/// above the rounding of the factor. Iterative refinement removes its effect.
+fn needed_shift(plate: &Plate, softest: f64) -> f64 {
     let diagonal = |e: usize| (0..8).map(|node| plate.element_stiffness(e)[packed(3 * node, 3 * node)]).sum::<f64>();
     let all: f64 = (0..plate.elements().len()).map(diagonal).sum();
-    let added = tolerances::FIRMER * all;
-    if plate.kind == Kind::Mitc9 && softest < tolerances::FIRM_BELOW * added { tolerances::FIRMER } else { 0.0 }
+    let added = tolerances::DIAGONAL_SHIFT * all;
+    if plate.kind == Kind::Mitc9 && softest < tolerances::SHIFT_BELOW * added {
+        tolerances::DIAGONAL_SHIFT
+    } else {
+        0.0
+    }
 }

@@ -1,8 +1,8 @@
-//! What a solver of the equations leaves, taken away with the residual in double-double.
+//! Iterative refinement with residuals in double-double.
 //!
-//! Corrections are taken as they come while each leaves little of the one before (Wilkinson 1963); where what was added
-//! to the equations makes that slow, they become directions of generalized conjugate residuals (Eisenstat, Elman & Schultz
-//! 1983; refinement by a Krylov method as of Carson & Higham 2017).
+//! Corrections are applied while each reduces the residual much (Wilkinson 1963). Where the regularization makes that
+//! slow, corrections become directions of generalized conjugate residuals (Eisenstat, Elman & Schultz 1983; refinement
+//! by a Krylov method as in Carson & Higham 2017).
 
 use super::kkt::{Correction, Kkt};
 use super::problem::ContactProblem;
@@ -12,18 +12,18 @@ use super::solution::ContactSolution;
 use super::tolerances;
 use crate::cholesky::FactorError;
 
-/// At most this many corrections.
+/// Largest number of corrections.
 const CORRECTIONS: usize = 80;
-/// Directions that together leave more than a part of the residual end it.
+/// Number of directions over which the reduction of the residual is judged.
 const LAST: usize = 10;
 
-/// A direction and the residual that it takes away, which is of length 1 and orthogonal to all others.
+/// A direction and the change of the residual along it, of norm 1 and orthogonal to all others.
 struct Taken {
     direction: Correction,
     change: Vec<f64>,
 }
 
-/// What a residual asks for: a rigid motion, if one comes first, and then what a solver makes of the rest.
+/// The correction for a residual: a rigid motion of plates without held dofs, then the solution for the new residual.
 pub(super) fn correction(
     problem: &ContactProblem,
     load: &[f64],
@@ -32,16 +32,16 @@ pub(super) fn correction(
     solution: &ContactSolution,
 ) -> Result<Option<Correction>, FactorError> {
     let Some(mut rigid) = kkt.rigid(residual) else { return kkt.solve(residual) };
-    let mut afloat = solution.clone();
-    afloat.follow(problem, &rigid, 1.0);
-    let Some(rest) = kkt.solve(&Residual::of(problem, load, &afloat))? else { return Ok(None) };
+    let mut coarse_load = solution.clone();
+    coarse_load.follow(problem, &rigid, 1.0);
+    let Some(rest) = kkt.solve(&Residual::of(problem, load, &coarse_load))? else { return Ok(None) };
     rigid.nodal = rest.nodal;
     rigid.reaction.iter_mut().zip(&rest.reaction).for_each(|(total, increment)| *total += increment);
     Ok(Some(rigid))
 }
 
-/// Refines a solution on its pieces, from its residual on, and returns the last residual; `None` where the pieces do not
-/// hold the plate. Forces far below `least` are rounding.
+/// Refines a solution for its contact state and returns the last residual; `None` where the state does not hold the
+/// plate. Forces far below `least` count as rounding.
 pub(super) fn refine(
     problem: &ContactProblem,
     load: &[f64],
@@ -56,7 +56,7 @@ pub(super) fn refine(
     let mut own_rounding = None;
     for _ in 0..CORRECTIONS {
         let Some(mut direction) = correction(problem, load, kkt, &residual, solution)? else {
-            // What rests already need not be held.
+            // A plate at rest is in equilibrium without supports.
             let sizes = Sizes::of(problem, load, solution, least);
             let scaled = residual.scaled(problem, &sizes, &solution.piece);
             return Ok(is_within(&scaled, tolerances::newton::SETTLED).then_some(residual));
@@ -64,7 +64,7 @@ pub(super) fn refine(
         let mut trial = solution.clone();
         trial.follow(problem, &direction, 1.0);
         let next = Residual::of(problem, load, &trial);
-        // Before the first correction nothing may have moved that tells how large things are.
+        // Before the first correction all displacements may be zero.
         let sizes = sizes.get_or_insert_with(|| Sizes::of(problem, load, &trial, least));
         let now = residual.scaled(problem, sizes, &solution.piece);
         let after = next.scaled(problem, sizes, &solution.piece);
@@ -88,7 +88,7 @@ pub(super) fn refine(
             break;
         }
         let mut change: Vec<f64> = now.iter().zip(&after).map(|(before, after)| before - after).collect();
-        // Twice, since what remains of nearly parallel vectors is rounding the first time.
+        // Orthogonalize twice: the remainder of nearly parallel vectors is rounding the first time.
         for earlier in taken.iter().chain(&taken) {
             let part = dot(&change, &earlier.change);
             subtract(&mut change, part, &earlier.change);
@@ -109,7 +109,7 @@ pub(super) fn refine(
             if taken.is_empty() {
                 break;
             }
-            // Directions that have lost what they are orthogonal to.
+            // The directions have lost their orthogonality.
             taken.clear();
             continue;
         }
@@ -125,7 +125,7 @@ pub(super) fn refine(
 }
 
 impl ContactSolution {
-    /// Goes along a correction.
+    /// Adds a multiple of a correction.
     pub(super) fn follow(&mut self, problem: &ContactProblem, direction: &Correction, length: f64) {
         if !direction.rigid.is_empty() {
             let rigid: Vec<[f64; 3]> = direction.rigid.iter().map(|motion| motion.map(|part| length * part)).collect();

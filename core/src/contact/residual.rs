@@ -1,6 +1,6 @@
-//! What a solution leaves of the equations on its pieces, in double-double, and what that is measured by.
+//! Residual of the equations of a contact state in double-double, and its reference sizes.
 
-use super::interface::{Form, Reduced};
+use super::interface::{Form, ReducedLoad};
 use super::points::Points;
 use super::problem::ContactProblem;
 use super::scale::norm;
@@ -10,14 +10,14 @@ use crate::cholesky::FactorError;
 use crate::element::packed;
 use crate::residual::{internal_magnitudes, residual};
 
-/// What is out of balance, and by how much points are off their pieces.
+/// Residual of equilibrium and of the laws.
 #[derive(Clone, Default)]
 pub(super) struct Residual {
-    /// Nodal forces that nothing balances; zero at the dofs held.
+    /// f − Ku − Gᵀr (3n,); zero at held dofs.
     pub(super) imbalance: Vec<f64>,
-    /// Travel from every point to its piece, r being the force: s₀ − row·u + (r − r₀)/k.
+    /// s₀ − g·u + (r − r₀)/k (m,): distance from each point to its piece in travel.
     pub(super) violation: Vec<f64>,
-    /// Largest imbalance as a force.
+    /// Largest entry of `imbalance`, couples over the lever arm.
     pub(super) worst: f64,
 }
 
@@ -26,12 +26,12 @@ impl Residual {
         Self::from(problem, load, solution, &solution.piece)
     }
 
-    /// With violations of other pieces than the solution's.
+    /// The residual relative to other pieces than those of the solution.
     pub(super) fn from(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, pieces: &[u8]) -> Self {
         Self { violation: violation(problem, solution, pieces), ..Self::of_forces(problem, load, solution) }
     }
 
-    /// Of the forces alone.
+    /// The residual of equilibrium alone.
     pub(super) fn of_forces(problem: &ContactProblem, load: &[f64], solution: &ContactSolution) -> Self {
         let mut imbalance = residual(&problem.plate, &problem.springs, load, &solution.displacement);
         problem.points.scatter_all(&solution.reaction, -1.0, &mut imbalance);
@@ -40,7 +40,7 @@ impl Residual {
         Self { imbalance, violation: Vec::new(), worst }
     }
 
-    /// What is out of balance, then the violations of points that hold, each over its size.
+    /// Scaled residuals of equilibrium, then those of points whose force depends on the travel.
     pub(super) fn scaled(&self, problem: &ContactProblem, sizes: &Sizes, pieces: &[u8]) -> Vec<f64> {
         let couple = sizes.force * problem.scale.arm;
         let forces = self.imbalance.chunks(3).flat_map(|f| [f[0] / sizes.force, f[1] / couple, f[2] / couple]);
@@ -48,7 +48,7 @@ impl Residual {
         forces.chain(holding.map(|i| self.violation[i] / sizes.travel[i])).collect()
     }
 
-    /// Whether it is that of a solution of the equations; where nothing acts there is nothing to miss.
+    /// Whether the residual is that of a solution. Without forces every finite residual is accepted.
     pub(super) fn is_solved(
         &self,
         problem: &ContactProblem,
@@ -68,7 +68,7 @@ impl Residual {
 }
 
 impl ContactSolution {
-    /// Takes what a residual says of the travels for the gaps.
+    /// Sets the gaps from the residuals of the laws.
     pub(super) fn measure_gaps(&mut self, points: &Points, residual: &Residual) {
         for (i, gap) in self.gap.iter_mut().enumerate() {
             *gap = if points.piece(i, self.piece[i]).holds() { 0.0 } else { residual.violation[i] };
@@ -76,37 +76,37 @@ impl ContactSolution {
     }
 }
 
-/// What a residual is measured by: forces, and the travel of every point.
+/// Reference sizes of a residual: a force, and the travel of each point.
 pub(super) struct Sizes {
     pub(super) force: f64,
     travel: Vec<f64>,
 }
 
 impl Sizes {
-    /// By a solution, and a force whose rounding is none of its fault.
+    /// Reference sizes from a solution; `least` is a lower bound of the force.
     pub(super) fn of(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, least: f64) -> Self {
         let or_one = |size: f64| if size > 0.0 { size } else { 1.0 };
         let force = match acting(problem, load, solution, least) {
-            // Nothing acts and no point reacts: what the plate's own forces are the sum of.
+            // Without load and reactions: the magnitude of the terms of the internal forces.
             0.0 => or_one(rounding(problem, solution) / f64::EPSILON),
             force => force,
         };
-        let nil = least_length(problem, load);
-        let length = |(i, length): (usize, f64)| or_one(length.max(nil / problem.points.arm[i]));
+        let least_length = least_length(problem, load);
+        let length = |(i, length): (usize, f64)| or_one(length.max(least_length / problem.points.arm[i]));
         Self { force, travel: lengths(problem, solution).into_iter().enumerate().map(length).collect() }
     }
 }
 
 impl ContactProblem {
-    /// A residual after forward substitution, and what it does at the points.
-    pub(super) fn reduced(&self, residual: &Residual, form: Form) -> Result<Reduced, FactorError> {
-        let mut forward = self.blueprint.gather(&residual.imbalance);
+    /// The residual after forward substitution, condensed onto the contact points.
+    pub(super) fn reduced(&self, residual: &Residual, form: Form) -> Result<ReducedLoad, FactorError> {
+        let mut forward = self.pattern.gather(&residual.imbalance);
         self.base.factor.forward(&mut forward)?;
         Ok(self.interface().reduced(form, forward, &residual.violation)?)
     }
 }
 
-/// s₀ − row·u + (r − r₀)/k of every point on a piece.
+/// s₀ − g·u + (r − r₀)/k of each point on its piece.
 fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]) -> Vec<f64> {
     let points = &problem.points;
     let on: Vec<_> = pieces.iter().enumerate().map(|(i, &piece)| points.piece(i, piece)).collect();
@@ -124,8 +124,8 @@ pub(super) fn largest_force(problem: &ContactProblem, load: &[f64], reaction: &[
     forces.fold(problem.scale.largest(load), f64::max)
 }
 
-/// The same, of forces that count at least; without a load also what bends the plate as far as it moves, or points that hold
-/// are away, beside which reactions of springs that just touch are rounding.
+/// Reference force: at least `least`. Without a load also the force that bends the plate by its deflection or by the
+/// distance of points whose force depends on the travel; reactions of springs that just touch are rounding beside it.
 fn acting(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, least: f64) -> f64 {
     let force = largest_force(problem, load, &solution.reaction).max(least);
     if force == 0.0 || load.iter().any(|&f| f != 0.0) {
@@ -138,30 +138,30 @@ fn acting(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, le
     force.max(problem.scale.stiffness * farthest)
 }
 
-/// What the travel of each point is measured by, the largest deflection or its own shift: a stop far away says nothing of
-/// what happens at others.
+/// Reference travel of each point: the largest deflection, or its own shift. A distant stop does not change the scale
+/// of other points.
 pub(super) fn lengths(problem: &ContactProblem, solution: &ContactSolution) -> Vec<f64> {
     let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, |size: f64, w| size.max(w.abs()));
     let shifts = problem.points.shift.iter().zip(&problem.points.arm);
     shifts.map(|(shift, arm)| shift.abs().max(deflection / arm)).collect()
 }
 
-/// A length by which those of a plate that hardly deflects are measured; far less than the load would deflect it.
+/// Least reference length of a plate that hardly deflects: far below the deflection under the load.
 pub(super) fn least_length(problem: &ContactProblem, load: &[f64]) -> f64 {
     let springs = &problem.springs;
     let settled: f64 = springs.stiffness.iter().zip(&springs.base).map(|(k, base)| (k * base).abs()).sum();
     tolerances::NIL * (problem.scale.sum(load) + settled) / problem.scale.stiffness
 }
 
-/// Rounding of what the plate's own forces are the sum of, as a force.
+/// Rounding error of the internal forces, as a force.
 pub(super) fn rounding(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
     let mut internal = internal_magnitudes(&problem.plate, &solution.displacement);
     problem.release_held(&mut internal);
     f64::EPSILON * problem.scale.largest(&internal)
 }
 
-/// Largest force with which an element could resist what held dofs are held at: what rounding is relative to where nothing
-/// else acts.
+/// Largest force with which an element can resist the prescribed displacements: the reference of rounding where no
+/// other load acts.
 pub(super) fn force_of_settlements(problem: &ContactProblem, held_value: &[f64]) -> f64 {
     let size = |dof: usize| if dof % 3 == 0 { 1.0 } else { problem.scale.size };
     let moved = held_value.iter().enumerate().fold(0.0, |most: f64, (dof, v)| most.max(v.abs() * size(dof)));

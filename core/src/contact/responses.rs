@@ -1,8 +1,8 @@
-//! What the plate does under each load case and at each contact point alone: every combination is a sum of these.
+//! Responses to single load cases and to single contact points; combinations are linear combinations of these.
 //!
-//! u = u₀ + Σ factor_c u_c + Σ x_i u_i, and the reactions and displacements of the points likewise, each term in
-//! equilibrium by itself: Ku + Gᵀ·reaction = f. Where the rows pick single dofs, x is the points' displacement and the
-//! cases act with all points held; else x is the force δ·Gu − reaction, and the cases act on K̃.
+//! u = u₀ + Σ factor_c u_c + Σ x_i u_i; reactions and displacements of points likewise. Each term is in equilibrium: Ku
+//! + Gᵀr = f. Where the rows of G select single dofs, x is the displacement of the points, and load cases act with all
+//! points fixed. Otherwise x is the force δ·Gu − r, and load cases act on K̃.
 
 use super::interface::{Form, Work};
 use super::problem::ContactProblem;
@@ -18,38 +18,38 @@ use rayon::prelude::*;
 #[derive(Clone, Debug, Default)]
 pub struct Response {
     pub displacement: Displacement,
-    /// Force of every contact point, against its row.
+    /// Reaction r of each contact point (m,).
     pub reaction: Vec<f64>,
     /// Displacement Gu of every contact point.
     pub moved: Vec<f64>,
     pub work: Work,
 }
 
-/// Responses refined together, so that the factor is read once for all of them.
+/// Responses refined in one block, so that the factor is read once for all.
 const TOGETHER: usize = 8;
-/// At most this many corrections.
+/// Largest number of corrections.
 const CORRECTIONS: usize = 8;
 
-/// A response that is being refined.
+/// A response during refinement.
 struct Draft<'a> {
-    /// Nodal forces, and the largest that acts.
+    /// Nodal forces, and the reference force.
     force: Vec<f64>,
     acting: f64,
     springs: &'a Springs,
-    /// Slopes that act at the points.
+    /// Stiffness at each point that the response includes.
     carried: &'a [f64],
     /// The point whose x is 1.
     point: Option<usize>,
     response: Response,
     imbalance: Vec<f64>,
-    /// What is left of the displacements to be imposed on the points; empty where none are.
+    /// Residual of the displacements imposed on the points; empty where none are imposed.
     remaining: Vec<f64>,
     worst: f64,
     settled: bool,
 }
 
 impl ContactProblem {
-    /// The response to no load, with the held dofs at `held_value` (3n,) and the springs on their bases.
+    /// The response without load, with the held dofs at `held_value` (3n,) and the springs at their bases.
     pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, FactorError> {
         let begin = |_, draft: &mut Draft| {
             draft.response.displacement = self.at_rest(held_value).displacement;
@@ -57,7 +57,7 @@ impl ContactProblem {
         Ok(self.responses(1, true, begin, &mut || true)?.remove(0))
     }
 
-    /// The responses to nodal loads (3n,) each. `watch` is asked now and then and ends it by returning false; then
+    /// The responses to nodal loads (3n,). `watch` is called at intervals and cancels by returning false; then
     /// responses are missing.
     pub fn load_responses(
         &self,
@@ -89,12 +89,12 @@ impl ContactProblem {
         self.responses(points.len(), false, begin, watch)
     }
 
-    /// Whether x is the points' displacement.
+    /// Whether x is the displacement of the points.
     fn imposed(&self) -> bool {
         self.interface().better_form() == Form::Stiffness
     }
 
-    /// Refined from what they begin with, with springs on their bases, or with these at zero.
+    /// Refines responses from their initial values, with springs at their bases or at zero.
     fn responses(
         &self,
         count: usize,
@@ -149,10 +149,10 @@ impl ContactProblem {
         Ok(drafts.into_iter().map(|draft| self.response(draft)).collect())
     }
 
-    /// What is out of balance, and what is left to impose.
+    /// Computes the residuals of equilibrium and of the imposed displacements.
     fn judge(&self, draft: &mut Draft) {
         let Response { displacement, reaction, .. } = &draft.response;
-        // Before the first correction nothing has moved but what is held.
+        // Before the first correction only held dofs have a displacement.
         let moved = displacement.hi.iter().chain(&draft.springs.base).any(|&u| u != 0.0);
         let mut out =
             if moved { residual(&self.plate, draft.springs, &draft.force, displacement) } else { draft.force.clone() };
@@ -170,11 +170,11 @@ impl ContactProblem {
         draft.imbalance = out;
     }
 
-    /// One correction of every draft that is not settled.
+    /// Corrects each response that has not converged.
     fn correct_together(&self, drafts: &mut [Draft], round: usize) -> Result<(), FactorError> {
         let factor = &self.base.factor;
         let mut open: Vec<&mut Draft> = drafts.iter_mut().filter(|draft| !draft.settled).collect();
-        let mut block: Vec<f64> = open.iter().flat_map(|draft| self.blueprint.gather(&draft.imbalance)).collect();
+        let mut block: Vec<f64> = open.iter().flat_map(|draft| self.pattern.gather(&draft.imbalance)).collect();
         factor.forward(&mut block)?;
         let mut increments = vec![Vec::new(); open.len()];
         for ((column, draft), increment) in block.chunks_exact_mut(factor.len()).zip(&open).zip(&mut increments) {
@@ -183,7 +183,7 @@ impl ContactProblem {
         factor.backward(&mut block)?;
         for ((column, draft), increment) in block.chunks_exact(factor.len()).zip(&mut open).zip(&increments) {
             let (before, worst) = (draft.response.clone(), draft.worst);
-            for (&dof, &value) in self.blueprint.numbering.dof.iter().zip(column) {
+            for (&dof, &value) in self.pattern.numbering.dof.iter().zip(column) {
                 if dof < self.held.len() {
                     draft.response.displacement.add(dof, value);
                 }

@@ -1,4 +1,4 @@
-//! Rigid motions of plates: the motions at their dofs, and equations in double-double.
+//! Rigid motions of plates at their dofs, and small linear systems in double-double.
 
 use super::scale::Scale;
 use super::tolerances;
@@ -8,7 +8,8 @@ use crate::plate::Plate;
 /// A small matrix, row by row.
 pub(super) type Matrix = Vec<Vec<DoubleDouble>>;
 
-/// The motions w, w + x and w + y about the middle, over the plate's size, as nodal vectors.
+/// The rigid motions w = 1, (x − x₀)/a, (y − y₀)/a as nodal vectors, with x₀, y₀ the centre and a the size of the
+/// plate.
 pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) -> [Vec<f64>; 3] {
     let motion = |k: usize| -> Vec<f64> {
         let of_node = |node: usize| {
@@ -22,8 +23,8 @@ pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) 
     [motion(0), motion(1), motion(2)]
 }
 
-/// The rigid motion of every component, deflection and slopes at the middle, that is nearest to values of its held dofs in
-/// least squares; nothing where none has moved.
+/// The rigid motion of each component (w, θx, θy at the centre) that is nearest, in least squares, to the values of its
+/// held dofs; `None` where all are zero.
 pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value: &[f64]) -> Option<Vec<[f64; 3]>> {
     if (0..held.len()).all(|dof| !held[dof] || value[dof] == 0.0) {
         return None;
@@ -47,13 +48,13 @@ pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value
     Some(matrix.into_iter().zip(right).map(of).collect())
 }
 
-/// What elimination with complete pivoting finds.
+/// Result of an elimination with complete pivoting.
 pub(super) struct Eliminated {
-    /// Unknowns; those that nothing holds are zero.
+    /// Unknowns; unconstrained ones are zero.
     pub(super) unknown: Vec<f64>,
-    /// The least pivot.
+    /// Smallest accepted pivot.
     pub(super) least: f64,
-    /// The largest right side that nothing holds.
+    /// Largest right-hand side of an unconstrained unknown.
     pub(super) unbalanced: f64,
 }
 
@@ -100,7 +101,7 @@ mod tests {
 
     #[test]
     fn a_soft_direction_beside_a_stiff_one_keeps_its_digits() {
-        // 1e14 (1, 1, 1)ᵀ(1, 1, 1) + 1e-6 (0, 1, 2)ᵀ(0, 1, 2) and nothing else.
+        // The matrix 1e14 (1, 1, 1)ᵀ(1, 1, 1) + 1e-6 (0, 1, 2)ᵀ(0, 1, 2).
         let stiff = [1.0, 1.0, 1.0];
         let soft = [0.0, 1.0, 2.0];
         let mut matrix = vec![vec![DoubleDouble::default(); 3]; 3];
@@ -110,7 +111,7 @@ mod tests {
                 matrix[j][k].add_product(1e-6 * soft[j], soft[k]);
             }
         }
-        // The force of a unit of the soft direction alone: its stretch must be 1 and that of the stiff one 0.
+        // The force of a unit of the soft direction: the soft unknown must be 1 and the stiff one 0.
         let right = soft.map(|s| DoubleDouble::from(1e-6 * s)).to_vec();
         let Eliminated { unknown, least, unbalanced } = eliminated(matrix, right);
         let [a, b, c] = unknown[..] else { panic!("three unknowns") };

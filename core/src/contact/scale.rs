@@ -1,17 +1,16 @@
-//! What forces and lengths are compared with: the plate's own sizes, whatever units it is given in and wherever its
-//! numbering begins.
+//! Reference forces and lengths, made of the plate's dimensions. They do not depend on units or numbering.
 
 use crate::plate::Plate;
 
-/// A plate's sizes.
+/// Reference sizes of a plate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
-    /// Middle and size of the box around the plate.
+    /// Centre and longer side of the bounding box.
     pub(super) centre: [f64; 2],
     pub(super) size: f64,
-    /// Size of an element, in the mean of squares, as a power of two: the arm at which a nodal couple counts as a force.
+    /// Root-mean-square element size, rounded to a power of two: the lever arm that converts a nodal couple to a force.
     pub(super) arm: f64,
-    /// D/a², about the plate's own stiffness under a point load.
+    /// D/a²: of the order of the plate stiffness under a point load.
     pub(super) stiffness: f64,
 }
 
@@ -31,19 +30,19 @@ impl Scale {
         Self { centre, size, arm, stiffness: rigidity / (size * size) }
     }
 
-    /// Largest of nodal forces; a couple counts by the force that it is at the arm.
+    /// Largest nodal force; a couple counts as couple/arm.
     pub(super) fn largest(&self, nodal: &[f64]) -> f64 {
         let of_couples = 1.0 / self.arm;
         let of_node = |f: &[f64]| f[0].abs().max(of_couples * f[1].abs().max(f[2].abs()));
         nodal.chunks_exact(3).fold(0.0, |most: f64, f| most.max(of_node(f)))
     }
 
-    /// Sum of nodal forces, couples over the plate's size.
+    /// Sum of the magnitudes of nodal forces; a couple counts as couple/size.
     pub(super) fn sum(&self, nodal: &[f64]) -> f64 {
         nodal.chunks_exact(3).map(|f| f[0].abs() + (f[1].abs() + f[2].abs()) / self.size).sum()
     }
 
-    /// Length of nodal forces, couples as for the largest.
+    /// Euclidean norm of nodal forces; a couple counts as couple/arm.
     pub(super) fn length(&self, nodal: &[f64]) -> f64 {
         let of_couples = 1.0 / self.arm;
         let square = |f: &[f64]| f[0] * f[0] + (of_couples * f[1]).powi(2) + (of_couples * f[2]).powi(2);
@@ -56,7 +55,7 @@ pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// The length of a vector.
+/// Euclidean norm.
 pub(super) fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }

@@ -1,33 +1,33 @@
-//! What a contact problem is answered with.
+//! The solution of a contact problem and its progress reports.
 
 use super::points::Points;
 use super::system::System;
 use crate::displacement::Displacement;
 use std::sync::Arc;
 
-/// One step of a solve, to whoever watches.
+/// Progress of one step, for a callback.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     pub step: usize,
-    /// Points that are on another piece than in the step before.
+    /// Number of points that changed their piece in this step.
     pub changing: usize,
-    /// Largest imbalance over the largest nodal force.
+    /// Largest nodal residual over the largest nodal force.
     pub residual: f64,
 }
 
-/// Sees every step of a solve, and ends it by returning false.
+/// Callback after every step; false cancels the solve.
 pub type Watch<'a> = dyn FnMut(Progress) -> bool + 'a;
 
-/// How a contact problem ended.
+/// How a solve ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outcome {
     Solved,
     /// No reactions balance the load, or gaps contradict each other.
     NoEquilibrium,
-    /// A limit of steps was reached, or the pieces are beyond the arithmetic.
+    /// The iteration limit was reached, or the contact state is numerically singular.
     #[default]
     Unsolved,
-    /// Whoever watched wanted no more.
+    /// Cancelled by the callback.
     Interrupted,
 }
 
@@ -36,36 +36,37 @@ pub enum Outcome {
 pub struct ContactSolution {
     pub outcome: Outcome,
     pub displacement: Displacement,
-    /// Force of every contact point, against its row.
+    /// Reaction r (m,): Ku + Gᵀr = f.
     pub reaction: Vec<f64>,
-    /// Travel from every point to the vertex of its piece, where that is flat; 0 where it holds.
+    /// Remaining travel of each point to the vertex of its horizontal piece; 0 on other pieces.
     pub gap: Vec<f64>,
-    /// The piece that every point is on.
+    /// Number of the piece of each point.
     pub piece: Vec<u8>,
     pub pivots: usize,
-    /// Newton steps of the active set, and steps of the interior point method.
+    /// Newton steps, or steps of the interior point method.
     pub iterations: usize,
-    /// Conjugate gradient steps in them.
+    /// Conjugate gradient steps in all Newton steps.
     pub gradients: usize,
-    /// Matrices factored for other pieces than the problem's own.
+    /// Factorizations for other contact states than the first one.
     pub factorizations: usize,
-    /// Corrections made with the refined residual.
+    /// Steps of iterative refinement.
     pub corrections: usize,
-    /// The factor that an active set came to, for solves that begin with this one.
+    /// Last factor of the Newton method, for a warm start.
     pub(super) system: Option<Arc<System>>,
-    /// Conjugate gradient steps with it; as many as cost a factor make the next solve factor these pieces.
+    /// Conjugate gradient steps with this factor. When they have cost as much as a factorization, the next solve
+    /// factors its contact state.
     pub(super) spent: usize,
 }
 
 impl ContactSolution {
-    /// Solved, unless numbers beyond the arithmetic have made some of it NaN or infinite.
+    /// Marks the solution as solved; as unsolved if some number is NaN or infinite.
     pub(super) fn solved(self) -> Self {
         let d = &self.displacement;
         let finite = d.hi.iter().chain(&self.reaction).chain(&self.gap).all(|value| value.is_finite());
         if finite { Self { outcome: Outcome::Solved, ..self } } else { self.failed(Outcome::Unsolved) }
     }
 
-    /// Every number NaN, and why.
+    /// Sets every number to NaN and stores the outcome.
     pub(super) fn failed(mut self, outcome: Outcome) -> Self {
         let d = &mut self.displacement;
         for value in d.hi.iter_mut().chain(&mut d.lo).chain(&mut self.reaction).chain(&mut self.gap) {
@@ -75,7 +76,7 @@ impl ContactSolution {
         Self { outcome, ..self }
     }
 
-    /// Puts the points on pieces: on flat ones their forces are known.
+    /// Sets the pieces. On a horizontal piece the force is that of the piece.
     pub(super) fn put_on(&mut self, points: &Points, pieces: Vec<u8>) {
         for (i, reaction) in self.reaction.iter_mut().enumerate() {
             let piece = points.piece(i, pieces[i]);
@@ -86,7 +87,7 @@ impl ContactSolution {
         self.piece = pieces;
     }
 
-    /// Goes a part of the way to another solution.
+    /// Interpolates linearly towards another solution.
     pub(super) fn towards(&mut self, other: &Self, part: f64) {
         for i in 0..self.displacement.hi.len() {
             let (from, to) = (self.displacement.at(i), other.displacement.at(i));
@@ -99,7 +100,7 @@ impl ContactSolution {
     }
 }
 
-/// Points whose pieces differ.
+/// Indices at which two contact states differ.
 pub(super) fn differing(one: &[u8], other: &[u8]) -> Vec<usize> {
     (0..one.len()).filter(|&i| one[i] != other[i]).collect()
 }

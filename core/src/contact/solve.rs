@@ -1,4 +1,4 @@
-//! From a load to displacements, reactions and gaps.
+//! Solution of one load: displacements, reactions and gaps.
 
 use super::finders::{ActiveSet, InteriorPoint, Lemke, SetFinder, posed_from, solve_together, solved_and_factored};
 use super::interface::{Form, PosedLcp, Work};
@@ -12,10 +12,10 @@ use super::tolerances;
 use crate::cholesky::FactorError;
 
 impl ContactProblem {
-    /// Displacements, reactions and gaps under a nodal load with the held dofs at `held_value`, both over all dofs, beginning
-    /// with a solution's pieces, and in an active set with its displacement and reactions, if there is one.
+    /// Solves for a nodal load (3n,) with the held dofs at `held_value` (3n,). A `start` gives the first contact state;
+    /// the Newton method starts from its displacements and reactions, too.
     ///
-    /// `form` chooses the unknowns of the LCP; the better conditioned one if `None`.
+    /// `form` chooses the unknowns of the LCP; `None` takes the better conditioned form.
     pub fn solve(
         &self,
         load: &[f64],
@@ -27,12 +27,12 @@ impl ContactProblem {
         self.finder(form).find(self, load, held_value, start, watch)
     }
 
-    /// The method that the plate is factored for.
+    /// The method for which the plate is factored.
     pub(super) fn finder(&self, form: Option<Form>) -> Box<dyn SetFinder> {
         if self.interface.is_some() { Box::new(Lemke { form }) } else { Box::new(ActiveSet) }
     }
 
-    /// The equations of given pieces: condensed, or with springs in the factor.
+    /// The linear equations of a fixed contact state: condensed, or with springs in the factor.
     pub(super) fn kkt(&self) -> Box<dyn Kkt + '_> {
         match self.interface {
             Some(_) => Box::new(Condensed::new(self)),
@@ -40,7 +40,7 @@ impl ContactProblem {
         }
     }
 
-    /// The same under one load, by an interior point method, from whose pieces the exact ones are sought.
+    /// Solves one load by the interior point method; the problem's own method then starts from its contact state.
     pub fn solve_by_interior_point(
         &self,
         load: &[f64],
@@ -50,13 +50,13 @@ impl ContactProblem {
         InteriorPoint.find(self, load, held_value, None, watch)
     }
 
-    /// Displacements, reactions and gaps under one load on pieces that are given, beyond whose ends points may be.
+    /// Solves one load for a fixed contact state. Points may violate the bounds of their pieces.
     pub fn solve_on(&self, load: &[f64], held_value: &[f64], pieces: &[u8]) -> Result<ContactSolution, FactorError> {
         self.solve_with(&mut *self.kkt(), load, held_value, pieces, None, 0.0)
     }
 
-    /// As [`ContactProblem::solve_on`], with equations that have solved others before, from another solution if there is one;
-    /// forces far below `least` are rounding.
+    /// Solves as [`ContactProblem::solve_on`] with equations that may be reused, from a `start` if given. Forces far
+    /// below `least` count as rounding.
     pub(super) fn solve_with(
         &self,
         kkt: &mut dyn Kkt,
@@ -84,10 +84,10 @@ impl ContactProblem {
         Ok(if is_solved { solution.solved() } else { solution.failed(Outcome::Unsolved) })
     }
 
-    /// What a solution leaves of the conditions: nodal forces out of balance (3n,), and by how much points are off their
-    /// pieces (m,), beyond an end or beside the line, each over the largest force, or what bends the plate, or travel.
+    /// Residuals of a solution: nodal forces (3n,) relative to the largest force, and distances of points from their
+    /// pieces (m,), relative to the largest force (or the force that bends the plate) or to the largest travel.
     ///
-    /// It asks no solver.
+    /// It calls no solver.
     pub fn violations(&self, load: &[f64], solution: &ContactSolution) -> (Vec<f64>, Vec<f64>) {
         let residual = Residual::of(self, load, solution);
         let travel = self.points.travel_from(&vec![0.0; self.points.len()], &solution.displacement);
@@ -110,8 +110,8 @@ impl ContactProblem {
         (residual.imbalance.iter().map(|f| f / force).collect(), points)
     }
 
-    /// Solves one load and factors its pieces, for others to begin with; `None` where points are condensed, there is no
-    /// solution, or its pieces do not hold the plate.
+    /// Solves one load and factors its contact state, for warm starts; `None` where points are condensed, where there
+    /// is no solution, or where that state does not hold the plate.
     pub fn solve_and_factor(
         &self,
         load: &[f64],
@@ -121,8 +121,8 @@ impl ContactProblem {
         if self.interface.is_some() { Ok(None) } else { solved_and_factored(self, load, held_value, watch) }
     }
 
-    /// As [`ContactProblem::solve`], for many loads (3n,) each, by an active set. `watch` is asked now and then and ends it
-    /// by returning false; then answers are missing.
+    /// Solves many loads (3n,) as [`ContactProblem::solve`], by the Newton method. `watch` is called at intervals and
+    /// cancels by returning false; then solutions are missing.
     pub fn solve_together(
         &self,
         start: Option<&ContactSolution>,
@@ -133,12 +133,12 @@ impl ContactProblem {
         solve_together(self, start, loads, held_value, watch)
     }
 
-    /// The LCP that [`ContactProblem::solve`] poses first; points are condensed.
+    /// The first LCP of [`ContactProblem::solve`] where points are condensed.
     pub fn lcp(&self, load: &[f64], held_value: &[f64], form: Option<Form>) -> Result<PosedLcp, FactorError> {
         let rest = self.at_rest(held_value);
         let form = form.unwrap_or(self.interface().better_form());
         let reduced = posed_from(self, load, form, &rest)?;
         let work = Work::of(&self.free_motions, load);
-        Ok(self.interface().lcp(&self.points, form, &reduced.at_points, &work, &rest.reaction)?)
+        Ok(self.interface().lcp(&self.points, form, &reduced.rhs, &work, &rest.reaction)?)
     }
 }

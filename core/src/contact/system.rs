@@ -1,8 +1,8 @@
-//! K with the springs of some points, factored.
+//! The factor of K with the springs of some points.
 
 use super::points::Points;
 use super::tolerances;
-use crate::assembly::{Assembly, Border, HELD, Numbering};
+use crate::assembly::{Assembly, HELD, MultiplierRow, Numbering};
 use crate::bodies::Bodies;
 use crate::cholesky::{Analysis, Factor, FactorError};
 use crate::element::Kind;
@@ -11,102 +11,115 @@ use crate::rows::Springs;
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-/// Whose row a border is.
+/// Origin of a multiplier row.
 #[derive(Clone, Copy)]
-enum Owner {
+enum RowKind {
     Spring(usize),
     Point(usize),
-    /// Shear that the matrix of a thin element lacks, and its compliance.
+    /// Shear force of a thin element, with its compliance.
     Shear(f64),
 }
 
-/// What every factor of a plate has in common: its columns, and which rows are borders.
+/// The sparsity pattern that all factors of a plate share: its columns, and the rows of multipliers.
 ///
-/// Springs over the deflections of one or two elements may be summed with their matrices. Those of all other rows stay outside
-/// K, their forces as unknowns, and the matrix is quasi-definite.
-pub(super) struct Blueprint {
+/// Springs on deflections of one or two elements may be assembled with the element matrices. All other springs are
+/// multiplier rows: their forces are unknowns, and the matrix is quasi-definite.
+pub(super) struct KktPattern {
     pub(super) numbering: Numbering,
-    owners: Vec<Owner>,
-    /// Of every point, whether its row is a border.
-    is_border: Vec<bool>,
-    /// Borders without a force.
-    absent: Vec<Border>,
-    /// Springs over one element or two.
+    kinds: Vec<RowKind>,
+    /// Whether the row of each point is a multiplier row.
+    is_multiplier_row: Vec<bool>,
+    /// Multiplier rows with infinite compliance, hence without force.
+    absent: Vec<MultiplierRow>,
+    /// Springs on one or two elements.
     narrow: Springs,
     bodies: Arc<Bodies>,
     analysis: OnceLock<Analysis>,
 }
 
-/// A factor of K and of the springs that it carries.
+/// A factor of K with springs.
 pub(super) struct System {
     pub(super) factor: Factor,
-    /// Slope of the spring that it has at every point.
+    /// Stiffness of the spring at each point.
     pub(super) carried: Vec<f64>,
-    pub(super) blueprint: Arc<Blueprint>,
+    pub(super) pattern: Arc<KktPattern>,
 }
 
-impl Blueprint {
-    /// With the dofs marked `trailing` last. `bordered` says whose springs may come and go.
+impl KktPattern {
+    /// Numbers the dofs, those marked `trailing` last. `has_multiplier` says which points have a multiplier row.
     pub(super) fn new(
         plate: &Plate,
         held: &[bool],
         springs: &Springs,
         points: &Points,
         trailing: &[bool],
-        bordered: impl Fn(usize) -> bool,
+        has_multiplier: impl Fn(usize) -> bool,
     ) -> Self {
         let mut narrow = Springs::default();
-        let (mut owners, mut absent) = (Vec::new(), Vec::new());
+        let (mut kinds, mut absent) = (Vec::new(), Vec::new());
         let mut pairs = points.pairs().to_vec();
         pairs.extend(springs.rows.further.keys().filter_map(|&row| springs.rows.pair(row)));
         pairs.sort_unstable();
         pairs.dedup();
         for (row, &stiffness) in springs.stiffness.iter().enumerate() {
             if springs.rows.further.contains_key(&row) && springs.rows.pair(row).is_none() {
-                owners.push(Owner::Spring(row));
-                absent.push(Border::new(springs.rows.entries(plate, row), f64::INFINITY));
+                kinds.push(RowKind::Spring(row));
+                absent.push(MultiplierRow::new(springs.rows.entries(plate, row), f64::INFINITY));
             } else {
                 narrow.push(&springs.rows, row, stiffness, springs.base[row]);
             }
         }
-        for i in (0..points.len()).filter(|&i| bordered(i)) {
-            owners.push(Owner::Point(i));
-            absent.push(Border::new(points.row(i), f64::INFINITY));
+        for i in (0..points.len()).filter(|&i| has_multiplier(i)) {
+            kinds.push(RowKind::Point(i));
+            absent.push(MultiplierRow::new(points.row(i), f64::INFINITY));
         }
         for e in 0..plate.elements().len() {
             let dofs = plate.leading(e).iter().flat_map(|&node| 3 * node..3 * node + 3);
             for (row, compliance) in plate.shear_springs(e) {
-                owners.push(Owner::Shear(compliance));
-                absent.push(Border::new(dofs.clone().zip(row), f64::INFINITY));
+                kinds.push(RowKind::Shear(compliance));
+                absent.push(MultiplierRow::new(dofs.clone().zip(row), f64::INFINITY));
             }
         }
-        let numbering = Numbering::with_borders(plate, &pairs, held, trailing, &absent);
-        let is_border = (0..points.len()).map(bordered).collect();
-        Self { numbering, owners, is_border, absent, narrow, bodies: plate.bodies().clone(), analysis: OnceLock::new() }
+        let numbering = Numbering::with_multiplier_rows(plate, &pairs, held, trailing, &absent);
+        let is_multiplier_row = (0..points.len()).map(has_multiplier).collect();
+        Self {
+            numbering,
+            kinds,
+            is_multiplier_row,
+            absent,
+            narrow,
+            bodies: plate.bodies().clone(),
+            analysis: OnceLock::new(),
+        }
     }
 
-    /// The factor with slopes of springs at the points, every dof stiffer by `firmer` of its own. One that takes more than
-    /// `room`, in bytes, is refused before it is begun.
+    /// Factors K with springs at the points, `carried` (m,), and with a relative shift `diagonal_shift` of the
+    /// diagonal. A factor of more than `room` bytes is refused before it is begun.
     pub(super) fn factored(
         self: &Arc<Self>,
         plate: &Plate,
         springs: &Springs,
         points: &Points,
         carried: Vec<f64>,
-        firmer: f64,
+        diagonal_shift: f64,
         room: usize,
     ) -> Result<System, FactorError> {
-        let compliance = |owner: &Owner| match *owner {
-            Owner::Spring(row) => 1.0 / springs.stiffness[row],
-            Owner::Point(i) => 1.0 / carried[i],
-            Owner::Shear(compliance) => compliance,
+        let compliance = |kind: &RowKind| match *kind {
+            RowKind::Spring(row) => 1.0 / springs.stiffness[row],
+            RowKind::Point(i) => 1.0 / carried[i],
+            RowKind::Shear(compliance) => compliance,
         };
-        let border = |(owner, absent): (&Owner, &Border)| Border { compliance: compliance(owner), ..absent.clone() };
-        let borders: Vec<Border> = self.owners.iter().zip(&self.absent).map(border).collect();
-        let of_elements = |(&slope, &is_border): (&f64, &bool)| if is_border { 0.0 } else { slope };
-        let of_elements: Vec<f64> = carried.iter().zip(&self.is_border).map(of_elements).collect();
+        let multiplier_row = |(kind, absent): (&RowKind, &MultiplierRow)| MultiplierRow {
+            compliance: compliance(kind),
+            ..absent.clone()
+        };
+        let multiplier_rows: Vec<MultiplierRow> = self.kinds.iter().zip(&self.absent).map(multiplier_row).collect();
+        let of_elements = |(&slope, &is_multiplier_row): (&f64, &bool)| if is_multiplier_row { 0.0 } else { slope };
+        let of_elements: Vec<f64> = carried.iter().zip(&self.is_multiplier_row).map(of_elements).collect();
         let bedding = points.bedding(plate, &of_elements);
-        let matrix = Assembly::new(plate, &self.narrow, &bedding, &self.numbering).bordered(&borders).firmer(firmer);
+        let matrix = Assembly::new(plate, &self.narrow, &bedding, &self.numbering)
+            .has_multiplier(&multiplier_rows)
+            .diagonal_shift(diagonal_shift);
         let analysis = match self.analysis.get() {
             Some(analysis) => analysis,
             None => {
@@ -116,22 +129,22 @@ impl Blueprint {
         };
         analysis.require_room(room)?;
         let factor = analysis.factorize(&matrix)?;
-        // Points that are not carried need not hold the plate, and elements of q8r bend in some shapes without resistance.
+        // Without a spring at every point the supports may not hold the plate, and elements of q8r have mechanisms.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
             let (column, part) = factor.weakest_pivot();
             if part < tolerances::LOOSE_PIVOT {
                 return Err(FactorError::NotPositiveDefinite { column });
             }
         }
-        Ok(System { factor, carried, blueprint: self.clone() })
+        Ok(System { factor, carried, pattern: self.clone() })
     }
 
-    /// A nodal load in elimination order, without the dofs held.
+    /// A nodal load in elimination order, without held dofs.
     pub(super) fn gather(&self, load: &[f64]) -> Vec<f64> {
         self.numbering.dof.iter().map(|&dof| load.get(dof).copied().unwrap_or(0.0)).collect()
     }
 
-    /// A motion in elimination order as a nodal one; dofs held are zero.
+    /// A displacement in elimination order as a nodal vector; held dofs are zero.
     pub(super) fn scatter(&self, ordered: &[f64], dofs: usize) -> Vec<f64> {
         let mut out = vec![0.0; dofs];
         for (&dof, &value) in self.numbering.dof.iter().zip(ordered).filter(|(dof, _)| **dof < dofs) {
@@ -141,13 +154,13 @@ impl Blueprint {
         out
     }
 
-    /// The columns of borders.
-    pub(super) fn borders(&self, dofs: usize) -> HashSet<usize> {
+    /// The columns of multipliers.
+    pub(super) fn multiplier_rows(&self, dofs: usize) -> HashSet<usize> {
         let columns = self.numbering.dof.iter().enumerate();
         columns.filter(|(_, dof)| **dof >= dofs).map(|(column, _)| column).collect()
     }
 
-    /// Rows of points by columns.
+    /// The rows of G by column of the factor.
     pub(super) fn rows(&self, points: &Points) -> Vec<Vec<(usize, f64)>> {
         let row = |i| points.row(i).map(|(dof, coefficient)| (self.numbering.column[dof], coefficient));
         (0..points.len()).map(|i| row(i).filter(|entry| entry.0 != HELD).collect()).collect()
@@ -155,11 +168,11 @@ impl Blueprint {
 }
 
 impl System {
-    /// The motion of the nodes under nodal forces.
+    /// Displacements under nodal forces.
     pub(super) fn solve(&self, force: &[f64]) -> Result<Vec<f64>, FactorError> {
-        let mut ordered = self.blueprint.gather(force);
+        let mut ordered = self.pattern.gather(force);
         self.factor.forward(&mut ordered)?;
         self.factor.backward(&mut ordered)?;
-        Ok(self.blueprint.scatter(&ordered, force.len()))
+        Ok(self.pattern.scatter(&ordered, force.len()))
     }
 }

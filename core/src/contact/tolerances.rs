@@ -1,200 +1,208 @@
-//! Every tolerance of the contact problem, what it is relative to, and why it has its value. ε is 2.2e-16.
+//! Every tolerance of the contact problem: its reference quantity and the reason for its value. ε = 2.2e-16.
 //!
-//! Numbers of steps stand beside the loops that they limit; those of the linear complementarity solvers in `lcp`.
+//! Iteration limits stand beside their loops. Tolerances of the linear complementarity solvers stand in `lcp`.
 
-/// A residual this small, over the largest force, or over the largest deflection where it is a length, is rounding: what
-/// a sum in double-double leaves when it has become a double, a few ε.
+/// Relative residual at convergence: of forces to the largest force, of lengths to the largest deflection. A sum in
+/// double-double that is rounded to a double has an error of a few ε.
 pub(super) const RESIDUAL: f64 = 1e-15;
 
-/// Reactions and gaps of the wrong sign, over the largest of their kind or the load, that are rounding: 10⁵ ε, by which
-/// the elimination of thin plates magnifies it.
+/// Reactions and gaps of the wrong sign, relative to the largest of their kind or to the load, that count as rounding:
+/// 10⁵ ε, the amplification by the elimination of thin plates.
 pub(super) const SIGN: f64 = 1e-11;
 
-/// A correction that leaves more than this part of the residual before it is the last: two bits are not worth a solve.
+/// Largest ratio of successive residual norms at which refinement continues: a gain of two bits costs more than it
+/// brings.
 pub(super) const PROGRESS: f64 = 0.25;
 
-/// Residual of a solution of a set's equations, over what each of its entries is measured by.
+/// Largest scaled residual of an accepted solution for a fixed contact state.
 pub(super) const SOLVED: f64 = 1e-9;
 
-/// Units of rounding of the plate's own forces that a solution may leave if that is more: still more is left where a
-/// plate has yet to reach what holds it.
+/// Accepted residual as a multiple of the rounding of the internal forces, where that exceeds the bound above. A plate
+/// that has not reached its supports yet has a larger residual.
 pub(super) const ROUNDINGS: f64 = 4.0;
 
-/// Ten directions that together leave more than this part of the residual are the last.
+/// Refinement by conjugate residuals stops when ten directions together reduce the residual by less than this factor.
 pub(super) const SLOW: f64 = 0.7;
 
-/// Part of the deflection by which the load scales on the plate, below which no deflection counts.
+/// Smallest deflection that counts, relative to the load divided by the plate stiffness D/a².
 pub(super) const NIL: f64 = 1e-6;
 
-/// A pivot, in double-double, below this part of the largest is rounding of the lever arms: nothing holds that motion.
-/// 10¹⁰ times the square of ε.
+/// Relative tolerance for pivots in double-double: a smaller one belongs to an unconstrained rigid motion. 10¹⁰ ε², the
+/// rounding of the arms.
 pub(super) const HELD: f64 = 1e-22;
 
-/// Residual, over the largest nodal force, of a response that is not worth another correction: sums of responses add no
-/// digits to it.
+/// Relative residual at which a response needs no further correction, relative to the largest nodal force. Sums of
+/// responses are corrected again.
 pub(super) const RESPONSE: f64 = 1e-13;
 
-/// What rounding leaves of a sum, over the magnitudes of its terms.
+/// Rounding error of a sum, relative to the sum of the magnitudes of its terms.
 pub(super) const SUM: f64 = 4.0 * f64::EPSILON;
 
-/// Part of the plate's own compliance that is put in series with rigid points where nothing is eliminated: the root of what
-/// tells points apart that double precision can.
+/// Compliance in series with rigid points in the saddle-point form, relative to the compliance of the plate: √ε, the
+/// geometric mean of the two rounding errors that it balances.
 pub(super) const COMPLIANCE: f64 = 1e-9;
 
-/// A pivot below this part of its diagonal entry is rounding: the points that are carried need not hold the plate, nor the
-/// supports a mechanism of q8r. Of what holds, slender and soft plates included, the least seen was 1e-9.
+/// Relative tolerance for pivots: with a smaller one, relative to its diagonal entry, the matrix is singular. The
+/// factored springs need not hold the plate, and q8r has mechanisms. The smallest pivot of a plate that is held was
+/// 1e-9, slender and soft plates included.
 pub(super) const LOOSE_PIVOT: f64 = 1e-13;
 
-/// Part of its own by which a dof is stiffer in a factor that springs alone keep from being singular, and then not by
-/// enough for its arithmetic: several roundings, so that every pivot is positive.
-pub(super) const FIRMER: f64 = 64.0 * f64::EPSILON;
+/// Relative diagonal shift of K where springs alone hold the plate and are too soft for its factor: several roundings,
+/// so that every pivot is positive.
+pub(super) const DIAGONAL_SHIFT: f64 = 64.0 * f64::EPSILON;
 
-/// Over what that adds to a rigid motion, how softly springs hold it at least in a factor without it: three digits more
-/// than the factor's own rounding.
-pub(super) const FIRM_BELOW: f64 = 1e3;
+/// Least ratio of the spring stiffness of a rigid motion to the stiffness that the diagonal shift adds to it: three
+/// digits above the rounding of the factor.
+pub(super) const SHIFT_BELOW: f64 = 1e3;
 
 /// Condensation onto the contact points.
 pub(super) mod interface {
-    /// A point whose stiffness the factor carries to this part of it is carried whole: both are rounded a few times.
+    /// Relative tolerance for the equality of the factored stiffness δ and the stiffness of a point: both have a few
+    /// rounding errors.
     pub(crate) const ABSORBED: f64 = 1e-12;
 
-    /// A posed reaction this small, relative to the load, is zero: the load is balanced without it. So is a gap, relative
-    /// to the largest move, and a lever, relative to the moves it is made of: 10⁴ ε of elimination.
+    /// Relative tolerance for zeros of q and M: of reactions to the load, of gaps to the largest displacement, of other
+    /// entries to their terms. 10⁴ ε of elimination.
     pub(crate) const POSED: f64 = 1e-12;
 
-    /// Rounding of a sum of stiffnesses times gaps over as many points as are condensed.
+    /// Rounding of a sum of stiffness times gap over all condensed points, relative to its terms.
     pub(crate) const POSED_SUM: f64 = 1e-14;
 
-    /// A stiffness of which the projection leaves less than this part was rounding: half the digits.
+    /// Smallest ratio of a projected diagonal stiffness to the original one that is significant: half the digits.
     pub(crate) const PROJECTED: f64 = 1e-6;
 }
 
-/// The active set: Newton steps, their directions and the penalties of rigid points.
+/// Semismooth Newton method: steps, directions, penalties of rigid points.
 pub(super) mod newton {
-    /// Stiffest penalty, over the plate's stiffness in shear, at the end: multipliers converge the faster the stiffer it is,
-    /// and residuals lose as many digits.
+    /// Largest penalty, relative to the shear stiffness of an element. Multipliers converge faster with a larger
+    /// penalty, and residuals lose as many digits.
     pub(crate) const STIFFEST: f64 = 1e4;
 
-    /// How much stiffer the penalty becomes from stage to stage.
+    /// Ratio of the penalties of successive stages.
     pub(crate) const STIFFER: f64 = 10.0;
 
-    /// Bending stiffness over that in shear of a wave of ten elements, over the square of thickness over element size:
-    /// the first penalty.
+    /// First penalty over (h/element size)²: the ratio of bending to shear stiffness of a wave of ten elements.
     pub(crate) const LONG_WAVE: f64 = 0.04;
 
-    /// What conjugate gradients leave of the residual while the set still changes: its next change needs no more.
+    /// Relative tolerance of conjugate gradients while the contact state changes: the next change needs no more.
     pub(crate) const LOOSE: f64 = 0.3;
 
-    /// The same after some steps without the set settling: true Newton directions then need fewer.
+    /// Relative tolerance after several Newton steps in which the contact state changes: accurate Newton directions
+    /// then reduce the number of steps.
     pub(crate) const FIRM: f64 = 1e-3;
 
-    /// The same where the set does not change: half the digits, the refined residual brings the others.
+    /// Relative tolerance on an unchanged contact state: half the digits; refinement gives the other half.
     pub(crate) const TIGHT: f64 = 1e-8;
 
-    /// Residual, over the largest force, at which the points are settled: 500 ε.
+    /// Residual relative to the largest force at convergence: 500 ε.
     pub(crate) const SETTLED: f64 = 1e-13;
 
-    /// Times that from which points are looked at anew although some still change sides.
+    /// Multiple of `SETTLED` at which multipliers are updated, although some points still change their piece.
     pub(crate) const NEARLY: f64 = 1e3;
 
-    /// Steps on one set that leave this part of the residual tell that the rest is rounding.
+    /// Smallest ratio of successive residuals, on an unchanged contact state, that shows stagnation by rounding.
     pub(crate) const SLOW: f64 = 0.8;
 
-    /// What rounding leaves at most of the largest force, in the thinnest plates; where it stalls above, supports
+    /// Largest relative residual that rounding explains, in the thinnest plates. A larger one means that supports
     /// contradict each other.
     pub(crate) const STALLED: f64 = 1e-3;
 
-    /// Residual, over the largest force, up to which multipliers are renewed: they follow an equilibrium.
+    /// Largest residual, relative to the largest force, at which multipliers are updated: an update needs an
+    /// equilibrium.
     pub(crate) const BALANCED: f64 = 1e-3;
 
-    /// Change of the multipliers, over the largest force, at which the next stage begins.
+    /// Change of the multipliers relative to the largest force at which the next penalty stage begins.
     pub(crate) const STEADY: f64 = 5e-2;
 
-    /// Slope of the energy that ends a line search, over the slope at its start.
+    /// Slope of the energy at the end of a line search, relative to the slope at its start.
     pub(crate) const FLAT: f64 = 1e-3;
 
-    /// Curvature along a direction, over that of the factored matrix, below which the plate is taken to be free along it:
-    /// 500 ε, which the sum of squares leaves of nothing.
+    /// Relative tolerance for the curvature of a free rigid motion, relative to that of the factored matrix: 500 ε, the
+    /// rounding of the sum of squares.
     pub(crate) const FREE: f64 = 1e-13;
 
-    /// Curvature, over that of the factored matrix, from which on what cancels in its sum does not matter: ten digits are
-    /// left.
+    /// Smallest curvature, relative to that of the factored matrix, for the difference formula, which then keeps ten
+    /// digits.
     pub(crate) const PLAIN: f64 = 1e-6;
 
-    /// Stiffness that these motions meet, over that of all points together, so that those that nothing holds end at the
-    /// next point.
+    /// Stiffness added to unconstrained rigid motions, relative to the sum of all point stiffnesses. With it such a
+    /// motion ends at the next contact point.
     pub(crate) const LEAST: f64 = 1e-16;
 
-    /// Resultants, over the forces that they are the sum of, that are rounding.
+    /// Rounding of a resultant relative to the sum of the magnitudes of its forces.
     pub(crate) const RESULTANT: f64 = 8.0 * f64::EPSILON;
 }
 
-/// Load paths. Reactions count over the largest, gaps over the largest deflection or their own travel.
+/// Load paths. Reactions are relative to the largest reaction, gaps to the largest deflection or to their own free
+/// travel.
 pub(super) mod path {
-    /// Of the wrong sign at the ends of a segment, they are rounding: a hundred times that of one solution, since a
-    /// segment goes on from the end of the one before.
+    /// Reactions and gaps of the wrong sign at the ends of a segment that count as rounding: a hundred times the value
+    /// for one solution, since a segment starts from the end of the one before.
     pub(crate) const SIGN: f64 = 1e-9;
 
-    /// Events nearer than this part of a step are one, and a path that goes no farther stands still.
+    /// Relative tolerance for coincident events, relative to a step. A path that advances by less makes no progress.
     pub(crate) const SAME_EVENT: f64 = 1e-9;
 
-    /// Travel, over the largest deflection, within which events of pivots are one.
+    /// Displacement relative to the largest deflection within which events of pivots coincide.
     pub(crate) const SAME_PLACE: f64 = 1e-10;
 
-    /// Of a unit of what is added, so little says nothing of how far to step: an event at no load that rounding leaves there.
+    /// Smallest t that sets the length of a step. An event at t = 0 has a t of this size by rounding.
     pub(crate) const NO_LOAD: f64 = 1e-9;
 
-    /// Part of t = 1 below which a plate that moves by its least gap needs a smaller unit: a hundred thousand times more than
-    /// [`NO_LOAD`] and than what is one event.
+    /// Smallest t, at which the plate moves by its least gap, without a change of unit: 10⁵ times [`NO_LOAD`] and
+    /// [`SAME_EVENT`].
     pub(crate) const FAR_BELOW: f64 = 1e-4;
 
-    /// How far beyond an event, over a step, a solve tells the contact set after it where switching does not.
+    /// Distances behind an event, relative to a step, at which a solve finds the contact state where switching fails.
     pub(crate) const BEYOND: [f64; 5] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11];
 
-    /// With more than this a point that switches jumps instead.
+    /// Smallest relative change of reaction or gap that makes a switching point jump.
     pub(crate) const JUMP: f64 = 1e-9;
 
-    /// How far, over a segment's length, its refined end may be from where pivoting saw it.
+    /// Largest difference between the refined end of a segment and the end from pivoting, relative to the length of the
+    /// segment.
     pub(crate) const MOVED: f64 = 1e-3;
 
-    /// How far beside that, over a step that changes the load by as much as there is of it: pivots see where points nearly
-    /// alike switch to 1e-7 or so of it.
+    /// Additional difference, relative to a step that doubles the load: pivots locate events of nearly parallel points
+    /// to about 1e-7 of it.
     pub(crate) const SEEN: f64 = 1e-6;
 
-    /// The least length of a line, over such a step.
+    /// Least length of a line, relative to such a step.
     pub(crate) const SHORT: f64 = 1e-3;
 
-    /// Reactions and gaps that change by less over a line stay.
+    /// Relative tolerance for a constant reaction or gap over a line.
     pub(crate) const STILL: f64 = 1e-10;
 
-    /// A line without events that moves the plate by less than this part of the largest gap may be too short.
+    /// Smallest displacement over a line without events, relative to the largest gap; with a smaller one the line may
+    /// be too short.
     pub(crate) const COUNTS: f64 = 0.1;
 
-    /// Times that it is made longer at most: a motion much smaller over its gap is nearly rounding.
+    /// Largest factor by which such a line is lengthened: a motion much smaller relative to its gap is nearly rounding.
     pub(crate) const LONGER: f64 = 1e12;
 
-    /// Reactions and gaps that are none.
+    /// Relative tolerance for zero reactions and gaps.
     pub(crate) const NOTHING: f64 = 1e-14;
 
-    /// Part of the loads that a load is the sum of which, as a scale, turns [`SIGN`] into their rounding.
+    /// Smallest resultant relative to its terms that serves as a scale: with it [`SIGN`] equals their rounding.
     pub(crate) const UNSEEN: f64 = 1e-7;
 }
 
-/// The interior point method, in units in which every dof has the stiffness 1.
+/// Interior point method, in units in which every dof has the stiffness 1.
 pub(super) mod interior_point {
-    /// Relative duality gap and residuals asked for; where rounding keeps them larger, the last iterate is taken.
+    /// Relative duality gap and residuals at convergence. Where rounding keeps them larger, the last iterate is taken.
     pub(crate) const GAP: f64 = 1e-11;
 
-    /// Stiffness added to the dofs: less than Clarabel's own 1e-8, which a thin plate's bending is as soft as.
+    /// Static regularization of the dofs. Clarabel's default, 1e-8, is as large as the bending stiffness of a thin
+    /// plate.
     pub(crate) const REGULARIZATION: f64 = 1e-10;
 
-    /// So little added needs refinement for as long as each step leaves less than the one before by this factor: Clarabel's
-    /// own, to a fifth, ends the last iterations before a proof of infeasibility is sharp.
+    /// Stop ratio of iterative refinement. With Clarabel's default of 5 the last iterations end before a proof of
+    /// infeasibility is sharp.
     pub(crate) const REFINING: f64 = 1.5;
 
-    /// Residuals of a proof of infeasibility, over the magnitudes they are made of, up to which it is believed: √ε.
+    /// Largest residual of an accepted proof of infeasibility, relative to its terms: √ε.
     pub(crate) const PROOF: f64 = 1e-8;
 
-    /// What it must prove, over the magnitudes that is made of: so much more that the residuals could not undo it.
+    /// Least violation that such a proof must show, relative to its terms: well above its residuals.
     pub(crate) const MARGIN: f64 = 1e-6;
 }

@@ -25,8 +25,8 @@ impl Kind {
         }
     }
 
-    /// As [`Kind::points`], of triangles or quadrilaterals; they are as many. Of a triangle stress is sampled where three
-    /// points are exact to the second degree, and at the centroid.
+    /// As [`Kind::points`], for triangles or quadrilaterals, which have equally many. Triangles sample stress at three
+    /// points that are exact to the second degree, and at the centroid.
     pub fn points_of(self, triangle: bool) -> &'static [(f64, f64, f64)] {
         const NEAR: f64 = 1.0 / 6.0;
         const FAR: f64 = 2.0 / 3.0;

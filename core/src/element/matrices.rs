@@ -1,4 +1,4 @@
-//! What an element matrix is over.
+//! Types of element matrices.
 
 use super::section::Section;
 
@@ -18,7 +18,7 @@ pub fn packed(i: usize, j: usize) -> usize {
 /// Strain rows [κxx, κyy, 2κxy, γx, γy] over the dofs with the centre rotations last.
 pub type StrainMatrix = [[f64; ALL_DOFS]; 5];
 
-/// What brings the condensed centre rotations back: θ = compliance·m − coupling·u, m the couples that act on them.
+/// Recovery of the condensed centre rotations: θ = compliance·m − coupling·u, with m the couples on them.
 #[derive(Clone, Debug, Default)]
 pub struct Centre<T = f64> {
     pub coupling: [[T; DOFS]; 2],

@@ -26,7 +26,7 @@ fn station(r: f64, s: f64, weight: f64) -> Station {
 
 static POINTS: LazyLock<[Station; 9]> = LazyLock::new(|| radon().map(|(r, s, weight)| station(r, s, weight)));
 
-/// Where the shear is tied, and along what.
+/// Tying points of the shear, and their directions.
 static TYING_POINTS: LazyLock<[(Station, [f64; 2]); 6]> = LazyLock::new(|| {
     std::array::from_fn(|tie| {
         let t = if tie % 2 == 0 { 0.5 * (1.0 - GAUSS) } else { 0.5 * (1.0 + GAUSS) };
@@ -76,7 +76,7 @@ fn inverted(mut rows: [[f64; 2 * NUMBERS]; NUMBERS]) -> [[f64; NUMBERS]; NUMBERS
     rows.map(|row| std::array::from_fn(|k| row[NUMBERS + k]))
 }
 
-/// What each tied value adds to γr and γs.
+/// Interpolation of γr and γs from the tied values.
 fn interpolation(r: f64, s: f64) -> [[f64; NUMBERS]; 2] {
     functions(r, s).map(|parts| {
         let mut sum = [0.0; NUMBERS];
@@ -160,7 +160,7 @@ pub(super) fn apart<T: Number>(geometry: &Geometry<T>, section: impl Fn(usize) -
             }
         }
     }
-    // Places that are left over: springs on nothing.
+    // Unused entries get a unit stiffness.
     (NUMBERS..2 * TIES).for_each(|t| form[t][t] = form[0][0]);
     let mut rows = [[zero; ALL_DOFS]; 2 * TIES];
     rows[..NUMBERS].copy_from_slice(&ties(geometry));

@@ -125,7 +125,7 @@ fn ties<T: Number>(geometry: &Geometry<T>) -> [[[T; ALL_DOFS]; TIES]; 2] {
     let [xi, eta] = rows.each_mut();
     for dof in 0..ALL_DOFS {
         let change = |row: &[[T; ALL_DOFS]; TIES]| row[1][dof] - row[0][dof] + row[3][dof] - row[2][dof];
-        // What the edges' numbers add to the mean.
+        // Contribution of the edge values to the mean.
         let edges = (change(xi) - change(eta)) / number(12.0 * GAUSS);
         xi[4][dof] -= skew[0] * edges;
         eta[4][dof] -= skew[1] * edges;
@@ -180,7 +180,7 @@ pub(super) fn bending_rows(gradient: [[f64; 2]; 9]) -> StrainMatrix {
     strain
 }
 
-/// One of the 3×3 points: what bending there is made of.
+/// Bending data of one of the 3×3 points.
 #[derive(Clone, Copy)]
 pub(super) struct Point<T = f64> {
     /// Gradients of the nine rotation functions in x and y.
@@ -215,7 +215,7 @@ pub(super) struct Apart<T = f64> {
 }
 
 impl<T: Number> Apart<T> {
-    /// Of a quadrilateral, given its sections at the 3×3 points.
+    /// Forms the data of a quadrilateral from its sections at the 3×3 points.
     #[inline(always)]
     pub(super) fn of(geometry: &Geometry<T>, section: impl Fn(usize) -> Section<T>) -> Self {
         let zero = geometry.at[0][0].like(0.0);
@@ -295,7 +295,7 @@ fn add_bending<T: Number>(full: &mut [[T; ALL_DOFS]; ALL_DOFS], point: &Point<T>
     }
 }
 
-/// Adds to the lower triangle what a form in the tied values is over the dofs.
+/// Adds a form in the tied values to the lower triangle on the dofs.
 #[inline(always)]
 pub(super) fn add_shear<T: Number>(
     full: &mut [[T; ALL_DOFS]; ALL_DOFS],

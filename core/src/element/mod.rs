@@ -28,7 +28,7 @@ use shape::serendipity;
 /// Numbers that the widest register holds.
 const MOST_LANES: usize = 8;
 
-/// An element, and what it is made of.
+/// An element: geometry, material, sections.
 pub type Made<'a> = (Geometry, &'a Material, Sections<'a>);
 
 /// Stiffness of elements, each put where its number says; those of mitc9 as many at a time as a register holds.

@@ -1,9 +1,9 @@
-//! What element matrices are computed in: a number, or those of some elements side by side.
+//! Scalar types for element matrices: one number, or one for each of several elements.
 
 use pulp::Simd;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// A number, or one of each of some elements; what is computed of one has the bits that it has alone.
+/// A number, or one number for each of several elements; each lane has the bits that it has alone.
 pub trait Number:
     Copy
     + Add<Output = Self>

@@ -1,4 +1,4 @@
-//! What a plate is made of at one point: its thickness, and the rigidities that follow from it.
+//! The section of a plate at one point: thickness and rigidities.
 
 use super::kind::Kind;
 use super::number::Number;
@@ -6,7 +6,7 @@ use super::number::Number;
 /// Linear elasticity, isotropic or not.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
-    /// Young's modulus, the largest: what forces are compared with.
+    /// Largest Young's modulus: the reference of forces.
     pub young: f64,
     /// Rigidities of a plate of thickness 1.
     pub unit: Section,
@@ -45,7 +45,7 @@ impl Material {
     }
 }
 
-/// Of what each element of a plate is.
+/// Material of each element.
 #[derive(Clone, Debug)]
 pub struct Materials {
     all: Vec<Material>,
@@ -77,7 +77,7 @@ impl Materials {
         &self.all
     }
 
-    /// Whether so many elements have materials that are there.
+    /// Whether all elements refer to existing materials.
     pub fn fit(&self, elements: usize) -> bool {
         let of_each = self.of.len() == elements && self.of.iter().all(|&number| (number as usize) < self.all.len());
         of_each || (self.of.is_empty() && self.all.len() == 1)
@@ -141,7 +141,7 @@ pub struct Layered {
     pub section: Vec<Section>,
 }
 
-/// What one element is made of, at each of its points.
+/// Sections of one element, at each of its points.
 #[derive(Clone, Copy, Debug)]
 pub enum Sections<'a> {
     Constant(f64),

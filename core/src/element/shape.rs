@@ -92,8 +92,7 @@ pub fn is_collapsed(nodes: &[usize; 8]) -> bool {
     nodes[0] == nodes[1] && nodes[0] == nodes[4]
 }
 
-/// What an element's functions are in all at its nodes: those of a collapsed side are summed in its first place, so that
-/// no dof stands twice in a row.
+/// Shape functions by node: those of a collapsed side are summed in its first position, so that each dof appears once.
 ///
 /// ```
 /// use signorini_core::element::shape::{gathered, serendipity};

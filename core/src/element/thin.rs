@@ -21,8 +21,8 @@ const CENTRE_CORRECTIONS: usize = 2;
 /// So much stiffer in shear than in bending over the element a matrix keeps less than eight digits of bending.
 const BENDING_LOST: f64 = 1e8;
 
-/// Over the stiffness of bending over the element's width, that of the part of such a shear that its matrix has: it holds
-/// what does not bend, and costs no digits of bending.
+/// Ratio of the shear stiffness in the matrix of a very thin element to its bending stiffness over the width: large
+/// enough to constrain shear modes, small enough to keep the digits of bending.
 const SOFT_SHEAR: f64 = 1.0;
 
 fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart {
@@ -30,8 +30,8 @@ fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart 
     if geometry.triangle { mitc7::apart(geometry, section) } else { Apart::of(geometry, section) }
 }
 
-/// Lengths of an element along ξ and η, at its middle; of a triangle its longest side and what makes its area of it, equal
-/// if it is equilateral.
+/// Lengths of an element along ξ and η at its centre; for a triangle its longest side, and 4/√3 times its area over
+/// that side, equal if it is equilateral.
 fn lengths(geometry: &Geometry) -> [f64; 2] {
     if geometry.triangle {
         let [a, b, c] = [0, 1, 2].map(|i| geometry.at[i]);
@@ -64,8 +64,8 @@ fn series(geometry: &Geometry, material: &Material, thinnest: f64) -> Option<f64
     (ratio * aspect * aspect > BENDING_LOST).then(|| 1.0 / (SOFT_SHEAR * across))
 }
 
-/// The matrix that a factor is made of where bending would be lost in that of the element: with softer shear. What that
-/// lacks, [`shear_springs`] have.
+/// The matrix for the factor, where the full shear would drown bending: with softer shear. [`shear_springs`] has the
+/// rest of the shear.
 pub fn factored_stiffness(
     geometry: &Geometry,
     material: &Material,
@@ -103,7 +103,7 @@ pub fn shear_springs(
         alone[t][s] + turned.sum::<f64>()
     });
     let eigen = sheared.self_adjoint_eigen(Side::Lower).ok()?;
-    // Below this the sum with what turns the centre is rounding.
+    // A smaller eigenvalue is rounding beside the centre rotations.
     let least = f64::EPSILON * eigen.S()[SHEARS - 1];
     let row =
         |t: usize, j: usize| apart.rows[t][j] - at_centre[t][0] * coupling[0][j] - at_centre[t][1] * coupling[1][j];
@@ -147,7 +147,7 @@ fn inverse(form: &[[f64; SHEARS]; SHEARS]) -> [[f64; SHEARS]; SHEARS] {
 pub struct Strains<'a> {
     apart: Apart,
     centre: &'a Centre,
-    /// κxx, κyy, 2κxy at the 3×3 points, and their moments times what each point stands for.
+    /// κxx, κyy, 2κxy at the 3×3 points, and their moments times the integration weight.
     curvature: [[f64; 3]; 9],
     moment: [[f64; 3]; 9],
     /// The tied shears and their forces.
@@ -156,7 +156,7 @@ pub struct Strains<'a> {
 }
 
 impl<'a> Strains<'a> {
-    /// Of displacements from which the element's rigid motion is taken.
+    /// Strains from displacements without rigid motion.
     pub fn of(
         geometry: &Geometry,
         material: &Material,
@@ -211,7 +211,7 @@ impl<'a> Strains<'a> {
         self.force = self.apart.form.map(|row| row.iter().zip(&self.shear).map(|(f, g)| f * g).sum());
     }
 
-    /// What is out of balance at the centre.
+    /// Residual couples at the centre.
     fn centre_couple(&self) -> [f64; 2] {
         let mut couple = [0.0; 2];
         for (row, force) in self.apart.rows.iter().zip(&self.force) {
@@ -238,7 +238,7 @@ impl<'a> Strains<'a> {
                 out[3 * i + 2] += y * yy + x * xy;
             }
         }
-        // What the corrections have left at the centre goes where condensation would put it.
+        // The remaining residual at the centre is condensed.
         let couple = self.centre_couple();
         for (j, out) in out.iter_mut().enumerate() {
             *out -= self.centre.coupling[0][j] * couple[0] + self.centre.coupling[1][j] * couple[1];
@@ -278,7 +278,7 @@ fn add_product(sum: &mut DoubleDouble, coefficient: f64, u: DoubleDouble) {
     sum.lo += coefficient * u.lo;
 }
 
-/// Adds what one node's slopes curve.
+/// Adds the curvature of one node's slopes.
 fn add_curvature([xx, yy, xy]: &mut [DoubleDouble; 3], [x, y]: [f64; 2], [along_x, along_y]: [DoubleDouble; 2]) {
     add_product(xx, x, along_x);
     add_product(yy, y, along_y);

@@ -1,4 +1,4 @@
-//! Many problems with one M: what does not depend on q is done once.
+//! Many problems with one M: the part that does not depend on q is computed once.
 use std::borrow::Cow;
 
 use super::lemke::{End, default_max_pivots, follow_path};
@@ -22,11 +22,11 @@ use super::tolerances;
 /// ```
 pub struct LcpFamily {
     scaling: Scaling,
-    /// Scaled, at the slacks' basis; q is of no account.
+    /// The scaled problem at the slack basis; its q is unused.
     scaled: CoveredLcp<'static>,
     origin: Vec<bool>,
     basis: Basis,
-    /// M as it reads at that basis.
+    /// Principal pivotal transform of M at that basis.
     pivoted: Vec<f64>,
 }
 

@@ -7,7 +7,7 @@ use super::tableau::Tableau;
 use super::tolerances;
 use crate::dense::OutOfMemory;
 
-/// What may be chosen.
+/// Options.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LemkeOptions<'a> {
     /// The covering vector d > 0 of the cold start; ones if absent.
@@ -105,7 +105,7 @@ fn solve(
         let BasicValues { mut z, mut w, .. } = result;
         scaling.unscale_z(&mut z);
         scaling.unscale_w(&mut w);
-        // Numbers near the largest of f64 overflow.
+        // Numbers near the largest f64 overflow.
         let finite = z.iter().chain(&w).all(|x| x.is_finite());
         let result = LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None };
         Ok::<_, OutOfMemory>(finite.then_some(result))
@@ -166,7 +166,7 @@ fn check_covering(lcp: &Lcp, covering: &[f64]) -> Result<(), LcpError> {
     }
 }
 
-/// Pivots from one look at whoever watches to the next: some milliseconds of a thousand pairs.
+/// Pivots between two calls of the callback: some milliseconds for a thousand pairs.
 pub(super) const WATCHED: usize = 64;
 
 /// Where a path ends.
@@ -177,7 +177,7 @@ pub(super) enum End {
     Ray(Vec<f64>),
     /// At the pivot limit, or where the basis became singular.
     Stopped,
-    /// Where whoever watched wanted no more.
+    /// Cancelled by the callback.
     Interrupted,
 }
 

@@ -10,13 +10,13 @@ use crate::dense::OutOfMemory;
 /// How a parametric path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParametricEnd {
-    /// The last basis stays to the end asked for.
+    /// The last basis is valid to the requested end.
     Reached,
     /// No z ≥ 0 makes w ≥ 0 for a larger t, if M is positive semidefinite.
     Infeasible,
     /// The pivot limit was reached, t turned back (M is not positive semidefinite), or rounding made a basis singular.
     Stopped,
-    /// Whoever watched wanted no more.
+    /// Cancelled by the callback.
     Interrupted,
 }
 
@@ -85,7 +85,7 @@ pub fn parametric(
     }
     let scaling = Scaling::of(lcp);
     let (scaled, unit) = scaling.scale_along(lcp, direction);
-    // A parameter whose unit is beyond f64 has no ends that could be told.
+    // A parameter whose unit overflows f64 has no representable ends.
     match scaled.pivoted(basis)?.filter(|_| unit.is_normal()) {
         Some(origin) => path.end = follow(origin, basis, unit, end, &mut path, watch)?,
         None => path.end = ParametricEnd::Stopped,
@@ -93,7 +93,7 @@ pub fn parametric(
     Ok(path)
 }
 
-/// Follows the path from the slacks' basis of a pivoted problem; `unit` is what a scaled t of one is.
+/// Follows the path from the slack basis of a pivoted problem; `unit` is the length of a scaled unit of t.
 fn follow(
     mut problem: CoveredLcp,
     origin: &[bool],
@@ -103,7 +103,7 @@ fn follow(
     watch: &mut dyn FnMut(usize) -> bool,
 ) -> Result<ParametricEnd, OutOfMemory> {
     let order = problem.order();
-    // What is below zero at the solution of t = 0 is rounding.
+    // Negative values at t = 0 are rounding.
     problem.q.iter_mut().for_each(|q| *q = q.max(0.0));
     let limit = default_max_pivots(order).max(1000);
     let mut tableau = Tableau::new(&problem)?;

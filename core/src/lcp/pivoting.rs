@@ -1,4 +1,4 @@
-//! What a complementary basis determines: the principal pivotal transform and the basic solution.
+//! The principal pivotal transform and the basic solution of a complementary basis.
 use faer::{Mat, MatMut};
 
 use super::scaling::CoveredLcp;
@@ -27,7 +27,7 @@ impl CoveredLcp<'_> {
         Ok(Some(CoveredLcp { matrix: matrix.into(), units: vec![1.0; self.order()].into(), q, covering }))
     }
 
-    /// z and w at a complementary basis; None if it is singular or infeasible. What is negative by rounding becomes zero.
+    /// z and w at a complementary basis; None if it is singular or infeasible. Negative values of rounding become zero.
     pub(super) fn basic_solution(&self, basis: &[bool]) -> Result<Option<BasicValues>, OutOfMemory> {
         let Some(basis) = Basis::of(self, basis)? else { return Ok(None) };
         let Some(mut result) = basis.values(self)?.filter(|result| result.feasible) else { return Ok(None) };
@@ -60,7 +60,7 @@ pub(super) struct Basis {
     factors: Lu,
 }
 
-/// z and w at a complementary basis, signs as they come.
+/// z and w at a complementary basis, of any sign.
 pub(super) struct BasicValues {
     pub(super) z: Vec<f64>,
     pub(super) w: Vec<f64>,

@@ -30,12 +30,12 @@ pub enum LcpStatus {
     Ray,
     /// The solver stopped without a solution: at the pivot limit, or where rounding kept every basis infeasible.
     PivotLimit,
-    /// Whoever watched wanted no more.
+    /// Cancelled by the callback.
     Interrupted,
 }
 
 impl LcpStatus {
-    /// What the status means, in a sentence.
+    /// The meaning of the status as a sentence.
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Solved => "A complementary solution was found.",
@@ -54,7 +54,7 @@ impl fmt::Display for LcpStatus {
     }
 }
 
-/// What a solver found. For m unknowns every vector has m entries; numbers that were not solved for are NaN.
+/// Result of a solver. For m unknowns each vector has m entries; numbers without a solution are NaN.
 #[derive(Clone, Debug)]
 pub struct LcpSolution {
     /// The complementary variables; NaN unless solved.
@@ -239,7 +239,7 @@ fn relative(value: f64, scale: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value / scale }
 }
 
-/// What is wrong with a problem or with a solver's arguments.
+/// Errors in a problem or in a solver's arguments.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LcpError {
     /// M has `found` entries where q, of `order` entries, asks for order².

@@ -24,11 +24,9 @@ struct Leaving {
     doubtful: bool,
 }
 
-/// The row that leaves when the variable of `column` grows from zero; None if nothing stops it.
+/// The row that leaves when the variable of `column` grows from zero; None if it is unbounded.
 ///
-/// The artificial variable leaves whenever it can: the basis is then complementary, which is all that is asked.
-///
-/// `tied` is room to work in.
+/// The artificial variable leaves whenever possible: the basis is then complementary. `tied` is workspace.
 fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
     let (values, column) = (&tableau.values, &tableau.column);
     let largest = vectorized(
@@ -48,9 +46,11 @@ fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
     Some(Leaving { row, doubtful: -column[row] < tolerances::DOUBTFUL_PIVOT * largest })
 }
 
-/// Exchanges a tableau must be old for a doubtful pivot to be worth recomputing it: at least so many, and this part of the
-/// order. Recomputing takes as long as many exchanges, the more the larger the order, and where rounding decides every pivot
-/// is doubtful: a path of 4057 points that had not ended after two minutes of the processor took 44 s.
+/// Least number of exchanges since the last recomputation, absolute and as a share of the order, for a doubtful pivot
+/// to be recomputed.
+///
+/// A recomputation costs as much as many exchanges, the more so the larger the order, and where rounding decides, every
+/// pivot is doubtful: a path of 4057 points that had not ended after two minutes then took 44 s.
 const RECOMPUTE_AGE: usize = 16;
 const RECOMPUTE_PART: usize = 32;
 
@@ -67,8 +67,8 @@ impl From<OutOfMemory> for Stuck {
     }
 }
 
-/// Chooses the variable that enters and the row that leaves; None if nothing stops it. A pivot that is small, or the end
-/// of a path, is believed only of a tableau computed lately.
+/// Chooses the entering variable and the leaving row; None if it is unbounded. A small pivot, or the end of a path, is
+/// accepted only from a tableau computed recently.
 pub(super) fn choose(tableau: &mut Tableau, entering: usize, tied: &mut Vec<usize>) -> Result<Option<usize>, Stuck> {
     loop {
         tableau.choose(entering);
@@ -106,7 +106,7 @@ fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usi
     tied.iter().copied().min_by(|&a, &b| column[a].total_cmp(&column[b]))
 }
 
-/// The least max(value, 0) / −a of the rows whose entry a of the column is less than `least`; infinite if there is none.
+/// The least max(value, 0) / −a over the rows with an entry a < `least` in the column; infinite without such rows.
 #[inline(always)]
 fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
     let mut lanes = [f64::INFINITY; LANES];

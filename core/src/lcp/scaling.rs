@@ -6,7 +6,7 @@ use super::problem::Lcp;
 use crate::dense::{OutOfMemory, room};
 use crate::vectorized::vectorized;
 
-/// w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j and a covering vector d > 0: what a path starts from.
+/// w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j and a covering vector d > 0: the start of a path.
 pub(super) struct CoveredLcp<'a> {
     pub(super) matrix: Cow<'a, [f64]>,
     pub(super) units: Cow<'a, [f64]>,
@@ -99,7 +99,8 @@ impl Scaling {
         }
     }
 
-    /// The problem with a direction of q, of any sign, for covering vector, and what a scaled parameter of one is.
+    /// The problem with a direction of q, of any sign, as covering vector, and the length of a scaled unit of the
+    /// parameter.
     pub(super) fn scale_along<'a>(&'a self, lcp: &Lcp<'a>, direction: &[f64]) -> (CoveredLcp<'a>, f64) {
         let mut scaled = self.scale(lcp, None);
         let size = power_of_two(direction.iter().zip(&self.diagonal).map(|(a, d)| (a * d).abs()));

@@ -16,8 +16,8 @@ use super::tolerances;
 use crate::dense::{Lu, OutOfMemory, PARALLEL_ORDER, matrix, parallelism, room, zeros};
 use crate::vectorized::vectorized;
 
-/// Rank-one terms that are collected before the base is touched: at least and at most so many, and between them an eighth of
-/// the order. With fewer the product is bound by reading the base, with more forming columns takes as long as the product.
+/// Least and largest number of collected rank-one terms before the base is updated; between them an eighth of the
+/// order. With fewer terms the product is bound by reading the base, with more the columns take as long as the product.
 const LEAST: usize = 40;
 const MOST: usize = 128;
 
@@ -28,7 +28,7 @@ const TOGETHER: usize = 128;
 struct Term {
     row: usize,
     column: usize,
-    /// Whether no term before has this row: what the base has there is zero from its first one on.
+    /// Whether this is the first term with this row, from which on the row of the base is zero.
     first: bool,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Tableau<'a> {
     /// Length to which all columns are padded.
     stride: usize,
     block: usize,
-    /// By columns; empty while it is what the problem has, M and the covering vector.
+    /// By columns; empty while it equals M and the covering vector.
     base: Vec<f64>,
     terms: Vec<Term>,
     /// U by columns, each zero in the rows of later terms.
@@ -250,7 +250,7 @@ impl<'a> Tableau<'a> {
         Ok(())
     }
 
-    /// Makes the base what the problem has, unless it is more already.
+    /// Fills the base with M and the covering vector, if it is empty.
     fn fill_base(&mut self) -> Result<(), OutOfMemory> {
         let (problem, order, stride) = (self.problem, self.order, self.stride);
         if !self.base.is_empty() || order == 0 {

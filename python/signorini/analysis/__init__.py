@@ -1,1 +1,1 @@
-"""What is asked of a model: results of combinations, load paths, a check before any solve."""
+"""Analyses of a model: combinations, load paths, and checks before a solve."""

@@ -24,7 +24,7 @@ from signorini.results.path_events import Threshold, events_of_stops, first_reac
 from signorini.results.path_stop import PathStop, Switched, path_stops
 
 _SAME = 1e-6
-"""Difference of deflections, over the largest, and of works, over the work, that is none."""
+"""Relative tolerance for equal deflections, relative to the largest, and for equal work."""
 _MOVED = 1e-9
 """Part of the magnitudes that a work is made of which the rounding of t brings where a plate moves on its own."""
 _AT = 1e-12
@@ -57,9 +57,9 @@ def confirmed(
 
 
 def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: PathStop, watcher: Watcher) -> bool:
-    """Whether a direct solution has the deflections of a stop or, where several solve it, the work.
+    """Whether a direct solution agrees with a stop: in deflections or, if several solutions exist, in work.
 
-    Where no direct solution is certified it says nothing against the stop, which is.
+    Without a certified direct solution the stop counts as right, since it is certified itself.
     """
     result, load = problem.discretisation, loads[0] + stop.t * loads[1]
 
@@ -76,9 +76,10 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
 
 
 _LOST = 1e-6
-"""What reactions may miss of the loads that have a resultant: a path decides by less than a single answer shows."""
+"""Relative tolerance for the resultant of reactions: paths decide by smaller differences than single answers."""
 _TURNS = 1e-9
-"""Part of the largest reaction below which a sign is rounding, and of a segment within which signs change together."""
+"""Relative tolerance for the sign of a reaction, relative to the largest, and for simultaneous events, relative to a
+segment."""
 _AT_ONCE = 64
 _NUMBERS = 500_000
 """Displacements of the stops that are judged together: arrays of 4 MB."""
@@ -86,14 +87,14 @@ _NUMBERS = 500_000
 
 @dataclass(eq=False)
 class PathJudge:
-    """Takes answers as the path comes to them."""
+    """Collects the answers of a path."""
 
     problem: ContactProblem
     loads: tuple[CaseLoad, CaseLoad]
-    """At t = 0, and what grows."""
+    """The loads at t = 0 and per unit of t."""
     stops: list[PathStop] = field(default_factory=list)
     certificates: list[Certificate] = field(default_factory=list)
-    """Of the answers that are judged, as far as all passed."""
+    """Certificates of the judged answers, up to the first failure."""
     doubts: list[int] = field(default_factory=list)
     """Numbers of stops up to the next of which more answers than one may be right."""
     first: Pieces | None = None
@@ -143,7 +144,7 @@ class PathJudge:
         loads = [self.loads[0] + t * self.loads[1] for t in at]
         hi, lo, reaction = (np.array([getattr(one, name) for one in answers]) for name in ("hi", "lo", "reaction"))
         pieces = np.array([answer.piece for answer in answers])
-        # What stands on one set at both ends of a segment is proven between them.
+        # Answers with one contact state at both ends of a segment prove the states between.
         before = np.concatenate([pieces[:1] if self._before is None else self._before[1].piece[None], pieces[:-1]])
         made_of = [beside(self.loads, t) for t in at]
         imbalance = imbalances(result, loads, hi, lo)
@@ -166,7 +167,7 @@ class PathJudge:
             least.append(one)
             self.certificates.append(certificate)
         count = len(least)
-        # Of points that repeat each other all open or close, not only the one that the path is followed with.
+        # All points of a dependent group open or close, including those that the path does not follow.
         switched = []
         for row, one in enumerate(least):
             changed = points[row] if self._shown is None else np.flatnonzero(one.piece != self._shown)
@@ -196,7 +197,7 @@ class PathJudge:
         return doubts[len(chain) - len(at) :]
 
     def _least(self, t: float, load: CaseLoad, answer: Answer, before: Answer | None) -> Answer:
-        """The least of the answers at t that lead from the one before to what comes."""
+        """The least of the answers at t that connect the previous answer to the next one."""
 
         def elsewhere() -> Iterator[Floats]:
             if before is not None:

@@ -19,9 +19,9 @@ from signorini.results.path_stop import PathStop
 from signorini.results.support_points import SupportPoints
 
 _LOADED = 1e-9
-"""Part of the path's length from which on the events of supports are told."""
+"""Smallest t, relative to the length of the path, at which events of supports are reported."""
 _AT_ROOT = 1e-7
-"""Part of the largest margin of a support's points that is none at the t of an event."""
+"""Relative tolerance for a zero margin at an event, relative to the largest margin of the support's points."""
 
 
 class Hit(NamedTuple):
@@ -34,7 +34,7 @@ class Hit(NamedTuple):
 
 @dataclass(eq=False)
 class SampledPath:
-    """Goes along a path, sample by sample, and keeps of the states what a path shows."""
+    """Samples a path and stores the states that a path shows."""
 
     sampler: Sampler
     stops: dict[float, PathStop] = field(default_factory=dict)
@@ -57,9 +57,9 @@ class SampledPath:
                 self.reached[number] = 0.0
 
     def go_on(self, t: float, span: float, shown: bool) -> None:
-        """Solve at t, and find what happens on the way.
+        """Solve at t, and find the events since the last sample.
 
-        Points that touch without force have no side. So supports are watched from where the plate has some load.
+        Points in contact without force have no side. So supports are watched as soon as the plate carries load.
         """
         before, sampler = self.last, self.sampler
         after = sampler.state(t, before)
@@ -96,7 +96,7 @@ class SampledPath:
             closed = float(np.mean(own > rest if hit.opening else own >= -rest))
             x, y = SupportPoints.of(result, index).positions[hit.watch.number % count].tolist()
             at = x, y
-            # From there on so much of the support is closed, not what the stop's rounding says.
+            # The closed part after the event, free of the rounding at the stop.
             self.stops[state.t] = self.stops[state.t].with_part(index, closed, count)
         elif change in ("begins to open", "begins to close", "yields", "stops yielding"):
             at = first_place(result, index, state.answer, change)
@@ -104,7 +104,7 @@ class SampledPath:
         return PathEvent(0, state.t, support.name, at, change, closed or 0.0, hit.opening, hit.watch.number)
 
     def result(self, ending: Ending, interrupted: bool) -> LoadPath:
-        """What was found, as a path."""
+        """Return the path."""
         sampler = self.sampler
         at = sorted(self.stops)
         rows = {t: row for row, t in enumerate(at)}
@@ -124,7 +124,7 @@ def sampled_path(
     asked: tuple[Threshold, ...],
     watcher: Watcher,
 ) -> LoadPath:
-    """Solve at so many evenly spaced t, or at given ones, and find the named events and thresholds between them."""
+    """Solve at evenly spaced or given t, and find the named events and thresholds between them."""
     sampler = Sampler(problem, path, asked, watcher)
     whole = SampledPath(sampler)
     whole.begin()
@@ -149,7 +149,7 @@ def sampled_path(
 
 
 def _end(sampler: Sampler, until: float | None, begin: State) -> tuple[float, Ending]:
-    """How long the path is, and why: asked for, the limit, or a t beyond which nothing that has a name happens."""
+    """The end of the path and its reason: requested, the limit load, or a t without further named events."""
     limit = sampler.path.end
     if until is not None and until < limit:
         return until, "until"

@@ -1,1 +1,1 @@
-"""What all else stands on: files, memory, arguments, pickling."""
+"""Foundations: files, memory, arguments, pickling."""

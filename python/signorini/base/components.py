@@ -1,4 +1,4 @@
-"""What hangs together: connected components of a graph."""
+"""Connected components of a graph."""
 
 from __future__ import annotations
 

@@ -25,10 +25,10 @@ _NEW, _OLD = "new", "replaced"
 
 @contextmanager
 def hidden_directory(beside: str | os.PathLike[str], name: str) -> Iterator[Path]:
-    """Give a hidden directory in an existing one, empty but for its mark, for as long as the context lasts.
+    """Give a hidden, empty directory with a marker file in an existing one, for the duration of the context.
 
-    It is named ``.name-``, cut short when long, and eight random digits. If the context ends well, those for the same
-    name that killed processes left are removed with it.
+    Its name is ``.name-`` and eight random digits, shortened where necessary. If the context ends without an error,
+    directories for the same name that killed processes left are removed with it.
     """
     made = Path(beside) / f".{name[:_LONGEST_NAME]}-{secrets.token_hex(4)}"
     made.mkdir()
@@ -62,10 +62,10 @@ def left_by_killed(beside: Path | str | os.PathLike[str], name: str) -> Iterator
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a path to write to, in a new directory, and put it in the place of ``path`` once it is written.
+    """Give a temporary path to write to, and move it to ``path`` afterwards.
 
-    A reader sees the old file or the new one, never half of one. If the body raises, ``path`` is as it was and nothing
-    is left beside it. Of a link the file that it leads to is replaced. Its directory must exist.
+    A reader sees the old file or the new one, both complete. If the body raises, ``path`` is unchanged and no temporary
+    file remains. A link is followed to its file. The directory must exist.
     """
     target = Path(os.path.realpath(arguments.path(path, "a file", "path")))
     if target.exists() and not target.is_file():
@@ -80,13 +80,12 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 def replacing_together(
     directory: str | os.PathLike[str], former: Callable[[Path], Iterable[str]], seal: str
 ) -> Iterator[Path]:
-    """Give an empty directory to write files to, and put them all into ``directory`` once they are written.
+    """Give an empty directory to write files to, and move all of them into ``directory`` afterwards.
 
-    The directory is made if need be. The former set of files in it is replaced, whose names ``former`` reads from the
-    file ``seal``; others stay, and one that has the name of a new file is refused. If anything fails, everything is as
-    it was. Of several processes one after the other puts its files there, so that the directory holds the set of the
-    last one and nothing of the others. The seal goes first and comes last, so that whoever finds it finds its set
-    whole.
+    The directory is made if necessary. The former set of files, whose names ``former`` reads from the file ``seal``, is
+    replaced. Other files stay; a new file with the name of one of them is refused. If anything fails, everything is as
+    before. Several processes move their files one after another, so that the directory holds the complete set of the
+    last one. The seal is removed first and written last, so that a directory with a seal is complete.
     """
     target = Path(directory).absolute()
     if target.exists() and not target.is_dir():
@@ -115,10 +114,9 @@ def replacing_together(
 
 
 def require_free(target: Path, names: Iterable[str], former: Callable[[Path], Iterable[str]]) -> set[str]:
-    """Refuse names that files of none of ours have in a directory, and return the files there that are ours.
+    """Refuse names that foreign files have in a directory, and return our files there.
 
-    These are ``former`` ones, as `replacing_together` knows them, and those that a process was moving when it was
-    killed.
+    Our files are the ``former`` ones of `replacing_together`, and those that a process was moving when it was killed.
     """
     left = [
         left / part

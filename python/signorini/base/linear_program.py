@@ -14,7 +14,7 @@ _Floats = NDArray[np.float64]
 _PRIMAL = 4
 """HiGHS's number of the primal simplex method."""
 _FEASIBLE = 1e-7
-"""What HiGHS lets a row or a bound miss unless told otherwise."""
+"""Default feasibility tolerance of HiGHS."""
 
 
 def minimise(
@@ -24,10 +24,10 @@ def minimise(
     bounds: tuple[_Floats | float, _Floats | float],
     tolerance: float = _FEASIBLE,
 ) -> _Floats | None:
-    """Minimise c·x with l ≤ A x ≤ u and x between bounds; None if nothing satisfies the rows, or c·x has no minimum.
+    """Minimise c·x subject to l ≤ A x ≤ u and bounds on x; None if it is infeasible or unbounded.
 
-    Bounds are pairs of arrays, or of numbers for all, ±inf where there is none. Rows and bounds may be missed by a
-    tolerance. A program that could not be solved raises a RuntimeError.
+    Bounds are pairs of arrays, or of numbers for all entries, ±inf where there is no bound. Rows and bounds hold within
+    a tolerance. A failure of the solver raises a RuntimeError.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def minimise_with_prices(
     solver.setOptionValue("output_flag", False)
     solver.setOptionValue("primal_feasibility_tolerance", tolerance)
     solver.setOptionValue("dual_feasibility_tolerance", tolerance)
-    # Threads of its own have nothing to do in programs so small, and would come on top of those asked for.
+    # Programs of this size gain nothing from threads, which would exceed the requested number.
     solver.setOptionValue("threads", 1)
     solver.passModel(program)
     if solver.run() == highspy.HighsStatus.kError:
@@ -101,7 +101,7 @@ def _told(ends: Any) -> tuple[object, ...]:
 
 
 def _by_rows(matrix: Any) -> tuple[NDArray[np.int32], NDArray[np.int32], _Floats]:
-    """Where each row begins, columns and values of what is not zero."""
+    """Row starts, columns and values of the nonzero entries."""
     if hasattr(matrix, "tocsr"):
         sparse = matrix.tocsr()
         return sparse.indptr.astype(np.int32), sparse.indices.astype(np.int32), sparse.data

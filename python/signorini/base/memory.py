@@ -1,4 +1,4 @@
-"""Memory: what a mesh will take, known before it is made, and what there is."""
+"""Memory: estimates for a mesh before it is made, and the free memory."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from pathlib import Path
 from signorini.errors import InputError, Place
 
 _PER_DOF = 1800.0
-"""Bytes of mesh, element matrices, fields and what fronts leave for a dof. Slabs on tensionless soil took 1500 beside L
-on 230 thousand dofs and 1000 on 3.7 million, elements alike; where none are alike they take 300 more."""
+"""Bytes per dof of mesh, element matrices, fields and update matrices. Slabs on tensionless soil took 1500 beside L on
+230 thousand dofs and 1000 on 3.7 million with congruent elements; without congruent elements they take 300 more."""
 
 _PER_PAIR = 200.0
 """Bytes of condensed matrices and of Lemke's tableau for a pair of contact points, measured on 1600 and 3025 points."""
 
 _PER_FOOTPRINT = 300.0
-"""Bytes that the row of a footprint takes after substitution, over the root of the dofs: of so many it reaches a few
-times that in the elimination tree. 900 on 232 thousand dofs took 270."""
+"""Bytes of the row of a footprint after forward substitution, over the root of the number of dofs: it reaches a few
+times that number of columns. 900 on 232 thousand dofs took 270."""
 
 _PER_POINT = 1700.0
 """Bytes that the interior point method takes for a point and its slack, measured on 3844 and 14,884 elastic points."""
@@ -32,9 +32,9 @@ _USES = ("/sys/fs/cgroup/memory.current", "/sys/fs/cgroup/memory/memory.usage_in
 
 
 def needed(elements: int) -> float:
-    """Estimate the bytes that a plate of so many elements takes to be solved, up to a third too many.
+    """Estimate the bytes that the solution of a plate of so many elements takes, up to a third too many.
 
-    The factor's entries a dof grow with the logarithm of the number of dofs, as by nested dissection they must.
+    The entries of the factor per dof grow with the logarithm of the number of dofs, as for nested dissection.
 
     Examples
     --------
@@ -47,7 +47,7 @@ def needed(elements: int) -> float:
 
 
 def needed_by_points(points: int) -> float:
-    """Estimate the bytes that so many condensed contact points take, their complementarity problem with them.
+    """Estimate the bytes of so many condensed contact points, with their complementarity problem.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def needed_by_interior_point(dofs: int, points: int) -> float:
 
 
 def fits(bytes_needed: float) -> bool:
-    """Whether so much memory is left."""
+    """Whether so much memory is free."""
     return bytes_needed <= available()
 
 
@@ -104,7 +104,7 @@ def _address_space() -> float:
 
 
 def elements_that_fit(most: int) -> int:
-    """Estimate how many elements, up to so many, there is the memory for, to two digits."""
+    """Estimate the largest number of elements, up to a given one, that fits into memory, to two digits."""
     return int(float(f"{_fitting(needed, most, available()):.2g}"))
 
 
@@ -119,7 +119,7 @@ def require_memory_for_points(points: int, advice: str, place: Place) -> None:
 
 
 def needed_by_footprints(footprints: int, dofs: int) -> float:
-    """Estimate the bytes that the rows of so many footprints take beside the factor of so many dofs.
+    """Estimate the bytes of the rows of so many footprints beside the factor of so many dofs.
 
     Examples
     --------

@@ -9,22 +9,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 ROUNDING = 1e-10
-"""Part of the largest of its kind below which a figure is shown as zero; certificates allow a hundredfold."""
+"""Relative tolerance for a displayed zero, relative to the largest number of its kind; certificates allow a
+hundredfold."""
 
 
 _LEAST = 4
 """Digits of a number that are shown however large its half-width is."""
 _LONG = 9
-"""Decimals from which on a half-width is written with an exponent."""
+"""Smallest number of decimals of a half-width that is written with an exponent."""
 
 
 def size_of(values: ArrayLike) -> float:
-    """Give the largest size of values, with which those of their kind are compared; 0 of none."""
+    """Give the largest magnitude of values, the reference of their kind; 0 without values."""
     return float(np.abs(np.asarray(values, dtype=np.float64)).max(initial=0.0))
 
 
 def number(value: float, largest: float = 0.0, digits: int = 6) -> str:
-    """Write a number short enough to be read; what beside the ``largest`` of its kind is rounding is zero.
+    """Write a number with few digits; rounding beside the ``largest`` of its kind is written as zero.
 
     Examples
     --------
@@ -80,7 +81,7 @@ def in_unit(unit: str) -> str:
 
 
 def compared(elements: Sequence[int], asked: bool) -> str:
-    """Where half-widths come from, or why there are none.
+    """The meshes that half-widths come from, or the reason without them.
 
     Examples
     --------
@@ -97,7 +98,7 @@ POWERS = -4, 5
 
 
 def plain(value: float, digits: int) -> str:
-    """Write a number of so many digits as short as it can be read, with a power of ten only where it is far from one.
+    """Write a number with so many digits, with a power of ten only where it is far from one.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""How far a solve has come, for whoever watches."""
+"""Progress reports of a solve."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def _left(seconds: float) -> str:
 
 
 Watcher: TypeAlias = Callable[[Progress], object]
-"""Called at every moment; what it raises ends the solve."""
+"""Called at every step; an exception in it ends the solve."""
 
 
 def steps_of(what: str, watcher: Watcher) -> Callable[[str, int, int, float], None]:

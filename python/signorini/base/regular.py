@@ -16,13 +16,13 @@ _KINDS = {
     stat.S_IFBLK: "a device",
 }
 _FLAGS = ("O_BINARY", "O_CLOEXEC", "O_NOCTTY", "O_NONBLOCK")
-"""Opening must not wait for whoever writes to a pipe. Not every system has all of these."""
+"""Opening a pipe must not wait for its writer. Some systems lack these flags."""
 _BLOCK = 1 << 20
 
 
 @contextmanager
 def open_regular(path: str | os.PathLike[str], largest: int) -> Iterator[BinaryIO]:
-    """Open a regular file, or a link to one, of at most so many bytes; pipes and devices may be read without end.
+    """Open a regular file, or a link to one, of at most so many bytes; pipes and devices may be endless.
 
     An OSError says in ``strerror`` what was found and what is allowed.
     """
@@ -47,7 +47,7 @@ def _require_regular(path: str | os.PathLike[str], result: os.stat_result, large
 
 
 def read_regular(path: str | os.PathLike[str], largest: int) -> bytes:
-    """Read a regular file of at most so many bytes, also where it grows or does not tell its size."""
+    """Read a regular file of at most so many bytes, also if it grows or its size is unknown."""
     content = bytearray()
     with open_regular(path, largest) as file:
         # Bit by bit: to read up to a size takes memory of that size.

@@ -1,4 +1,4 @@
-"""What objects full of arrays have in common: a short repr, arrays nobody writes into, and how they are pickled."""
+"""Common behaviour of objects with arrays: a short repr, read-only arrays, pickling."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 FEW = 4
-"""Entries up to which they are written out."""
+"""Largest number of entries that are written out."""
 
 
 class Brief:
@@ -65,7 +65,7 @@ def short(value: Any) -> str:
         case tuple() | list():
             return f"{len(value)} {type(value[0]).__name__}" if value else "()"
         case Sized() if hasattr(value, "shape"):
-            # Sparse: its length is not told.
+            # Sparse arrays have no length.
             return f"{type(value).__name__}{value.shape}"
         case Sized() if not hasattr(value, "__dataclass_fields__"):
             return f"{type(value).__name__} of {len(value)}"
@@ -74,10 +74,10 @@ def short(value: Any) -> str:
 
 
 class Remade(Brief):
-    """Base of immutable dataclasses that are pickled by their fields; cached properties are left behind.
+    """Base of immutable dataclasses that are pickled by their fields, without cached properties.
 
-    Fields in ``_made`` are left behind too. They are made again from the others when they are first asked for, with the
-    same numbers to the last bit. A copy shares them, also a deep one: nothing changes them.
+    Fields in ``_made`` are left out, too. They are made again from the others on demand, with the same bits. A copy,
+    shallow or deep, shares them, since they are immutable.
     """
 
     _made: ClassVar[Mapping[str, Callable[[Any], object]]] = {}
@@ -114,7 +114,7 @@ class Remade(Brief):
     if not TYPE_CHECKING:  # To a type checker every name would be an attribute.
 
         def __getattr__(self, name: str) -> Any:
-            """Make what was left behind; called only for what is not there."""
+            """Make a missing field; called for missing attributes only."""
             if name not in type(self)._made:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
             value = self.__dict__[name] = type(self)._made[name](self)

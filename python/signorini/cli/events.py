@@ -22,7 +22,7 @@ _MOST_COLUMNS = 6
 
 
 def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) -> None:
-    """Print every event: where on the path, which points open or close, and what the plate does there."""
+    """Print every event: its t, the points that open or close, and the largest deflection and reactions there."""
     model, units = path.model, path.model.units
     if model.title:
         say(console, model.title, style="bold")

@@ -18,18 +18,16 @@ SAID = "Interrupted; nothing is written."
 _GRACE = 1.0
 """Seconds in which Python code unwinds by itself."""
 PATIENT = 30.0
-"""Seconds in which what has something to write ends the solve that is at work."""
+"""Seconds for a cancelled solve to end and write its files."""
 
 
 @contextmanager
 def at_once(room: Path, grace: float = _GRACE) -> Iterator[None]:
-    """End the process on a signal within so many seconds, although native code is running.
+    """End the process within so many seconds after a signal, also while native code is running.
 
-    No file may be open but in the room, a directory that is removed then.
-
-    Python runs its signal handlers between its own instructions, so a factorization of a minute would delay them by as
-    much. The interpreter writes every signal to a pipe at once; a thread reads it there, and ends the process if the
-    handlers have not by then.
+    Open files must be in the temporary directory, which is removed then. Python runs its signal handlers between its
+    own instructions, so a factorization of a minute would delay them by a minute. The interpreter writes every signal
+    to a pipe at once; a thread reads it there, and ends the process if the handlers have not ended it in time.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,7 +1,7 @@
-"""What is shown: on standard output and standard error, which nobody may be reading any more.
+"""Standard output and standard error, whose readers may have gone.
 
-Results are in files; what is shown of them is a copy. So a reader that has gone, as in ``signorini solve f.toml |
-head``, or a full disk behind a redirection, changes nothing of how a run ends.
+Results are in files; the output is a copy. So a reader that has gone, as in ``signorini solve f.toml | head``, or a
+full disk behind a redirection, does not change the end of a run.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _WIDTH_OF_FILES = 100_000
 
 
 def stdout() -> Console:
-    """Give the console of what a run says."""
+    """Give the console for the messages of a run."""
     return _console(sys.stdout)
 
 
@@ -33,13 +33,13 @@ def stderr() -> Console:
 
 
 def flush() -> None:
-    """Write what is left, if somebody takes it: nothing may be raised when the process ends."""
+    """Flush the stream without raising, at the end of the process."""
     for stream in (sys.stdout, sys.stderr):
         _Shown(stream).flush()
 
 
 def discard(stream: IO[str]) -> None:
-    """Let all that is still to come go nowhere, what a buffer holds too."""
+    """Discard all further output, including the buffer."""
     # A stream that tests put there has no file behind it.
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -48,7 +48,7 @@ def discard(stream: IO[str]) -> None:
 
 
 def visible(text: object) -> str:
-    r"""Write what would command a terminal, such as an escape in the name of a file, so that it is read instead.
+    r"""Replace terminal control characters, such as an escape in a file name, by readable ones.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def visible(text: object) -> str:
 
 
 class _Shown:
-    """A stream that takes everything, whoever reads it."""
+    """A stream that accepts all output, with or without a reader."""
 
     def __init__(self, stream: IO[str]) -> None:
         self._stream = stream

@@ -1,4 +1,4 @@
-"""From a discretisation to a factored core problem: which method it is for, and what its factor carries."""
+"""Factored core problem of a discretisation: its method and the stiffness in its factor."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from signorini.equilibrium.balance import RigidFreedom, restraining_points
 from signorini.errors import InputError, SignoriniError
 
 Base = Literal["lemke", "active_set", "saddle"]
-"""What a plate is factored for."""
+"""The methods that have a factor of their own."""
 
 Method = Base | Literal["interior_point"]
 
@@ -30,13 +30,13 @@ MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
 
 _FEW = 300
-"""Elastic points up to which Lemke's algorithm is the quicker one."""
+"""Largest number of elastic points for which Lemke's algorithm is faster."""
 
 _FEW_IN_AREAS = 500
-"""Points of areas up to which it is, rigid ones included."""
+"""Largest number of points of areas, rigid ones included, for which it is faster."""
 
 _FEW_RIGID = 3000
-"""Rigid points, along lines for the most part, up to which it is."""
+"""Largest number of rigid points, mostly along lines, for which it is faster."""
 
 _CARRIED = 100.0
 """Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
@@ -57,7 +57,7 @@ def method_of(discretisation: Discretisation) -> Method:
 
 
 def base_of(discretisation: Discretisation, method: Method) -> Base:
-    """The method whose factor a method takes: what that of interior points finds is made exact by one of the others."""
+    """The method whose factor a method uses: the interior point method is completed by another one."""
     if method != "interior_point":
         return method
     return "active_set" if len(discretisation.contacts) > MOST_POINTS else "lemke"
@@ -66,7 +66,7 @@ def base_of(discretisation: Discretisation, method: Method) -> Base:
 def can_be_factored(discretisation: Discretisation, base: Base) -> bool:
     """Whether its points are few enough to be condensed, and memory is left for them and for one more factor."""
     if base != "lemke":
-        # Where nothing is eliminated, every point is one more unknown beside the nine dofs of an element.
+        # In the saddle-point system every point is one more unknown, beside nine dofs per element.
         more = len(discretisation.contacts) // 9 if base == "saddle" else 0
         return fits(needed(len(discretisation.mesh.elements) + more))
     points = len(discretisation.contacts)

@@ -24,12 +24,12 @@ _MOST = 1e11
 certified, of 3285 points, had used 5e10."""
 
 _A_FACTOR, _FILL = 6000.0, 1.2
-"""Of a factor, times this power of the dofs: 3.4 s on 58,563, 0.5 s on 14,883."""
+"""Operations of a factorization: coefficient and power of the number of dofs. 3.4 s on 58,563, 0.5 s on 14,883."""
 _A_SOLVE, _FACTORED = 1000.0, 0.125
-"""Of a step of an active set, a dof: it reads a factor a few times. And the part of the steps that need a new one: 6 of
-69, 22 of 150 and, of the longest, 197 of 732."""
+"""Operations of a Newton step per dof, which reads the factor a few times; and the share of steps with a new factor: 6
+of 69, 22 of 150, and 197 of 732 in the longest run."""
 _PIVOTS = 64
-"""From one call of whoever watches Lemke's algorithm to the next; each goes through a tableau once."""
+"""Pivots of Lemke's algorithm between two calls of the callback; each pivot reads the tableau once."""
 
 
 _FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle", "interior_point")
@@ -40,11 +40,12 @@ WORDS: dict[Method, str] = {
     "saddle": "the saddle-point system",
     "interior_point": "the interior point method",
 }
-"""What methods are called where they tell how far they are."""
+"""Names of the methods in progress reports."""
 Told: TypeAlias = Callable[[str, int, int, float], object]
-"""Called with what is at work, in words, and what `Steps` are called with; what it raises ends it."""
+"""Called with the name of the method and the arguments of `Steps`; an exception in it ends the solve."""
 _PUSHING = 100.0
-"""Sum of reactions, over that of the loads, from which supports push against each other more than they carry."""
+"""Smallest ratio of the sum of reactions to that of loads at which supports push against each other more than they
+carry."""
 _MARGINAL = (
     "Rounding decides which supports are in contact. Take a finer mesh or fewer supports that nearly repeat each "
     "other, or give the rigid ones a stiffness."
@@ -52,11 +53,11 @@ _MARGINAL = (
 
 
 class BudgetSpent(Exception):
-    """Raised out of a method that takes over where nothing is left."""
+    """Raised out of a fallback method when the budget is spent."""
 
 
 class Budget:
-    """What is left for the methods that take over, on a plate of so many dofs and contact points."""
+    """Remaining operations of the fallback methods, for a plate of so many dofs and contact points."""
 
     def __init__(self, dofs: int, points: int) -> None:
         self._left = _MOST
@@ -67,7 +68,7 @@ class Budget:
         return self._a_step(method) <= self._left
 
     def watching(self, method: Method, progress: Steps | None) -> Steps:
-        """Watch a method: count its steps, hand them on to whoever watches it, and raise `BudgetSpent` at the end."""
+        """Wrap a callback: count the steps, pass them on, and raise `BudgetSpent` when the budget is spent."""
         a_step = self._a_step(method)
 
         def watch(step: int, changing: int, residual: float) -> None:
@@ -100,7 +101,7 @@ class Attempt(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """An answer, the methods that were tried for it, and what it is worth; the first one where none is certified."""
+    """An answer, its certificate, and the methods tried; the first answer if none is certified."""
 
     methods: tuple[Method, ...]
     answer: Answer
@@ -116,7 +117,7 @@ class Tried:
 def attempts(problem: ContactProblem) -> Iterator[Attempt]:
     """Every method, in the order in which they are tried until an answer is certified.
 
-    What memory is not left for is not tried, but for the method of the problem itself.
+    Methods that exceed the free memory are skipped, except the method of the problem itself.
     """
     if problem.reference is not None:
         yield Attempt(problem)
@@ -163,11 +164,11 @@ def answered(
     beside: Sequence[CaseLoad] = (),
     start: Answer | None = None,
 ) -> Tried:
-    """Solve one load and certify the answer; where that fails, ask in the other form and by every other method.
+    """Solve one load and certify the answer; after a failure try the other form and every other method.
 
-    What takes over from the problem's own method has a `Budget`. ``progress`` watches all that is tried, and what it
-    raises ends it. ``beside`` is that of `certify`; ``start`` is an answer of the same problem to another load, which
-    the problem's own method begins with.
+    Fallback methods have a `Budget`. ``progress`` is called in all of them, and an exception in it ends the solve.
+    ``beside`` is that of `certify`; ``start`` is an answer of the same problem to another load, from which the
+    problem's own method starts.
     """
     discretisation = problem.discretisation
     budget = Budget(discretisation.dof_count, len(discretisation.contacts))
@@ -206,7 +207,7 @@ def answered(
 
 
 def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: Answer, certificate: Certificate) -> str:
-    """Say why the answer to a load of that name is refused, and what to do."""
+    """Say why the answer to a load of that name is refused, and the remedy."""
     vain = ""
     why = [_of_supports(discretisation, load, answer)]
     if certificate.rounding > CERTIFIABLE:
@@ -217,7 +218,7 @@ def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: A
         why.append(_of_element(discretisation))
     elif not any(why):
         why.append(_MARGINAL)
-    # Where more than that failed, it is what the others say.
+    # If other figures failed too, their reasons apply.
     if certificate.lost > CERTIFIABLE and replace(certificate, lost=0.0).passed:
         why = [
             f"Over {CERTIFIABLE:g} that proves nothing: a stress-free curvature, or a load that balances itself, is so "
@@ -230,7 +231,7 @@ def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: A
 
 
 def uncertain(discretisation: Discretisation) -> str:
-    """Say why there is no answer to refuse, and what to do."""
+    """Message when every method fails, with the remedy."""
     return f"{_MARGINAL} {_of_element(discretisation)}".rstrip()
 
 

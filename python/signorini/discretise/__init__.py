@@ -1,4 +1,4 @@
-"""From what the engineer said to arrays: mesh, plate, held dofs, springs, contact points and loads."""
+"""Discretisation of a model: mesh, plate, held dofs, springs, contact points and loads."""
 
 from signorini.discretise.discretisation import CaseLoad, ContactPoints, Discretisation, Rows
 from signorini.discretise.plates import discretise

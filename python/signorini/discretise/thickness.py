@@ -26,13 +26,13 @@ _BESIDE = 2e-3
 """How far beside a step its two thicknesses are looked up, in reference coordinates: well off any curve's chord."""
 
 _SHORT = 1e-3
-"""Length of a piece of a step, over the element's size, below which it tells no direction."""
+"""Smallest length of a piece of a step, relative to the element size, that has a direction."""
 
 _SOFTEST = 1e-9
 """Least rigidity across a step over that along it: less would be lost in rounding where the step runs askew."""
 
 _SAME = 1e-9
-"""Part of the thickness below which it does not jump, as of a formula that is continuous where its branches meet."""
+"""Smallest relative jump of the thickness that counts as a step; formulas may be continuous between branches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +184,7 @@ def _jumps(zones: Zones, mesh: Mesh, cut: Cut) -> _Fronts:
     real = (np.abs(one - other) > _SAME * np.maximum(one, other)) | (first != second)
     bending = np.array([rigidity.in_waves for rigidity in zones.rigidities])
     sides = bending[first] * one**3, bending[second] * other**3
-    # What jumps in shear or twist alone runs somewhere too.
+    # A jump in shear or twist only has a direction, too.
     step = np.maximum(np.abs(sides[0] - sides[1]), _SAME * np.maximum(*sides))
     return _Fronts(elements[real], normals[real], (step * length)[real])
 

@@ -1,4 +1,4 @@
-"""What the plate is made of where: its own thickness and stiffness, or those of zones."""
+"""Section of the plate at each place: its own thickness and stiffness, or those of zones."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from signorini.model.material import Modifiers, Stiffness
 from signorini.shapes.outlines import Outline
 
 _SLIVER = 0.01
-"""Part of an element, or of a zone that is smaller, by which a border may miss the sides that follow it: of a circle
-around which elements take up to 45° a parabola misses as much."""
+"""Largest distance of a border from the sides that follow it, relative to the element or to a smaller zone: the error
+of a parabola over 45° of a circle."""
 _ROUNDING = 1e-6
 """The same of elements with a narrow strip between zones, which is more than a border that is a little off."""
 _NARROW = 0.05
 """Width of a strip, over the side of an element, that may be less than a sliver of it; of a flat element too."""
 _BESIDE = 1e-6
-"""Part of the plate's size beside a border at which it is looked what there is."""
+"""Distance from a border, relative to the plate's size, at which the section beside it is read."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ class Rigidity:
         return cls(bending, np.diag([by.Sx, by.Sy]) / thickness).modified(modifiers).turned(by.angle)
 
     def turned(self, degrees: float) -> Self:
-        """Turn from axes of their own, the first by so many degrees from x, to x and y."""
+        """Transform from local axes, the first at so many degrees from x, to x and y."""
         c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
         turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
         ahead = np.array([[c, s], [-s, c]])
@@ -152,7 +152,7 @@ class Zones:
 
     @classmethod
     def of(cls, model: Model, mesh: Mesh, problems: Problems) -> Self:
-        """Find the elements of every zone; what leaves the plate is among the problems."""
+        """Find the elements of every zone; zones beyond the plate are reported as problems."""
         count, area = len(mesh.elements), mesh.element_area
         inside, parted = np.zeros((2, len(model.zone), count), np.bool_)
         middles = mesh.map(np.arange(count), mesh.triangles[:, None] * CENTROID)
@@ -195,7 +195,7 @@ class Zones:
 
     @property
     def unit_weights(self) -> Floats:
-        """Weight per volume of the plate's material and those of zones, NaN where there is none."""
+        """Weight per volume of the materials of plate and zones; NaN for materials without it."""
         materials = [self.model.material, *(zone.material or self.model.material for zone in self.model.zone)]
         return np.array([np.nan if one.unit_weight is None else one.unit_weight for one in materials])
 
@@ -213,11 +213,11 @@ class Zones:
 
     @property
     def of_elements(self) -> Made:
-        """What elements (ne,) are made of, those that a border parts by their middles."""
+        """Section of each element (ne,); an element cut by a border has that of its middle."""
         return self._made(self.inside)
 
     def at(self, elements: Ints, points: Floats) -> Made:
-        """Say what points (q, 2) in elements (q,) are made of."""
+        """Section of points (q, 2) in elements (q,)."""
         inside = self.inside[:, elements]
         for index, zone in enumerate(self.model.zone):
             beside = self.parted[index, elements]
@@ -225,7 +225,7 @@ class Zones:
         return self._made(inside)
 
     def made_at(self, points: Floats) -> Made:
-        """Say what points (q, 2) are made of, whatever the mesh."""
+        """Section of points (q, 2), independent of the mesh."""
         inside = [zone.region.contains(points) for zone in self.model.zone]
         return self._made(np.array(inside, np.bool_).reshape(-1, len(points)))
 
@@ -294,7 +294,7 @@ class Zones:
 
 @dataclass(frozen=True, eq=False)
 class ZonesOfPlates(Zones):
-    """What the elements of several plates are made of, behind one another."""
+    """Sections of the elements of several plates, plate by plate."""
 
     plates: tuple[Zones, ...] = ()
 
@@ -313,7 +313,7 @@ class ZonesOfPlates(Zones):
 
     @property
     def of_elements(self) -> Made:
-        """What elements are made of, of each plate by its own numbers but for rigidities."""
+        """Sections of the elements: section numbers are per plate, numbers of rigidities are global."""
         first = np.cumsum([0, *(len(one.rigidities) for one in self.plates)])
         each = [one.of_elements for one in self.plates]
         each = [one._replace(rigidity=one.rigidity + start) for one, start in zip(each, first, strict=False)]
@@ -334,7 +334,7 @@ def _along(outline: Outline, step: float) -> tuple[Floats, Floats]:
 
 
 def _sections(model: Model) -> dict[int, Material | Stiffness]:
-    """What sections are made of, by their numbers (`Made`); materials without moduli make none."""
+    """Properties of sections by number (`Made`); materials without moduli have no section."""
     parts = list(enumerate((model.plate, *model.zone)))
     materials = ((0, model.material), *((i, zone.material) for i, zone in enumerate(model.zone, 1)))
     result: dict[int, Material | Stiffness] = {}

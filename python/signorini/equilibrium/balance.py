@@ -17,12 +17,12 @@ from signorini.shapes.extent import hull
 RANK = 1e-9
 """Rigid motions of unit size that move a support by less than this part of the plate's size do not move it."""
 NO_FORCE = 1e-6
-"""Part of the forces that act below which their sum is none: parabolas stand for arcs, and loads along them that cancel
-leave so much."""
+"""Relative tolerance for a zero resultant, relative to the acting forces: loads along arcs that cancel leave the error
+of parabolas."""
 _FIRM = 1e-4
 """Part of a plate's own stiffness with which supports hold all motions firmly: four of sixteen digits."""
 _MANY = 100
-"""Points from which on their hull is taken."""
+"""Smallest number of points for which the convex hull is taken."""
 
 _MOST_NUMBERS = 1 << 20
 """Numbers in memory at once."""
@@ -106,7 +106,7 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     outlines = _outlines(discretisation, motions)
     least, most = one_sided.limits
     if least.any() or np.isfinite(most).any():
-        # What limits carry depends on what each point stands for.
+        # The capacity of limits depends on the length or area of each point.
         own = moves[~contacts.two_sided]
         on_mesh = outlines = Bearing(one_sided.positions, own, one_sided.support, least, most)
     regular = null_space(in_stiffness, RANK).shape[1] == 0
@@ -139,7 +139,7 @@ def _bearing(
     discretisation: Discretisation, motions: Floats, positions: Floats, directions: Floats, supports: Ints
 ) -> Bearing:
     deciding = [np.zeros(0, np.int64)]
-    # What one plate's supports do hangs on their places alone, what is between plates on which these are.
+    # Supports of one plate depend on places only; supports between plates depend on the pair of plates.
     of = supports if discretisation.plates else np.zeros_like(supports)
     for who, direction in itertools.product(np.unique(of), (1.0, -1.0)):
         those = np.flatnonzero((of == who) & (directions == direction))
@@ -162,9 +162,9 @@ def _outline(discretisation: Discretisation, index: int) -> Floats:
 
 
 def _arms(discretisation: Discretisation, positions: Floats, supports: Ints) -> Floats:
-    """How far down rigid motions of each of p plates, as `RigidFreedom` has them, move supports at positions (k, 3p).
+    """Displacements down of supports at positions under rigid motions of p plates, as in `RigidFreedom`: (k, 3p).
 
-    Of what is between two plates it is the way of the upper one beyond that of the lower one.
+    Between two plates it is the displacement of the upper plate relative to the lower one.
     """
     at = np.column_stack([np.ones(len(positions)), (positions - discretisation.middle) / discretisation.mesh.size])
     if not discretisation.plates:
@@ -191,7 +191,7 @@ def _name_motion(loose: Floats, discretisation: Discretisation) -> str:
 
 
 def describe_motion(motion: Floats, discretisation: Discretisation) -> str:
-    """Say what a rigid motion (3p,) is: of w, and of the slopes times the size of all, about their middle."""
+    """Describe a rigid motion (3p,): w, and the slopes times the size of all plates, about their middle."""
     if discretisation.plates and len(motion) > 3:
         return " and ".join(
             f'"{plate.name}" {describe_motion(own, discretisation)}'
@@ -210,10 +210,10 @@ def describe_motion(motion: Floats, discretisation: Discretisation) -> str:
 
 
 def restraining_points(discretisation: Discretisation, freedom: RigidFreedom, stiffness: Floats, enough: float) -> Ints:
-    """Return contact points that hold the plate firmly where held dofs and springs do not.
+    """Return contact points that restrain the plate where held dofs and springs do not.
 
-    They are those that act both ways, and if need be as few others as there are motions, stiff and far apart.
-    ``stiffness`` (m,) is that of each point's support, or as much of it as counts; ``enough`` is the most that counts.
+    They are those that act both ways and, if necessary, as few others as there are motions, stiff and far apart.
+    ``stiffness`` (m,) is the stiffness of each point, at most ``enough``.
     """
     unheld, two_sided = freedom.unheld, np.flatnonzero(discretisation.contacts.two_sided)
     # A slope is compared with slopes times the plate's size.

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from signorini.expression.tree import evaluate, operands
 
 _ZERO = 1e-14
-"""Part of the largest coefficient of a degree below which another is rounding."""
+"""Relative tolerance for a zero coefficient, relative to the largest of its degree."""
 
 _NAMED = {"pi": math.pi, "e": math.e}
 
@@ -49,7 +49,7 @@ def _times(a: Polynomial, b: Polynomial) -> Polynomial | None:
 
 
 def _cleaned(a: Polynomial) -> Polynomial:
-    """The coefficients without what is rounding beside others of its degree."""
+    """The coefficients without rounding, relative to others of their degree."""
     largest = [np.abs(a[degree == _DEGREE]).max() for degree in range(5)]
     return np.where(np.abs(a) > _ZERO * np.array(largest)[_DEGREE], a, 0.0)
 
@@ -149,7 +149,7 @@ class Level:
     _whole: bool = field(repr=False)
 
     def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values (q,) at points (q, 2), NaN where there is none."""
+        """Values (q,) at points (q, 2); NaN where undefined."""
         x, y = np.ascontiguousarray(points.T)
         with np.errstate(all="ignore"):
             return np.array(np.broadcast_to(evaluate(self._tree, x, y, strict=False), x.shape), dtype=np.float64)
@@ -167,7 +167,7 @@ class Level:
 
 
 def _steps(inner: Polynomial, box: Box) -> Iterator[Polynomial]:
-    """Yield what is zero where a linear function of x or y alone is a whole number."""
+    """Yield functions that vanish where a linear function of x or y alone is a whole number."""
     ends = [float(np.polynomial.polynomial.polyval2d(x, y, inner)) for x in box[::2] for y in box[1::2]]
     if not _cleaned(inner)[_DEGREE > 1].any() and max(ends) - min(ends) < _MOST_LINES:
         for whole in range(math.ceil(min(ends)), math.floor(max(ends)) + 1):

@@ -57,7 +57,7 @@ _NAMES = [*_FUNCTIONS, *_CONSTANTS, "x", "y"]
 
 
 def parse(source: str) -> ast.expr:
-    """Read the text into a syntax tree that holds nothing but arithmetic (see `check`)."""
+    """Parse the text into a syntax tree of arithmetic only (see `check`)."""
     text = " ".join(source.split())
     if not text:
         raise InputError("The expression is empty.")
@@ -137,9 +137,9 @@ def operands(node: ast.expr) -> list[ast.expr]:
 
 
 def evaluate(node: ast.expr, x: _Array, y: _Array, strict: bool = True) -> Any:
-    """Value of a checked node: an array of x's shape, or a scalar where nothing varies.
+    """Value of a checked node: an array of x's shape, or a scalar if it is constant.
 
-    What is not finite is refused; unless ``strict`` it is given as it is.
+    A result that is NaN or infinite is refused; without ``strict`` it is returned.
     """
     match node:
         case ast.Constant():
@@ -173,7 +173,7 @@ def evaluate(node: ast.expr, x: _Array, y: _Array, strict: bool = True) -> Any:
 
 
 def _evaluate_where(mask: NDArray[np.bool_], node: ast.expr, x: _Array, y: _Array, strict: bool) -> _Array:
-    """Evaluate at the points of the mask only; zero elsewhere."""
+    """Evaluate at the points of the mask; zero at other points."""
     values = np.zeros(x.shape)
     if mask.any():
         values[mask] = evaluate(node, x[mask], y[mask], strict)

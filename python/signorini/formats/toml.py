@@ -1,4 +1,4 @@
-"""What `tomllib` does not tell: the lines of keys, and what to write instead of what is not TOML."""
+"""Additions to `tomllib`: the lines of keys, and remedies for text that is invalid TOML."""
 
 from __future__ import annotations
 
@@ -173,9 +173,9 @@ _SLIPS: tuple[tuple[str, str], ...] = (
 
 
 def hint(says: str, line: str, lists: Collection[str]) -> str:
-    """Say what to write, or nothing.
+    """Say what to write instead; empty without advice.
 
-    ``says`` is what the parser says of the line where it stopped; ``lists`` are the tables in double brackets.
+    ``says`` is the message of the parser for the line where it stopped; ``lists`` are the tables in double brackets.
 
     Examples
     --------

@@ -25,7 +25,7 @@ OUTLINE = "boundary"
 """Name of the whole outline, as an edge of plates from files."""
 _SAME = 1e-9
 _FLAT = 1e-6
-"""Part of a plate's size by which its nodes may be off a plane: some files have seven digits."""
+"""Largest distance of nodes from a plane, relative to the plate's size: some files have seven digits."""
 _FARTHEST = 1e6
 """Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
 _REVERSED = [0, 3, 2, 1, 7, 6, 5, 4]
@@ -35,7 +35,7 @@ _NODES = {
     "quad9": list(range(8)),
     "triangle6": [0, 1, 2, 2, 3, 4, 2, 5],
 }
-"""Of the cells that a plate may have, their nodes in the order of `signorini.mesh.Mesh`."""
+"""Node order of each cell type, in the order of `signorini.mesh.Mesh`."""
 _KNOWN = ("vertex", "line", "line3", *_NODES)
 
 
@@ -195,10 +195,10 @@ _BY_POSITION = (".vtu", ".vtk")
 
 
 def node_numbers(path: Path, count: int) -> Ints:
-    """Numbers (n,) of so many nodes, in the order of the file, which meshio has read already.
+    """Node numbers (n,) in the order of the file, which meshio has read already.
 
-    The file is of Gmsh (.msh, as text), Abaqus (.inp) or VTK (.vtu, .vtk). The first two number their nodes; of VTK the
-    first has 0, as ParaView shows it.
+    The file is of Gmsh (.msh, as text), Abaqus (.inp) or VTK (.vtu, .vtk). The first two number their nodes; VTK counts
+    from 0, as ParaView shows it.
     """
     match path.suffix.lower():
         case suffix if suffix in _BY_POSITION:

@@ -1,4 +1,4 @@
-"""What a mesh has to be before anything is computed on it; every failure names the element or node."""
+"""Validity checks of a mesh before any computation; every failure names the element or node."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _DEGENERATE_STATIONS = np.vstack([maps.CORNERS[2:], [[-1.0, 0.0], [1.0, 0.0]], _
 """The Jacobian is zero at a collapsed side, and has no sign there."""
 _COINCIDENT = 1e-9
 _STRAIGHT = 1e-9
-"""Rise of a side over its chord below which it is straight."""
+"""Largest ratio of rise to chord of a straight side."""
 _CHORDS = 32
 """Chords of a curved side, off it by a thousandth of its rise."""
 _TOGETHER = 1 << 18

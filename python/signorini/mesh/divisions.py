@@ -75,7 +75,7 @@ def _followed(even: Floats, wanted: list[float], kept: set[float], first: int) -
 
 
 def _first_largest(values: Floats, same: float | None = None) -> int:
-    """The first of the values that are the largest but for rounding, so that units make no difference."""
+    """The first of the values that are largest up to rounding, so that units make no difference."""
     largest = values.max()
     return int(np.argmax(values >= largest - (_SAME * abs(largest) if same is None else same)))
 
@@ -90,7 +90,7 @@ def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | N
     heapq.heapify(heap)
     left = count - int(counts.sum())
     while left:
-        # Of parts that are equal but for rounding the first piece comes first.
+        # Pieces that are equal up to rounding keep their order.
         ties = [heapq.heappop(heap)]
         while heap and heap[0][0] <= ties[0][0] * (1.0 - _SAME):
             ties.append(heapq.heappop(heap))
@@ -108,7 +108,7 @@ STEEPEST = 1.3
 """Size of an element over that of its neighbour, at most."""
 
 _SHORTEST = 0.5
-"""Part of the size asked for below which a piece between two lines is too short for an element: a line is left out."""
+"""Smallest piece between two lines, relative to the requested size; with a shorter one a line is left out."""
 _SAMPLES = 4000
 _ROUNDS = 50
 
@@ -180,7 +180,8 @@ _AXES: tuple[Axes, ...] = tuple(
     axes for u, v in product((1.0, -1.0), repeat=2) for axes in (((u, 0.0), (0.0, v)), ((0.0, u), (v, 0.0)))
 )
 _GRID = 2.0**-30
-"""Part of the plate's extent below which coordinates are the same: far more than rounding of numbers in any unit."""
+"""Relative tolerance for equal coordinates, relative to the plate's extent: far above the rounding of numbers in any
+unit."""
 
 
 def axes_of(places: Sequence[Floats]) -> Axes:

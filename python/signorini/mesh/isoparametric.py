@@ -24,7 +24,7 @@ CORNERS: Final = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 TRIANGLE_CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 CENTROID: Final = np.array([1.0, 1.0]) / 3.0
 _SINGULAR: Final = 1e-12
-"""Part of its largest singular value below which one of a Jacobian is zero: at a collapsed side one is."""
+"""Relative tolerance for a zero singular value of a Jacobian: one is zero at a collapsed side."""
 _AT_A_TIME = 1024
 """Elements whose Jacobians stay in the cache while they are worked on."""
 _SAMPLES = np.stack(np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 5)], indexing="ij"), axis=-1).reshape(-1, 2)
@@ -140,7 +140,7 @@ def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools
             )
             step = np.nan_to_num(step / det[:, None])
         if (of := degenerate[active]).any():
-            # Along a collapsed side nothing moves: the least of the steps that lead there is taken.
+            # A collapsed side is one point: the least of the possible steps is taken.
             step[of] = np.einsum("qab,qb->qa", np.linalg.pinv(j[of], rcond=_SINGULAR), miss[of])
         step = np.clip(step, -REACH, REACH)
         moved = np.clip(xi[active] + step, -REACH, REACH)

@@ -244,7 +244,7 @@ def _mesh(points: Floats, elements: Ints, edges: Mapping[str, Ints]) -> Mesh:
 
 
 MOST = 10_000_000
-"""Elements above which no outline is meshed; what is prepared for so many might not fit into memory."""
+"""Largest number of elements of a meshed outline; preparations for more might not fit into memory."""
 
 
 class OutlineError(InputError):
@@ -306,7 +306,7 @@ def outlined(
 
 
 def divided(mesh: Mesh, times: int = 1) -> Mesh:
-    """Divide every element into four, so many times; sides keep their curves, and edges their names."""
+    """Divide every element into four, so many times; sides keep their curves, edges their names."""
     return mesh if times == 0 else divided(_halved(mesh), times - 1)
 
 

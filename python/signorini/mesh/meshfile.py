@@ -25,7 +25,8 @@ _T = TypeVar("_T")
 _LARGEST_FILE = 4_000_000_000
 """Bytes; a mesh of ten million elements as text has about three fourths of it."""
 _SECONDS, _SECONDS_PER_MB = 10.0, 10.0
-"""Time for reading; a hundred times what it takes. Counts in a damaged file make a parser read on past its end."""
+"""Seconds allowed for reading: a hundred times the usual time. Wrong counts in a damaged file make a parser read beyond
+its end."""
 _LONGEST_REASON = 200
 
 
@@ -75,7 +76,7 @@ def _read(path: Path, make: Callable[[meshio.Mesh], _T]) -> _T:
 
 
 def _load(path: Path, size: int) -> meshio.Mesh:
-    """Read with meshio, which prints, exits, raises what its parsers happen to raise, and may read for ever."""
+    """Read with meshio, whose parsers may print, exit, raise any exception, or read for ever."""
     said = io.StringIO()
     result: list[meshio.Mesh | BaseException] = []
 

@@ -64,7 +64,7 @@ def onto(sides: Floats, points: Floats) -> Floats:
 
 
 _KINK = 0.1
-"""Angle from which a line has a corner."""
+"""Smallest angle of a corner of a line."""
 
 _GAP_SAMPLES = np.array([1e-3, *np.linspace(0.05, 0.95, 19), 1.0 - 1e-3])
 
@@ -113,7 +113,7 @@ def sides_mostly_on(points: Floats, triples: Ints, sides: Sequence[Side], tolera
 
 
 def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Floats, Bools]:
-    """Length of a side; of points how far along it they are, and whether they are on it but for its ends."""
+    """Length of a side; position of points along it, and whether they are on it, apart from its ends."""
     a, _, b = side
     length = math.dist(a, b)
     along = np.subtract(b, a) / length

@@ -1,4 +1,4 @@
-"""CSV files as cells of text, and the numbers in these; what is wrong is told in a ValueError."""
+"""CSV files as cells of text, and their numbers; errors are ValueErrors."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def read_cells(path: Path, largest: int) -> list[list[str]]:
 
 
 def number_in(cell: str) -> float:
-    """Read a number; NaN where there is none."""
+    """Read a number; NaN for an empty cell."""
     # float() would take 1_000 and the digits of every script.
     try:
         return float(cell) if cell.isascii() and "_" not in cell else float("nan")

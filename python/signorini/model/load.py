@@ -105,7 +105,7 @@ class Load(Acting):
 
     @property
     def kind(self) -> Kind:
-        """The key that says what the load is."""
+        """The key of the kind of load."""
         return next(kind for kind in _PLACES if getattr(self, kind) is not None)
 
     @property
@@ -144,7 +144,7 @@ class Probe(OnPlate):
 
 
 _END = 1e-9
-"""A last step shorter than this part of a step is none."""
+"""Smallest length of the last step, relative to a step."""
 
 
 def _axles(value: object) -> object:
@@ -200,7 +200,7 @@ class Moving(OnPlate):
         return {f"{self.case}@{round(s, 12):.10g}": s for s in travelled}
 
     def wheels(self, travelled: float) -> list[Wheel]:
-        """Every wheel, with the first axle so far along the line; the line goes on straight before its beginning."""
+        """Every wheel, with the first axle at a distance along the line, which continues straight before its start."""
         wheels: list[Wheel] = []
         for behind, force in self.axles:
             (x, y), (tx, ty) = self._at(travelled - behind)

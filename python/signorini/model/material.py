@@ -1,4 +1,4 @@
-"""What the plate and parts of it are made of: materials, factors of their stiffness, and a stiffness in their place."""
+"""Sections of the plate and of its zones: materials, modifiers, and stiffnesses."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class Material(Table):
 
     @property
     def axes(self) -> Axes:
-        """What an orthotropic material is."""
+        """The moduli of an orthotropic material."""
         Ex, Ey, nu_xy, Gxy = (getattr(self, key) for key in _NEEDED)
         return Axes(Ex, Ey, nu_xy, Gxy, self.Gxz or Gxy, self.Gyz or Gxy, self.angle or 0.0)
 
@@ -139,7 +139,7 @@ class Modifiers(Table):
 
 
 class Stiffness(Table):
-    """What a section resists with along axes of its own, such as a ribbed or hollow one."""
+    """Stiffness of a section along its own axes, such as a ribbed or hollow one."""
 
     Dx: Positive = Field(description="Bending moment per curvature along the first axis, force times length.")
     Dy: Positive = Field(description="Bending moment per curvature along the second axis.")
@@ -240,5 +240,5 @@ class Zone(OnPlate):
 
     @property
     def is_solid(self) -> bool:
-        """Whether material and thickness make it, whatever makes what is below."""
+        """Whether the section follows from material and thickness."""
         return self.stiffness is None and bool(self.given(("thickness", "material")))

@@ -1,4 +1,4 @@
-"""What is written: of each combination, of sections, strips and profiles."""
+"""Output options: combinations, sections, strips and profiles."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from signorini.shapes.arrays import Floats
 from signorini.shapes.regions import meeting
 
 FEW = 12
-"""Combinations up to which each is written by itself."""
+"""Largest number of combinations with a result of their own."""
 
 _WORDS = ("governing", "all", "none")
 
@@ -90,11 +90,11 @@ class Output(Table):
 _OF_STRIP = 21
 """Twenty steps meet supports, middles and quarters of one to five equal spans."""
 _CLOSED = 1e-5
-"""Part of a line's extent within which its ends are one: coordinates are written with so many digits or more."""
+"""Relative tolerance for coincident ends of a line, relative to its extent: coordinates have more digits."""
 
 
 def _closing(line: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Let a line that ends in its first point but for rounding end there."""
+    """Close a line whose last point is its first up to rounding."""
     extent = float(np.ptp(np.array(line), axis=0).max())
     near = len(line) > 2 and math.dist(line[0], line[-1]) <= _CLOSED * extent
     return (*line[:-1], line[0]) if near else line

@@ -152,7 +152,7 @@ class Form(Outline):
 
 
 class Annulus(base.Table):
-    """What is between two circles about one center."""
+    """The area between two concentric circles."""
 
     center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
     inner: base.Positive = Field(description="Radius of the inner circle.")

@@ -1,4 +1,4 @@
-"""Where things are: the keys that say it in the tables of supports, loads and refinements, and what they name."""
+"""Places: the keys of places in the tables of supports, loads and refinements, and their values."""
 
 from __future__ import annotations
 
@@ -20,14 +20,15 @@ PlaceKey = Literal["at", "edge", "line", "circle", "area"]
 
 FOOTPRINT = ("patch", "radius")
 _LEAST_RADIUS = 0.5
-"""Part of the element size from which on a circle is worth following: twelve elements around it are half as large."""
+"""Smallest radius of a circle that the mesh follows, relative to the element size: twelve elements around it are half
+as large."""
 
 
 @dataclass(frozen=True)
 class Where:
-    """Where something is: at points, along edges of the plate or a curve, or in an area: a region, or all of the plate.
+    """A place: points, edges or a curve, or an area (a region, or the whole plate).
 
-    ``key`` is what says so in the input; nodes of a mesh file are points. ``footprints`` are those of points, if any.
+    ``key`` is its key in the input; nodes of a mesh file are points. ``footprints`` are those of points, if any.
     """
 
     key: PlaceKey
@@ -49,7 +50,7 @@ class Where:
 
     @property
     def outline(self) -> Outline:
-        """What the curve, or the region's outline, is drawn with."""
+        """The segments, circles and arcs of the curve or of the region's outline."""
         return Outline() if self.shape is None else self.shape.outline
 
     def covers(self, points: Floats) -> Bools:
@@ -89,7 +90,7 @@ class Located(base.Table):
 
     @property
     def place(self) -> PlaceKey:
-        """The key that says where it is; what has none is all over the plate."""
+        """The key of the place; a table without one is for the whole plate."""
         keys: tuple[PlaceKey, ...] = ("at", "edge", "line", "circle")
         return next((key for key in keys if getattr(self, key) is not None), "area")
 
@@ -105,7 +106,7 @@ class Located(base.Table):
         return ()
 
     def _place_complaints(self, said: str) -> Iterator[base.Complaint]:
-        """Refuse all but one place; ``said`` is what a place says of the table."""
+        """Require exactly one place; ``said`` are the places in the table."""
         given = self.given(self.places)
         if len(given) != 1:
             found = " and ".join(given) or "none"
@@ -141,7 +142,7 @@ class Acting(Located, base.OnPlate):
 
     @property
     def has_footprint(self) -> bool:
-        """Whether what is at points is spread about them."""
+        """Whether points have footprints."""
         return bool(self.given(FOOTPRINT))
 
     @property

@@ -1,4 +1,4 @@
-"""The directory of results: what earlier runs wrote there, by their own account, and whether ours may be put there."""
+"""The directory of results: the files of earlier runs by their own list, and whether it may be written to."""
 
 from __future__ import annotations
 

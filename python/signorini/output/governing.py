@@ -1,4 +1,4 @@
-"""Which combinations give the extremes of each bearing, and what the others do in them."""
+"""The combinations that give the extremes of each bearing, with all simultaneous reactions."""
 
 from __future__ import annotations
 

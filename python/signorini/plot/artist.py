@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _ENOUGH = 24
 """Panels that one process draws in about the time in which another one reads matplotlib."""
 _MOST_ELEMENTS = 100_000
-"""Elements beyond which memory is not for several processes that draw them at once."""
+"""Largest number of elements for which several processes draw at once; limits memory."""
 
 
 class Artist:

@@ -18,7 +18,7 @@ from signorini.shapes.arrays import Floats
 
 _CURVES = ("#1f5fa8", "#d95f02", "#1b6e53", "#7a3e9d", "#8c6d1f", "#b3261e")
 _STYLES: tuple[Literal["solid", "dashed", "dotted"], ...] = ("solid", "dashed", "dotted")
-"""Of curves of one colour the first one's, the second one's and the third one's."""
+"""Line styles of curves of one colour."""
 _MOST_CURVES = len(_CURVES) * len(_STYLES)
 _END, _ASKED, _EVENT = "#b3261e", "#5c5c5c", "#3f6f8f"
 _WIDEST = 2.6
@@ -29,7 +29,7 @@ _ROOM, _LONGEST = 0.04, 40
 """Part of t between the words of two events, and letters of these."""
 _PART = "part closed [%]"
 _ALIKE = 1e-6
-"""Difference of curves, over the largest of all, that is none."""
+"""Relative tolerance for equal curves, relative to the largest value."""
 _HEIGHT, _ROW = 2.3, 0.19
 """Inches of a panel, and of a row of its legend."""
 
@@ -231,7 +231,7 @@ def _draw_curves(
 
 
 def _without_rounding(axes: Axes, size: float) -> None:
-    """Show what varies by rounding alone, of values of a size, as level."""
+    """Show values that vary by rounding as constant."""
     low, high = axes.get_ylim()
     least = _ALIKE * size
     if abs(high - low) < least:

@@ -39,13 +39,13 @@ _TINT = 0.3
 """Part of the scale by which the palest colour of a pressure is darker than white."""
 _BANDS = 14
 _STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 10)
-"""Of bands, in powers of ten: their limits have few digits."""
+"""Widths of bands, times powers of ten: their limits have few digits."""
 _MOST_LABELS = 7
 """Contours, about, that have their value written on them."""
 _SHORTEST = 50.0
 """Points that a contour is long at least that has its value."""
 _PARTS = np.array([0.5, 0.3, 0.7, 0.15, 0.85])
-"""Of a contour, where its value may stand."""
+"""Positions along a contour for its value."""
 _ON_OUTLINE = 1e-9
 """Part of the plate's size within which a point is on an area's outline."""
 _EDGE: dict[str, Any] = {"edgecolor": to_rgba(INK, 0.3), "linewidth": 0.3}
@@ -76,20 +76,20 @@ class Scale:
         return cls(bounds, colormaps[panel.colours], norm)
 
     def clipped(self, values: Floats) -> Floats:
-        """Give what lies beyond the scale its last colour."""
+        """Give values beyond the scale the last colour."""
         low, high = self.bounds[[0, -1]]
         # The upper end itself is in no band.
         return np.clip(values, low, high - _NOISE * (high - low))
 
     @property
     def bar(self) -> ScalarMappable:
-        """What a colour bar shows: the bands."""
+        """The bands of a colour bar."""
         shown = self.colours(self.norm(0.5 * (self.bounds[1:] + self.bounds[:-1])))
         return ScalarMappable(BoundaryNorm(self.bounds, len(shown)), ListedColormap(shown))
 
 
 def _settled(low: float, high: float) -> tuple[float, float]:
-    """Take a range without what is only rounding on the other side of zero, and never empty."""
+    """A range without rounding on the other side of zero, and never empty."""
     largest = max(abs(low), abs(high))
     low, high = (0.0 if abs(end) < _NOISE * largest else end for end in (low, high))
     if high - low <= _NOISE * largest:
@@ -128,7 +128,7 @@ def _draw_layer(axes: Axes, nodes: Floats, layer: PressureLayer, scale: Scale, l
     if not np.clip(layer.values, *layer.bounds).any():
         return []
     levels = scale.bounds[(scale.bounds >= layer.bounds[0]) & (scale.bounds <= layer.bounds[1])]
-    # Beyond the scale is its last colour, beyond the layer's bounds nothing.
+    # Values beyond the scale have the last colour; values beyond the layer's bounds are blank.
     low, high = scale.clipped(np.array([-np.inf, np.inf]))
     within = layer.bounds[0] >= scale.bounds[0], layer.bounds[1] <= scale.bounds[-1]
     values = np.clip(layer.values, -np.inf if within[0] else low, np.inf if within[1] else high)
@@ -144,7 +144,7 @@ def _within(layer: PressureLayer, places: Floats, size: float) -> NDArray[np.boo
     """Which places are on an area, its outline included, of a plate of a size."""
     if layer.outline is None:
         return np.ones(len(places), np.bool_)
-    # Which sign of the radius takes in what is on the outline depends on the way that runs.
+    # The sign of the radius that includes the outline depends on its orientation.
     slack = _ON_OUTLINE * size
     (around, *holes), ways = map(Path, pieces(layer.outline)), (slack, -slack)
     within: NDArray[np.bool_] = np.any([around.contains_points(places, radius=way) for way in ways], axis=0)

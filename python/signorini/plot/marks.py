@@ -33,7 +33,7 @@ _FITS = 0.8
 _SPACED = {"line": 0.55, "area": 1.1}
 """Inches between the marks along a line, and along the outline of an area."""
 _INSIDE = 0.35
-"""Part of a footprint that its mark may take: the rest shows what is beneath."""
+"""Largest share of a footprint that its mark may cover: the rest shows the field beneath."""
 _WAVE, _SWING = 5.0, 1.7
 """Points of a spring's zigzag: half its length, and half its width."""
 _FLIPPED = np.array([1.0, -1.0])
@@ -50,7 +50,7 @@ _SPRING = np.array([[0.0, -0.45], [0.4, -0.6], [-0.4, -0.78], [0.4, -0.96], [-0.
 _BAR = np.array([[-0.5, 0.85], [0.5, 0.85]])
 """Below and above the triangle: a spring that carries it, and the plate that has not come down to it yet."""
 _DETAILED = 5.0
-"""Points from which on a mark is large enough for its spring and its bar."""
+"""Smallest size of a mark, in points, that has its spring and bar."""
 _WAVY = Path(np.column_stack([np.linspace(-1, 1, 9), [0, 0.22, -0.22, 0.22, -0.22, 0.22, -0.22, 0.22, 0]]))
 _BOX = Path(np.array([[-1, -0.55], [1, -0.55], [1, 0.55], [-1, 0.55], [-1, -0.55]]))
 
@@ -70,7 +70,7 @@ def draw_supports(marks: Sequence[SupportMark], axes: Axes) -> list[Entry]:
 
 
 def legend_words(marks: Sequence[SupportMark]) -> list[str]:
-    """What the legend of supports will say."""
+    """The entries of the legend of supports."""
     return [mark.label for mark in marks] + (["edge of contact"] if any(len(mark.boundary) for mark in marks) else [])
 
 
@@ -197,7 +197,7 @@ def _fitting(positions: Floats, per_unit: float) -> float:
 
 
 def _spaced(positions: Floats, closed: Bools, apart: float) -> tuple[Floats, Bools]:
-    """Places along polylines, about so far apart, and whether it is closed there."""
+    """Places along polylines at about a given distance, and whether each is closed."""
     places, states = [np.zeros((0, 2))], [np.zeros(0, bool)]
     for piece, shut in ((positions[rows], closed[rows]) for rows in runs(positions)):
         if len(piece) < 2:
@@ -261,7 +261,7 @@ def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | 
 
 
 def _hatched_outside(piece: Floats, middle: Floats) -> Floats:
-    """Turn a polyline so that what lies on its right is away from the middle."""
+    """Orient a polyline so that its right side is away from the middle."""
     start, step = piece[:-1] - middle, np.diff(piece, axis=0)
     turning = float(np.sum(start[:, 0] * step[:, 1] - start[:, 1] * step[:, 0]))
     return piece if turning >= 0 else piece[::-1]

@@ -97,14 +97,14 @@ def _write_value(mark: LoadMark, colour: str, labels: Labels) -> None:
 
 
 def _spread(count: int) -> NDArray[np.int64]:
-    """Some of so many places, the middle one first."""
+    """A selection of places, the middle one first."""
     if count <= _MOST_PLACES:
         return np.roll(np.arange(count), -(count // 2))
     return np.linspace(0, count - 1, _MOST_PLACES).astype(np.int64)[[2, 1, 3, 0, 4]]
 
 
 _HEAD = 0.01
-"""Of the last piece of a line, what is under its arrow."""
+"""Share of the last piece of a line that is under its arrow."""
 _SECTION, _STRIP = "#a0356d", "#2f7f86"
 
 
@@ -184,7 +184,7 @@ _NEAR = 0.02
 
 
 def draw_balances(marks: Sequence[BalanceMark], axes: Axes, labels: Labels) -> list[Entry]:
-    """Draw what becomes of every combination, of many only a few by name."""
+    """Draw the resultant of each combination; of many combinations only a few have names."""
     named = [*marks] if len(marks) <= _MOST_NAMED else [mark for mark in marks if mark.unbalanced][:_MOST_NAMED]
     entries = [entry for mark in _together(named, axes) for entry in _draw(mark, axes, labels)]
     for colour, unbalanced in ((_GOOD, False), (_BAD, True)):

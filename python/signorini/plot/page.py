@@ -60,7 +60,7 @@ class Page:
                 axis.set_label_text(f"{name}{unit}", fontsize=9)
             put_label(axes.xaxis, 0.5, 0.0, 0.0, -0.36)
             put_label(axes.yaxis, 0.0, 0.5, -0.5, 0.0)
-            # Of plans beside each other the first one's numbers are enough.
+            # The first of plans beside each other has the axis numbers.
             axes.yaxis.set_visible(place % self._columns == 0)
         self._place()
 

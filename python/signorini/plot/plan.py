@@ -27,9 +27,9 @@ from signorini.shapes.tessellation import Tessellation, tessellate
 INK = "#1c2733"
 _SHEET = "#eef2f5"
 HATCHED: dict[str, Any] = {"facecolor": _SHEET, "edgecolor": "#aeb8c0", "hatch": "////", "linewidth": 0.0}
-"""What is left out."""
+"""Hatch of excluded areas."""
 _FINE = 4000
-"""Elements from which on two flat triangles of each are as good as more: they are some dots wide."""
+"""Smallest number of elements drawn as two flat triangles each: they are a few dots wide."""
 _SAME = 1e-7
 """Part of the plate's size within which points of sides that coincide are one: far above rounding."""
 _FAINTEST = 0.07
@@ -40,7 +40,7 @@ _MARGIN = 0.04
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A mesh and what all its pictures share: triangles, edges, outline."""
+    """A mesh with the triangles, edges and outline that its pictures share."""
 
     nodes: Floats  # (n, 2)
     cells: NDArray[np.int64]  # (e, 8)
@@ -127,7 +127,7 @@ def draw_mesh(axes: Axes, plan: Plan) -> None:
 
 
 def draw_outlines(axes: Axes, plan: Plan, hatched: bool = True) -> None:
-    """Draw the plate's outline, dashed the borders of zones; hatch what is left out."""
+    """Draw the plate's outline, and the borders of zones dashed; hatch excluded areas."""
     _, outline, borders = plan.edges
     if hatched and plan.left_out is not None and plan.left_out.any():
         part = Triangulation(plan.triangles.x, plan.triangles.y, plan.cut.triangles[plan.left_out[plan.cut.parents]])
@@ -158,7 +158,7 @@ def figure_of(axes: Axes) -> Figure:
 
 
 def put_label(axis: Axis, across: float, up: float, right: float, above: float) -> None:
-    """Put the label of an axis at a part of its axes, and so many inches from there; finding its place takes time."""
+    """Put the label of an axis at a fixed place, a distance in inches from its axes; automatic placing is slow."""
     away = ScaledTranslation(right, above, figure_of(axis.axes).dpi_scale_trans)
     axis.set_label_coords(across, up, axis.axes.transAxes + away)
 
@@ -189,11 +189,11 @@ def pieces(outline: Floats) -> list[Floats]:
 
 
 def enclosed(outline: Floats) -> Path:
-    """What closed polylines (k, 2), rows of NaN between them, enclose: the first one without the others."""
+    """The area enclosed by closed polylines (k, 2), separated by rows of NaN: the first without the others."""
     parts = []
     for number, loop in enumerate(pieces(outline)):
         (x, y), (u, v) = loop[:-1].T, loop[1:].T
-        # What runs the other way is left out.
+        # Loops of the other orientation are left out.
         turned = float(np.sum(x * v - y * u)) > 0.0
         codes = [Path.MOVETO, *[Path.LINETO] * (len(loop) - 2), Path.CLOSEPOLY]
         parts.append(Path(loop if turned == (number == 0) else loop[::-1], codes))
@@ -201,23 +201,23 @@ def enclosed(outline: Floats) -> Path:
 
 
 PAPER = {"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.6}
-"""Behind what is written on colours."""
+"""Background of text on colours."""
 _LETTER, _LINE = 0.6, 1.25
-"""Of the size of a font, how wide a letter is and how high a line."""
+"""Width of a letter and height of a line, relative to the font size."""
 _AROUND = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1], [0, 1], [0, -1], [1, 0], [-1, 0]], dtype=np.float64)
 _FAR = (5.0, 14.0, 26.0, 40.0)
 """Points from a place to the words beside it: nearer ones first."""
 _LEADER = 10.0
-"""Points from which on a line leads from the words to their place."""
+"""Smallest distance, in points, at which a line connects a text to its place."""
 _APART, _MISTAKEN = 3.0, 400
-"""Points that words are nearer to their place than to others; eighths that it costs if they are not."""
+"""Points by which a text is nearer to its own place than to others; cost of the opposite, in eighths."""
 _ON_WORDS, _OUTSIDE, _ON_MARKS = 20.0, 10.0, 6.0
-"""What it costs to cover words, to leave the plan and to cover marks, against 1 for the eighth of the candidates."""
+"""Costs of covering text, of leaving the plan and of covering marks, relative to 1 for the eighth candidate."""
 
 
 @dataclass(eq=False)
 class Labels:
-    """What is written in axes, whose limits are set; taken boxes (k, 4) are in points from the axes' lower left."""
+    """Text in axes with fixed limits; occupied boxes (k, 4) are in points from the lower left of the axes."""
 
     axes: Axes
     words: list[Floats] = field(default_factory=list)
@@ -235,7 +235,7 @@ class Labels:
         return np.asarray((np.atleast_2d(np.asarray(at, dtype=np.float64)) - self._corner) * self.scale)
 
     def keep_free(self, at: ArrayLike, size: float) -> None:
-        """Let no words be put on marks at places (k, 2), so many points wide."""
+        """Reserve squares of a width in points at places (k, 2) of marks."""
         middle = self.points(at)
         self.marks.append(np.hstack([middle - 0.5 * size, middle + 0.5 * size]))
 
@@ -267,7 +267,7 @@ class Labels:
     def along(
         self, words: str, places: ArrayLike, turns: Sequence[float], size: float, color: str = INK, **look: Any
     ) -> None:
-        """Write words on one of the places (k, 2), turned by so many degrees there; nothing where none is free."""
+        """Write a text at one of the places (k, 2), rotated there; skip it if no place is free."""
         at, angle = np.atleast_2d(np.asarray(places, dtype=np.float64)), np.radians(turns)
         long, high = _LETTER * len(words) * size, _LINE * size
         cos, sin = np.abs(np.cos(angle)), np.abs(np.sin(angle))

@@ -19,7 +19,7 @@ _DOWN = np.array([0.0, -np.cos(_RAISED)])
 _TALLEST = 0.15
 """Part of the plate's size that the largest deflection is drawn with."""
 _UPRIGHT = 0.9
-"""Part of the factor from which on a part of the plate hides another."""
+"""Share of the largest factor, at which a part of the plate hides another."""
 
 
 def seen(places: Floats, deflection: Floats | float = 0.0, factor: float = 1.0) -> Floats:
@@ -55,7 +55,7 @@ def exaggeration(points: Floats, elements: NDArray[np.int64], deflections: Seque
 
     level = areas(seen(points))
     for one in deflections:
-        # An area in the picture is linear in the factor, and that of what is hidden is negative.
+        # The area of an element in the picture is linear in the factor; it is negative where the element is hidden.
         change = areas(seen(points, one)) - level
         turning = change < 0.0
         factor = min(factor, _UPRIGHT * float((level[turning] / -change[turning]).min(initial=np.inf)))

@@ -1,1 +1,1 @@
-"""What is found: fields, reactions and contact of one load, or along a load that grows."""
+"""Results: fields, reactions and contact of one load, or along a load path."""

@@ -1,4 +1,4 @@
-"""What a notebook shows of supports, and of a load path."""
+"""Notebook views of supports and of a load path."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _written(value: float, widths: Mapping[str, Any] | None, key: str, size: flo
 
 
 def path_table(supports: Sequence[str], stops: Iterable[tuple[str, str, float, list[float]]], units: Units) -> str:
-    """Write the stops of a load path in HTML: t, what happens, the largest deflection, reactions of supports."""
+    """Write the stops of a load path in HTML: t, events, the largest deflection, reactions of supports."""
     titles = [f"largest deflection{in_unit(units.length)}", *(f"{name}{in_unit(units.force)}" for name in supports)]
     rows = (([t, event], [f"{value:.6g}" for value in (most, *reactions)]) for t, event, most, reactions in stops)
     return _table(["t", "event"], titles, rows)

@@ -12,9 +12,9 @@ Place = tuple[int, int]
 
 
 def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalogue]) -> tuple[tuple[Place, ...], ...]:
-    """Where each number of a model of several plates is among those of one; extremes over all are in every one.
+    """Position of each number of several plates among those of one; extremes over all plates have one in each.
 
-    What acts between two plates is the upper one's.
+    Numbers between two plates belong to the upper one.
     """
     names, homes = list(model.plates), _homes(model)
     result: list[tuple[Place, ...]] = []
@@ -34,7 +34,7 @@ def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalo
 
 
 def said_of(each: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
-    """Say which of several plates sentences are of, each by its name; nothing of what is said of all."""
+    """Prefix sentences with the name of their plate; sentences about all plates have no prefix."""
     plates: dict[str, list[str]] = {}
     for name, sentences in each.items():
         for sentence in dict.fromkeys(sentences):
@@ -44,7 +44,7 @@ def said_of(each: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
 
 
 def _homes(model: Model) -> Mapping[str, Mapping[int, Place]]:
-    """Of supports, probes, sections and strips the plate of each, and its number there; probes point by point."""
+    """Plate of each support, probe, section and strip, and its number there; probes point by point."""
     result: dict[str, dict[int, Place]] = {"supports": {}, "probes": {}, "sections": {}, "strips": {}}
     first = [0]
     for probe in model.probe:

@@ -1,4 +1,4 @@
-"""What happens along a load path: margins of supports, named events of points, lines and areas, thresholds."""
+"""Events of a load path: margins of supports, named events of points, lines and areas, thresholds."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from signorini.results.support_result import area_at_rest
 LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Parts of a line or area that are closed at its events: it begins to open, three quarters, all of it is open."""
 WHOLE = 1e-12
-"""Part of a support that is none."""
+"""Relative tolerance for an empty part of a support."""
 _TOUCHING = 1e-9
-"""Part of the largest overlap below which the plate touches and does not part, as for contact areas."""
+"""Relative tolerance for contact without overlap, relative to the largest overlap, as for contact areas."""
 
 
 def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
@@ -152,7 +152,7 @@ def first_place(
 
 
 def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> tuple[PathEvent, ...]:
-    """Find what supports do at the stops of a path that stops at every event, in its order."""
+    """Find the events of supports at the stops of an exact path, in order."""
     result = []
     for index, support in enumerate(supports):
         parts = [float(stop.parts[index]) for stop in stops]
@@ -176,7 +176,7 @@ def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> t
 
 
 def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
-    """Say what happens at one stop; points of ``pulling`` supports, which resist up, begin to pull as they close."""
+    """Name the events of one stop; points of ``pulling`` supports, which resist up, begin to pull as they close."""
     alike, said = dict[tuple[str, Change, float], list[PathEvent]](), []
     for event in events:
         part = event.closed if event.change == "part closed" else 0.0
@@ -204,12 +204,12 @@ class Threshold:
 
     @property
     def linear(self) -> bool:
-        """Whether the quantity is linear in t as long as nothing opens or closes."""
+        """Whether the quantity is linear in t while the contact state is constant."""
         return self.quantity.rpartition(".")[-1] not in SMOOTH
 
 
 def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Threshold, ...]:
-    """Read what is asked for: equations of a result's name and a number."""
+    """Read thresholds: equations of a result's name and a number."""
     if isinstance(when, str) or not isinstance(when, Sequence):
         raise InputError('it must be a list of texts such as ["bolts[1].reaction = -203e3"].', place="when")
     known, asked = numbers_at_stops(discretisation).by_name, []
@@ -231,7 +231,7 @@ def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Thr
 
 
 def first_reached(threshold: Threshold, stops: Sequence[PathStop]) -> Threshold:
-    """Say at which stop a quantity first comes to the value of a threshold, or has gone past it."""
+    """Find the stop at which a quantity first reaches or passes the value of a threshold."""
     beyond = [stop.number(threshold.quantity) >= threshold.value for stop in stops]
     row = next((row for row in range(1, len(stops)) if beyond[row] != beyond[0]), None)
     return threshold if row is None else replace(threshold, t=stops[row].t)

@@ -1,4 +1,4 @@
-"""What a load path shows at its beginning, at an event and at its end."""
+"""The stops of a load path: its start, events, and its end."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from signorini.results.support_points import SupportPoints, closed_part
 from signorini.results.support_result import area_at_rest
 
 _MOST_POINTS = 100
-"""Points of supports at points up to which stops list the reaction of each."""
+"""Largest number of points whose reactions are listed at each stop."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class PathStop(Brief):
         return float(self.values[self.catalogue.by_name[name]])
 
     def with_part(self, index: int, part: float, count: int) -> PathStop:
-        """Say of a support what part of it, and how many of its points, are closed."""
+        """The closed part of a support, and the number of its closed points."""
         values, closed = self.values.copy(), round(part * count)
         values[self.catalogue.at("support", "closed_part", "closed", "open")[index]] = part, closed, count - closed
         return replace(self, values=values)
@@ -120,7 +120,7 @@ class Switched:
     before: Pieces = field(default_factory=lambda: np.zeros(0, np.uint8))
 
     def as_switches(self, discretisation: Discretisation, answer: Answer) -> tuple[Switch, ...]:
-        """Say what they do, and where; of those that go on along their laws nothing."""
+        """Describe the changes of points, with places; a change between pieces of a law without a name is skipped."""
         contacts, after = discretisation.contacts.pick(self.points), answer.piece[self.points]
         yielded, yields = contacts.yield_on(self.before), contacts.yield_on(after)
         opened, opens = contacts.open_on(self.before), contacts.open_on(after)
@@ -133,7 +133,7 @@ class Switched:
 
 @kept
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
-    """What stops tell; of points of supports at points only where these are not many."""
+    """The numbers of stops; points of supports at points only if they are few."""
     whole = catalogue_of(discretisation, ("deflection",)).along_paths
     many = len(whole.at("point", "reaction")) > _MOST_POINTS
     told = tuple(one for one in whole if one.home != "point" or not many)
@@ -237,7 +237,7 @@ def _put_supports(
     answers: Sequence[Answer],
     beneath: Mapping[int, Floats],
 ) -> None:
-    """Fill in what supports and their points do in every answer (k, n)."""
+    """Fill in the numbers of supports and their points in each answer (k, n)."""
     shared, all_closed = np.array([one.shared for one in answers]), np.array([one.closed for one in answers])
     gaps = np.array([one.gap for one in answers])
     held_force = np.where(discretisation.held.dofs, imbalance - (discretisation.point_rows.T @ shared.T).T, 0.0)[:, ::3]

@@ -87,7 +87,7 @@ class CutLine:
         shares = distance <= distance.min(axis=1)[:, None] + self.touching
         pick = np.arange(len(points)), piece
         beyond = station[pick] - on_piece[pick]
-        # Off a corner what lies on its outer side is beyond both pieces, and beside neither.
+        # The outer side of a corner is beyond both pieces, and beside neither.
         other = (piece + np.where(beyond > 0.0, 1, -1)) % len(self.lengths)
         both = self.normals[piece] + self.normals[other]
         corner = self.begin[piece] + on_piece[pick][:, None] * self.along[piece]
@@ -101,7 +101,7 @@ class CutLine:
 
 @dataclass(frozen=True, eq=False)
 class LeftOf:
-    """What of a box lies on the left of a cut line, or of a region there, whose outline may lie beyond the box."""
+    """The part of a box on the left of a cut line, or of a region there whose outline may leave the box."""
 
     line: CutLine
     box: Box

@@ -50,7 +50,7 @@ class Targets:
 
     @classmethod
     def along(cls, outline: Outline) -> Targets:
-        """Gather what an outline is drawn with."""
+        """Collect the segments, circles and arcs of an outline."""
         rings = cls.of(arcs=[(*ring, 0.0, math.tau) for ring in outline.circles.tolist()])
         straight = cls.of(sides=outline.segments.tolist())
         return cls.join([straight, cls.on((a, m, b) for a, m, b in outline.arcs.tolist()), rings])

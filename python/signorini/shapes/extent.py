@@ -10,7 +10,7 @@ import numpy.typing as npt
 from signorini.shapes.arrays import Floats
 
 _ON_LINE = 1e-12
-"""Breadth over length below which points are on one line."""
+"""Largest ratio of breadth to length of collinear points."""
 _ROUNDING = 1e-14
 """Twice a triangle's area, over the square of the size, that is rounding."""
 _ASKEW = np.array([[np.cos(1.0), -np.sin(1.0)], [np.sin(1.0), np.cos(1.0)]])
@@ -91,13 +91,13 @@ class Tolerances:
 
     @property
     def written(self) -> float:
-        """What is nearer than this to an edge or a circle is on it: coordinates are written with six digits."""
+        """Relative tolerance for a place on an edge or circle: coordinates are written with six digits."""
         return 1e-6 * self.extent
 
     @property
     def apart(self) -> float | Floats:
-        """Rigid supports that are not at one place are at least so far from each other.
+        """Smallest distance of rigid supports at different places.
 
-        What a plate does between two grows with the inverse of the square.
+        Reactions between two grow with the inverse of its square.
         """
         return self.thickness / 10.0

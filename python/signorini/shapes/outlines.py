@@ -1,4 +1,4 @@
-"""Outlines of plates, regions and curves: straight sides, circles and arcs, and what they ask a mesh to follow."""
+"""Outlines of plates, regions and curves: straight sides, circles and arcs, and their requirements on a mesh."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ class Outline:
 
 
 class Drawn(ABC):
-    """What everything that is drawn asks of a mesh: its lines along the axes, and its circles."""
+    """Requirements of an outline on a mesh: its lines along the axes, and its circles."""
 
     @property
     @abstractmethod
     def outline(self) -> Outline:
-        """What it is drawn with."""
+        """Its segments, circles and arcs."""
 
     @property
     def x_lines(self) -> tuple[float, ...]:
@@ -140,7 +140,7 @@ class Contour:
 
     @property
     def sides(self) -> list[Side]:
-        """Each side: its corner, what it is an arc through or None, and the next corner."""
+        """Each side: its corner, the point on its arc or None, and the next corner."""
         return list(zip(self.corners, self.through, (*self.corners[1:], self.corners[0]), strict=True))
 
     @property

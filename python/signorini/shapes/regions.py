@@ -18,9 +18,9 @@ _CHUNK = 4_000_000
 _PAIRS = 200_000
 """Crossings, and pairs of sides, that are looked at together."""
 _KINK = 0.1
-"""Turn of an outline, in radians, from which on it has a corner: less is where arcs were meant to go on smoothly."""
+"""Smallest turn of an outline, in radians, at a corner; arcs meant to be smooth turn by less."""
 _SAME = 1e-6
-"""Part of a hole's area that is rounding, where it touches what is beside it."""
+"""Relative tolerance for the area of a hole that touches its neighbour."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Rectangle(outlines.Straight):
     y1: float
 
     def __post_init__(self) -> None:
-        """Refuse numbers that bound nothing, as they may once they are moved onto edges."""
+        """Refuse an empty rectangle, as may result from snapping onto edges."""
         if not (self.x1 > self.x0 and self.y1 > self.y0):
             raise InputError(
                 f"Rectangle [{self.x0:g}, {self.y0:g}, {self.x1:g}, {self.y1:g}] encloses nothing; "
@@ -186,7 +186,7 @@ class Rounded(outlines.Straight):
 
     @cached_property
     def _farthest(self) -> list[Floats]:
-        """Of every arc the points farthest along x and y, but its ends."""
+        """The extreme points along x and y of every arc, except its ends."""
         return [outlines.farthest(*arc) for arc in self._arcs]
 
     @cached_property
@@ -352,7 +352,7 @@ class Hollow(outlines.Drawn):
 
     @cached_property
     def parts(self) -> tuple[Whole, ...]:
-        """What is around, and the holes."""
+        """The outer region and its holes."""
         return (self.around, *self.holes)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Lines: ends and bends where numbers have no limit, and what runs within elements, where moments are of no side."""
+"""Lines: ends and bends with singular results, and lines within elements, where moments belong to neither side."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from signorini.singularities.boundary import STRAIGHT, Boundary, boundary_of, mo
 from signorini.singularities.singularity import Singularity, as_places
 
 _ENDS = 1e-9
-"""Part of a line load's size at its points below which it has come to nothing at its end."""
+"""Smallest line load at the end of a line, relative to its largest value, that makes the end singular."""
 _BESIDE = "take values from beside these elements."
 _AS_ZONE = "Or say it with a zone, whose border the mesh follows."
 _ON_SIDE = 1e-6
@@ -119,7 +119,7 @@ def ends_of_line(
 
 
 def _points_along(discretisation: Discretisation, along: Curve) -> tuple[Floats, list[list[Floats]]]:
-    """Points (n, 2) of a line, and directions (2,) of it from each: one at an end. Of a sector's arc ends, middle."""
+    """Points (n, 2) of a line with the directions (2,) of the line from each; one direction at an end."""
     if isinstance(along, Polyline):
         return np.array(along.points), _directions(along)
     plate = discretisation.model.plate

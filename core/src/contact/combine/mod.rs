@@ -1,13 +1,13 @@
-//! Many combinations of few load cases: one LCP each, posed and solved without touching the plate.
+//! Many combinations of few load cases: one LCP each, without an operation on the plate.
 //!
-//! Everything that is linear in the factors is condensed once. A combination sums the cases' q, solves its LCP, and
-//! solves the equations of the contact state found with the refined responses. Each is computed from its factors alone,
-//! so that neither order nor number of threads changes a bit.
+//! All terms that are linear in the factors are condensed once. A combination sums q of its cases, solves its LCP, and
+//! solves the equations of that contact state with the refined responses. Each result depends on its factors only, so
+//! that order and number of threads change no bit.
 
-mod on_set;
+mod contact_set_solver;
 
-use super::finders::{are_on_their_pieces, ended, in_memory, pieces_of};
-use super::interface::{AtPoints, Form, FreeMotions, PosedLcp, Work};
+use super::finders::{ended, in_memory, is_feasible, pieces_of};
+use super::interface::{CondensedRhs, Form, FreeMotions, PosedLcp, Work};
 use super::problem::ContactProblem;
 use super::residual::largest_force;
 use super::responses::Response;
@@ -15,19 +15,19 @@ use super::solution::Outcome;
 use super::tolerances;
 use crate::cholesky::FactorError;
 use crate::lcp::{Lcp, LcpBasis, LcpFamily};
-use on_set::OnSet;
+use contact_set_solver::ContactSetSolver;
 use rayon::prelude::*;
 
-/// Combinations between two looks at whoever watches.
+/// Combinations between two calls of the callback.
 const TOGETHER: usize = 256;
 
-/// One combination at the contact points.
+/// Result of one combination at the contact points.
 #[derive(Clone, Debug)]
 pub struct Combined {
-    /// Without equilibrium also where the gaps contradict each other; unsolved are those to be solved by themselves, whose
-    /// signs are within rounding or whose pivots came to their limit.
+    /// `NoEquilibrium` includes contradictory gaps. `Unsolved` means that the combination needs a solve of its own:
+    /// signs are within rounding, or the pivot limit was reached.
     pub outcome: Outcome,
-    /// Factors x of the points' responses.
+    /// Factors x of the responses of points.
     pub factor: Vec<f64>,
     pub reaction: Vec<f64>,
     pub gap: Vec<f64>,
@@ -35,28 +35,29 @@ pub struct Combined {
     pub pivots: usize,
 }
 
-/// What the combinations of some load cases share.
+/// Data shared by all combinations.
 pub struct CombinedCases {
     form: Form,
-    /// The LCP of all cases together, and q, before its free motions are imposed, of the plate at rest and of each case.
+    /// The LCP of the sum of all cases; q at rest and of each case, before the free motions are imposed.
     lcp: PosedLcp,
     motions: FreeMotions,
     q_at_rest: Vec<f64>,
     q: Vec<Vec<f64>>,
-    /// Nothing if there is no basis to begin with.
+    /// Family of LCPs with one M; `None` without a start basis.
     family: Option<LcpFamily>,
-    on_set: OnSet,
-    /// Travel of every point from rest to the piece that it begins on.
+    set_solver: ContactSetSolver,
+    /// Travel of each point from rest to its first piece.
     distance: Vec<f64>,
     rest: Response,
     cases: Vec<Response>,
 }
 
 impl ContactProblem {
-    /// Condenses load cases, given as their responses, for [`ContactProblem::combine`].
+    /// Condenses load cases, given by their responses, for [`ContactProblem::combine`]; displacements of the responses
+    /// are unused.
     ///
-    /// The displacements of the responses are not read. Every LCP starts from the basis, and every contact set from the
-    /// factor, of all cases at factor 1, or of no contact if these have no equilibrium. `None` where `watch` wants no more.
+    /// Each LCP starts from the basis, and each contact state from the factor, of all cases at factor 1, or of the open
+    /// state if these have no equilibrium. `None` if `watch` cancels.
     pub fn combined_cases(
         &self,
         rest: Response,
@@ -68,20 +69,20 @@ impl ContactProblem {
         let form = interface.better_form();
         let still = vec![0.0; self.points.len()];
         let first = interface.first_pieces(&self.points, form);
-        // With no reaction the travel to a piece that holds is to where its force is none.
+        // Travel at which the force on the first piece is zero.
         let to_piece = |(i, &piece): (usize, &u8)| {
             let piece = self.points.piece(i, piece);
             piece.travel - piece.compliance() * piece.force
         };
         let distance: Vec<f64> = first.iter().enumerate().map(to_piece).collect();
-        let of_cases = cases.iter().map(|case| at_points(form, case, &still));
-        let all: Vec<_> = std::iter::once(at_points(form, &rest, &distance)).chain(of_cases).collect();
+        let of_cases = cases.iter().map(|case| rhs(form, case, &still));
+        let all: Vec<_> = std::iter::once(rhs(form, &rest, &distance)).chain(of_cases).collect();
         let (mut lcp, q) = interface.posed(&self.points, form, &all, &still)?;
         let motions = interface.impose_motions(&self.points, &mut lcp)?;
-        let on_set = OnSet::new(self, form, points)?;
+        let set_solver = ContactSetSolver::new(self, form, points)?;
         let q_at_rest = lcp.q.clone();
         let mut shared =
-            CombinedCases { form, lcp, motions, q_at_rest, q, family: None, on_set, distance, rest, cases };
+            CombinedCases { form, lcp, motions, q_at_rest, q, family: None, set_solver, distance, rest, cases };
         shared.lcp.q = shared.pose(&vec![1.0; shared.cases.len()]).1;
         let pieces = match pieces_of(self, &shared.lcp, None, &mut 0, &mut |_| watch())? {
             Ok(pieces) => pieces,
@@ -90,12 +91,12 @@ impl ContactProblem {
         };
         let Some(lcp) = in_memory(Lcp::new(&shared.lcp.matrix, &shared.lcp.q))? else { return Ok(Some(shared)) };
         shared.family = in_memory(LcpFamily::new(&lcp, &shared.lcp.basis(&pieces)))?.flatten();
-        shared.on_set.begin_with(self, pieces)?;
+        shared.set_solver.begin_with(self, pieces)?;
         Ok(Some(shared))
     }
 
-    /// Solves combinations, a row of factors each, in parallel. `watch` is asked now and then and ends it by returning
-    /// false; then answers are missing.
+    /// Solves combinations, one row of factors each, in parallel. `watch` is called at intervals and cancels by
+    /// returning false; then results are missing.
     pub fn combine(
         &self,
         shared: &CombinedCases,
@@ -129,14 +130,14 @@ impl ContactProblem {
         if ended.is_err() || combined.outcome == Outcome::Solved {
             return Ok(combined);
         }
-        // Rounding of many pivots has led astray, but not far: from there, with a tableau of its own, few are needed.
+        // Rounding of many pivots gave an infeasible state nearby: few pivots with a fresh tableau remain.
         let mut posed = shared.lcp.clone();
         posed.q = q;
         let again = pieces_of(self, &posed, Some(pieces), &mut pivots, &mut |_| true)?;
         self.on_pieces_of(shared, &sum, again, pivots)
     }
 
-    /// The combination on the pieces at which its LCP ended, if it did at some.
+    /// The combination on the contact state of its LCP.
     fn on_pieces_of(
         &self,
         shared: &CombinedCases,
@@ -158,7 +159,7 @@ impl ContactProblem {
             Form::Dual => (0..count).map(|i| self.points.arm[i] * sum.moved[i].abs()).fold(0.0, f64::max),
             Form::Stiffness => 0.0,
         };
-        match shared.on_set.solve(self, &piece, &sum.moved, &sum.reaction)? {
+        match shared.set_solver.solve(self, &piece, &sum.moved, &sum.reaction)? {
             Some((factor, reaction, gap)) => {
                 let settled = self.is_certain(&piece, &reaction, &gap, travel);
                 let outcome = if settled { Outcome::Solved } else { Outcome::Unsolved };
@@ -168,43 +169,43 @@ impl ContactProblem {
         }
     }
 
-    /// Whether every point is on its piece, beyond rounding.
+    /// Whether every point is within the bounds of its piece, beyond rounding.
     fn is_certain(&self, pieces: &[u8], reaction: &[f64], gap: &[f64], travel: f64) -> bool {
         let force = tolerances::SIGN * largest_force(self, &[], reaction);
         let (shift, arm) = (&self.points.shift, &self.points.arm);
         let moved = (0..gap.len()).map(|i| arm[i] * (shift[i] - gap[i]).abs()).fold(0.0, f64::max);
-        // A stop far away says nothing of what happens at others.
+        // A distant stop does not change the tolerance at other points.
         let length = |i: usize| {
             let moved = moved / arm[i];
             (tolerances::SIGN * moved.max(shift[i].abs())).max(tolerances::RESIDUAL * travel / arm[i])
         };
         let finite = reaction.iter().chain(gap).all(|value| value.is_finite());
-        finite && are_on_their_pieces(self, pieces, reaction, gap, force, length)
+        finite && is_feasible(self, pieces, reaction, gap, force, length)
     }
 }
 
-/// What a response does at the points, past no reaction.
-fn at_points(form: Form, response: &Response, violation: &[f64]) -> AtPoints {
+/// The right-hand side of a response at the points.
+fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
     let (displacement, force) = match form {
         Form::Dual => (response.moved.clone(), vec![0.0; response.moved.len()]),
         Form::Stiffness => (Vec::new(), response.reaction.clone()),
     };
-    AtPoints { displacement, force, violation: violation.to_vec() }
+    CondensedRhs { displacement, force, violation: violation.to_vec() }
 }
 
 impl CombinedCases {
-    /// The cases of a combination together, and the q of its LCP.
+    /// The sum of the cases of a combination, and q of its LCP.
     fn pose(&self, factors: &[f64]) -> (Response, Vec<f64>) {
         let sum = self.sum(factors);
         let mut q = self.q_at_rest.clone();
         for (part, &factor) in self.q.iter().zip(factors).filter(|(_, factor)| **factor != 0.0) {
             q.iter_mut().zip(part).for_each(|(total, value)| *total += factor * value);
         }
-        self.motions.balance(&mut q, &at_points(self.form, &sum, &self.distance), &sum.work);
+        self.motions.balance(&mut q, &rhs(self.form, &sum, &self.distance), &sum.work);
         (sum, q)
     }
 
-    /// Their sum, but for the displacement.
+    /// The sum of responses without displacements.
     fn sum(&self, factors: &[f64]) -> Response {
         let of = |part: fn(&Response) -> &[f64], size: fn(f64) -> f64| {
             let mut total = part(&self.rest).to_vec();

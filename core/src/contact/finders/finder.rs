@@ -1,4 +1,4 @@
-//! What looks for the pieces of a load, where it begins, and whether points are on their pieces.
+//! The trait of methods that find the contact state, and the feasibility test of a state.
 
 use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;
@@ -7,10 +7,10 @@ use crate::contact::scale::largest;
 use crate::contact::solution::{ContactSolution, Watch};
 use crate::contact::tolerances;
 
-/// Looks for the pieces of one load, and solves on them.
+/// Finds the contact state of one load and its solution.
 pub(in crate::contact) trait SetFinder {
-    /// The solution under a nodal load with the held dofs at `held_value`, both over all dofs, from another load's on if there
-    /// is one; `watch` sees every step.
+    /// Solves for a nodal load (3n,) with the held dofs at `held_value` (3n,), from the solution of another load if
+    /// given; `watch` is called after every step.
     fn find(
         &self,
         problem: &ContactProblem,
@@ -21,26 +21,26 @@ pub(in crate::contact) trait SetFinder {
     ) -> Result<ContactSolution, FactorError>;
 }
 
-/// Whether every point is on its piece but for rounding; lengths up to `nil` are none.
-pub(in crate::contact) fn signs_hold(
+/// Whether every point is within the bounds of its piece, up to rounding; lengths up to `least_length` count as zero.
+pub(in crate::contact) fn signs_are_feasible(
     problem: &ContactProblem,
     load: &[f64],
-    nil: f64,
+    least_length: f64,
     solution: &ContactSolution,
 ) -> bool {
     let lengths = lengths(problem, solution);
-    // Without a load, reactions are what the plate's stiffness makes of how far it moves.
+    // Without load, the reference force is the stiffness times the displacement.
     let load = match problem.scale.largest(load) {
         0.0 => largest(&problem.delta).max(problem.scale.stiffness) * largest(&lengths),
         load => load,
     };
     let force = tolerances::SIGN * largest_force(problem, &[], &solution.reaction).max(load);
-    let length = |i: usize| (tolerances::SIGN * lengths[i]).max(nil / problem.points.arm[i]);
-    are_on_their_pieces(problem, &solution.piece, &solution.reaction, &solution.gap, force, length)
+    let length = |i: usize| (tolerances::SIGN * lengths[i]).max(least_length / problem.points.arm[i]);
+    is_feasible(problem, &solution.piece, &solution.reaction, &solution.gap, force, length)
 }
 
-/// Whether no point is beyond an end of its piece by more than a force, or more than its length.
-pub(in crate::contact) fn are_on_their_pieces(
+/// Whether no point exceeds the bounds of its piece by more than a force, or by more than its length.
+pub(in crate::contact) fn is_feasible(
     problem: &ContactProblem,
     pieces: &[u8],
     reaction: &[f64],
@@ -53,7 +53,7 @@ pub(in crate::contact) fn are_on_their_pieces(
         let piece = points.piece(i, pieces[i]);
         let [low, high] = points.ends(i, pieces[i]);
         let (value, axis, allowed) = match piece.holds() {
-            // Of a soft spring a travel of rounding tells more than a force.
+            // For a soft spring the tolerance of travel is the stricter one.
             true => (reaction[i], 1, (force * points.arm[i]).min(length(i) * piece.slope)),
             false => (piece.travel - gap[i], 0, length(i)),
         };

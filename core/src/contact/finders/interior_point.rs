@@ -1,9 +1,7 @@
-//! Points of every kind, in any number, by a primal–dual interior point method on the sparse K (Clarabel: Goulart & Chen
-//! 2024).
+//! Primal–dual interior point method on the sparse K for any number of points (Clarabel: Goulart & Chen 2024).
 //!
-//! The problem is posed as it stands, a convex quadratic program over displacements and travels along pieces, whose
-//! multipliers are the reactions. Its answer is good to about eight digits: enough for the pieces, from which the problem's
-//! own method goes on with refined figures.
+//! The convex quadratic program has displacements and travels along pieces as unknowns; its multipliers are the
+//! reactions. Its solution has about eight digits. The problem's own method starts from its contact state and refines.
 
 use super::finder::SetFinder;
 use super::program::Program;
@@ -20,11 +18,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
-/// So little added needs refinement for as long as each step leaves less than the one before: Clarabel's own 10 steps, each
-/// to a fifth, end the last iterations before a proof of infeasibility is sharp.
+/// Iterative refinement steps: with Clarabel's default of 10 the last iterations end before a proof of infeasibility is
+/// sharp.
 const REFINEMENTS: u32 = 50;
 
-/// An interior point method, and the problem's own from its pieces.
+/// Interior point method, followed by the problem's own method from its contact state.
 pub(in crate::contact) struct InteriorPoint;
 
 impl SetFinder for InteriorPoint {
@@ -46,10 +44,10 @@ impl SetFinder for InteriorPoint {
     }
 }
 
-/// Displacements and reactions to eight digits, and pieces; no gaps.
+/// Displacements and reactions to eight digits, and the contact state; no gaps.
 ///
-/// [`Outcome::NoEquilibrium`] is returned on a proof that was checked: either a motion that no support resists and on
-/// which the load works, or forces at points that balance each other and that their gaps cannot do without.
+/// [`Outcome::NoEquilibrium`] needs a verified proof: a motion without resistance on which the load works, or forces at
+/// points that balance each other and contradict the gaps.
 fn interior_point(
     problem: &ContactProblem,
     load: &[f64],
@@ -103,8 +101,8 @@ fn interior_point(
     ContactSolution { outcome: Outcome::Solved, ..solution }
 }
 
-/// Solves in a thread of its own, since clarabel keeps whom it tells of its iterations, and whether it was interrupted;
-/// `None` if it does not take the problem.
+/// Solves in a thread of its own, since clarabel's callback outlives the borrow; returns whether it was cancelled,
+/// `None` if clarabel rejects the problem.
 fn solved(
     program: &Program,
     cones: &[SupportedConeT<f64>],

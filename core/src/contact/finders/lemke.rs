@@ -1,8 +1,8 @@
-//! Lemke's algorithm on the condensed points: pivots from piece to piece, finitely many of them.
+//! Lemke's algorithm on the condensed points: finitely many pivots from piece to piece.
 
-use super::finder::{SetFinder, signs_hold};
+use super::finder::{SetFinder, signs_are_feasible};
 use crate::cholesky::FactorError;
-use crate::contact::interface::{Form, PosedLcp, Reduced, Work};
+use crate::contact::interface::{Form, PosedLcp, ReducedLoad, Work};
 use crate::contact::kkt::{Condensed, Kkt};
 use crate::contact::problem::ContactProblem;
 use crate::contact::refine::refine;
@@ -12,12 +12,12 @@ use crate::contact::solution::{ContactSolution, Outcome, Progress, Watch};
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, LcpError, LcpStatus, LemkeOptions, lemke_watched};
 
-/// At most this many sets of pieces.
+/// Largest number of contact states.
 const STATES: usize = 60;
 
-/// Lemke's algorithm, refined: where the refined solution shows a point beyond its piece, the LCP is posed anew from there.
+/// Lemke's algorithm with refinement: where the refined solution violates a bound, the LCP is posed again from there.
 pub(in crate::contact) struct Lemke {
-    /// The unknowns of the LCP; those of the better conditioned form if `None`.
+    /// The unknowns of the LCP; `None` takes the better conditioned form.
     pub(in crate::contact) form: Option<Form>,
 }
 
@@ -37,10 +37,9 @@ impl SetFinder for Lemke {
         let work = Work::of(&problem.free_motions, load);
         let mut residual = Residual::default();
         let mut reduced = posed_from(problem, load, form, &solution)?;
-        let travel = largest(&reduced.at_points.displacement);
+        let travel = largest(&reduced.rhs.displacement);
         for _ in 0..STATES {
-            let posed =
-                problem.interface().lcp(&problem.points, form, &reduced.at_points, &work, &solution.reaction)?;
+            let posed = problem.interface().lcp(&problem.points, form, &reduced.rhs, &work, &solution.reaction)?;
             let pieces = match pieces_of(problem, &posed, first.take(), &mut solution.pivots, watch)? {
                 Ok(pieces) => pieces,
                 Err(outcome) => return Ok(solution.failed(outcome)),
@@ -53,9 +52,9 @@ impl SetFinder for Lemke {
                 let before = solution.reaction.clone();
                 solution.put_on(&problem.points, pieces);
                 residual = Residual::of(problem, load, &solution);
-                // Where nothing was let go the right-hand side is the one that the LCP was posed with.
+                // If no reaction changed, the right-hand side is that of the LCP.
                 kkt.reduced = (solution.reaction == before).then(|| {
-                    reduced.at_points.violation.clone_from(&residual.violation);
+                    reduced.rhs.violation.clone_from(&residual.violation);
                     reduced
                 });
                 let Some(last) = refine(problem, load, 0.0, &mut kkt, residual, &mut solution)? else {
@@ -64,9 +63,9 @@ impl SetFinder for Lemke {
                 residual = last;
             }
             solution.measure_gaps(&problem.points, &residual);
-            if settled || signs_hold(problem, load, tolerances::RESIDUAL * travel, &solution) {
-                // Pieces whose equations only rounding keeps regular have no solution. What settlements leave by rounding,
-                // where nothing else acts, is none of their fault.
+            if settled || signs_are_feasible(problem, load, tolerances::RESIDUAL * travel, &solution) {
+                // A contact state that only rounding keeps regular has no solution. Where no load acts, the rounding of
+                // settlements is the reference.
                 let least = f64::EPSILON * force_of_settlements(problem, held_value);
                 let is_solved = residual.is_solved(problem, load, &solution, least);
                 return Ok(if is_solved { solution.solved() } else { solution.failed(Outcome::Unsolved) });
@@ -77,18 +76,19 @@ impl SetFinder for Lemke {
     }
 }
 
-/// What a load and a solution do at the points, with violations of the pieces that the LCP begins with.
+/// The right-hand side of the LCP for a load and a solution, with violations relative to the first pieces.
 pub(in crate::contact) fn posed_from(
     problem: &ContactProblem,
     load: &[f64],
     form: Form,
     solution: &ContactSolution,
-) -> Result<Reduced, FactorError> {
+) -> Result<ReducedLoad, FactorError> {
     let pieces = problem.interface().first_pieces(&problem.points, form);
     problem.reduced(&Residual::from(problem, load, solution, &pieces), form)
 }
 
-/// The pieces that solve an LCP, from some on if there are any, or why there are none; adds to the pivots.
+/// The contact state that solves an LCP, from a given one if any, or the reason why there is none; adds to the number
+/// of pivots.
 pub(in crate::contact) fn pieces_of(
     problem: &ContactProblem,
     posed: &PosedLcp,
@@ -114,8 +114,8 @@ pub(in crate::contact) fn pieces_of(
     Ok(ended(end.status).map(|()| posed.pieces(&end.basis)))
 }
 
-/// A covering vector (k,): of rows whose w is a reaction, a force, else the length by which that bends the plate, so that
-/// Lemke's path does not depend on units.
+/// Covering vector (k,): a force for rows whose w is a force, otherwise the length by which that force bends the plate.
+/// Lemke's path is then independent of units.
 fn covering(problem: &ContactProblem, posed: &PosedLcp) -> Vec<f64> {
     let power_of_two = |x: f64| x.log2().round().exp2();
     let root = power_of_two(problem.scale.stiffness.sqrt());
@@ -126,7 +126,7 @@ fn covering(problem: &ContactProblem, posed: &PosedLcp) -> Vec<f64> {
     posed.rows.iter().map(of).collect()
 }
 
-/// Whether an LCP ended at a basis, or what else it is.
+/// Converts the status of an LCP to an outcome.
 pub(in crate::contact) fn ended(status: LcpStatus) -> Result<(), Outcome> {
     match status {
         LcpStatus::Solved => Ok(()),
@@ -136,7 +136,7 @@ pub(in crate::contact) fn ended(status: LcpStatus) -> Result<(), Outcome> {
     }
 }
 
-/// What an LCP came to; `None` where its numbers are beyond the arithmetic.
+/// The result of an LCP; `None` where it is numerically singular.
 pub(in crate::contact) fn in_memory<T>(solved: Result<T, LcpError>) -> Result<Option<T>, FactorError> {
     match solved {
         Ok(end) => Ok(Some(end)),

@@ -1,4 +1,4 @@
-//! Methods that look for the pieces that points are on.
+//! Methods that find the contact state.
 
 mod active_set;
 mod finder;
@@ -7,6 +7,6 @@ mod lemke;
 mod program;
 
 pub(super) use active_set::{ActiveSet, solve_together, solved_and_factored};
-pub(super) use finder::{SetFinder, are_on_their_pieces};
+pub(super) use finder::{SetFinder, is_feasible};
 pub(super) use interior_point::InteriorPoint;
 pub(super) use lemke::{Lemke, ended, in_memory, pieces_of, posed_from};

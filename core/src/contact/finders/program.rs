@@ -1,4 +1,4 @@
-//! The contact problem as a quadratic program, and what proves that it has no solution.
+//! The contact problem as a quadratic program, and proofs of infeasibility.
 
 use crate::assembly::{Assembly, Bedding, HELD, Numbering};
 use crate::contact::points::Points;
@@ -9,10 +9,11 @@ use crate::contact::tolerances;
 use crate::residual::residual;
 use clarabel::algebra::CscMatrix;
 
-/// The quadratic program min ½xᵀPx + qᵀx, Ax + s = b, in units in which P has the diagonal 1 and every row of A the norm 1.
+/// The quadratic program min ½xᵀPx + qᵀx subject to Ax + s = b, scaled so that P has the diagonal 1 and each row of A
+/// the norm 1.
 ///
-/// A point travels along the pieces of its graph one after the other: row·u = s₀ − t₀ + Σ t_j with 0 ≤ t_j ≤ length_j, and
-/// the energy r_j t_j + ½ k_j t_j² of each. Vertical pieces have no t; a flat first one without a force is a slack.
+/// A point travels along its pieces: g·u = s₀ − t₀ + Σ t_j with 0 ≤ t_j ≤ length_j and energy r_j t_j + ½ k_j t_j².
+/// Vertical pieces have no t; a horizontal first piece without force is a slack.
 pub(super) struct Program {
     /// Upper triangle of P.
     pub(super) quadratic: CscMatrix<f64>,
@@ -20,28 +21,28 @@ pub(super) struct Program {
     pub(super) rows: CscMatrix<f64>,
     pub(super) right: Vec<f64>,
     pub(super) equations: usize,
-    /// Row of every contact point.
+    /// Row of each contact point.
     pub(super) row_of: Vec<usize>,
-    /// What a unit of x is in displacements, and a unit of a row's multiplier in force.
+    /// Displacement per unit of x, and force per unit of a multiplier.
     pub(super) displacement_unit: Vec<f64>,
     pub(super) force_unit: Vec<f64>,
 }
 
-/// A row of A as it is put together: columns and coefficients, and the right-hand side.
+/// A row of A: columns and coefficients, and the right-hand side.
 #[derive(Default)]
 struct Row {
     entries: Vec<(usize, f64)>,
     right: f64,
 }
 
-/// Columns behind those of the dofs: how large a unit of each is, what its square and itself cost.
+/// A column for a travel: its quadratic and linear cost.
 struct Travel {
     square: f64,
     linear: f64,
 }
 
 impl Program {
-    /// In units of force and length that the load sets, or, without one, the gaps.
+    /// Poses the program, scaled by the load, or by the gaps where there is no load.
     pub(super) fn pose(problem: &ContactProblem, numbering: &Numbering, load: &[f64], rest: &ContactSolution) -> Self {
         let ContactProblem { plate, springs, points, .. } = problem;
         let matrix = Assembly::new(plate, springs, &Bedding::default(), numbering).lower_triangle();
@@ -99,7 +100,7 @@ impl Program {
         }
     }
 
-    /// The pieces on which travel and force are, one relative to the largest displacement of a point or gap, the other to the
+    /// The contact state of travels and forces: travels relative to the largest displacement or gap, forces to the
     /// largest force.
     pub(super) fn pieces(&self, points: &Points, travel: &[f64], reaction: &[f64], multiplier: &[f64]) -> Vec<u8> {
         let size = largest(&self.displacement_unit);
@@ -116,7 +117,7 @@ impl Program {
         (0..points.len()).map(at).collect()
     }
 
-    /// Ax over the first columns.
+    /// Product of the first columns of A with x.
     fn travel(&self, x: &[f64]) -> Vec<f64> {
         let mut travel = vec![0.0; self.right.len()];
         for (j, x) in x.iter().enumerate() {
@@ -127,7 +128,7 @@ impl Program {
         travel
     }
 
-    /// Whether multipliers z, of the right sign, prove that no displacement meets the rows: Aᵀz = 0 and bᵀz < 0.
+    /// Whether multipliers z of the right sign prove that the constraints are infeasible: Aᵀz = 0 and bᵀz < 0.
     pub(super) fn gaps_contradict(&self, z: &[f64]) -> bool {
         let (mut sum, mut size) = (vec![0.0; self.rows.n], 0.0_f64);
         for (column, sum) in sum.iter_mut().enumerate() {
@@ -142,7 +143,7 @@ impl Program {
         largest(&sum) <= tolerances::interior_point::PROOF * size && is_negative(&self.right, z)
     }
 
-    /// Whether x is a motion that neither the plate nor a row resists and on which the load works: Px = 0, Ax ≤ 0, qᵀx < 0.
+    /// Whether x is a motion without resistance on which the load works: Px = 0, Ax ≤ 0, qᵀx < 0.
     pub(super) fn moves_freely(&self, x: &[f64]) -> bool {
         let (mut force, mut force_size) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         for (j, start) in self.quadratic.colptr[..x.len()].iter().enumerate() {
@@ -164,8 +165,8 @@ impl Program {
     }
 }
 
-/// Adds the travels of a point's pieces to its row, and their bounds; whether the rest of the row is a slack. Travels on flat
-/// pieces have the unit in which the plate's `stiffness` is 1.
+/// Adds the travels of a point to its row, and their bounds; returns whether the row has a slack. Travels on horizontal
+/// pieces are scaled by the plate `stiffness`.
 fn add_travels(
     points: &Points,
     i: usize,
@@ -207,20 +208,20 @@ fn add_travels(
             let [low, high] = points.ends(i, number);
             let length = high.zip(low).map(|(high, low)| high[0] - low[0]);
             let force = low.map_or(0.0, |end| end[1]);
-            // The slack keeps the travel of the only piece from being negative.
+            // The slack bounds the travel of the only piece.
             add(piece.slope, force, 1.0, length, !(is_slack && graph.pieces() == 2));
         }
     }
     is_slack
 }
 
-/// The sparse matrix of entries, each with its row and column, in any order.
+/// The sparse matrix of entries (row, column, value).
 fn compressed(rows: usize, columns: usize, entries: &[(usize, usize, f64)]) -> CscMatrix<f64> {
     let (row, column) = entries.iter().map(|entry| (entry.0, entry.1)).unzip();
     CscMatrix::new_from_triplets(rows, columns, row, column, entries.iter().map(|entry| entry.2).collect())
 }
 
-/// Whether a product of two vectors is negative, by more than residuals could undo.
+/// Whether the product of two vectors is negative, beyond its residual.
 fn is_negative(a: &[f64], b: &[f64]) -> bool {
     let terms = || a.iter().zip(b).map(|(a, b)| a * b);
     let scale: f64 = terms().map(f64::abs).sum();

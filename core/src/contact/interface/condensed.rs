@@ -12,16 +12,16 @@ use std::sync::OnceLock;
 
 /// The contact points of a factored plate.
 pub(in crate::contact) struct Interface {
-    /// δ: slope that the factor carries at each point, on top of K.
+    /// δ: stiffness that the factor includes at each point, in addition to K.
     pub(in crate::contact) delta: Vec<f64>,
-    /// Gu of each free rigid motion, one a column.
+    /// N: displacements Gu of each free rigid motion, by column.
     pub(super) moves: Mat<f64>,
-    /// Where the rows pick single dofs; then the flexibility is made when it is first asked for.
+    /// The Schur complement, where the rows select single dofs; the flexibility is then made on demand.
     pub(super) stiffness: Option<Schur>,
     flexibility: OnceLock<Flexibility>,
 }
 
-/// The plate at its contact points by flexibility.
+/// The flexibility form.
 pub(super) struct Flexibility {
     /// G after forward substitution.
     pub(super) rows: ForwardRows,
@@ -29,39 +29,39 @@ pub(super) struct Flexibility {
     pub(super) matrix: Mat<f64>,
 }
 
-/// Which unknowns the complementarity problem has: those of points that are taken to be open first, or to hold.
+/// The unknowns of the complementarity problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Reactions; gaps only where the factor carries a slope.
+    /// Reactions; gaps only where the factor includes a stiffness δ.
     Dual,
     /// Gaps.
     Stiffness,
 }
 
-/// What one load does at the contact points.
-pub(in crate::contact) struct Reduced {
-    /// After forward substitution.
+/// A load after condensation.
+pub(in crate::contact) struct ReducedLoad {
+    /// The load after forward substitution.
     pub(in crate::contact) forward: Vec<f64>,
-    pub(in crate::contact) at_points: AtPoints,
+    pub(in crate::contact) rhs: CondensedRhs,
 }
 
-/// GK̃⁻¹f, empty where the stiffness serves; f condensed, empty where there is no stiffness; and by how much points are off
-/// their pieces.
+/// d = GK̃⁻¹f, empty in stiffness form; f̂, empty in flexibility form; and the distances of the points from their
+/// pieces.
 #[derive(Clone, Default)]
-pub(in crate::contact) struct AtPoints {
+pub(in crate::contact) struct CondensedRhs {
     pub(in crate::contact) displacement: Vec<f64>,
     pub(in crate::contact) force: Vec<f64>,
     pub(in crate::contact) violation: Vec<f64>,
 }
 
 impl Interface {
-    /// On a factor that ends with `trailing` columns of contact dofs: `rows` are the points' by its columns, `borders`
-    /// those of its columns that are no dofs, `moves` how each free rigid motion moves the points.
+    /// Condenses a factor that ends with `trailing` columns of contact dofs. `rows` are the rows of G by its columns,
+    /// `multiplier_rows` its columns of multipliers, `moves` the displacements Gu of each free rigid motion.
     pub(in crate::contact) fn on(
         factor: &Factor,
         trailing: usize,
         rows: &[Vec<(usize, f64)>],
-        borders: &HashSet<usize>,
+        multiplier_rows: &HashSet<usize>,
         delta: Vec<f64>,
         moves: &[Vec<f64>],
     ) -> Result<Self, FactorError> {
@@ -71,7 +71,7 @@ impl Interface {
         if picks_single_dofs(rows) {
             stiffness = Some(Schur::of(factor.len(), block, rows, &delta)?);
         } else {
-            let rows = ForwardRows::of(factor, &block, rows, borders)?;
+            let rows = ForwardRows::of(factor, &block, rows, multiplier_rows)?;
             let matrix = rows.products(&rows)?;
             flexibility.get_or_init(|| Flexibility { rows, matrix });
         }
@@ -83,7 +83,7 @@ impl Interface {
         self.delta.len()
     }
 
-    /// The form that is better conditioned here.
+    /// The better conditioned form.
     pub(in crate::contact) fn better_form(&self) -> Form {
         if self.stiffness.is_some() { Form::Stiffness } else { Form::Dual }
     }
@@ -97,23 +97,23 @@ impl Interface {
         Ok(self.flexibility.get().expect("made here or with the factor"))
     }
 
-    /// What an imbalance does at the points, after forward substitution; `violation` goes with it.
+    /// Condenses a residual that is forward substituted, with its `violation`.
     pub(in crate::contact) fn reduced(
         &self,
         form: Form,
         forward: Vec<f64>,
         violation: &[f64],
-    ) -> Result<Reduced, OutOfMemory> {
+    ) -> Result<ReducedLoad, OutOfMemory> {
         let force = self.stiffness.as_ref().map_or(Vec::new(), |stiffness| stiffness.condensed_force(&forward));
         let displacement = match form {
             Form::Stiffness if self.stiffness.is_some() => Vec::new(),
             _ => self.flexibility()?.rows.dot(&forward),
         };
-        Ok(Reduced { forward, at_points: AtPoints { displacement, force, violation: violation.to_vec() } })
+        Ok(ReducedLoad { forward, rhs: CondensedRhs { displacement, force, violation: violation.to_vec() } })
     }
 
-    /// Where the rows pick single dofs: lets the points travel by so much, after forward substitution, and returns the
-    /// reactions that make them; else nothing.
+    /// Where the rows select single dofs: prescribes the displacements of the points in a forward substituted vector,
+    /// and returns their reactions; otherwise empty.
     pub(in crate::contact) fn impose(&self, travel: &[f64], forward: &mut [f64]) -> Vec<f64> {
         let Some(stiffness) = &self.stiffness else { return Vec::new() };
         let reaction = stiffness.holding_forces(&stiffness.condensed_force(forward), travel);
@@ -121,13 +121,13 @@ impl Interface {
         reaction
     }
 
-    /// Whether the factor carries the whole slope of a point with a compliance.
+    /// Whether the factor includes the whole stiffness of a point.
     pub(in crate::contact) fn absorbs(&self, i: usize, compliance: f64) -> bool {
         compliance > 0.0 && (1.0 - self.delta[i] * compliance).abs() < tolerances::interface::ABSORBED
     }
 
-    /// Pieces that points are taken to be on first: holding where all are, where there is no other, or the factor carries a
-    /// slope; else open.
+    /// The first pieces: force dependent on travel in stiffness form, for linear laws, and where the factor includes a
+    /// stiffness δ; otherwise open.
     pub(in crate::contact) fn first_pieces(&self, points: &Points, form: Form) -> Vec<u8> {
         let holds = |i: usize| form == Form::Stiffness || points.is_straight(i) || self.delta[i] > 0.0;
         points.pieces_holding(&(0..points.len()).map(holds).collect::<Vec<_>>())

@@ -1,9 +1,9 @@
-//! Rows after forward substitution: the product of two is what a force on the one moves the other by.
+//! Rows of G after forward substitution; products of these are entries of P̃.
 //!
-//! The dofs of narrow rows, those of one element, are the last columns. A wide row, between two plates or the mean over a
-//! footprint, would make hundreds of dofs such; it is substituted instead, and reaches only what stands above its dofs in
-//! the elimination tree.
-//! The matrix is L S Lᵀ with a sign −1 at every border; a row is kept as SL⁻¹rᵀ.
+//! The dofs of narrow rows, those of one element, are the last columns. A wide row, between two plates or the mean over
+//! a footprint, would add hundreds of dofs there. It is forward substituted instead, and has entries only at the
+//! ancestors of its dofs in the elimination tree. The factor is L S Lᵀ with sign −1 at multiplier columns; a row is
+//! kept as SL⁻¹gᵀ.
 
 use crate::cholesky::{Factor, FactorError, LANES};
 use crate::contact::scale::dot;
@@ -14,11 +14,11 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 
 pub(super) struct ForwardRows {
-    /// Columns before the last ones.
+    /// Number of columns before the trailing block.
     first: usize,
-    /// What every row has in the last columns.
+    /// Entries of each row in the trailing block.
     last: Mat<f64>,
-    /// What wide rows have before them, zeros left out.
+    /// Other nonzero entries of wide rows.
     wide: Vec<Wide>,
 }
 
@@ -29,12 +29,12 @@ struct Wide {
 }
 
 impl ForwardRows {
-    /// Of rows, each given by columns of the factor, which ends with the block `trailing`.
+    /// Forward substitutes rows, given by columns of a factor that ends with the block `trailing`.
     pub(super) fn of(
         factor: &Factor,
         trailing: &Mat<f64>,
         rows: &[Vec<(usize, f64)>],
-        borders: &HashSet<usize>,
+        multiplier_rows: &HashSet<usize>,
     ) -> Result<Self, FactorError> {
         let first = factor.len() - trailing.nrows();
         let is_wide = |row: &[(usize, f64)]| row.iter().any(|&(column, _)| column < first);
@@ -50,8 +50,9 @@ impl ForwardRows {
             for (&row, vector) in some.iter().zip(block.chunks_exact(factor.len())) {
                 let (before, last) = vector.split_at(first);
                 last.iter().enumerate().for_each(|(at, &value)| all.last[(at, row)] = value);
-                let signed =
-                    |(at, &value): (usize, &f64)| (at, value, if borders.contains(&at) { -value } else { value });
+                let signed = |(at, &value): (usize, &f64)| {
+                    (at, value, if multiplier_rows.contains(&at) { -value } else { value })
+                };
                 let entries = before.iter().enumerate().filter(|(_, value)| **value != 0.0).map(signed).collect();
                 all.wide.push(Wide { row, entries });
             }
@@ -59,7 +60,7 @@ impl ForwardRows {
         Ok(all)
     }
 
-    /// Of rows over the last columns alone, which `first` others stand before.
+    /// Forward substitutes rows in the trailing block, which `first` columns precede.
     pub(super) fn narrow(first: usize, trailing: &Mat<f64>, rows: &[Vec<(usize, f64)>]) -> Result<Self, OutOfMemory> {
         let mut last = dense::matrix(trailing.nrows(), rows.len(), |_, _| 0.0)?;
         for (row, entries) in rows.iter().enumerate() {
@@ -69,7 +70,7 @@ impl ForwardRows {
         Ok(Self { first, last, wide: Vec::new() })
     }
 
-    /// What back substitution of a forward-substituted vector does at every row.
+    /// Displacements of the rows after back substitution of a forward substituted vector.
     pub(super) fn dot(&self, forward: &[f64]) -> Vec<f64> {
         let (before, last) = forward.split_at(self.first);
         let mut out: Vec<f64> = (0..self.last.ncols()).map(|row| dot(self.of_last(row), last)).collect();
@@ -79,7 +80,7 @@ impl ForwardRows {
         out
     }
 
-    /// Adds forces on the rows to a forward-substituted vector.
+    /// Adds forces on the rows to a forward substituted vector.
     pub(super) fn add(&self, force: &[f64], forward: &mut [f64]) {
         let (before, last) = forward.split_at_mut(self.first);
         for (row, &force) in force.iter().enumerate().filter(|(_, force)| **force != 0.0) {

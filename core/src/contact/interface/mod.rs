@@ -1,16 +1,17 @@
-//! The contact points alone: a plate condensed onto them, and the complementarity problem that is then posed. The one
-//! module that speaks both languages: outside, `reaction` and `gap`; inside, z, w, M, q.
+//! The plate condensed onto its contact points, and its linear complementarity problem. Only this module uses both
+//! vocabularies: outside, `reaction` and `gap`; inside, z, w, M, q.
 //!
-//! With increments Δs = GΔu of travel and Δr of reaction, a factor of K̃ = K + Gᵀ diag(δ) G, with the contact dofs last,
-//! knows the plate at its contact points in two ways:
+//! With increments Δs = GΔu of travel and Δr of reaction, a factor of K̃ = K + Gᵀ diag(δ) G, with the contact dofs
+//! last, gives the plate at its contact points in two forms:
 //!
-//! - *stiffness*: SΔs + Δr = f̂, S the Schur complement of K (that of K̃ less δ). It needs rows that pick single dofs, and
-//!   is the better conditioned of the two on long rigid lines of thin plates.
-//! - *flexibility*: (I − P̃δ)Δs + P̃Δr = d with P̃ = GK̃⁻¹Gᵀ and d = GK̃⁻¹f. δ = 0 gives the paper's dual.
+//! - *stiffness*: SΔs + Δr = f̂, with S the Schur complement of K (that of K̃ minus δ). It needs rows that select
+//! single dofs, and it is the better conditioned form on long rigid lines of thin plates.
 //!
-//! Either is AΔs + RΔr = b. On a piece a point has one unknown x, its force past the piece's first vertex where it holds,
-//! else its travel, and one column, A/k + R or A. An elastic point whose whole slope the factor carries has a column of
-//! one entry.
+//! - *flexibility*: (I − P̃δ)Δs + P̃Δr = d with P̃ = GK̃⁻¹Gᵀ and d = GK̃⁻¹f. δ = 0 gives the dual form of the paper.
+//!
+//! Both read AΔs + RΔr = b. A point on a piece has one unknown x: its force from the piece's first vertex if the force
+//! depends on the travel, else its travel. Its column is A/k + R or A. A point whose whole stiffness is in the factor
+//! has a column with one entry.
 
 mod condensed;
 mod forward_rows;
@@ -20,7 +21,7 @@ mod posed;
 mod schur;
 
 pub use condensed::Form;
-pub(super) use condensed::{AtPoints, Interface, Reduced};
+pub(super) use condensed::{CondensedRhs, Interface, ReducedLoad};
 pub(super) use motions::{FreeMotions, Work};
 pub(super) use on_pieces::OnPieces;
 pub use posed::{PosedLcp, VertexRow};

@@ -1,10 +1,11 @@
-//! Free rigid motions in the LCP: what elimination knows of them only to rounding is imposed.
+//! Free rigid motions in the LCP, imposed exactly, since elimination gives them to rounding only.
 //!
-//! Let N be how the free motions move the points, J the points whose unknown is the gap, O those whose it is the reaction.
-//! A motion changes every gap and no reaction, so M_JJ N_J = 0 and M_OJ N_J = N_O; and the reactions of the first pieces
-//! balance the load, N_Jᵀ q_J = work. Rounded, these would decide at random whether equilibrium exists where it is marginal.
+//! Let N be the displacements of the points under the free motions, J the points whose unknown is the gap, O those
+//! whose unknown is the reaction. A motion changes every gap and no reaction: M_JJ N_J = 0 and M_OJ N_J = N_O. The
+//! reactions of the first pieces balance the load: N_Jᵀ q_J = work. With rounding in these, marginal equilibrium would
+//! be decided at random.
 
-use super::condensed::{AtPoints, Form, Interface};
+use super::condensed::{CondensedRhs, Form, Interface};
 use super::posed::PosedLcp;
 use crate::contact::points::Points;
 use crate::contact::scale::largest;
@@ -14,8 +15,8 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatRef};
 
-/// Work of a load in each free rigid motion, in which the plate's own forces do none, and the sum of the magnitudes it is
-/// made of.
+/// Work of a load in each free rigid motion, and the sum of the magnitudes of its terms. Internal forces do no work in
+/// it.
 #[derive(Clone, Debug, Default)]
 pub struct Work {
     pub sum: Vec<f64>,
@@ -33,31 +34,31 @@ impl Work {
     }
 }
 
-/// The free motions in an LCP, as far as they do not depend on the load.
+/// The part of the imposed motions that does not depend on the load.
 pub(in crate::contact) struct FreeMotions {
-    /// N_J, and WN_J(N_JᵀWN_J)⁻¹, W the slopes that the factor carries.
+    /// N_J and WN_J(N_JᵀWN_J)⁻¹, with W the stiffness δ in the factor.
     moves: Mat<f64>,
     dual: Mat<f64>,
     /// Points of the rows of J and O.
     paired: Vec<usize>,
-    /// Work in the motions of reactions that the points have at z = 0, w = 0.
+    /// Work in the motions of the reactions at z = 0, w = 0.
     known: Vec<f64>,
     /// Σ_c |M_rc| over J, before the motions are imposed.
     held: Vec<f64>,
-    /// S itself keeps its soft modes, and q what goes with them, better than a projection does.
+    /// Whether M is projected. S keeps its soft modes better without a projection.
     projected: bool,
-    /// Rows that say of another end of a piece what an earlier one says: (row, earlier, length of the piece).
+    /// Pairs of rows of the two ends of one piece: (row, earlier row, length of the piece).
     mirrored: Vec<(usize, usize, f64)>,
 }
 
 impl Interface {
-    /// The LCP past reactions that act already, with the free motions imposed. `violation` is from the pieces of
+    /// Poses the LCP for reactions that act already, with the free motions imposed. `violation` is relative to
     /// [`Interface::first_pieces`].
     pub(in crate::contact) fn lcp(
         &self,
         points: &Points,
         form: Form,
-        right: &AtPoints,
+        right: &CondensedRhs,
         work: &Work,
         reaction: &[f64],
     ) -> Result<PosedLcp, OutOfMemory> {
@@ -67,8 +68,8 @@ impl Interface {
         Ok(lcp)
     }
 
-    /// Imposes the free motions on M, which no load has a part in: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ, and
-    /// M_OJ moved by the least that satisfies its equation.
+    /// Imposes the free motions on M: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ; M_OJ changes by the least that
+    /// satisfies its equation.
     pub(in crate::contact) fn impose_motions(
         &self,
         points: &Points,
@@ -90,7 +91,7 @@ impl Interface {
         if free == 0 {
             return Ok(motions);
         }
-        // By the slopes that the factor carries: what is missing must not drown what a soft point does.
+        // Weighted by the stiffness in the factor, so that the correction does not exceed the entry of a soft point.
         let carried = |r: usize| self.delta[lcp.rows[r].point];
         let all_carried = (0..inside).all(|r| carried(r) > 0.0);
         let weight = |r: usize| if all_carried { carried(r) } else { 1.0 };
@@ -108,7 +109,7 @@ impl Interface {
         subtract_product(&mut within, dual, across.as_ref());
         let along = &within * n;
         subtract_product(&mut within, &along, dual.transpose());
-        // Nothing resists the gap of a point of which the projection leaves little: what was there was rounding.
+        // A diagonal entry that the projection reduces to rounding is zero.
         let loose: Vec<bool> = (0..inside)
             .map(|r| inside == free || within[(r, r)] <= tolerances::interface::PROJECTED * before[r])
             .collect();
@@ -137,7 +138,7 @@ impl Interface {
         }
         for &(row, earlier, _) in &motions.mirrored {
             (0..order).for_each(|c| lcp.matrix[row * order + c] = -lcp.matrix[earlier * order + c]);
-            // Vertices beyond say how long the piece that leads to them is, not where its base is.
+            // Rows of further vertices depend on the length of the piece before them, and on no base.
             for r in (0..order).filter(|&r| lcp.rows[r].is_next()) {
                 lcp.matrix[r * order + row] = -lcp.matrix[r * order + earlier];
             }
@@ -145,7 +146,7 @@ impl Interface {
         Ok(motions)
     }
 
-    /// Travels of the points without the free motion nearest to them, which no reaction answers.
+    /// Travels of the points minus the nearest free motion, to which no reaction responds.
     pub(super) fn without_rigid_motion(&self, travel: &[f64]) -> Vec<f64> {
         let n = &self.moves;
         if n.ncols() == 0 {
@@ -159,22 +160,22 @@ impl Interface {
 }
 
 impl FreeMotions {
-    /// Imposes on q that the reactions of the first pieces balance the load; what is rounding of either becomes zero.
-    pub(in crate::contact) fn balance(&self, q: &mut [f64], right: &AtPoints, work: &Work) {
+    /// Imposes on q that the reactions of the first pieces balance the load; entries of rounding become zero.
+    pub(in crate::contact) fn balance(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &self.known, 1.0);
     }
 
-    /// The same of what a load adds to another.
-    pub(in crate::contact) fn balance_increment(&self, q: &mut [f64], right: &AtPoints, work: &Work) {
+    /// The same for an increment of load.
+    pub(in crate::contact) fn balance_increment(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &vec![0.0; self.known.len()], 0.0);
     }
 
-    fn balance_past(&self, q: &mut [f64], right: &AtPoints, work: &Work, known: &[f64], lengths: f64) {
+    fn balance_past(&self, q: &mut [f64], right: &CondensedRhs, work: &Work, known: &[f64], lengths: f64) {
         let (inside, free) = (self.moves.nrows(), self.moves.ncols());
         let moved = largest(&right.displacement);
         let length = moved.max(largest(&right.violation));
         for (gap, &point) in q[inside..self.paired.len()].iter_mut().zip(&self.paired[inside..]) {
-            // A stop far away says nothing of what happens at others.
+            // A distant stop does not change the tolerance at other points.
             if gap.abs() <= tolerances::interface::POSED * moved.max(right.violation[point].abs()) {
                 *gap = 0.0;
             }

@@ -1,18 +1,18 @@
-//! The equations of points on given pieces.
+//! The condensed equations of a fixed contact state.
 
-use super::condensed::{AtPoints, Interface};
+use super::condensed::{CondensedRhs, Interface};
 use crate::contact::graph::Piece;
 use crate::contact::points::Points;
 use crate::dense::{self, Cholesky, Lu, OutOfMemory};
 use faer::{Mat, MatMut, MatRef};
 
-/// What the points do.
+/// Reactions and travels of the points.
 pub(in crate::contact) struct Response {
     pub(in crate::contact) reaction: Vec<f64>,
     pub(in crate::contact) travel: Vec<f64>,
 }
 
-/// The equations of points on pieces, factored.
+/// Factored equations of a contact state.
 pub(in crate::contact) struct OnPieces {
     piece: Vec<Piece>,
     /// Points whose columns have more than one entry.
@@ -22,13 +22,13 @@ pub(in crate::contact) struct OnPieces {
 
 enum Made {
     Nothing,
-    /// S over the points that may travel, with the slopes of those that hold.
+    /// S of the points that may travel, plus the stiffness of their pieces.
     Stiffness(Cholesky),
     Flexibility(Lu),
 }
 
 impl Interface {
-    /// Factors the equations of points on pieces; `None` if they are singular.
+    /// Factors the equations of a contact state; `None` if they are singular.
     pub(in crate::contact) fn on_pieces(
         &self,
         points: &Points,
@@ -60,15 +60,15 @@ impl Interface {
         Ok(factor.map(|factor| OnPieces { piece, coupled, factor }))
     }
 
-    /// Increments of the points' reactions and travels.
-    pub(in crate::contact) fn solve_on(&self, on: &OnPieces, right: &AtPoints) -> Result<Response, OutOfMemory> {
+    /// Increments of reactions and travels of the points.
+    pub(in crate::contact) fn solve_on(&self, on: &OnPieces, right: &CondensedRhs) -> Result<Response, OutOfMemory> {
         match &self.stiffness {
             Some(stiffness) => Ok(solve_by_stiffness(&stiffness.matrix, on, right)),
             None => self.solve_by_flexibility(on, right),
         }
     }
 
-    /// Lets the points travel and push as they do on their pieces: in a vector after forward substitution.
+    /// Applies contact displacements and forces to a forward substituted right-hand side.
     pub(in crate::contact) fn follow(&self, response: &Response, forward: &mut [f64]) -> Result<(), OutOfMemory> {
         match &self.stiffness {
             Some(stiffness) => stiffness.prescribe(&response.travel, forward),
@@ -87,14 +87,14 @@ impl Interface {
         if i == j { 1.0 + through } else { through }
     }
 
-    /// Entry of (I − P̃δ)c + P̃, the column of a point that holds with a compliance.
+    /// Entry of (I − P̃δ)c + P̃: the column of a point with compliance c.
     pub(super) fn holding_entry(&self, p: MatRef<'_, f64>, compliance: f64, i: usize, j: usize) -> f64 {
         let absorbed = self.absorbs(j, compliance);
         let through = if absorbed { 0.0 } else { p[(i, j)] * (1.0 - self.delta[j] * compliance) };
         if i == j { through + compliance } else { through }
     }
 
-    /// What one point's unknown, its reaction where it holds, else its travel, does in another's equation.
+    /// Coefficient of point j's unknown (reaction or travel) in the equation of point i.
     fn column(&self, p: MatRef<'_, f64>, piece: &[Piece], i: usize, j: usize) -> f64 {
         match piece[j].holds() {
             true => self.holding_entry(p, piece[j].compliance(), i, j),
@@ -102,7 +102,7 @@ impl Interface {
         }
     }
 
-    fn solve_by_flexibility(&self, on: &OnPieces, right: &AtPoints) -> Result<Response, OutOfMemory> {
+    fn solve_by_flexibility(&self, on: &OnPieces, right: &CondensedRhs) -> Result<Response, OutOfMemory> {
         let p = self.flexibility()?.matrix.as_ref();
         let OnPieces { piece, coupled, factor } = on;
         let count = self.len();
@@ -135,7 +135,7 @@ impl Interface {
     }
 }
 
-fn solve_by_stiffness(stiffness: &Mat<f64>, on: &OnPieces, right: &AtPoints) -> Response {
+fn solve_by_stiffness(stiffness: &Mat<f64>, on: &OnPieces, right: &CondensedRhs) -> Response {
     let OnPieces { piece, coupled, factor } = on;
     let count = piece.len();
     let is_rigid = |i: usize| piece[i].slope.is_infinite();

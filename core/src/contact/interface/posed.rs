@@ -1,68 +1,67 @@
-//! The linear complementarity problem of contact points on monotone graphs.
+//! The linear complementarity problem of contact points with monotone graphs.
 //!
-//! Every point begins on one piece, where its unknown x, past the piece's first vertex, is what elimination makes of the
-//! load: x = x₀ + Σ columns z. At an end of the piece stand w, the length that is left before it, and z, how far the point
-//! has gone on along the next piece; at every vertex beyond, w is the length of the piece less z of the vertex before.
-//! Katzenelson (1965) follows a piecewise linear monotone map in the same way; for graphs of two pieces this is the usual
-//! pair of reaction and gap.
+//! Each point starts on one piece. Its unknown x, measured from the piece's first vertex, follows from elimination: x =
+//! x₀ + Σ columns z. At an end of the piece, w is the remaining length of the piece, and z the length travelled along
+//! the next piece. At each further vertex, w is the length of the piece minus z of the vertex before. Katzenelson
+//! (1965) follows a piecewise linear monotone map in this way; for graphs of two pieces, w and z are reaction and gap.
 
-use super::condensed::{AtPoints, Form, Interface};
+use super::condensed::{CondensedRhs, Form, Interface};
 use crate::contact::graph::Piece;
 use crate::contact::points::Points;
 use crate::dense::{self, Lu, OutOfMemory, row_major};
 use faer::Mat;
 
-/// An LCP w = Mz + q, row-major, and how its rows belong to the points.
+/// An LCP w = Mz + q, row-major, and the vertex of each row.
 #[derive(Clone)]
 pub struct PosedLcp {
     pub matrix: Vec<f64>,
     pub q: Vec<f64>,
     pub rows: Vec<VertexRow>,
-    /// The pieces that points begin on.
+    /// The first piece of each point.
     base: Vec<u8>,
 }
 
-/// A row stands for a vertex of a point's graph.
+/// A row: one vertex of the graph of a point.
 #[derive(Clone, Copy, Debug)]
 pub struct VertexRow {
     pub point: usize,
     vertex: u8,
-    /// Whether it is reached upwards from the first piece.
+    /// Whether the vertex lies above the first piece.
     upward: bool,
-    /// The row of the vertex before it on the way from the first piece.
+    /// The row of the vertex before it, seen from the first piece.
     before: Option<usize>,
     kind: Kind,
 }
 
-/// What an unknown is.
+/// Kind of unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// The gap of a point that is taken to hold first.
+    /// The gap of a point that starts in contact.
     Gap,
-    /// What a point does that is taken to be open first.
+    /// The reaction of a point that starts open.
     Reaction,
     Other,
 }
 
 impl VertexRow {
-    /// Whether w is a force: the piece before the vertex holds.
+    /// Whether w is a force: on the piece before the vertex the force depends on the travel.
     pub fn w_is_a_force(&self, points: &Points) -> bool {
         points.piece(self.point, if self.upward { self.vertex } else { self.vertex + 1 }).holds()
     }
 
-    /// Whether it is an end of the piece that its point begins on.
+    /// Whether the vertex is an end of the first piece.
     pub(super) fn is_next(&self) -> bool {
         self.before.is_none()
     }
 
-    /// Whether z is a gap rather than a reaction.
+    /// Whether z is a gap.
     pub fn gap_is_z(&self) -> bool {
         self.kind == Kind::Gap
     }
 }
 
 impl PosedLcp {
-    /// The pieces of points, given which z are basic.
+    /// The contact state for a basis.
     pub fn pieces(&self, basis: &[bool]) -> Vec<u8> {
         let mut pieces = self.base.clone();
         for (row, _) in self.rows.iter().zip(basis).filter(|(_, basic)| **basic) {
@@ -75,17 +74,17 @@ impl PosedLcp {
         pieces
     }
 
-    /// How many rows are of points whose unknown is the gap; they come first.
+    /// Number of rows whose unknown is a gap; they come first.
     pub(super) fn gaps(&self) -> usize {
         self.rows.iter().filter(|row| row.kind == Kind::Gap).count()
     }
 
-    /// How many are of gaps and reactions; rows of vertices beyond follow.
+    /// Number of rows of gaps and reactions; rows of further vertices follow.
     pub(super) fn paired(&self) -> usize {
         self.rows.iter().filter(|row| row.kind != Kind::Other).count()
     }
 
-    /// Force of every point where its gap's w is zero, or on its first piece where that does not hold.
+    /// Force of each point at z = 0 and w = 0.
     pub(super) fn reference_forces(&self, points: &Points) -> Vec<f64> {
         let force = |i: usize| match (points.is_straight(i), points.piece(i, self.base[i]).holds()) {
             (false, true) => points.ends(i, self.base[i])[0].map_or(0.0, |end| end[1]),
@@ -95,7 +94,8 @@ impl PosedLcp {
         (0..points.len()).map(force).collect()
     }
 
-    /// Rows of the upper end of a piece, with flat pieces at both, that of the lower end, and the piece's length in force.
+    /// Pairs of rows of a piece between two horizontal pieces: (row of the upper end, row of the lower end, length in
+    /// force).
     pub(super) fn mirrored(&self, points: &Points) -> Vec<(usize, usize, f64)> {
         let upper = self.rows.iter().enumerate().filter(|(_, row)| {
             let flat = row.upward && !points.piece(row.point, row.vertex + 1).holds();
@@ -109,7 +109,7 @@ impl PosedLcp {
         upper.filter_map(pair).collect()
     }
 
-    /// Which z are basic, given the pieces.
+    /// The basis for a contact state.
     pub fn basis(&self, pieces: &[u8]) -> Vec<bool> {
         let passed = |row: &VertexRow| {
             if row.upward { pieces[row.point] > row.vertex } else { pieces[row.point] <= row.vertex }
@@ -119,22 +119,21 @@ impl PosedLcp {
 }
 
 impl Interface {
-    /// The LCP of the first of some loads as elimination gives it, and the q of the others, which have its M. Each is linear
-    /// in its load.
+    /// Poses the LCP of the first load, and q of the other loads, which share M. All are linear in the load.
     pub(in crate::contact) fn posed(
         &self,
         points: &Points,
         form: Form,
-        loads: &[AtPoints],
+        loads: &[CondensedRhs],
         reaction: &[f64],
     ) -> Result<(PosedLcp, Vec<Vec<f64>>), OutOfMemory> {
         let base = self.first_pieces(points, form);
         let rows = vertex_rows(points, &base);
-        // How the pieces begin: x of a point is its own and `from` past the vertex.
+        // Initial values on the first pieces: x is the increment plus `from`, measured from the vertex.
         let piece: Vec<_> = base.iter().enumerate().map(|(i, &number)| points.piece(i, number)).collect();
         let from = |i: usize| if piece[i].holds() { reaction[i] - piece[i].force } else { 0.0 };
         let direct: Vec<usize> = (0..rows.len()).filter(|&r| rows[r].before.is_none()).collect();
-        // A z goes along the next piece, from the base or from the piece of the row before: every row has a column.
+        // z is the length along the next piece.
         let along: Vec<[f64; 2]> = rows.iter().map(|row| direction(points, row)).collect();
         let solved = match (form, &self.stiffness) {
             (Form::Stiffness, Some(_)) => self.columns_by_stiffness(&piece, &rows, &along, loads)?,
@@ -142,7 +141,7 @@ impl Interface {
         };
         let sign = |row: &VertexRow| if row.upward { 1.0 } else { -1.0 };
         let entry = |r: usize, c: usize| match rows[r].before {
-            // x = x₀ − (columns) z, and w is what is left of the piece above or below.
+            // x = x₀ − (columns) z; w is the remaining length of the piece above or below.
             None => sign(&rows[r]) * solved[(rows[r].point, c)],
             Some(before) if before == c => -1.0,
             Some(_) => 0.0,
@@ -153,7 +152,7 @@ impl Interface {
         let load = |k: usize, r: usize| -sign(&rows[r]) * solved[(rows[r].point, rows.len() + k)];
         for &r in &direct {
             let i = rows[r].point;
-            // The base piece begins at its lower vertex, or, the first one, ends at its upper vertex.
+            // The first piece starts at its lower vertex; piece 0 ends at its upper vertex.
             let [low, high] = points.ends(i, base[i]);
             let at = |end: [f64; 2]| if piece[i].holds() { end[1] - piece[i].force } else { end[0] - piece[i].travel };
             let end = if rows[r].upward { high.map(at) } else { low.map(at) }.expect("a vertex at this end");
@@ -168,18 +167,18 @@ impl Interface {
         Ok((PosedLcp { matrix, q: first, rows, base }, others))
     }
 
-    /// H⁻¹ times the columns of every z and the load of every right-hand side, (points, rows + loads), from SΔs + Δr = f̂ with
-    /// every point holding first.
+    /// H⁻¹ times the columns of all z and of all loads (points, rows + loads), from SΔs + Δr = f̂ with all points in
+    /// contact.
     fn columns_by_stiffness(
         &self,
         piece: &[Piece],
         rows: &[VertexRow],
         along: &[[f64; 2]],
-        loads: &[AtPoints],
+        loads: &[CondensedRhs],
     ) -> Result<Mat<f64>, OutOfMemory> {
         let s = &self.stiffness.as_ref().expect("asked for it").matrix;
         let (count, n) = (self.len(), rows.len());
-        let held = |load: &AtPoints| -> Vec<f64> {
+        let held = |load: &CondensedRhs| -> Vec<f64> {
             let travel = self.without_rigid_motion(&load.violation);
             (0..count).map(|i| load.force[i] - (0..count).map(|j| s[(i, j)] * travel[j]).sum::<f64>()).collect()
         };
@@ -199,7 +198,7 @@ impl Interface {
             if i == j { 1.0 + through } else { through }
         })?;
         Lu::of(coupled)?.solve_in_place(right.as_mut())?;
-        // (I + SC)⁻¹S is symmetric, which elimination rounds.
+        // (I + SC)⁻¹S is symmetric; elimination is symmetric up to rounding.
         let of_point: Vec<Option<usize>> =
             (0..count).map(|i| (0..n).find(|&c| rows[c].point == i && rows[c].kind == Kind::Gap)).collect();
         for i in 0..count {
@@ -219,7 +218,7 @@ impl Interface {
         piece: &[Piece],
         rows: &[VertexRow],
         along: &[[f64; 2]],
-        loads: &[AtPoints],
+        loads: &[CondensedRhs],
         reaction: &[f64],
     ) -> Result<Mat<f64>, OutOfMemory> {
         let p = self.flexibility()?.matrix.as_ref();
@@ -233,10 +232,10 @@ impl Interface {
             false => self.delta[j] > 0.0,
         };
         let (coupled, alone): (Vec<usize>, Vec<usize>) = (0..count).partition(|&j| is_coupled(j));
-        // A point that goes on from an open piece gives up the reaction that acts.
+        // A point that starts on an open piece releases its present reaction.
         let released = |j: usize| if piece[j].holds() { 0.0 } else { reaction[j] - piece[j].force };
         let load = |k: usize, i: usize| -> f64 {
-            let AtPoints { displacement, violation, .. } = &loads[k];
+            let CondensedRhs { displacement, violation, .. } = &loads[k];
             let mut sum = displacement[i] - violation[i];
             for j in 0..count {
                 sum += p[(i, j)] * self.delta[j] * violation[j];
@@ -275,7 +274,8 @@ impl Interface {
     }
 }
 
-/// The vertices of all graphs: gaps of points that hold first, reactions of those that are open first, then all others.
+/// The vertices of all graphs: gaps of points that start in contact, reactions of points that start open, then all
+/// others.
 fn vertex_rows(points: &Points, base: &[u8]) -> Vec<VertexRow> {
     let mut rows = [Vec::new(), Vec::new(), Vec::new()];
     for i in 0..points.len() {
@@ -310,14 +310,14 @@ fn vertex_rows(points: &Points, base: &[u8]) -> Vec<VertexRow> {
     rows
 }
 
-/// Travel and force of a unit of z: along the next piece, by a force where that holds.
+/// Travel and force per unit of z along the next piece; z is a force where it depends on the travel.
 fn direction(points: &Points, row: &VertexRow) -> [f64; 2] {
     let next = points.piece(row.point, if row.upward { row.vertex + 1 } else { row.vertex });
     let sign = if row.upward { 1.0 } else { -1.0 };
     if next.holds() { [sign * next.compliance(), sign] } else { [sign, 0.0] }
 }
 
-/// Length of the piece that leads to a vertex, in the unit of its z; of the first piece it is not asked.
+/// Length of the piece before a vertex, in the unit of its z; 0 for the first piece.
 fn end_length(points: &Points, row: &VertexRow) -> f64 {
     if row.before.is_none() {
         return 0.0;

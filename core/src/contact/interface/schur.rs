@@ -1,4 +1,4 @@
-//! The Schur complement of K onto dofs that the contact rows pick, one each.
+//! The Schur complement S of K onto the dofs of contact rows with one entry each.
 
 use super::forward_rows::ForwardRows;
 use crate::dense::{self, OutOfMemory};
@@ -7,7 +7,7 @@ use faer::Mat;
 pub(super) struct Schur {
     /// S, by point.
     pub(super) matrix: Mat<f64>,
-    /// Columns of the factor before its last block, that block, and of every row its column in it and its coefficient.
+    /// Number of columns before the trailing block, that block, and the column and coefficient of each row in it.
     leading: usize,
     trailing: Mat<f64>,
     rows: Vec<(usize, f64)>,
@@ -31,20 +31,20 @@ impl Schur {
         Ok(Self { matrix, leading, trailing, rows })
     }
 
-    /// Forces on the points, from the last part of a forward-substituted right-hand side: f̂ = L z.
+    /// Forces f̂ = Lz on the points, from the last part z of a forward substituted right-hand side.
     pub(super) fn condensed_force(&self, forward: &[f64]) -> Vec<f64> {
         let last = &forward[self.leading..];
         let on_dof = |i: usize| (0..=i).map(|j| self.trailing[(i, j)] * last[j]).sum::<f64>();
         self.rows.iter().map(|&(dof, coefficient)| on_dof(dof) / coefficient).collect()
     }
 
-    /// Forces f̂ − S y that hold the points at displacements y under the forces f̂.
+    /// Reactions f̂ − S y of points at displacements y under forces f̂.
     pub(super) fn holding_forces(&self, force: &[f64], moved: &[f64]) -> Vec<f64> {
         let of_motion = |i: usize| (0..moved.len()).map(|j| self.matrix[(i, j)] * moved[j]).sum::<f64>();
         force.iter().enumerate().map(|(i, f)| f - of_motion(i)).collect()
     }
 
-    /// Lets back substitution of a forward-substituted vector move the points by `moved`: its last part is z = Lᵀu.
+    /// Prescribes displacements of the points in a forward substituted vector: its last part becomes z = Lᵀu.
     pub(super) fn prescribe(&self, moved: &[f64], forward: &mut [f64]) {
         let size = self.trailing.nrows();
         let mut on_dofs = vec![0.0; size];

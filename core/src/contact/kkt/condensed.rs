@@ -1,26 +1,26 @@
-//! Everything but the points is eliminated: one forward and one backward substitution a solve.
+//! The condensed backend: one forward and one backward substitution a solve.
 
-use super::floating::Held;
+use super::coarse::CoarseSolver;
 use super::solver::{Correction, Kkt};
 use crate::cholesky::FactorError;
-use crate::contact::interface::{OnPieces, Reduced};
+use crate::contact::interface::{OnPieces, ReducedLoad};
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::Residual;
 
-/// The factor, and the equations of its points on pieces.
+/// The condensed equations of a contact state.
 pub(in crate::contact) struct Condensed<'a> {
     problem: &'a ContactProblem,
     on: Option<OnPieces>,
-    /// Where springs alone hold the plate.
-    held: Option<Held<'a>>,
-    /// The next residual, if it has been reduced before.
-    pub(in crate::contact) reduced: Option<Reduced>,
+    /// Rigid motions, where springs alone hold the plate.
+    coarse: Option<CoarseSolver<'a>>,
+    /// The next residual after condensation, if known.
+    pub(in crate::contact) reduced: Option<ReducedLoad>,
 }
 
 impl<'a> Condensed<'a> {
     pub(in crate::contact) fn new(problem: &'a ContactProblem) -> Self {
-        let held = if problem.points.is_empty() { Held::by(problem, Vec::new()) } else { None };
-        Self { problem, on: None, held, reduced: None }
+        let coarse = if problem.points.is_empty() { CoarseSolver::by(problem, Vec::new()) } else { None };
+        Self { problem, on: None, coarse, reduced: None }
     }
 }
 
@@ -33,22 +33,22 @@ impl Kkt for Condensed<'_> {
     fn solve(&mut self, right: &Residual) -> Result<Option<Correction>, FactorError> {
         let Some(on) = &self.on else { return Ok(None) };
         let interface = self.problem.interface();
-        let Reduced { mut forward, at_points } = match self.reduced.take() {
+        let ReducedLoad { mut forward, rhs } = match self.reduced.take() {
             Some(reduced) => reduced,
             None => self.problem.reduced(right, interface.better_form())?,
         };
         let mut reaction = Vec::new();
         if interface.len() > 0 {
-            let response = interface.solve_on(on, &at_points)?;
+            let response = interface.solve_on(on, &rhs)?;
             interface.follow(&response, &mut forward)?;
             reaction = response.reaction;
         }
         self.problem.base.factor.backward(&mut forward)?;
-        let nodal = self.problem.blueprint.scatter(&forward, self.problem.plate.dof_count());
+        let nodal = self.problem.pattern.scatter(&forward, self.problem.plate.dof_count());
         Ok(Some(Correction::of(nodal, reaction)))
     }
 
     fn rigid(&self, right: &Residual) -> Option<Correction> {
-        self.held.as_ref().map(|held| held.response(right))
+        self.coarse.as_ref().map(|coarse| coarse.response(right))
     }
 }

@@ -1,18 +1,19 @@
-//! Many points: a factor of K with the springs of some pieces, by which the equations of others are solved.
+//! The backend for many points: a factor of K with the springs of one contact state preconditions the equations of
+//! others.
 
-use super::floating::Held;
+use super::coarse::CoarseSolver;
 use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;
 use crate::contact::system::System;
 use crate::residual::twice_the_energy;
 use std::sync::Arc;
 
-/// A motion of the nodes and the forces that the factored matrix has for it.
+/// A displacement, and the product of the factored matrix with it.
 #[derive(Clone, Default)]
 pub(in crate::contact) struct Direction {
     pub(in crate::contact) nodal: Vec<f64>,
     pub(in crate::contact) force: Vec<f64>,
-    /// Whether nothing resists it on the present pieces: then it has no length of its own.
+    /// Whether the present contact state leaves the displacement free: then its length is undefined.
     pub(in crate::contact) is_free: bool,
 }
 
@@ -29,25 +30,25 @@ impl Direction {
     }
 }
 
-/// A factor, and the compliances in series with points that are stiffer than a limit.
+/// A factor and the augmentation compliances of a penalty.
 pub(in crate::contact) struct Factored<'a> {
     pub(in crate::contact) problem: &'a ContactProblem,
-    /// Stiffest springs, over the plate's stiffness in shear.
+    /// Penalty: largest spring stiffness over the shear stiffness of the plate.
     pub(in crate::contact) limit: f64,
-    /// σ of every point.
+    /// Augmentation compliance σ of each point.
     pub(in crate::contact) series: Vec<f64>,
-    /// The one that it was given, if not the problem's own.
+    /// The factor given at the start; `None` for that of the problem.
     given: Option<&'a Arc<System>>,
-    /// That of other pieces than the given one's, if it has come to some.
+    /// A factor made later, for another contact state.
     own: Option<Arc<System>>,
-    /// Whether others ask the factor that it was given too.
+    /// Whether several loads share the given factor.
     shares: bool,
-    /// The last direction that this factor has given, unless it shares.
+    /// Last direction of this factor, unless it is shared.
     pub(super) last: Option<Direction>,
-    /// What it has been prepared for.
+    /// The prepared contact state.
     pub(super) pieces: Vec<u8>,
-    pub(super) held: Option<Held<'a>>,
-    /// Conjugate gradient steps, and matrices factored.
+    pub(super) coarse: Option<CoarseSolver<'a>>,
+    /// Numbers of conjugate gradient steps and of factorizations.
     pub(in crate::contact) gradients: usize,
     pub(in crate::contact) factorizations: usize,
 }
@@ -68,16 +69,16 @@ impl<'a> Factored<'a> {
             shares,
             last: None,
             pieces: Vec::new(),
-            held: None,
+            coarse: None,
             gradients: 0,
             factorizations: 0,
         };
-        new.limit_to(limit);
+        new.set_penalty(limit);
         new
     }
 
-    /// No spring stiffer than a limit, over the plate's stiffness in shear.
-    pub(in crate::contact) fn limit_to(&mut self, limit: f64) {
+    /// Sets the penalty.
+    pub(in crate::contact) fn set_penalty(&mut self, limit: f64) {
         self.limit = limit;
         self.series = self.problem.series(limit);
     }
@@ -86,23 +87,23 @@ impl<'a> Factored<'a> {
         self.kept().map_or(&self.problem.base, |system| system)
     }
 
-    /// The factor at hand, if it is not the problem's own.
+    /// The present factor; `None` for that of the problem.
     pub(in crate::contact) fn kept(&self) -> Option<&Arc<System>> {
         self.own.as_ref().or(self.given)
     }
 
-    /// Whether the next residual goes to a factor that others ask too.
+    /// Whether the next solve uses a shared factor.
     pub(super) fn shares(&self) -> bool {
         self.shares && self.own.is_none()
     }
 
-    /// The springs that points have on pieces.
+    /// Stiffness of a point on a piece, in series with σ.
     pub(in crate::contact) fn slope(&self, i: usize, piece: u8) -> f64 {
         self.problem.points.piece(i, piece).in_series(self.series[i])
     }
 
-    /// Factors the matrix of some pieces, with a little of the other points' springs where they do not hold the plate; as
-    /// far as that succeeds.
+    /// Factors the matrix of a contact state; where that is singular, with soft springs at the other points. Keeps the
+    /// old factor if both fail.
     pub(in crate::contact) fn refactor(&mut self, pieces: &[u8]) -> Result<(), FactorError> {
         let problem = self.problem;
         let slenderness = problem.plate.slenderness();
@@ -127,7 +128,8 @@ impl<'a> Factored<'a> {
         Ok(())
     }
 
-    /// vᵀKv with the springs of pieces, summed from squares: along a free motion a difference would be rounding.
+    /// vᵀKv with the springs of a contact state, summed from squares: along a free rigid motion a difference would be
+    /// rounding.
     pub(super) fn curvature(&self, pieces: &[u8], vector: &[f64]) -> f64 {
         let spring = |i: usize| match self.slope(i, pieces[i]) {
             0.0 => 0.0,
@@ -137,14 +139,14 @@ impl<'a> Factored<'a> {
             + (0..pieces.len()).map(spring).sum::<f64>()
     }
 
-    /// Points whose springs the factor carries otherwise than pieces have them, and by how much.
+    /// Points whose factored spring differs from that of the contact state, and the difference.
     pub(in crate::contact) fn differing(&self, pieces: &[u8]) -> Vec<(usize, f64)> {
         let carried = &self.system().carried;
         let difference = |i: usize| self.slope(i, pieces[i]) - carried[i];
         (0..pieces.len()).map(|i| (i, difference(i))).filter(|&(_, d)| d != 0.0).collect()
     }
 
-    /// Σ Δk r (r·v) over the points that differ.
+    /// Σ Δk g (g·v) over these points.
     pub(super) fn difference(&self, differing: &[(usize, f64)], vector: &[f64]) -> Vec<f64> {
         let points = &self.problem.points;
         let mut out = vec![0.0; vector.len()];
@@ -155,7 +157,7 @@ impl<'a> Factored<'a> {
         out
     }
 
-    /// The motion under an imbalance by the factor.
+    /// Solves with the factor.
     pub(super) fn response(&self, imbalance: &[f64]) -> Result<Direction, FactorError> {
         let nodal = self.system().solve(imbalance)?;
         Ok(Direction { nodal, force: imbalance.to_vec(), is_free: false })

@@ -1,8 +1,8 @@
-//! The motion that balances an imbalance on some pieces, by conjugate gradients on K with their springs, preconditioned
-//! with a factor that carries the springs of others.
+//! Preconditioned conjugate gradients for the equations of a contact state; the preconditioner is a factor with the
+//! springs of another state.
 //!
-//! From one Newton step to the next few points change pieces, so that the last direction can be deflated (Saad, Yeung,
-//! Erhel & Guyomarc'h 2000): conjugate gradients go on from pieces to pieces instead of beginning anew.
+//! Few points change their piece from one Newton step to the next, so that the last direction is deflated (Saad, Yeung,
+//! Erhel & Guyomarc'h 2000) and the method continues from state to state.
 
 use super::factored::{Direction, Factored};
 use crate::cholesky::FactorError;
@@ -10,43 +10,42 @@ use crate::contact::problem::Method;
 use crate::contact::scale::dot;
 use crate::contact::tolerances;
 
-/// Conjugate gradients on their way to a direction.
+/// State of the conjugate gradient iteration.
 pub(in crate::contact) struct Gradients {
     pieces: Vec<u8>,
-    /// Points whose springs the factor carries otherwise than the pieces have them, and by how much.
+    /// Points whose factored spring differs from that of the contact state, and the difference.
     differing: Vec<(usize, f64)>,
-    /// Length of the residual that ends them.
+    /// Norm of the residual at convergence.
     enough: f64,
-    /// Whether a factor of the pieces takes over after so many steps, or else the direction is taken as it is.
+    /// Whether a new factor replaces the iteration after `most` steps; otherwise the direction is taken as it is.
     may_refactor: bool,
     most: usize,
     steps: usize,
-    /// What is to be preconditioned next.
+    /// The residual, to be preconditioned next.
     pub(in crate::contact) residual: Vec<f64>,
     total: Direction,
     ahead: Direction,
     deflated: Option<Deflated>,
-    /// Of the last residual and its preconditioned one.
+    /// Product of the last residual and its preconditioned residual.
     product: f64,
 }
 
-/// The direction before the first, the force that the present pieces have for it, and its curvature.
+/// The deflated direction, its product with the present matrix, and its curvature.
 struct Deflated {
     direction: Direction,
     force: Vec<f64>,
     curvature: f64,
 }
 
-/// Conjugate gradients take this many steps before a factor of the present pieces, which costs about as much, replaces
-/// them; where a factor is asked together with others, so that a step costs a part of that, so many times as many. Where
-/// every force is an unknown, springs differ by too much for any.
+/// Conjugate gradient steps before a new factorization, which costs about as much. A shared factor makes a step
+/// cheaper, hence three times as many. With the forces as unknowns the springs differ too much for any.
 pub(in crate::contact) const BEFORE_A_FACTOR: usize = 10;
 const SHARED: usize = 3;
-/// At most this many where they cannot be factored.
+/// Largest number of steps where the contact state cannot be factored.
 const MOST: usize = 500;
 
 impl Gradients {
-    /// Begins to seek the direction that leaves `tolerance` of an imbalance, or no more than `rounding`.
+    /// Starts the iteration for an imbalance; it ends at the relative `tolerance` or at `rounding`.
     pub(in crate::contact) fn begin(
         kkt: &Factored,
         pieces: &[u8],
@@ -74,7 +73,7 @@ impl Gradients {
         }
     }
 
-    /// Goes along the last direction as far as that leads down, and then keeps to directions conjugate to it.
+    /// Minimises along the last direction, then keeps to directions conjugate to it.
     pub(in crate::contact) fn deflate(&mut self, kkt: &mut Factored) {
         let Some(direction) = kkt.last.take().filter(|_| !self.differing.is_empty()) else { return };
         let mut force = kkt.difference(&self.differing, &direction.nodal);
@@ -89,8 +88,8 @@ impl Gradients {
         self.deflated = Some(Deflated { direction, force, curvature });
     }
 
-    /// Goes on to the direction under an imbalance, at first with what a shared factor has answered; `None` where that is to
-    /// be asked. The pieces are factored if it takes long.
+    /// Iterates to the direction for an imbalance, starting with the `answer` of a shared factor; `None` asks for that
+    /// answer. The contact state is factored if the iteration is slow.
     pub(in crate::contact) fn go_on(
         &mut self,
         kkt: &mut Factored,
@@ -115,7 +114,7 @@ impl Gradients {
         }
     }
 
-    /// Begins anew with a factor of the pieces.
+    /// Restarts with a factor of the contact state.
     fn refactor(&mut self, kkt: &mut Factored, imbalance: &[f64]) -> Result<(), FactorError> {
         kkt.refactor(&self.pieces)?;
         let anew = Self::begin(kkt, &self.pieces, imbalance.to_vec(), 0.0, self.enough);
@@ -123,7 +122,7 @@ impl Gradients {
         Ok(())
     }
 
-    /// One step, with the motion that the factor has for the residual; the direction, if that was the last one.
+    /// One step with the preconditioned residual; returns the direction if it was the last step.
     fn follow(&mut self, kkt: &mut Factored, mut along: Direction) -> Option<Direction> {
         self.steps += 1;
         kkt.gradients += 1;
@@ -148,7 +147,7 @@ impl Gradients {
             curvature = kkt.curvature(&self.pieces, &ahead.nodal);
         }
         if !(curvature > tolerances::newton::FREE * stiff) {
-            // The line search goes as far as the next points, before which no other direction balances the load.
+            // The line search ends at the next contact points: until then no other direction balances the load.
             let mut free = std::mem::take(ahead);
             free.is_free = true;
             return Some(free);

@@ -1,8 +1,8 @@
-//! Many points: their forces are eliminated into K as springs, none much stiffer than the plate; what that adds to rigid
-//! ones the method of multipliers takes back (Rockafellar 1976).
+//! Solution with the forces of points eliminated: springs in K, none much stiffer than the plate. The method of
+//! multipliers removes the effect on rigid points (Rockafellar 1976).
 
+use super::coarse::CoarseSolver;
 use super::factored::{Direction, Factored};
-use super::floating::Held;
 use super::gradients::Gradients;
 use super::solver::{Correction, Kkt};
 use crate::cholesky::FactorError;
@@ -10,7 +10,7 @@ use crate::contact::residual::Residual;
 use crate::contact::tolerances;
 
 impl Factored<'_> {
-    /// The motion that balances an imbalance on some pieces, to `tolerance`.
+    /// The direction for an imbalance on a contact state, to a relative tolerance.
     fn direction(&mut self, pieces: &[u8], imbalance: &[f64], tolerance: f64) -> Result<Direction, FactorError> {
         let mut gradients = Gradients::begin(self, pieces, imbalance.to_vec(), tolerance, 0.0);
         Ok(gradients.go_on(self, imbalance, None)?.expect("no one else asks the factor"))
@@ -25,7 +25,7 @@ impl Kkt for Factored<'_> {
             let piece = points.piece(i, pieces[i]);
             piece.holds().then(|| piece.compliance() + self.series[i])
         };
-        self.held = Held::by(self.problem, (0..pieces.len()).map(softened).collect());
+        self.coarse = CoarseSolver::by(self.problem, (0..pieces.len()).map(softened).collect());
         Ok(true)
     }
 
@@ -50,11 +50,11 @@ impl Kkt for Factored<'_> {
     }
 
     fn rigid(&self, right: &Residual) -> Option<Correction> {
-        self.held.as_ref().map(|held| held.response(right))
+        self.coarse.as_ref().map(|coarse| coarse.response(right))
     }
 
     fn is_settled(&self, right: &Residual, force: f64) -> bool {
-        // A support's own law is exact; what was put in series with it is not.
+        // The law of a support is exact; the augmentation compliance is not.
         let softened = (0..self.pieces.len()).filter(|&i| self.series[i] > 0.0);
         let mut pushes = softened.map(|i| self.slope(i, self.pieces[i]) * right.violation[i].abs());
         pushes.all(|push| push <= tolerances::newton::SETTLED * force)

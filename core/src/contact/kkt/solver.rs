@@ -1,39 +1,39 @@
-//! What solves the equations of points on given pieces, and what it gives.
+//! The trait of solvers for a fixed contact state, and their result.
 
 use crate::cholesky::FactorError;
 use crate::contact::residual::Residual;
 
-/// Solves the equations of one set of pieces after another.
+/// Solves the equations of one contact state after another.
 pub(in crate::contact) trait Kkt {
-    /// Makes ready for pieces; false where they do not hold the plate, or rigid ones contradict each other.
+    /// Prepares a contact state; false where it does not hold the plate, or rigid points contradict each other.
     fn prepare(&mut self, pieces: &[u8]) -> Result<bool, FactorError>;
 
-    /// What residuals ask for; `None` where the pieces do not hold the plate.
+    /// The correction for a residual; `None` where the contact state does not hold the plate.
     fn solve(&mut self, right: &Residual) -> Result<Option<Correction>, FactorError>;
 
-    /// Where no dof holds a plate, the rigid motions that a residual asks for, and the increments of reaction that go with
-    /// it: made first, and added exactly.
+    /// The rigid motions of plates without held dofs for a residual, with their increments of reaction. They come first
+    /// and are added exactly.
     fn rigid(&self, _right: &Residual) -> Option<Correction> {
         None
     }
 
-    /// Whether the violations are rounding also in the forces that the next correction would make of them.
+    /// Whether the violations stay rounding as forces, after the next correction.
     fn is_settled(&self, _right: &Residual, _force: f64) -> bool {
         true
     }
 }
 
-/// Rigid motions of the plates, a motion of its nodes on top of it, and increments of reaction.
+/// Rigid motions of the plates, nodal displacements on top, and increments of reaction.
 #[derive(Clone)]
 pub(in crate::contact) struct Correction {
-    /// Deflection and slopes at the middle of every component; empty of a solver without them.
+    /// (w, θx, θy) at the centre of each component; empty for solvers without rigid motions.
     pub(in crate::contact) rigid: Vec<[f64; 3]>,
     pub(in crate::contact) nodal: Vec<f64>,
     pub(in crate::contact) reaction: Vec<f64>,
 }
 
 impl Correction {
-    /// Without rigid motions apart.
+    /// A correction without separate rigid motions.
     pub(in crate::contact) fn of(nodal: Vec<f64>, reaction: Vec<f64>) -> Self {
         Self { rigid: Vec::new(), nodal, reaction }
     }

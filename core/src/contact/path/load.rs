@@ -1,8 +1,8 @@
-//! The load of a path, its stops and its ends.
+//! The load of a path, its stops and its end.
 
 use crate::contact::solution::ContactSolution;
 
-/// The loads f₀ + t f₁ and the dofs held, over all dofs, and the largest t wanted; it may be infinite.
+/// The load f₀ + t f₁ (3n,), prescribed values (3n,), and the largest t, which may be infinite.
 #[derive(Clone, Copy, Debug)]
 pub struct PathLoad<'a> {
     pub start: &'a [f64],
@@ -11,34 +11,34 @@ pub struct PathLoad<'a> {
     pub end: f64,
 }
 
-/// Where the path is at its beginning, at an event, or at its end; a jump has a stop where it begins and one where it ends.
+/// A stop: the start of the path, an event, or its end; a jump has one stop before and one after it.
 #[derive(Clone, Copy)]
 pub struct Stop<'a> {
     pub t: f64,
-    /// Points that go to another piece here; none at the beginning and at the end.
+    /// Points that change their piece here; empty at the start and at the end.
     pub switched: &'a [usize],
-    /// What holds here; `piece` are the pieces from here on.
+    /// The solution here; `piece` is the contact state from here on.
     pub solution: &'a ContactSolution,
 }
 
 /// How a path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathEnd {
-    /// At the t asked for.
+    /// At the requested t.
     Reached,
-    /// With no more events, however large t; the last stop is only one more point of the last segment.
+    /// Without further events for t → ∞; the last stop is another point of the last segment.
     Unbounded,
-    /// No reactions balance the load from the last stop on.
+    /// No reactions balance the load beyond the last stop.
     NoEquilibrium,
     /// More events than [`MOST_EVENTS`].
     TooMany,
-    /// The pieces after the last stop, or at t = 0, is beyond the arithmetic.
+    /// The contact state after the last stop, or at t = 0, is numerically singular.
     Unsolved,
-    /// Whoever watched wanted no more.
+    /// Cancelled by the callback.
     Interrupted,
 }
 
-/// Events that a path may have.
+/// Largest number of events of a path.
 pub const MOST_EVENTS: usize = 100_000;
 
 impl PathLoad<'_> {

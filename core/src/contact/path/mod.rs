@@ -1,17 +1,18 @@
-//! The path of a plate under f₀ + t f₁ as t grows from zero: piecewise linear, an event wherever points open or close.
+//! The path of a plate under the load f₀ + t f₁ for growing t ≥ 0: piecewise linear, with an event wherever points
+//! change their piece.
 //!
-//! Condensed points go by parametric pivoting of their LCP. With an active set the path steps from event to event: on one
-//! contact set everything is linear in t, and the next event is where the first reaction or gap falls to zero. Either way
-//! each stretch of the path is drawn between two refined solutions on its contact set.
+//! Condensed points: parametric pivoting of their LCP. Newton method: from event to event, since everything is linear
+//! in t on one contact state, and the next event is the first zero of a reaction or gap. Each segment is interpolated
+//! between two refined solutions.
 //!
-//! Where a plate loses its hold but comes to rest on other points, it moves there under one load: the path has a stretch
-//! at one t. All that is between the two states solves the problem too, since its solutions are convex.
+//! Where a plate loses a support and comes to rest on other points, it moves at constant load: the path has a segment
+//! at one t. All states between its ends solve the problem too, since the solution set is convex.
 
-mod follower;
 mod line;
 mod load;
 mod pivoting;
+mod recorder;
 mod stepping;
-mod trail;
+mod tracer;
 
 pub use load::{PathEnd, PathLoad, Stop};

@@ -1,26 +1,26 @@
-//! From basis to basis of the condensed points' LCP.
+//! Path tracing by parametric pivoting of the LCP of condensed points.
 
-use super::follower::Follower;
 use super::line::Line;
 use super::load::PathEnd;
-use super::trail::Trail;
+use super::recorder::PathRecorder;
+use super::tracer::PathTracer;
 use crate::cholesky::FactorError;
 use crate::contact::finders::{in_memory, posed_from};
-use crate::contact::interface::{AtPoints, Work};
+use crate::contact::interface::{CondensedRhs, Work};
 use crate::contact::residual::Residual;
 use crate::contact::solution::Progress;
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, ParametricEnd, ParametricPath, parametric};
 
-/// The bases of the LCP along a path, and the pieces of each.
+/// The bases of the LCP along a path, and the contact state of each.
 type Pivoted = (ParametricPath, Vec<Vec<u8>>);
 
-impl Follower<'_> {
-    /// As [`ContactProblem::path`], from the solution at t = 0 on. Where rounding stops the pivots it goes on in steps.
-    pub(super) fn pivot_along(&mut self, trail: &mut Trail) -> Result<PathEnd, FactorError> {
+impl PathTracer<'_> {
+    /// Traces the path from the solution at t = 0. Where rounding stops the pivots, it continues event by event.
+    pub(super) fn pivot_along(&mut self, recorder: &mut PathRecorder) -> Result<PathEnd, FactorError> {
         let load = self.load;
-        let Some((result, sets)) = self.pivoted(&trail.here().piece)? else {
-            return self.step_along(0.0, trail);
+        let Some((result, sets)) = self.pivoted(&recorder.here().piece)? else {
+            return self.step_along(0.0, recorder);
         };
         let mut t = 0.0;
         for (k, segment) in result.segments.iter().enumerate() {
@@ -28,9 +28,9 @@ impl Follower<'_> {
                 far if far.is_finite() => far,
                 _ => segment.from + self.span(segment.from),
             };
-            // What changes on a short line is rounding; on a longer one it is told.
+            // Changes over a short line are rounding; a longer line shows them.
             let (span, reach) = (self.span(t), |from: f64| far.max(from + tolerances::path::SHORT * self.span(from)));
-            let line = match self.standing_on(trail.here(), &sets[k]) {
+            let line = match self.standing_on(recorder.here(), &sets[k]) {
                 Some(from) if far > t => self.line_from(from, [t, reach(t)])?,
                 _ => self.line(&sets[k], [segment.from, reach(segment.from)], None)?,
             };
@@ -44,23 +44,23 @@ impl Follower<'_> {
             if segment.to < load.end && line.as_ref().is_some_and(stays) {
                 continue;
             }
-            // An event that rounding alone brings is none, nor are those that pivots find beyond it.
+            // Events due to rounding are skipped, and so are events that pivots find beyond them.
             let real = |line: &Line<'_>| {
-                next.is_none_or(|next| line.crossed(next).into_iter().any(|border| line.fall(border) > 0.0))
+                next.is_none_or(|next| line.crossed(next).into_iter().any(|breakpoint| line.fall(breakpoint) > 0.0))
             };
-            let Some(line) = line.filter(|line| real(line) && line.signs_hold(t, to.min(load.end))) else {
-                return self.step_along(t, trail);
+            let Some(line) = line.filter(|line| real(line) && line.signs_are_feasible(t, to.min(load.end))) else {
+                return self.step_along(t, recorder);
             };
-            if !trail.leave(t, &line) {
+            if !recorder.emit(t, &line) {
                 return Ok(PathEnd::Interrupted);
             }
             t = to;
             if segment.to.is_infinite() || t >= load.end {
-                return Ok(self.end_on(&line, t, trail));
+                return Ok(self.end_on(&line, t, recorder));
             }
-            trail.arrive(&line, t);
+            recorder.arrive(&line, t);
         }
-        let end = self.step_along(t, trail)?;
+        let end = self.step_along(t, recorder)?;
         let infeasible = result.end == ParametricEnd::Infeasible && end == PathEnd::Unsolved;
         Ok(if infeasible { PathEnd::NoEquilibrium } else { end })
     }
@@ -72,15 +72,15 @@ impl Follower<'_> {
         let form = interface.better_form();
         let rest = problem.at_rest(load.held_value);
         let first = posed_from(problem, load.start, form, &rest)?;
-        // What is added, by itself: no gaps, nothing held elsewhere than at zero.
+        // The added load alone: without gaps and prescribed values.
         let mut imbalance = load.add.to_vec();
         problem.release_held(&mut imbalance);
         let added = Residual { imbalance, violation: vec![0.0; pieces.len()], worst: 0.0 };
-        let at_points: [AtPoints; 2] = [first.at_points, problem.reduced(&added, form)?.at_points];
-        let (mut begin, mut along) = interface.posed(&problem.points, form, &at_points, &rest.reaction)?;
+        let rhs: [CondensedRhs; 2] = [first.rhs, problem.reduced(&added, form)?.rhs];
+        let (mut begin, mut along) = interface.posed(&problem.points, form, &rhs, &rest.reaction)?;
         let motions = interface.impose_motions(&problem.points, &mut begin)?;
-        motions.balance(&mut begin.q, &at_points[0], &Work::of(&problem.free_motions, load.start));
-        motions.balance_increment(&mut along[0], &at_points[1], &Work::of(&problem.free_motions, load.add));
+        motions.balance(&mut begin.q, &rhs[0], &Work::of(&problem.free_motions, load.start));
+        motions.balance_increment(&mut along[0], &rhs[1], &Work::of(&problem.free_motions, load.add));
         let basis = begin.basis(pieces);
         let mut watch = |step| self.goes_on(Progress { step, changing: 0, residual: 0.0 });
         let solved =

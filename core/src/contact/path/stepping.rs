@@ -1,59 +1,61 @@
-//! From event to event on the sparse K.
+//! Path tracing from event to event on the sparse K.
 
-use super::follower::Follower;
-use super::line::{Border, Line};
+use super::line::{Breakpoint, Line};
 use super::load::{MOST_EVENTS, PathEnd};
-use super::trail::Trail;
+use super::recorder::PathRecorder;
+use super::tracer::PathTracer;
 use crate::cholesky::FactorError;
 use crate::contact::solution::{ContactSolution, Outcome};
 use crate::contact::tolerances;
 
-/// Times that points which move the wrong way from an event on are switched.
+/// Largest number of switches of points that move in the wrong direction after an event.
 const ROUNDS: usize = 20;
 
-/// Times that a line without events is lengthened.
+/// Largest number of extensions of a line without events.
 const LENGTHENED: usize = 2;
 
-impl<'a> Follower<'a> {
-    /// As [`ContactProblem::path`], from some t on.
-    pub(super) fn step_along(&mut self, mut t: f64, trail: &mut Trail) -> Result<PathEnd, FactorError> {
+impl<'a> PathTracer<'a> {
+    /// Traces the path from `t`.
+    pub(super) fn step_along(&mut self, mut t: f64, recorder: &mut PathRecorder) -> Result<PathEnd, FactorError> {
         let load = self.load;
-        let mut pieces = trail.here().piece.clone();
-        // Sets on which the path got no further than where it is.
+        let mut pieces = recorder.here().piece.clone();
+        // Contact states without progress since the last event.
         let mut spent: Vec<Vec<u8>> = Vec::new();
         for _ in 0..=MOST_EVENTS {
-            let Some(mut line) = self.leaving(t, &pieces, trail.here())? else {
-                return Ok(trail.end(t, None, PathEnd::Unsolved));
+            let Some(mut line) = self.leaving(t, &pieces, recorder.here())? else {
+                return Ok(recorder.end(t, None, PathEnd::Unsolved));
             };
-            // A set that comes back would lead round for ever: rounding decides what closes.
+            // A repeated contact state would cycle: rounding decides which points close.
             if spent.contains(&line.ends[0].piece) {
-                return Ok(trail.end(t, None, PathEnd::Unsolved));
+                return Ok(recorder.end(t, None, PathEnd::Unsolved));
             }
-            if !trail.leave(t, &line) {
+            if !recorder.emit(t, &line) {
                 return Ok(PathEnd::Interrupted);
             }
-            let (mut to, mut borders) = self.next_event(&line, t);
+            let (mut to, mut breakpoints) = self.next_event(&line, t);
             if to.is_infinite()
                 && load.end.is_infinite()
                 && let Some(longer) = self.until_it_counts(&line)?
             {
                 line = longer;
-                (to, borders) = self.next_event(&line, t);
+                (to, breakpoints) = self.next_event(&line, t);
             }
             let reach = to.min(load.end);
             if reach > line.at[1] && reach.is_finite() {
-                // Beyond its far end a line is less exact than up to it.
+                // Extrapolation beyond the end of a line is less exact than interpolation.
                 if let Some(longer) = self.line_from(line.ends[0].clone(), [t, reach])? {
                     line = longer;
-                    (to, borders) = self.next_event(&line, t);
+                    (to, breakpoints) = self.next_event(&line, t);
                 }
             }
             if to >= load.end {
-                return Ok(self.end_on(&line, line.at[1], trail));
+                return Ok(self.end_on(&line, line.at[1], recorder));
             }
-            trail.arrive(&line, to);
-            pieces.clone_from(&trail.here().piece);
-            borders.into_iter().for_each(|border: Border| pieces[border.point] = border.beyond(&pieces));
+            recorder.arrive(&line, to);
+            pieces.clone_from(&recorder.here().piece);
+            breakpoints
+                .into_iter()
+                .for_each(|breakpoint: Breakpoint| pieces[breakpoint.point] = breakpoint.beyond(&pieces));
             if to - t > tolerances::path::SAME_EVENT * self.span(t) {
                 spent.clear();
             } else {
@@ -65,9 +67,10 @@ impl<'a> Follower<'a> {
         Ok(PathEnd::TooMany)
     }
 
-    /// A line without events, so long that what is added moves the plate by as much as any gap, if it then has one.
+    /// Extends a line without events until the added load moves the plate by a considerable part of the largest gap;
+    /// `None` if no event appears.
     ///
-    /// Beside little load, or far from a support, a first step may be too short to tell that a gap closes.
+    /// With little load, or far from a support, the first step may be too short to detect that a gap closes.
     fn until_it_counts(&mut self, line: &Line<'a>) -> Result<Option<Line<'a>>, FactorError> {
         let [t, mut far] = line.at;
         let gap = line.lengths.iter().fold(0.0, |most, &length| f64::max(most, length));
@@ -86,7 +89,7 @@ impl<'a> Follower<'a> {
         Ok(None)
     }
 
-    /// The line that leaves from t, beginning with a set that may be right.
+    /// The line that starts at t; `pieces` is the first candidate of its contact state.
     fn leaving(&mut self, t: f64, pieces: &[u8], here: &ContactSolution) -> Result<Option<Line<'a>>, FactorError> {
         let span = self.span(t);
         let mut set = pieces.to_vec();
@@ -100,8 +103,10 @@ impl<'a> Follower<'a> {
                 break;
             };
             match self.wrong(&line) {
-                Some(borders) if borders.is_empty() => return Ok(Some(line)),
-                Some(borders) => borders.into_iter().for_each(|border| set[border.point] = border.beyond(&set)),
+                Some(breakpoints) if breakpoints.is_empty() => return Ok(Some(line)),
+                Some(breakpoints) => {
+                    breakpoints.into_iter().for_each(|breakpoint| set[breakpoint.point] = breakpoint.beyond(&set))
+                }
                 None => break,
             }
         }
@@ -111,7 +116,7 @@ impl<'a> Follower<'a> {
                 continue;
             }
             if let Some(line) = self.line(&near.piece, [t, t + span], Some(&near))?
-                && self.wrong(&line).is_some_and(|borders| borders.is_empty())
+                && self.wrong(&line).is_some_and(|breakpoints| breakpoints.is_empty())
             {
                 return Ok(Some(line));
             }
@@ -119,34 +124,33 @@ impl<'a> Follower<'a> {
         Ok(None)
     }
 
-    /// Ends of pieces at which points are where the line begins, and beyond which they go on; `None` if some are beyond them
-    /// there.
-    fn wrong(&self, line: &Line<'_>) -> Option<Vec<Border>> {
+    /// The ends of pieces that points pass at the start of the line; `None` if some point is out of bounds there.
+    fn wrong(&self, line: &Line<'_>) -> Option<Vec<Breakpoint>> {
         let mut wrong = Vec::new();
-        for border in line.borders() {
-            let (now, fall) = (line.value(0, border), line.fall(border));
+        for breakpoint in line.breakpoints() {
+            let (now, fall) = (line.value(0, breakpoint), line.fall(breakpoint));
             if now < -tolerances::path::SIGN {
                 return None;
             }
             if fall > 0.0 && now <= tolerances::path::SAME_EVENT * fall {
-                wrong.push(border);
+                wrong.push(breakpoint);
             }
         }
         Some(wrong)
     }
 
-    /// The next t at which points reach ends of their pieces, infinite if none ever does, and which.
-    fn next_event(&self, line: &Line<'_>, from: f64) -> (f64, Vec<Border>) {
+    /// The next t at which points reach ends of their pieces (infinite if none does), and these ends.
+    fn next_event(&self, line: &Line<'_>, from: f64) -> (f64, Vec<Breakpoint>) {
         let span = line.at[1] - line.at[0];
-        let roots: Vec<(f64, Border)> = line
-            .borders()
+        let roots: Vec<(f64, Breakpoint)> = line
+            .breakpoints()
             .into_iter()
-            .map(|border| (border, line.value(0, border), line.fall(border)))
+            .map(|breakpoint| (breakpoint, line.value(0, breakpoint), line.fall(breakpoint)))
             .filter(|&(_, _, fall)| fall > 0.0)
-            .map(|(border, now, fall)| (from + span * (now / fall).max(0.0), border))
+            .map(|(breakpoint, now, fall)| (from + span * (now / fall).max(0.0), breakpoint))
             .collect();
         let first = roots.iter().map(|(t, _)| *t).fold(f64::INFINITY, f64::min);
-        let together = |&&(t, _): &&(f64, Border)| t <= first + tolerances::path::SAME_EVENT * span;
-        (first, roots.iter().filter(together).map(|&(_, border)| border).collect())
+        let together = |&&(t, _): &&(f64, Breakpoint)| t <= first + tolerances::path::SAME_EVENT * span;
+        (first, roots.iter().filter(together).map(|&(_, breakpoint)| breakpoint).collect())
     }
 }

@@ -19,11 +19,11 @@ from signorini.shapes.cuts import Part
 
 _ON_PLATE = 1e-9
 _RADON = 3
-"""Order of Gauss's rule up to which seven points are as good on a triangle."""
+"""Largest order of Gauss's rule for which seven points are as accurate on a triangle."""
 _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (2, 0), 6: (0, 1), 5: (1, 2), 7: (0, 1, 2)}
 """From which corners of a triangle the lines of a rule run to its sides on the outline, which are 1, 2 and 4 in sum."""
 _ROUNDINGS = 16.0
-"""Of a coordinate, on the way from corners to an area."""
+"""Relative rounding of a coordinate in the computation of an area."""
 
 
 def area_quadrature(

@@ -66,9 +66,9 @@ def evaluate(curves: Floats, t: Floats) -> Floats:
 
 
 def with_segments(curves: Floats, segments: Floats) -> tuple[Ints, Floats]:
-    """Cross quadratics (k, 2, 3) with segments (k, 2, 2), pair by pair: which pair a crossing is of, and where (r, 2).
+    """Cross quadratics (k, 2, 3) with segments (k, 2, 2): the pair of each crossing, and its place (r, 2).
 
-    A crossing may be given twice. Of a side that lies along a segment both ends are given.
+    A crossing may appear twice. A side along a segment gives both of its ends.
     """
     a, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     length = np.hypot(*along.T)

@@ -22,8 +22,8 @@ from signorini.shapes.cuts import Part
 _STRAIGHT = 1e-14
 _THIN = 1e-13
 _ROUNDED = 8.0 * np.finfo(float).eps
-"""Width of a strip, over the element's coordinates, that is their rounding: ends of sides that meet may be so far
-apart."""
+"""Relative tolerance for the width of a strip, relative to the coordinates of the element: the rounding of common ends
+of sides."""
 _SLIVER = 1e-12
 _ALONG = 1e-9
 """Part of the mesh's size within which nodes are on a circle that the mesh follows."""
@@ -213,7 +213,7 @@ def _pieces(
     """Collect the curves of every cut element, of sides (c, 4, 3, 2), and where in x strips have to begin and end."""
     by_segment, by_circle = owners
     curves = quadratics(sides.reshape(-1, 3, 2))
-    # A bend that is only rounding is none.
+    # A bend of rounding counts as straight.
     size = np.abs(curves[..., 1]).max(axis=1) + np.abs(curves[..., 0]).max(axis=1)
     curves[np.abs(curves[..., 2]).max(axis=1) <= _STRAIGHT * size, :, 2] = 0.0
     sides = curves.reshape(-1, 4, 2, 3)
@@ -250,7 +250,7 @@ def _strips(owner: Ints, x: Floats, boxes: Floats, rounding: Floats) -> tuple[In
 
 
 def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Part, origin: Floats) -> _Cells:
-    """Stack the curves through each strip and keep what is between two of them, in the element and in the region."""
+    """Sort the curves through each strip and keep the cells in both the element and the region."""
     owner, x = strips
     starts = np.searchsorted(pieces.owner, [owner, owner + 1])
     counts = starts[1] - starts[0]
@@ -332,6 +332,6 @@ def _points(pieces: Pieces, cells: _Cells, count: int, order: int, rule: Rule) -
     weights = weight[..., None] * 0.5 * (high - low)[..., None] * across
     positions = np.stack([np.broadcast_to(x[..., None], y.shape), y], axis=-1)
     owner = np.broadcast_to(cells.owner[:, None, None], y.shape)
-    # Where a cell has a tip, points at its end weigh nothing.
+    # Points at the tip of a cell have zero weight.
     some = weights > _THIN * weights.sum(axis=(1, 2), keepdims=True)
     return owner[some], positions[some], weights[some]

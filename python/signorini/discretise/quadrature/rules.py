@@ -30,7 +30,7 @@ class Quadrature(Table):
     positions: Floats
 
     def times(self, values: Floats | float) -> Self:
-        """The same points, which weigh what they did times values (q,)."""
+        """The same points with their weights times values (q,)."""
         return replace(self, weights=self.weights * values)
 
     @property

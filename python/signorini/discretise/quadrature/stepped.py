@@ -22,7 +22,7 @@ from signorini.mesh.isoparametric import TRIANGLE_CORNERS
 from signorini.shapes.cuts import Part
 
 _EMPTY = 1e-14
-"""Area, over that of the box it is part of, below which a triangle is left out."""
+"""Smallest area of a triangle, relative to the box that it is part of."""
 
 
 Levels = Sequence[Callable[[Floats], Floats]]
@@ -35,10 +35,10 @@ INSIDE = 1.0 - 1e-6
 _PARTED = 0.4863
 """Where parts are quartered: not in the middle, where steps are wont to run, and would be met on neither side."""
 _SEEN = 9
-"""Points a direction at which an element is looked at: what is smaller than an eighth of it may be missed."""
+"""Sample points of an element per direction: features smaller than an eighth of it may be missed."""
 _CHUNK = 200_000
 _HYPOTENUSE = np.array([1.0, -1.0, -1.0])
-"""Of triangles the plane above zero inside them."""
+"""Coordinates of the plane that is positive inside a triangle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,23 +164,23 @@ def cut_by(
     off: float = OFF,
     quarter: bool = False,
 ) -> Cut:
-    """Integrate over elements (k,) what is smooth where no level changes its sign.
+    """Integrate over elements (k,) a function that is smooth where no level changes its sign.
 
-    Parts have up to ``order`` Gauss points in each direction. A cut lies up to ``off``, over the element's side, from
-    its step, but after seven quarterings it is made however far off it is. ``quarter`` lets no part reach over the
-    middles of a quadrilateral.
+    Parts have up to ``order`` Gauss points in each direction. A cut deviates from its step by at most ``off``, relative
+    to the element's side; after seven subdivisions it is accepted with a larger deviation. With ``quarter`` no part
+    extends over the middle lines of a quadrilateral.
     """
     # Of a triangle the box has another half, which is cut off.
     owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
     crossing = np.ones((len(owner), len(levels)), dtype=bool)
     points: list[tuple[Ints, Floats, Floats]] = []
-    # Of what is smaller than what is looked at there are no pieces.
+    # Features smaller than the sampling give no pieces.
     fronts = [(np.zeros(0, np.int64), np.zeros((0, 2, 2)))]
     for depth in range(_DEEPEST + 1):
         if not len(owner):
             break
         changes, planes, bent = _planes(mesh, owner, boxes, levels, crossing, _SEEN if depth == 0 else 5)
-        # Parts of an element are crossed by what crosses it alone: of many levels those are few.
+        # Parts of an element are crossed only by levels that cross the element: few of many.
         crossing = changes if depth == 0 else crossing
         ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == _DEEPEST)
         if quarter:

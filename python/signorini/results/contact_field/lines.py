@@ -43,7 +43,7 @@ def zero_line(points: Floats, triangles: Ints, values: Floats, inside: Bools) ->
 
 
 def clipped(segments: Segments, depth: Floats) -> Segments:
-    """Keep what is where ``depth`` (k,), given at the points and linear between them, is not negative."""
+    """Keep the parts of lines where ``depth`` (k,), linear between its points, is at least zero."""
     pairs, within = segments.pairs, depth >= 0
     whole = within[pairs].all(axis=1)
     cut = within[pairs[:, 0]] != within[pairs[:, 1]]

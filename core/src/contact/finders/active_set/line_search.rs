@@ -1,18 +1,18 @@
-//! The least energy along a direction.
+//! Line search: least energy along a direction.
 
-use super::descent::Descent;
+use super::iterate::NewtonIterate;
 use crate::contact::kkt::Direction;
 use crate::contact::scale::dot;
 use crate::contact::tolerances;
 use crate::residual::twice_the_energy;
 use crate::superposition::sum_in_order;
 
-/// At most so many times the length is doubled.
+/// Largest number of doublings of the step length.
 const DOUBLINGS: usize = 60;
-/// At most so many times the interval about the least energy is made smaller: to the last bit.
+/// Largest number of interval reductions: to the last bit.
 const HALVINGS: usize = 120;
 
-impl Descent<'_> {
+impl NewtonIterate<'_> {
     /// vᵀKv without the points.
     fn elastic_curvature(&self, direction: &Direction, change: &[f64]) -> f64 {
         let stiff = dot(&direction.nodal, &direction.force);
@@ -24,11 +24,12 @@ impl Descent<'_> {
         twice_the_energy(&self.problem.plate, &self.problem.springs, &direction.nodal)
     }
 
-    /// Where the energy along a direction is least: its slope is piecewise linear and grows.
+    /// Step length of least energy along a direction; its slope is piecewise linear and nondecreasing. The search ends
+    /// at `FLAT` of the initial slope.
     pub(super) fn line_search(&self, direction: &Direction, change: &[f64], pieces: &[u8]) -> f64 {
         let stays = |i: usize| {
-            let on = |stretch: f64| self.piece_at(i, stretch) == pieces[i];
-            on(self.stretch[i]) && on(self.stretch[i] + change[i])
+            let on = |augmented_travel: f64| self.piece_at(i, augmented_travel) == pieces[i];
+            on(self.augmented_travel[i]) && on(self.augmented_travel[i] + change[i])
         };
         if !direction.is_free && (0..change.len()).all(stays) {
             return 1.0;
@@ -37,11 +38,12 @@ impl Descent<'_> {
         self.least_energy(-dot(&direction.nodal, &self.residual.imbalance), elastic, change)
     }
 
-    /// How far along a change of the stretches the energy falls, from its slope and the plate's curvature; 0 if it does not.
+    /// Step length of least energy along a change of the augmented travels, from the slope at 0 and the curvature of
+    /// the plate; 0 if the energy does not fall.
     pub(super) fn least_energy(&self, start: f64, elastic: f64, change: &[f64]) -> f64 {
         let force: Vec<f64> = (0..change.len()).map(|i| self.force(i)).collect();
         let slope = |t: f64| -> f64 {
-            let one = |i: usize| (self.force_at(i, self.stretch[i] + t * change[i]) - force[i]) * change[i];
+            let one = |i: usize| (self.force_at(i, self.augmented_travel[i] + t * change[i]) - force[i]) * change[i];
             start + t * elastic + sum_in_order(change.len(), 4096, one)
         };
         let (mut low, mut high) = (0.0, 1.0);
@@ -59,13 +61,13 @@ impl Descent<'_> {
             doublings += 1;
         }
         if at_high < 0.0 {
-            // No point ever ends it: the load has work left by rounding only.
+            // No point ends the step: the work of the load is rounding.
             return 0.0;
         }
         let mut at_low = slope(low);
         let mut halves = false;
         for _ in 0..HALVINGS {
-            // Regula falsi, kept off the ends; where that has not halved the interval, as beside a stiff point, its middle.
+            // Regula falsi, kept off the ends; bisection where it has not halved the interval, as beside a stiff point.
             let part = if halves { 0.5 } else { (at_low / (at_low - at_high)).clamp(0.05, 0.95) };
             let (width, middle) = (high - low, low + part * (high - low));
             let value = slope(middle);

@@ -1,30 +1,30 @@
-//! Points in any number: a semismooth Newton method on the sparse K (a primal–dual active set; Hintermüller, Ito & Kunisch
-//! 2002), inside the method of multipliers (Rockafellar 1976) where supports are rigid or nearly so.
+//! Semismooth Newton method on the sparse K for any number of points (a primal–dual active set; Hintermüller, Ito &
+//! Kunisch 2002), inside the method of multipliers (Rockafellar 1976) for rigid or nearly rigid supports.
 //!
-//! It cannot cycle: for given multipliers the energy is convex and continuously differentiable, every Newton direction
-//! is followed by an exact line search on it, and the multipliers are a proximal point iteration on the dual. Rigid
-//! points begin on springs that bend the plate over many elements, and stiffen from stage to stage.
-//! One factor preconditions every direction; only where the pieces turn out to be quite others are they factored anew.
+//! It cannot cycle: for given multipliers the energy is convex and continuously differentiable, each Newton direction
+//! is followed by a line search, and the multiplier updates are a proximal point iteration on the dual. Rigid points
+//! start with springs that bend the plate over many elements; the penalty grows from stage to stage. One factor
+//! preconditions every direction; a new one is made where the contact state has changed much.
 
-mod begin;
-mod descent;
-mod drift;
+mod batch;
+mod coarse_correction;
+mod iterate;
 mod line_search;
 mod newton;
-mod together;
+mod start;
 
-pub(in crate::contact) use together::solve_together;
+pub(in crate::contact) use batch::solve_together;
 
-use super::finder::{SetFinder, signs_hold};
+use super::finder::{SetFinder, signs_are_feasible};
 use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Outcome, Watch};
 use crate::contact::tolerances;
-use begin::begun;
 use newton::Next;
+use start::new_newton;
 use std::sync::Arc;
 
-/// Newton's method, from rest or from another load's solution.
+/// The Newton method, from rest or from the solution of another load.
 pub(in crate::contact) struct ActiveSet;
 
 impl SetFinder for ActiveSet {
@@ -36,7 +36,7 @@ impl SetFinder for ActiveSet {
         start: Option<&ContactSolution>,
         watch: &mut Watch<'_>,
     ) -> Result<ContactSolution, FactorError> {
-        let mut newton = begun(problem, load, held_value, start, false)?;
+        let mut newton = new_newton(problem, load, held_value, start, false)?;
         let Next::End(outcome) = newton.go_on(None, watch)? else { unreachable!("the factor is not shared") };
         let fell_short = newton.fell_short;
         let solution = newton.ended(outcome);
@@ -44,7 +44,7 @@ impl SetFinder for ActiveSet {
             return Ok(solution);
         }
         let exact = problem.solve_on(load, held_value, &solution.piece)?;
-        if exact.outcome != Outcome::Solved || !signs_hold(problem, load, 0.0, &exact) {
+        if exact.outcome != Outcome::Solved || !signs_are_feasible(problem, load, 0.0, &exact) {
             return Ok(solution);
         }
         let corrections = solution.corrections + exact.corrections;
@@ -53,8 +53,8 @@ impl SetFinder for ActiveSet {
     }
 }
 
-/// Solves one load and factors its pieces, for others to begin with; `None` where there is no solution, or they do not
-/// hold the plate.
+/// Solves one load and factors its contact state, for warm starts; `None` where there is no solution, or where the
+/// state does not hold the plate.
 pub(in crate::contact) fn solved_and_factored(
     problem: &ContactProblem,
     load: &[f64],

@@ -1,64 +1,65 @@
-//! From Newton step to Newton step until the pieces settle; a step waits for what its direction asks of the factor, so that
-//! many loads can ask it together.
+//! The Newton iteration until the contact state settles. A step waits for the solve of its direction, so that many
+//! loads can batch their solves.
 
-use super::descent::Descent;
+use super::iterate::NewtonIterate;
 use crate::cholesky::FactorError;
 use crate::contact::kkt::{Direction, Gradients};
 use crate::contact::residual::{force_of_settlements, largest_force};
 use crate::contact::solution::{ContactSolution, Outcome, Progress, Watch, differing};
 use crate::contact::tolerances;
 
-/// At most this many Newton steps; overlapping circles on a rigid bed, one of 150,000 random plates, needed 732.
+/// Largest number of Newton steps; overlapping circles on a rigid bed, one of 150,000 random plates, needed 732.
 const NEWTON: usize = 2000;
-/// Steps without the pieces settling after which directions are firm.
+/// Steps with a changing contact state after which directions are computed accurately.
 const UNSETTLED: usize = 8;
-/// So many steps, one after another, that leave most of the residual end it: the rest is rounding.
+/// Successive steps with little reduction of the residual that end the iteration: the rest is rounding.
 const STALLS: usize = 3;
-/// So many on unchanged pieces without a new least residual, up and down, end it as well.
+/// Steps on an unchanged contact state without a new least residual that end the iteration.
 const LASTING: usize = 12;
 
-/// What a descent needs to go on.
+/// Request of the iteration.
 pub(super) enum Next {
-    /// The motion of the nodes under nodal forces, by the factor that it shares.
+    /// Asks for the displacements under nodal forces by the shared factor.
     Solve(Vec<f64>),
     End(Outcome),
 }
 
-/// Newton's method on one load.
+/// The Newton method on one load.
 pub(super) struct Newton<'a> {
-    pub(super) descent: Descent<'a>,
-    /// Whether it began with another solution rather than at rest.
+    pub(super) iterate: NewtonIterate<'a>,
+    /// Whether it started from another solution.
     started: bool,
     step: usize,
-    /// Pieces in the present step, and in the one before.
+    /// The contact state of the present step and of the one before.
     pieces: Vec<u8>,
     last: Vec<u8>,
-    /// The direction that is being sought.
+    /// The conjugate gradient iteration for the present direction.
     gradients: Option<Gradients>,
-    /// Steps one after another that left most of the imbalance.
+    /// Number of successive steps with little reduction of the residual.
     stalled: usize,
     since_settled: usize,
-    /// Whether the start has turned out to be too far away.
+    /// Whether the iteration restarted with the first penalty, since its start was too far away.
     far: bool,
     before: f64,
-    /// Steps on unchanged pieces since the least imbalance, and that.
+    /// Steps on an unchanged contact state since the least residual, and that residual.
     lasting: usize,
     lowest: f64,
-    /// Without a load, a force that counts although nothing may push in the end.
+    /// Without load, a lower bound of the reference force.
     least: f64,
-    /// Whether it ended because it stalled, so that its pieces may have a better solution.
+    /// Whether it ended by stalling, so that its contact state may have a better solution.
     pub(super) fell_short: bool,
 }
 
 impl<'a> Newton<'a> {
-    pub(super) fn new(descent: Descent<'a>, started: bool, held_value: &[f64]) -> Self {
-        // From rest, the first step takes every point on its steepest piece, as the factor does.
-        let pieces = if started { descent.pieces() } else { descent.problem.steepest_pieces() };
-        let least = if descent.load.iter().all(|&f| f == 0.0) {
-            let problem = descent.problem;
-            // What bends the plate as far as it is off the points, what strains it, and the rounding of what moves it.
-            let off = problem.points.travel_from(&problem.points.shift, &descent.solution.displacement);
-            let off = off.iter().zip(descent.pieces()).enumerate();
+    pub(super) fn new(iterate: NewtonIterate<'a>, started: bool, held_value: &[f64]) -> Self {
+        // From rest, the first step has every point on its steepest piece, as the factor does.
+        let pieces = if started { iterate.pieces() } else { iterate.problem.steepest_pieces() };
+        let least = if iterate.load.iter().all(|&f| f == 0.0) {
+            let problem = iterate.problem;
+            // The force that bends the plate by its distance from the points, the force that strains it, and the
+            // rounding of prescribed motions.
+            let off = problem.points.travel_from(&problem.points.shift, &iterate.solution.displacement);
+            let off = off.iter().zip(iterate.pieces()).enumerate();
             let held = off.filter(|(i, (_, piece))| problem.points.piece(*i, *piece).holds());
             let farthest = held.map(|(i, (off, _))| off.abs() * problem.points.arm[i]).fold(0.0, f64::max);
             let strained = force_of_settlements(problem, &problem.strained(held_value));
@@ -68,7 +69,7 @@ impl<'a> Newton<'a> {
             0.0
         };
         Self {
-            descent,
+            iterate,
             started,
             step: 0,
             last: pieces.clone(),
@@ -85,12 +86,12 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Goes on with the answer to what was asked for, if anything was; one that does not share its factor goes on to the end.
+    /// Iterates with the answer of the shared factor, if one was asked for; without a shared factor, to the end.
     pub(super) fn go_on(&mut self, mut answer: Option<Vec<f64>>, watch: &mut Watch<'_>) -> Result<Next, FactorError> {
         loop {
             let direction = match self.gradients.take() {
                 Some(mut gradients) => {
-                    let Descent { kkt, residual, .. } = &mut self.descent;
+                    let NewtonIterate { kkt, residual, .. } = &mut self.iterate;
                     let Some(direction) = gradients.go_on(kkt, &residual.imbalance, answer.take())? else {
                         let asked = gradients.residual.clone();
                         self.gradients = Some(gradients);
@@ -101,7 +102,7 @@ impl<'a> Newton<'a> {
                 None => match self.begin_step() {
                     Some(end) => return Ok(Next::End(end)),
                     None if self.gradients.is_some() => continue,
-                    None => Direction::zeros(self.descent.load.len()),
+                    None => Direction::zeros(self.iterate.load.len()),
                 },
             };
             if let Some(outcome) = self.end_step(&direction, watch) {
@@ -111,11 +112,11 @@ impl<'a> Newton<'a> {
     }
 
     pub(super) fn ended(self, outcome: Outcome) -> ContactSolution {
-        let solution = self.descent.ended();
+        let solution = self.iterate.ended();
         if outcome == Outcome::Solved { solution.solved() } else { solution.failed(outcome) }
     }
 
-    /// Begins a step, by seeking its direction unless nothing is out of balance; its end, if that was the last one.
+    /// Starts a step and its direction, unless the residual is zero; returns the outcome if the iteration ends.
     fn begin_step(&mut self) -> Option<Outcome> {
         self.step += 1;
         if self.step > NEWTON {
@@ -123,16 +124,16 @@ impl<'a> Newton<'a> {
         }
         let same = self.step > 1 && self.pieces == self.last;
         let lost = self.since_settled == UNSETTLED || self.stalled == STALLS;
-        if lost && self.descent.kkt.limit == tolerances::newton::STIFFEST && self.started {
-            // The start was too far away: begin with springs that bend the plate, like from rest.
+        if lost && self.iterate.kkt.limit == tolerances::newton::STIFFEST && self.started {
+            // The start was too far away: restart with the first penalty.
             (self.stalled, self.far) = (0, true);
-            self.descent.limit_to(self.descent.problem.first_limit);
-            self.pieces = self.descent.pieces();
+            self.iterate.set_penalty(self.iterate.problem.first_penalty);
+            self.pieces = self.iterate.pieces();
         }
-        let mut settled = self.descent.rounding();
-        if self.step > 1 && self.descent.drift() {
-            self.pieces = self.descent.pieces();
-            // What remains would only send a loose plate away.
+        let mut settled = self.iterate.rounding();
+        if self.step > 1 && self.iterate.coarse_correction() {
+            self.pieces = self.iterate.pieces();
+            // The rest of the residual would only move a free plate away.
             settled = settled.max(tolerances::newton::SETTLED * self.force());
         }
         let tolerance = match (same, self.since_settled < UNSETTLED) {
@@ -140,68 +141,68 @@ impl<'a> Newton<'a> {
             (false, true) => tolerances::newton::LOOSE,
             (false, false) => tolerances::newton::FIRM,
         };
-        if self.descent.residual.worst > settled || self.descent.residual.worst.is_nan() {
-            let (imbalance, rounding) = (self.descent.residual.imbalance.clone(), self.descent.rounding());
-            let mut gradients = Gradients::begin(&self.descent.kkt, &self.pieces, imbalance, tolerance, rounding);
+        if self.iterate.residual.worst > settled || self.iterate.residual.worst.is_nan() {
+            let (imbalance, rounding) = (self.iterate.residual.imbalance.clone(), self.iterate.rounding());
+            let mut gradients = Gradients::begin(&self.iterate.kkt, &self.pieces, imbalance, tolerance, rounding);
             if self.step <= UNSETTLED {
-                gradients.deflate(&mut self.descent.kkt);
+                gradients.deflate(&mut self.iterate.kkt);
             }
             self.gradients = Some(gradients);
         }
         None
     }
 
-    /// The largest force that acts.
+    /// Reference force.
     fn force(&self) -> f64 {
-        largest_force(self.descent.problem, self.descent.load, &[]).max(self.descent.largest_force())
+        largest_force(self.iterate.problem, self.iterate.load, &[]).max(self.iterate.largest_force())
     }
 
-    /// Follows the direction, and judges where it has led to.
+    /// Moves along the direction and tests for convergence.
     fn end_step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> Option<Outcome> {
-        self.descent.advance(direction, &self.pieces);
-        self.last = std::mem::replace(&mut self.pieces, self.descent.pieces());
+        self.iterate.advance(direction, &self.pieces);
+        self.last = std::mem::replace(&mut self.pieces, self.iterate.pieces());
         let unchanged = self.pieces == self.last;
         let force = self.force().max(self.least);
-        let descent = &mut self.descent;
+        let iterate = &mut self.iterate;
         let settling =
-            unchanged || descent.residual.worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
+            unchanged || iterate.residual.worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
         self.since_settled += 1;
         if settling {
             self.since_settled = 0;
-            descent.balance();
-            descent.rounding = None;
-            // Multipliers follow an equilibrium, not what comes before it.
-            let balanced = descent.residual.worst <= tolerances::newton::BALANCED * force;
-            let renewed = if balanced { descent.renew_multipliers() } else { f64::INFINITY };
-            let limit = descent.kkt.limit;
+            iterate.balance();
+            iterate.rounding = None;
+            // Multipliers are updated in equilibrium only.
+            let balanced = iterate.residual.worst <= tolerances::newton::BALANCED * force;
+            let renewed = if balanced { iterate.renew_multipliers() } else { f64::INFINITY };
+            let limit = iterate.kkt.limit;
             if limit < tolerances::newton::STIFFEST && renewed <= tolerances::newton::STEADY * force {
-                descent.limit_to(f64::min(tolerances::newton::STIFFER * limit, tolerances::newton::STIFFEST));
+                iterate.set_penalty(f64::min(tolerances::newton::STIFFER * limit, tolerances::newton::STIFFEST));
                 (self.before, self.lasting, self.lowest) = (f64::INFINITY, 0, f64::INFINITY);
             }
-            self.pieces = descent.pieces();
+            self.pieces = iterate.pieces();
         }
         let changing = differing(&self.pieces, &self.last).len();
-        let worst = descent.residual.worst;
+        let worst = iterate.residual.worst;
         if !worst.is_finite() {
             return Some(Outcome::Unsolved);
         }
-        // Where nothing acts nothing is out of balance.
+        // Without forces the relative residual is zero.
         let residual = if worst == 0.0 { 0.0 } else { worst / force };
         if !watch(Progress { step: self.step, changing, residual }) {
             return Some(Outcome::Interrupted);
         }
-        if !settling || descent.kkt.limit != tolerances::newton::STIFFEST {
+        if !settling || iterate.kkt.limit != tolerances::newton::STIFFEST {
             return None;
         }
         self.settled(worst, force, unchanged)
     }
 
-    /// How it ends with springs as stiff as they become, if it does.
+    /// The outcome at the largest penalty, if the iteration ends.
     fn settled(&mut self, worst: f64, force: f64, unchanged: bool) -> Option<Outcome> {
-        if worst <= tolerances::newton::SETTLED * force || worst <= self.descent.rounding() {
+        if worst <= tolerances::newton::SETTLED * force || worst <= self.iterate.rounding() {
             return Some(Outcome::Solved);
         }
-        // Points that neither push nor gape may change sides for ever; what is out of balance tells nothing more.
+        // Points without force and gap may change their piece for ever; the residual then gives no further information.
         let idle = unchanged || worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
         self.stalled = if idle && worst > tolerances::newton::SLOW * self.before { self.stalled + 1 } else { 0 };
         if self.stalled == STALLS || self.lasting == LASTING {

@@ -1,9 +1,9 @@
-//! How Newton's method begins: at rest, or at the solution under another load.
+//! Start of the Newton method: at rest, or at the solution of another load.
 
-use super::descent::Descent;
+use super::iterate::NewtonIterate;
 use super::newton::Newton;
 use crate::cholesky::FactorError;
-use crate::contact::kkt::{Afloat, BEFORE_A_FACTOR, Factored};
+use crate::contact::kkt::{BEFORE_A_FACTOR, CoarseLoad, Factored};
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::Residual;
 use crate::contact::solution::ContactSolution;
@@ -11,15 +11,15 @@ use crate::contact::system::System;
 use crate::contact::tolerances;
 use std::sync::Arc;
 
-/// Newton's method at its start, on a factor that others may share.
-pub(super) fn begun<'a>(
+/// Makes the Newton method, on a factor that several loads may share.
+pub(super) fn new_newton<'a>(
     problem: &'a ContactProblem,
     load: &'a [f64],
     held_value: &[f64],
     start: Option<&'a ContactSolution>,
     shares: bool,
 ) -> Result<Newton<'a>, FactorError> {
-    let limit = if start.is_some() { tolerances::newton::STIFFEST } else { problem.first_limit };
+    let limit = if start.is_some() { tolerances::newton::STIFFEST } else { problem.first_penalty };
     let mut kkt = Factored::new(problem, start.and_then(|start| system_of(problem, start)), limit, shares);
     let mut solution = problem.at_rest(held_value);
     let mut multiplier = vec![0.0; problem.points.len()];
@@ -33,23 +33,23 @@ pub(super) fn begun<'a>(
             kkt.refactor(&start.piece)?;
         }
     }
-    let mut descent = Descent {
+    let mut iterate = NewtonIterate {
         problem,
         load,
         kkt,
         solution,
-        stretch: vec![0.0; multiplier.len()],
+        augmented_travel: vec![0.0; multiplier.len()],
         multiplier,
         residual: Residual::default(),
-        afloat: Afloat::under(problem, load),
+        coarse_load: CoarseLoad::under(problem, load),
         rounding: None,
         spent,
     };
-    descent.balance();
-    Ok(Newton::new(descent, start.is_some(), held_value))
+    iterate.balance();
+    Ok(Newton::new(iterate, start.is_some(), held_value))
 }
 
-/// The factor that a start has for a problem.
+/// The factor of a warm start, if it fits the problem.
 pub(super) fn system_of<'a>(problem: &ContactProblem, start: &'a ContactSolution) -> Option<&'a Arc<System>> {
-    start.system.as_ref().filter(|system| Arc::ptr_eq(&system.blueprint, &problem.blueprint))
+    start.system.as_ref().filter(|system| Arc::ptr_eq(&system.pattern, &problem.pattern))
 }

@@ -1,8 +1,9 @@
-//! Rigid motions of plates that only springs and contact points hold, apart from everything else.
+//! Rigid motions R of plates without held dofs, as unknowns of their own (the coarse space of FETI, Farhat & Roux
+//! 1991).
 //!
-//! Where what holds is soft beside the plates, eliminating K gives them to few digits, and adding them as doubles strains
-//! the plates by their rounding: a factor's own rounding may resist them more than a few points under an edge do. Here they
-//! follow from the resultants on every plate alone, and are added exactly.
+//! Where the springs are soft relative to the plate, elimination of K gives rigid motions to few digits, and adding
+//! them in double precision strains the plate by their rounding. Here they follow from the resultants on each plate,
+//! and they are added exactly.
 
 use super::points::Points;
 use super::rigid::{Matrix, eliminated, rigid_motions};
@@ -12,26 +13,26 @@ use crate::plate::Plate;
 use crate::rows::Springs;
 use rayon::prelude::*;
 
-/// Points that one thread takes at a time.
+/// Points of one parallel chunk.
 const CHUNK: usize = 8192;
 
-/// What the three rigid motions w, w + x and w + y about the middle, over the plates' size, do of every plate that no dof
-/// holds: n motions in all.
-pub(super) struct Floating {
+/// The rigid motions R of all plates without a held dof, n in total: three per plate, with lengths over the plate's
+/// size.
+pub(super) struct RigidBodySpace {
     size: f64,
-    /// At every dof, those of the plate that it is of.
+    /// The three motions of its plate at each dof.
     pub(super) nodal: [Vec<f64>; 3],
-    /// First motion of the plate that a node is of, and of each component of the mesh; nothing where a dof is held.
+    /// Index of the first motion of the plate of each node and of each component; `None` where a dof is held.
     of_node: Vec<Option<usize>>,
     of_component: Vec<Option<usize>>,
     count: usize,
-    /// At every contact point and spring (.., n), one after the other.
+    /// GR of contact points and of springs (rows, n), row by row.
     points: Vec<f64>,
     springs: Vec<f64>,
 }
 
-impl Floating {
-    /// Nothing where a dof of every plate is held.
+impl RigidBodySpace {
+    /// Makes the space; `None` where every plate has a held dof.
     pub(super) fn on(plate: &Plate, held: &[bool], scale: &Scale, points: &Points, springs: &Springs) -> Option<Self> {
         let components = plate.components();
         let mut of_component = vec![Some(0); components.count()];
@@ -46,14 +47,14 @@ impl Floating {
         }
         let of_node = (0..plate.node_count()).map(|node| of_component[components.of(node)]).collect();
         let nodal = rigid_motions(plate, scale);
-        let mut floating =
+        let mut rigid_space =
             Self { size: scale.size, nodal, of_node, of_component, count, points: Vec::new(), springs: Vec::new() };
-        floating.points = floating.arms(points.len(), |i| points.row(i));
-        floating.springs = floating.arms(springs.rows.len(), |i| springs.rows.entries(plate, i));
-        Some(floating)
+        rigid_space.points = rigid_space.arms(points.len(), |i| points.row(i));
+        rigid_space.springs = rigid_space.arms(springs.rows.len(), |i| springs.rows.entries(plate, i));
+        Some(rigid_space)
     }
 
-    /// How the motions move rows (.., n), one after the other.
+    /// Product of rows with R: (rows, n), row by row.
     fn arms<R: Iterator<Item = (usize, f64)>>(&self, rows: usize, row: impl Fn(usize) -> R) -> Vec<f64> {
         let mut arms = vec![0.0; self.count * rows];
         for (i, arm) in arms.chunks_exact_mut(self.count).enumerate() {
@@ -65,18 +66,18 @@ impl Floating {
         arms
     }
 
-    /// How the motions move a contact point (n,).
+    /// Row of GR of a contact point (n,).
     pub(super) fn of_point(&self, i: usize) -> &[f64] {
         &self.points[self.count * i..self.count * (i + 1)]
     }
 
-    /// How they move every spring (n,).
+    /// Row of GR of each spring (n,).
     pub(super) fn of_springs(&self) -> impl Iterator<Item = &[f64]> {
         self.springs.chunks_exact(self.count)
     }
 
-    /// What springs and points hold the motions with (n, n), given the stiffness of both; that of open points is 0.
-    pub(super) fn holding(&self, of_points: impl Fn(usize) -> f64 + Sync, of_springs: &[f64]) -> Matrix {
+    /// Projected stiffness RᵀGᵀkGR (n, n), given the stiffness k of points and springs; open points have k = 0.
+    pub(super) fn projected_stiffness(&self, of_points: impl Fn(usize) -> f64 + Sync, of_springs: &[f64]) -> Matrix {
         let n = self.count;
         let zeros = || vec![vec![DoubleDouble::default(); n]; n];
         let holds = |held: &mut Matrix, arm: &[f64], stiffness: f64| {
@@ -85,7 +86,7 @@ impl Floating {
                 (0..=j).for_each(|k| held[j][k].add_product(root * arm[j], root * arm[k]));
             }
         };
-        // Chunk by chunk, in their order, so that the sum is the same on any number of threads.
+        // Chunks are summed in order, so that the sum does not depend on the number of threads.
         let of_chunk = |(chunk, arms): (usize, &[f64])| {
             let mut held = zeros();
             let stiffness = arms.chunks_exact(n).enumerate().map(|(i, arm)| (arm, of_points(CHUNK * chunk + i)));
@@ -102,12 +103,12 @@ impl Floating {
         matrix
     }
 
-    /// The softest that they hold a motion.
+    /// Smallest pivot of the projected stiffness.
     pub(super) fn softest(&self, of_points: impl Fn(usize) -> f64 + Sync, of_springs: &[f64]) -> f64 {
-        eliminated(self.holding(of_points, of_springs), vec![DoubleDouble::default(); self.count]).least
+        eliminated(self.projected_stiffness(of_points, of_springs), vec![DoubleDouble::default(); self.count]).least
     }
 
-    /// Resultants of nodal forces (n,).
+    /// Resultants Rᵀf of nodal forces (n,).
     pub(super) fn resultants(&self, nodal: &[f64]) -> Vec<DoubleDouble> {
         let mut sums = vec![DoubleDouble::default(); self.count];
         for (dof, &force) in nodal.iter().enumerate() {
@@ -117,7 +118,7 @@ impl Floating {
         sums
     }
 
-    /// The motion (deflection and slopes at the middle) of every component, of amounts of the motions.
+    /// The motion (w, θx, θy at the centre) of each component, given the amounts of the motions (n,).
     pub(super) fn motion(&self, amount: &[f64]) -> Vec<[f64; 3]> {
         let of = |first: usize| [amount[first], amount[first + 1] / self.size, amount[first + 2] / self.size];
         self.of_component.iter().map(|first| first.map_or([0.0; 3], of)).collect()

@@ -1,26 +1,26 @@
-//! Many loads side by side: what their directions ask of one factor is solved together, so that it is read once for all.
+//! Many loads at once: their solves with one shared factor are batched, so that it is read once for all.
 //!
-//! Each goes on as if it were alone, in parallel with the others, so that neither order nor number of threads changes a bit.
+//! Each load iterates independently and in parallel, so that order and number of threads change no bit.
 
-use super::begin::{begun, system_of};
 use super::newton::{Newton, Next};
+use super::start::{new_newton, system_of};
 use crate::cholesky::{FactorError, LANES};
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::ContactSolution;
 use rayon::prelude::*;
 
-/// Loads that are under way at once.
+/// Loads of one batch.
 const AT_ONCE: usize = LANES;
 
-/// A load under way: its number, and what it was answered.
+/// A load of the batch: its number, its iteration, and the answer of the shared factor.
 struct UnderWay<'a> {
     number: usize,
     newton: Newton<'a>,
     answer: Option<Vec<f64>>,
 }
 
-/// Solves many loads (3n,) each, from another load's solution on if there is one. `watch` is asked now and then and ends it
-/// by returning false; then answers are missing.
+/// Solves many loads (3n,), from the solution of another load if given. `watch` is called at intervals and cancels by
+/// returning false; then solutions are missing.
 pub(in crate::contact) fn solve_together(
     problem: &ContactProblem,
     start: Option<&ContactSolution>,
@@ -29,7 +29,7 @@ pub(in crate::contact) fn solve_together(
     watch: &mut dyn FnMut() -> bool,
 ) -> Result<Vec<ContactSolution>, FactorError> {
     let with = start.and_then(|start| system_of(problem, start)).map_or(&problem.base, |system| system);
-    let blueprint = &problem.blueprint;
+    let pattern = &problem.pattern;
     let mut under_way: Vec<UnderWay> = Vec::with_capacity(AT_ONCE);
     let mut waiting = loads.iter().enumerate();
     let mut solved: Vec<Option<ContactSolution>> = loads.iter().map(|_| None).collect();
@@ -38,10 +38,10 @@ pub(in crate::contact) fn solve_together(
         let begun: Vec<UnderWay> = next
             .into_par_iter()
             .map(|(number, load)| {
-                // Without a load the plate is at rest, exactly so only if it begins there.
+                // Without load the plate is at rest; only a start at rest gives that exactly.
                 let loaded = load.iter().any(|&force| force != 0.0);
                 let shares = loaded || start.is_none();
-                let newton = begun(problem, load, held_value, start.filter(|_| loaded), shares)?;
+                let newton = new_newton(problem, load, held_value, start.filter(|_| loaded), shares)?;
                 Ok(UnderWay { number, newton, answer: None })
             })
             .collect::<Result<_, FactorError>>()?;
@@ -49,7 +49,8 @@ pub(in crate::contact) fn solve_together(
         if under_way.is_empty() && waiting.len() == 0 || !watch() {
             return Ok(solved.into_iter().flatten().collect());
         }
-        // Each goes on until it waits for the factor again, or ends; one that does not share it goes on to the end.
+        // Each load iterates until it needs the shared factor, or ends. A load with a factor of its own iterates to the
+        // end.
         let went = under_way.into_par_iter().map(|mut load| {
             let next = load.newton.go_on(load.answer.take(), &mut |_| true);
             (load, next)
@@ -60,7 +61,7 @@ pub(in crate::contact) fn solve_together(
         for (load, next) in went {
             match next? {
                 Next::Solve(force) => {
-                    block.extend(blueprint.gather(&force));
+                    block.extend(pattern.gather(&force));
                     under_way.push(load);
                 }
                 Next::End(outcome) => solved[load.number] = Some(load.newton.ended(outcome)),
@@ -68,7 +69,7 @@ pub(in crate::contact) fn solve_together(
         }
         with.factor.solve_side_by_side(&mut block)?;
         for (load, answer) in under_way.iter_mut().zip(block.chunks_exact(with.factor.len())) {
-            load.answer = Some(blueprint.scatter(answer, problem.plate.dof_count()));
+            load.answer = Some(pattern.scatter(answer, problem.plate.dof_count()));
         }
     }
 }

@@ -1,8 +1,8 @@
-//! Who follows a path from its first solution on: what solves it from one line to the next, and is watched.
+//! The path tracer: solves from line to line, with a callback.
 
 use super::line::{Line, travel};
 use super::load::{PathEnd, PathLoad, Stop};
-use super::trail::Trail;
+use super::recorder::PathRecorder;
 use crate::cholesky::FactorError;
 use crate::contact::kkt::Kkt;
 use crate::contact::problem::ContactProblem;
@@ -11,32 +11,32 @@ use crate::contact::scale::largest;
 use crate::contact::solution::{ContactSolution, Outcome, Progress, Watch, differing};
 use crate::contact::tolerances;
 
-/// Who follows the path of one load.
-pub(super) struct Follower<'a> {
+/// The path tracer of one load.
+pub(super) struct PathTracer<'a> {
     pub problem: &'a ContactProblem,
     pub load: &'a PathLoad<'a>,
-    /// The equations of given pieces, which keep their last factor.
+    /// Solver of fixed contact states; keeps its last factor.
     kkt: Box<dyn Kkt + 'a>,
     watch: &'a mut Watch<'a>,
-    /// Whether whoever watches wanted no more.
+    /// Whether the callback cancelled.
     pub interrupted: bool,
     lines: usize,
 }
 
-impl<'a> Follower<'a> {
-    /// Whether to go on.
+impl<'a> PathTracer<'a> {
+    /// Calls the callback; false if cancelled.
     pub fn goes_on(&mut self, now: Progress) -> bool {
         self.interrupted = self.interrupted || !(self.watch)(now);
         !self.interrupted
     }
 
-    /// The solution at one t, beginning with another if there is one.
+    /// The solution at one t, from a nearby one if given.
     pub fn solution(&mut self, t: f64, near: Option<&ContactSolution>) -> Result<ContactSolution, FactorError> {
         let (problem, load) = (self.problem, self.load.at(t));
         problem.solve(&load, self.load.held_value, None, near, &mut |now| self.goes_on(now))
     }
 
-    /// The line on a contact set; `None` where that leaves the plate free.
+    /// The line on a contact state; `None` where the state does not hold the plate.
     pub fn line(
         &mut self,
         pieces: &[u8],
@@ -49,11 +49,11 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// The line on the contact set of a solution, which holds at the first of two t.
+    /// The line on the contact state of a solution at the first of two t.
     pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line<'a>>, FactorError> {
         let Some(to) = self.solution_on(&from.piece, at, 1, Some(&from))? else { return Ok(None) };
         let loads = at.map(|t| self.load.at(t));
-        // A load that hardly presses on the points says nothing of what they do, nor a plate that cannot deflect.
+        // Bounds from below, for a load that hardly acts on the points and for a plate that cannot deflect.
         let counts = |force: f64| match force {
             0.0 => self.problem.scale.largest(&loads[1]),
             force => force.max(tolerances::path::UNSEEN * self.size(at[0])),
@@ -69,7 +69,7 @@ impl<'a> Follower<'a> {
         Ok(Some(Line { points: &self.problem.points, at, ends, forces, lengths, deflection }))
     }
 
-    /// The solution on other pieces, if it stands on them too: points that differ are where their pieces meet.
+    /// The solution with other pieces, if the changed points are at the common ends of their pieces.
     pub fn standing_on(&self, solution: &ContactSolution, pieces: &[u8]) -> Option<ContactSolution> {
         let points = &self.problem.points;
         let lengths = lengths(self.problem, solution);
@@ -98,13 +98,13 @@ impl<'a> Follower<'a> {
         Some(same)
     }
 
-    /// Largest part of the load where the two that it is made of do not cancel, and both count.
+    /// Sum of the magnitudes of both parts of the load.
     fn size(&self, t: f64) -> f64 {
         let [start, add] = self.parts();
         start + self.span(t) * add
     }
 
-    /// A step of t that changes the load about as much as there is of it; where there is none, a unit of what is added.
+    /// A step of t that changes the load by about its size; 1 without load.
     pub fn span(&self, t: f64) -> f64 {
         let [start, add] = self.parts();
         let there = start / add;
@@ -117,13 +117,13 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// From no load, a unit of t in which the plate moves by about its least gap, a power of two; 1 if that is not far
-    /// below it, and where nothing tells.
+    /// For a path from no load: unit of t in which the plate moves by about its least gap, as a power of two; 1 if that
+    /// is not far below 1.
     fn unit(&mut self, rest: &ContactSolution) -> Result<f64, FactorError> {
         if self.parts()[0] != 0.0 {
             return Ok(1.0);
         }
-        // On bases that have moved, points in contact have gaps of rounding.
+        // On settled bases, points in contact have gaps of rounding.
         let at_rest = self.problem.at_rest(self.load.held_value);
         let least = tolerances::path::SIGN * travel(&at_rest, rest);
         let gap = rest.gap.iter().copied().filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
@@ -133,7 +133,7 @@ impl<'a> Follower<'a> {
         let far = f64::min(1.0, 0.5 * self.load.end);
         let moved = match self.line(&rest.piece, [0.0, far], Some(rest))? {
             Some(line) => line.travel(0.0, far),
-            // How far a plate that floats at first falls does not go with its load; how it bends then does.
+            // The first motion of a plate without hold does not scale with its load; its bending does.
             None => {
                 let half = self.solution(0.5 * far, Some(rest))?;
                 if half.outcome != Outcome::Solved {
@@ -147,13 +147,13 @@ impl<'a> Follower<'a> {
         Ok(if unit > 0.0 && unit < tolerances::path::FAR_BELOW { unit.log2().floor().exp2() } else { 1.0 })
     }
 
-    /// Sizes of the load that is there and of the one that is added.
+    /// Largest force of f₀ and of f₁.
     fn parts(&self) -> [f64; 2] {
         [self.load.start, self.load.add].map(|load| self.problem.scale.largest(load))
     }
 
-    /// What the reaction of every point is measured by: the largest, or, of a spring too soft for that, what presses it by
-    /// its length. Its travel and its reaction then tell alike when it changes its piece.
+    /// Reference force of each point: the largest reaction, or for a soft spring its reference travel over its
+    /// compliance. Travel and reaction then have equal weight at a change of piece.
     fn forces(&self, force: f64, lengths: &[f64]) -> Vec<f64> {
         let of = |(i, length): (usize, &f64)| match self.problem.steepest(i).compliance() {
             compliance if *length > 0.0 => force.min(length / compliance),
@@ -162,7 +162,7 @@ impl<'a> Follower<'a> {
         lengths.iter().enumerate().map(of).collect()
     }
 
-    /// The solution on a set at one end of a line.
+    /// The solution on a contact state at one end of a line.
     fn solution_on(
         &mut self,
         pieces: &[u8],
@@ -182,21 +182,21 @@ impl<'a> Follower<'a> {
         Ok((solution.outcome == Outcome::Solved).then_some(solution))
     }
 
-    /// Ends the path on its last line: at the t asked for, or where there is none, at `far`.
-    pub fn end_on(&self, line: &Line<'_>, far: f64, trail: &mut Trail) -> PathEnd {
+    /// Ends the path on its last line: at the requested t, or at `far`.
+    pub fn end_on(&self, line: &Line<'_>, far: f64, recorder: &mut PathRecorder) -> PathEnd {
         let (last, end) = match self.load.end.is_finite() {
             true => (self.load.end, PathEnd::Reached),
             false => (far, PathEnd::Unbounded),
         };
-        trail.end(last, Some(&line.at(last)), end)
+        recorder.end(last, Some(&line.at(last)), end)
     }
 }
 
 impl ContactProblem {
-    /// Follows the path, and shows every stop on it to `visit`, which may end it by returning false, as `watch` may between
-    /// them, which sees the steps of all solves.
+    /// Traces the path and calls `visit` at every stop; false ends the path. `watch` is called at every step of a solve
+    /// and may cancel.
     ///
-    /// The first stop is the solution at t = 0; if there is none, `visit` is not called.
+    /// The first stop is the solution at t = 0; without one, `visit` is not called.
     pub fn path(
         &self,
         load: &PathLoad,
@@ -205,33 +205,33 @@ impl ContactProblem {
     ) -> Result<PathEnd, FactorError> {
         let (add, counted);
         let mut watch = watch;
-        let mut follower =
-            Follower { problem: self, load, kkt: self.kkt(), watch: &mut watch, interrupted: false, lines: 0 };
-        let first = follower.solution(0.0, None)?;
+        let mut tracer =
+            PathTracer { problem: self, load, kkt: self.kkt(), watch: &mut watch, interrupted: false, lines: 0 };
+        let first = tracer.solution(0.0, None)?;
         let end = match first.outcome {
             Outcome::Solved => {
-                let unit = follower.unit(&first)?;
+                let unit = tracer.unit(&first)?;
                 add = load.add.iter().map(|force| unit * force).collect::<Vec<f64>>();
                 counted = PathLoad { add: &add, end: load.end / unit, ..*load };
-                follower.load = &counted;
-                follower.follow(first, &mut |stop| visit(Stop { t: unit * stop.t, ..stop }))?
+                tracer.load = &counted;
+                tracer.follow(first, &mut |stop| visit(Stop { t: unit * stop.t, ..stop }))?
             }
             Outcome::NoEquilibrium => PathEnd::NoEquilibrium,
             _ => PathEnd::Unsolved,
         };
-        Ok(if follower.interrupted { PathEnd::Interrupted } else { end })
+        Ok(if tracer.interrupted { PathEnd::Interrupted } else { end })
     }
 }
 
-impl Follower<'_> {
+impl PathTracer<'_> {
     fn follow(&mut self, first: ContactSolution, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, FactorError> {
         if self.interrupted {
             return Ok(PathEnd::Interrupted);
         }
-        let mut trail = Trail::new(first, visit);
+        let mut recorder = PathRecorder::new(first, visit);
         if self.load.end <= 0.0 {
-            return Ok(trail.end(0.0, None, PathEnd::Reached));
+            return Ok(recorder.end(0.0, None, PathEnd::Reached));
         }
-        if self.problem.is_condensed() { self.pivot_along(&mut trail) } else { self.step_along(0.0, &mut trail) }
+        if self.problem.is_condensed() { self.pivot_along(&mut recorder) } else { self.step_along(0.0, &mut recorder) }
     }
 }

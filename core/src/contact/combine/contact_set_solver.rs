@@ -1,7 +1,7 @@
-//! The points' factors in a sum of responses, on one contact set after another.
+//! Factors of the point responses for one contact state after another.
 //!
-//! The equations of a set differ from those of one factored beforehand in the rows of the points that have changed sides,
-//! so that its inverse serves for both (Woodbury 1950), corrected by residuals in double-double.
+//! The equations of a state differ from those of a reference state in the rows of the points that changed their piece,
+//! so that one inverse serves both (Woodbury 1950), with corrections by residuals in double-double.
 
 use crate::contact::interface::Form;
 use crate::contact::problem::ContactProblem;
@@ -13,37 +13,37 @@ use crate::double_double::DoubleDouble;
 use crate::vectorized::vectorized;
 use faer::Mat;
 
-/// Points that have changed sides, over all, up to which updating an inverse takes less work than a factorization.
+/// Largest share of changed points for an update: with more a factorization is cheaper.
 const FEW: f64 = 0.25;
-/// More points than this have no inverse, whose matrix would be no small part of memory.
+/// Largest number of points with a dense inverse; limits memory.
 const MOST: usize = 2000;
-/// Corrections by an updated inverse; where they do not end in rounding the set is factored.
+/// Largest number of corrections by an updated inverse; without convergence the state is factored.
 const CORRECTIONS: usize = 4;
 
-/// Factors of the points' responses, reactions and gaps.
-pub(super) type Found = (Vec<f64>, Vec<f64>, Vec<f64>);
+/// Factors of the point responses, reactions and gaps.
+pub(super) type PointFactors = (Vec<f64>, Vec<f64>, Vec<f64>);
 
-/// Equations of points that hold, travel − reaction/k, and of others, reaction, over the points' factors.
-pub(super) struct OnSet {
+/// Equations of contact states in the factors x: travel − r/k of points whose force depends on the travel, r of others.
+pub(super) struct ContactSetSolver {
     form: Form,
-    /// Travel and reaction of all points under the response of one, one response behind the other.
+    /// Travel and reaction of all points under each point response, response by response.
     moved: Vec<f64>,
     reaction: Vec<f64>,
-    known: Option<Known>,
+    known: Option<ReferenceInverse>,
 }
 
-/// The compliance of a point that holds; of others there is none.
+/// The compliance of a point whose force depends on the travel; else `None`.
 type Compliance = Option<f64>;
 
-/// Pieces, and the inverse of their equations, each over its largest coefficient.
-struct Known {
+/// A contact state and the inverse of its equations, scaled by their largest coefficients.
+struct ReferenceInverse {
     pieces: Vec<u8>,
-    /// What each equation is multiplied by.
+    /// Scale factor of each equation.
     unit: Vec<f64>,
     inverse: Mat<f64>,
 }
 
-/// The pieces of points as their equations have them.
+/// The compliances of a contact state.
 struct On<'a> {
     problem: &'a ContactProblem,
     form: Form,
@@ -55,7 +55,7 @@ impl On<'_> {
         self.compliance.len()
     }
 
-    /// What the factor of a point is multiplied by where it stands alone in its equation.
+    /// The only coefficient of a point's equation, if it has one coefficient.
     fn alone(&self, i: usize) -> Option<f64> {
         match (self.form, self.compliance[i]) {
             (Form::Stiffness, Some(compliance)) => (compliance == 0.0).then_some(1.0),
@@ -66,8 +66,8 @@ impl On<'_> {
     }
 }
 
-impl OnSet {
-    /// Of a plate's points, from the response of each.
+impl ContactSetSolver {
+    /// Makes the solver from the response of each point.
     pub(super) fn new(problem: &ContactProblem, form: Form, points: &[Response]) -> Result<Self, OutOfMemory> {
         let count = problem.points.len();
         Ok(Self {
@@ -86,7 +86,7 @@ impl OnSet {
         On { problem, form: self.form, compliance: pieces.iter().enumerate().map(compliance).collect() }
     }
 
-    /// Inverts the equations of pieces that many others are near to, unless they are singular.
+    /// Inverts the equations of a reference state, unless they are singular.
     pub(super) fn begin_with(&mut self, problem: &ContactProblem, pieces: Vec<u8>) -> Result<(), OutOfMemory> {
         let count = pieces.len();
         if count > MOST {
@@ -98,19 +98,20 @@ impl OnSet {
         if factors.has_pivots_above(0.0) {
             let mut inverse = dense::matrix(count, count, |i, j| f64::from(i == j))?;
             factors.solve_in_place(inverse.as_mut())?;
-            self.known = Some(Known { pieces, unit, inverse });
+            self.known = Some(ReferenceInverse { pieces, unit, inverse });
         }
         Ok(())
     }
 
-    /// Factors, reactions and gaps on pieces, past those of a load alone; `None` if their equations are singular.
+    /// Factors, reactions and gaps of a contact state, on top of those of the load; `None` if the equations are
+    /// singular.
     pub(super) fn solve(
         &self,
         problem: &ContactProblem,
         pieces: &[u8],
         moved: &[f64],
         reaction: &[f64],
-    ) -> Result<Option<Found>, OutOfMemory> {
+    ) -> Result<Option<PointFactors>, OutOfMemory> {
         let count = pieces.len();
         let line: Vec<_> = (0..count).map(|i| problem.points.piece(i, pieces[i])).collect();
         let on = self.on(problem, pieces);
@@ -132,7 +133,7 @@ impl OnSet {
         Ok(Some((factor, reaction, gap)))
     }
 
-    /// Coefficient of point j's factor in the equation of point i.
+    /// Coefficient of x_j in the equation of point i.
     fn coefficient(&self, on: &On, i: usize, j: usize) -> f64 {
         let at = j * on.len() + i;
         match (on.alone(i), on.compliance[i]) {
@@ -143,13 +144,13 @@ impl OnSet {
         }
     }
 
-    /// What an equation is multiplied by so that its largest coefficient is 1.
+    /// Scale factor that makes the largest coefficient of an equation 1.
     fn unit(&self, on: &On, i: usize) -> f64 {
         let largest = (0..on.len()).map(|j| self.coefficient(on, i, j).abs()).fold(0.0, f64::max);
         if largest > 0.0 { 1.0 / largest } else { 1.0 }
     }
 
-    /// own + Σ_j part(i, moved_ij, reaction_ij) x_j, summed in double-double, all points side by side.
+    /// own + Σ_j part(i, moved_ij, reaction_ij) x_j in double-double, vectorized over points.
     fn add_products(&self, own: Vec<f64>, x: &[f64], part: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
         let count = own.len();
         let (mut high, mut low) = (own, vec![0.0; count]);
@@ -169,7 +170,7 @@ impl OnSet {
         high.iter().zip(&low).map(|(hi, lo)| hi + lo).collect()
     }
 
-    /// What factors leave of the right-hand side.
+    /// Residual of the equations.
     fn residual(&self, on: &On, right: &[f64], x: &[f64]) -> Vec<f64> {
         let mut residual = self.add_products(right.to_vec(), x, |i, moved, reaction| match on.compliance[i] {
             Some(compliance) => compliance * reaction - moved,
@@ -183,10 +184,10 @@ impl OnSet {
         residual
     }
 
-    /// By the inverse of the known set; `None` if there is none, too many points have changed sides, or rounding of the
-    /// update does not go away.
+    /// Solves by the inverse of the reference state; `None` without one, after too many changes, or without
+    /// convergence.
     fn updated(&self, on: &On, pieces: &[u8], right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
-        let Some(Known { pieces: before, unit, inverse }) = &self.known else { return Ok(None) };
+        let Some(ReferenceInverse { pieces: before, unit, inverse }) = &self.known else { return Ok(None) };
         let count = on.len();
         let changed = differing(pieces, before);
         if changed.len() as f64 > FEW * count as f64 {
@@ -194,7 +195,7 @@ impl OnSet {
         }
         let mut unit = unit.clone();
         changed.iter().for_each(|&i| unit[i] = self.unit(on, i));
-        // A row of the changed equations times a column of the inverse that belongs to one.
+        // Product of the changed equations with columns of the inverse.
         let row = |p: usize, j: usize| unit[changed[p]] * self.coefficient(on, changed[p], j);
         let rows = dense::matrix(changed.len(), count, row)?;
         let columns = dense::matrix(count, changed.len(), |i, q| inverse[(i, changed[q])])?;
@@ -222,7 +223,7 @@ impl OnSet {
         Ok(None)
     }
 
-    /// By a factorization of the equations in which no factor stands alone.
+    /// Solves by a factorization of the coupled equations.
     fn factored(&self, on: &On, right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
         let mut x = vec![0.0; on.len()];
         let mut unknown = Vec::new();
@@ -240,7 +241,7 @@ impl OnSet {
         if !factors.has_pivots_above(0.0) {
             return Ok(None);
         }
-        // The second pass corrects the first by what it leaves.
+        // The second pass is one step of iterative refinement.
         for _ in 0..2 {
             let residual = self.residual(on, right, &x);
             let mut step = Mat::from_fn(size, 1, |p, _| residual[unknown[p]]);
