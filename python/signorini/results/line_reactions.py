@@ -30,23 +30,22 @@ from signorini.results.extremes import peak
 from signorini.results.support_points import SupportPoints
 
 CORNER = np.cos(np.radians(15.0))
-"""Where an edge turns by more it has a corner: sides of a circle, which are parabolas, turn by less than 1°."""
+"""Cosine of the angle from which a turn of a line is a corner. Quadratic sides of a circle turn by less than 1°."""
 _APART = 2.0
-"""Distance of stations along a line that cuts elements, over the size of these. Each element holds its mean there, and
-those that the line cuts in a corner carry more or less than their share.
+"""Distance of stations along a line that cuts elements, over the element size. The line holds the mean deflection of
+each element, and the forces of neighbouring elements alternate.
 """
 _PARALLEL = 1e-9
-"""Part of the largest eigenvalue below which points on a rigid zone are on one straight line."""
+"""Relative tolerance for zero eigenvalues: points on a rigid zone are on a straight line."""
 _LAYER, _MOST_OF_RUN = 3.0, 0.25
-"""Length of a zone at the end of a line, over the plate's thickness, and at most over the line's length.
+"""Length of a zone at the end of a line over the plate's thickness, and its upper bound over the line's length.
 
-The concentrated force of a thin plate is spread there in a layer about a third of the thickness long, which elements
-know or do not, as they are small or large.
+Mindlin's plate spreads the concentrated force there over a boundary layer of width δ = 0.32 h.
 """
 _WIDTH, _SEEN = 10.0**-0.5, 2.65
-"""Width δ of that layer over the thickness, and the part of it that elements know, as in ``accuracy/layers.py``."""
+"""Width δ of that layer over the thickness, and the factor of the resolved part, as in ``accuracy/layers.py``."""
 _NEIGHBOURS = 3
-"""Stations from which reactions per length in such a zone are extrapolated: a parabola."""
+"""Number of stations beyond the zone that determine the parabola of extrapolation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +83,7 @@ class Pieces:
         return cls(ends, tangents, lengths, None)
 
     def in_runs(self, near: float) -> tuple[Self, Ints, Bools]:
-        """Order the pieces by runs, that go on smoothly, in the direction of the first piece of each.
+        """Order the pieces by smooth runs, in the direction of the first piece of each.
 
         Returns with them the vertices (k, 2) at their ends, of which ends nearer than ``near`` are one, and which of
         these (v,) are smooth.
@@ -218,7 +217,7 @@ class Line:
         next_to = mean[..., self.beside]
         per_length = np.clip(per_length, np.minimum(mean, next_to), np.maximum(mean, next_to))
         if self.one_sided:
-            # What can only push has no part of the other sign.
+            # P and r have the sign of the reaction.
             per_length = np.clip(per_length, np.minimum(mean, 0.0), np.maximum(mean, 0.0))
         spread = np.zeros(at_vertices.shape)
         np.add.at(spread.T, self.vertex, (per_length * self.lengths).T)
@@ -274,7 +273,8 @@ class LineReactions(Remade):
     ...     load=[{"pressure": 5e3}],
     ... )
     >>> line = solve(model)["all"].supports[0].line
-    >>> round(float(line.reactions @ line.lengths), 3), line.s[[0, -1]].tolist()
+    >>> total = line.reactions @ line.lengths + line.corner_reactions.sum()
+    >>> round(float(total), 3), line.s[[0, -1]].round(9).tolist()
     (80000.0, [0.0, 8.0])
     """
 
@@ -290,7 +290,7 @@ class LineReactions(Remade):
 
     @classmethod
     def of(cls, line: Line, reactions: Floats, corner_reactions: Floats) -> Self:
-        """Put what was read beside the stations."""
+        """Join reactions with the stations of the line."""
         begins = np.append(True, line.pieces[:-1] < 0)
         return cls(
             *(line.positions, line.normals, line.s, line.lengths, reactions, begins),
@@ -323,8 +323,8 @@ class LineReactions(Remade):
 def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int) -> csr_array:
     """Take the forces (p,) of a support's points to those at vertices (v,), by linear functions along each piece.
 
-    Of the part of a line in a rigid zone only the resultant and the moments are known: there the reaction per length is
-    the linear one that has these. Points that can let go keep their forces.
+    In a rigid zone only the resultant and the moments of the reactions are known. There the reaction per length is
+    linear. Points that can let go keep their forces.
     """
     points, bodies, mesh = SupportPoints.of(discretisation, index), discretisation.held.bodies, discretisation.mesh
     on, t = pieces.locate(points.positions)
@@ -357,12 +357,12 @@ def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, ver
 
 
 def _body(bodies: Bodies, nodes: Ints) -> Ints:
-    """The node that leads each of some nodes (q,), −1 of those in no rigid zone."""
+    """Leading nodes of the rigid zones of nodes (q,); −1 outside rigid zones."""
     return np.where(bodies.inside[nodes], bodies.leaders[nodes], -1)
 
 
 def _runs_of(which: Bools) -> list[Ints]:
-    """Divide the numbers of those marked into runs of consecutive ones."""
+    """Runs of consecutive indices at which a mask is true."""
     (numbers,) = np.nonzero(which)
     return np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
 
@@ -420,7 +420,7 @@ def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
 
 
 def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
-    """Weights of means at stations by which they make that at another one, for polynomials of so many terms."""
+    """Weights (n,) of the means at stations ``near`` whose sum is the mean at ``station``, for polynomials."""
     every = [station, *near]
     before, after = np.append(0.0, lengths)[every], np.append(lengths, 0.0)[every]
     s, size = np.append(0.0, np.cumsum(lengths))[every], lengths.sum()
