@@ -29,11 +29,11 @@ _MOST_PLACES = 3
 _FINE = math.radians(4)
 """Turn of the chords that stand for arcs."""
 _FINER = math.radians(0.2)
-"""Turn of those by which it is told what is inside: within 2e-6 of the radius."""
+"""Turn of the chords that decide whether a point is inside, within 2e-6 of the radius."""
 _ON_PLATE = 1e-6
 """Metres off the plate that are rounding: the digits of the input file."""
 _PASSES = 8
-"""Moves onto the plate; in a corner each edge asks for its own."""
+"""Largest number of moves onto the plate; a corner takes a move for each edge."""
 
 
 Spot = tuple[float, float]
@@ -305,7 +305,7 @@ class Slab:
         return complex(*inward) / (abs(reach) or 1.0) * max(shape.radius + reach, 0.0) if reach else shape.radius + 0j
 
     def moved(self, at: tuple[float, float], size: Footprint, most: float) -> tuple[float, float] | None:
-        """The place [m] where a footprint is on the plate, if its edges move by a distance at most."""
+        """The place [m] where a footprint is on the plate; None if it moves farther than a distance."""
         place = complex(*at)
         for _ in range(_PASSES):
             push = self._push(footprint_at((place.real, place.imag), size))

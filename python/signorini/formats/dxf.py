@@ -105,13 +105,13 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
 
 
 class _Said:
-    """What became of shapes, in words: those that were changed, those that were left and, among these, those lost."""
+    """Lines about shapes: changed ones, ones left and, among these, lost ones."""
 
     def __init__(self, left: list[str]) -> None:
         self.changed, self.left, self.lost = list[str](), left, list[Lost]()
 
     def lose(self, role: str, places: Sequence[Spot], why: str, what: str = "") -> None:
-        """Name shapes of a role, or what of them, that were not taken, by their places."""
+        """Add a line for shapes of a role that were not taken, by their places; ``what`` is the part that is lost."""
         for line in _line(role, places, why):
             self.left.append(line)
             self.lost.append(Lost(what or role, len(places), line))

@@ -54,9 +54,9 @@ Covers of flanges, thick and on many bolts, have half."""
 
 
 def model_warnings(discretisation: Discretisation, acting: Collection[str] | None = None) -> tuple[str, ...]:
-    """Say what in a model is seldom meant: E in another unit, one element, supports in each other's place.
+    """Warnings of a model: E in another unit, one element, supports in each other's place.
 
-    Of the positions of moving loads those that are ``acting`` count; by default all do.
+    Moving loads are judged at the positions that are ``acting``, by default at all.
     """
     if discretisation.plates:
         return said_of({plate.name: model_warnings(plate.own, acting) for plate in discretisation.plates})
