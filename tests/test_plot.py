@@ -27,7 +27,15 @@ from signorini.plot.picture import BalanceMark, EdgeMark, LoadMark, Panel, Pictu
 from signorini.plot.pictures import check_picture, drawn_as_png, field_picture, view_picture
 from signorini.plot.plan import Plan
 from signorini.plot.view import exaggeration, seen
-from signorini.results.marks import bedding_panel, case_totals, edge_marks, load_marks, singular_marks, support_marks, unsolved_marks
+from signorini.results.marks import (
+    bedding_panel,
+    case_totals,
+    edge_marks,
+    load_marks,
+    singular_marks,
+    support_marks,
+    unsolved_marks,
+)
 from signorini.shapes.tessellation import tessellate
 from signorini.singularities.named import singularities
 

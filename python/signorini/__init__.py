@@ -46,7 +46,7 @@ if TYPE_CHECKING:
         Combination,
         Contact,
         DiscPlate,
-        FieldFile,
+        FieldTable,
         Form,
         Hole,
         Load,
@@ -122,7 +122,7 @@ _HOME = {
 __all__ = [
     "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Catalogue", "Certificate", "Circle",
     "Combination", "Contact", "ContactProblem", "DiscPlate", "EdgeCouples", "Estimate", "Estimates", "ExactPath",
-    "FieldExtremes", "FieldFile", "Form", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
+    "FieldExtremes", "FieldTable", "Form", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
     "Material", "Mesh", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "NoEquilibriumError",
     "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate",
     "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Result",

@@ -107,7 +107,7 @@ def print_means(
     for name, cells in rows:
         if any(cells):
             most, least = (of or [""] * (1 + len(columns)) for of in cells)
-            shown.add(FIELDS[name].label(units), *most, *least)
+            shown.add(name, *most, *least)
     if shown.rows:
         shown.show(console)
 
@@ -227,7 +227,7 @@ def _print_fields(console: Console, results: Results, group: str, enveloped: Map
                     into.append(cell(told[side], widths, (*path, side), size_of([ends.max, ends.min])))
                     into += [point(told[f"{side}_at"], mesh.size), length(told[f"{side}_width"])]
                     into.append(labels.cell(told[f"{side}_by"]))
-            means.append((name, cells))
+            means.append((label, cells))
     shown.show(console)
     cases = frozenset(results.model.effective_combinations.cases_of(group))
     singular = {number: excluding(results.discretisation, number, cases) for number in PEAKS}

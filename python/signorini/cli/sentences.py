@@ -76,11 +76,11 @@ class Labels:
 def excluded(singular: Mapping[str, Iterable[Singularity]], units: Units) -> Iterator[str]:
     """Say around which singularities extremes of moments and shears leave out nodes."""
     numbers: dict[tuple[str, float], list[str]] = {}
-    for number, those in singular.items():
+    for name, those in singular.items():
         for one in those:
             kind = f"{one.plate}: {kind_of(one)}" if one.plate else kind_of(one)
             told = numbers.setdefault((kind, one.within), [])
-            told += [f"{number}s"] if f"{number}s" not in told else []
+            told += [f"{name}s"] if f"{name}s" not in told else []
     alike: dict[tuple[str, float], list[str]] = {}
     for (kind, within), told in numbers.items():
         alike.setdefault((" and ".join(told), within), []).append(kind)

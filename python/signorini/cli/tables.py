@@ -262,7 +262,7 @@ def _means(
             number_there = cell(value, widths(most), ("fields", name, side), size, 5)
             by = [labels.cell(most.name)] if labels else []
             cells[-1] = [number_there, point(at, most.mesh.size), length(width), *by]
-    return name, cells
+    return FIELDS[name].label(results[0].model.units), cells
 
 
 def _print_result(console: Console, result: Result, estimate: Estimate | None, limit: tuple[str, float] | None) -> None:

@@ -344,7 +344,7 @@ def _with_law(on: Ground, placed: Placed, acting: _Acting) -> list[ContactPoints
 
 
 def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> list[ContactPoints]:
-    """Springs on the slope across a line, or on both at points: on the nodal slopes' interpolation, as results show it."""
+    """Springs on the slope across a line, or on both slopes at points, interpolated from the nodes as in results."""
     mesh, support, place = on.mesh, placed.support, (*placed.place, "rotational_stiffness")
     if placed.points is None:
         line = (mesh, on.shape, support.where, placed.place, placed.sides)

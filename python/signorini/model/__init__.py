@@ -5,7 +5,7 @@
 """
 
 from signorini.model.combination import Combination, Combinations, Factors
-from signorini.model.field import FieldFile
+from signorini.model.field import FieldTable
 from signorini.model.load import Axes, Load, Moving, Probe
 from signorini.model.material import Material, Modifiers, Stiffness, Zone
 from signorini.model.output import ENVELOPED, Output, Profile, Section, Strip
@@ -38,7 +38,7 @@ __all__ = [
     "Contact",
     "DiscPlate",
     "Factors",
-    "FieldFile",
+    "FieldTable",
     "Form",
     "Hole",
     "Load",

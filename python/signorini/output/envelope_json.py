@@ -168,7 +168,10 @@ class _Shown:
             if one.home == "mean":
                 of = excluding(results.discretisation, one.quantity.singular, cases)
                 named = [part for part in of if one.over_plates or part.plate == path[1]]
-                at["excluded"] = [{"what": part.what, "within": part.within} for part in named]
+                at["excluded"] = [
+                    {"what": part.what, "within": part.within, **({"plate": part.plate} if part.plate else {})}
+                    for part in named
+                ]
                 at[f"{side}_width"] = None if row == NONE else _width_at(results, place)
         for number, value, row, place in self.wholes():
             at, side = _at(result, number.path[:-1]), str(number.path[-1])

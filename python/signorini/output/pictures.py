@@ -14,7 +14,6 @@ from signorini.base.numbers import in_unit
 from signorini.discretise.discretisation import Discretisation, OfWhole
 from signorini.output.names import (
     DEFORMED,
-    PRESSURE,
     REACTIONS,
     REFINEMENT,
     Pictures,
@@ -29,6 +28,7 @@ from signorini.output.names import (
     profile_pictures,
     profiled,
 )
+from signorini.output.names import PRESSURE as PRESSURE_ENDING
 from signorini.plot.picture import Job, Panel, Picture, Sheet, SupportMark
 from signorini.plot.view import exaggeration, seen
 from signorini.results.envelope import Ends, Envelope
@@ -150,7 +150,7 @@ def _envelope_sheets(
                 yield Sheet([name], [Picture([], marks, words, diagrams)])
                 continue
             panels = []
-            if ending == PRESSURE:
+            if ending == PRESSURE_ENDING:
                 yield Sheet([name], [Picture([_largest_pressure(results, estimates, envelope)], marks, words)])
                 continue
             for end, side in enumerate(("largest", "smallest")):

@@ -19,10 +19,10 @@ from signorini.base.on_demand import kept
 from signorini.base.remade import Remade
 from signorini.discretise import Discretisation
 from signorini.discretise.held import Bodies, sides_that_hold_turns
+from signorini.discretise.laws import can_let_go
 from signorini.discretise.places import mesh_edges, quadratic_tangents, side_lengths
 from signorini.discretise.quadrature.lines import curve_pieces
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.supports import can_let_go
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Support

@@ -216,9 +216,7 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
     at_areas, at_probes, cut, held = (np.array(column) for column in (on_areas, probes, through, fixed))
     lines, turned = np.array(on_lines), np.array(moments)
     proof = Proof.of(result, sizes)
-    return Terms(
-        tuple(cases), shared, by_name, at_areas, at_probes, cut, held, lines, turned, np.array(means), proof
-    )
+    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, lines, turned, np.array(means), proof)
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
@@ -227,7 +225,7 @@ def summed(enveloped: Sequence[str]) -> list[str]:
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
 
-_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, Floats, Sizes]
+_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, Floats, Floats, Sizes]
 """Of one term its fields, then what `Terms` has of it."""
 
 
