@@ -285,6 +285,13 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
         gap = floor.gap(*places, at_least=0.0, place=("support", index, "gap"))
         level = floor.settlement(*places, place=("support", index, "settlement")) + (gap if up else -gap)
         others = others[np.abs(value[others] - level) <= rounding]
+        both = np.unique(who[others[(pushes & holds)[others]]])
+        if any(
+            _covers(model, mesh, other, at[own]) and (other in both or _covers(model, mesh, index, at[who == other]))
+            for other in np.unique(who[others]).tolist()
+        ):
+            # w = g on all of the area: nothing turns there.
+            continue
         others = others[_can_turn(model, mesh, held, contacts, least, others)]
         for other in np.unique(who[others]).tolist():
             if frozenset((index, other)) in told:
@@ -298,6 +305,14 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
                 "without limit as elements become smaller. Give one of the two a stiffness.",
                 place=("support", other, support.place),
             )
+
+
+def _covers(model: Model, mesh: Mesh, index: int, at: Floats) -> bool:
+    """Whether a support, by number, is an area that covers positions (q, 2)."""
+    region = model.support[index].where.region
+    if model.support[index].area is None or region is None:
+        return model.support[index].area is not None
+    return bool((depth(region, at) >= -mesh.near.place).all())
 
 
 def _against(model: Model, mesh: Mesh, floor: Support, at: Floats, who: Ints) -> Bools:
