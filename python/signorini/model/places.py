@@ -47,8 +47,9 @@ Corner: TypeAlias = Annotated[
 
 def _corners(value: Any) -> object:
     value = as_list(value)
-    if not isinstance(value, list | tuple) or len(value) < 3:
-        raise ValueError(f"found {describe(value)}; it must be a list of at least 3 corners [x, y].")
+    least = 2 if isinstance(value, list | tuple) and any(isinstance(corner, dict | Arc) for corner in value) else 3
+    if not isinstance(value, list | tuple) or len(value) < least:
+        raise ValueError(f"found {describe(value)}; it must be a list of at least 3 corners [x, y], 2 with an arc.")
     if len(value) > MOST_CORNERS:
         raise ValueError(f"found {len(value)} corners; at most {MOST_CORNERS} are allowed.")
     if isinstance(value[0], dict | Arc):
@@ -58,7 +59,7 @@ def _corners(value: Any) -> object:
     return value
 
 
-Corners: TypeAlias = Annotated[tuple[Corner, ...], BeforeValidator(_corners), Field(json_schema_extra={"minItems": 3})]
+Corners: TypeAlias = Annotated[tuple[Corner, ...], BeforeValidator(_corners), Field(json_schema_extra={"minItems": 2})]
 
 
 def contour(corners: tuple[tuple[float, float] | Arc, ...], name: str, numbered: bool) -> Contour:
