@@ -9,9 +9,15 @@ from signorini import Model, solve
 TURN = np.radians(np.arange(0, 360, 30))
 ROUND = (2 + 0.9 * np.column_stack([np.cos(TURN), np.sin(TURN)])).tolist()
 OUTLINES = {
-    "rectangle": ({"rectangle": [1.1, 1.1, 2.9, 2.9]}, [[1.1, 2], [2.9, 2], [2, 1.1], [2, 2.9], [1.1, 1.1], [2.9, 2.9]]),
+    "rectangle": (
+        {"rectangle": [1.1, 1.1, 2.9, 2.9]},
+        [[1.1, 2], [2.9, 2], [2, 1.1], [2, 2.9], [1.1, 1.1], [2.9, 2.9]],
+    ),
     "circle": ({"circle": {"center": [2, 2], "radius": 0.9}}, ROUND),
-    "polygon": ({"polygon": [[2, 1], [3, 2], [2, 3], [1, 2]]}, [[2, 1], [2.5, 1.5], [2.5, 2.5], [1.5, 2.5], [1.5, 1.5]]),
+    "polygon": (
+        {"polygon": [[2, 1], [3, 2], [2, 3], [1, 2]]},
+        [[2, 1], [2.5, 1.5], [2.5, 2.5], [1.5, 2.5], [1.5, 1.5]],
+    ),
 }
 
 

@@ -34,7 +34,7 @@ from signorini.model import (
 )
 from signorini.model.field import FieldScalar
 from signorini.model.where import Acting, Located, Where, worth_following
-from signorini.model.whole import acting_on
+from signorini.model.whole import acting_on, follows_in_rows
 from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.distances import distances
 from signorini.shapes.extent import diameter
@@ -107,7 +107,7 @@ def to_follow(model: Model, where: str = "there", size: float | None = None) -> 
         return "Make the mesh with sides along it."
     if model.plate.element == "q8r" and model.divisions is not None:
         return "Leave element out: q8r has rows alone."
-    if model.mesh.divisions is not None and not model.follows_in_rows:
+    if model.mesh.divisions is not None and not follows_in_rows(model):
         return "Give mesh.size, not divisions."
     of = "smaller elements" if size is None else f"elements of {size:.2g} or less"
     return f"Take {of} {where}{'' if size is None else ' (mesh.refine)'}."

@@ -60,7 +60,9 @@ class Footprints:
         result, problems = [], Problems()
         with problems.collected():
             located(mesh, points, (*place, "at"), in_holes=True)
-        for index in np.flatnonzero(mesh.locate(np.array(points)).inside | points_in_holes(mesh, np.array(points))).tolist():
+        for index in np.flatnonzero(
+            mesh.locate(np.array(points)).inside | points_in_holes(mesh, np.array(points))
+        ).tolist():
             at, shape = points[index], shapes[index]
             result.append(area_quadrature(mesh, shape, _GAUSS))
             with problems.collected():

@@ -342,7 +342,7 @@ def _springs_or_contacts(on: Ground, placed: Placed, acting: _Acting) -> list[Sp
 
 
 def _turning(on: Ground, placed: Placed, stiffness: Sequence[Expression]) -> list[Springs | ContactPoints]:
-    """Springs on the slope across a line, or on both at points: on the nodal slopes' interpolation, as results show it."""
+    """Springs on the slope across a line, or on both at points, as results show it: interpolated from the nodes."""
     mesh, support, place = on.mesh, placed.support, (*placed.place, "rotational_stiffness")
     if placed.points is None:
         line = (mesh, on.shape, support.where, placed.place, placed.sides)

@@ -56,6 +56,9 @@ def _corners(value: Any) -> object:
         raise ValueError("it begins with an arc, which has no corner to start from. Begin with a corner [x, y].")
     if as_list(value[0]) == as_list(value[-1]):
         raise ValueError("the last corner is the first one again; leave it out, the outline closes by itself.")
+    end = value[-1].get("to") if isinstance(value[-1], dict) else getattr(value[-1], "to", None)
+    if len(value) == 2 and as_list(end) == as_list(value[0]):
+        raise ValueError("the arc ends where it begins. Give it another end, or use circle.")
     return value
 
 
