@@ -13,6 +13,7 @@ from signorini.discretise.meshing import arcs_of
 from signorini.discretise.quadrature import area_quadrature, curve_quadrature, off_plate
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import disc, outlined, rectangle
+from signorini.model.places import Area
 from signorini.shapes import Circle, Hollow, Polygon, Polyline, Rectangle, Ring
 from signorini.shapes.cuts import CutLine, LeftOf
 from signorini.shapes.outlines import straight
@@ -259,3 +260,26 @@ def test_left_and_right_of_a_line_are_the_whole(name, ends, region):
     for half, line in zip(halves, (points, points[::-1]), strict=True):
         assert (CutLine(line, 1e-9).near(half.positions).side <= 0).all()
         assert region is None or region.contains(half.positions).all()
+
+
+@pytest.mark.parametrize(
+    "polygon",
+    [
+        [[1.5, 1.134], {"through": [3, 2], "to": [1.5, 2.866]}, {"through": [2.2, 2], "to": [1.5, 1.134]}],
+        [[1, 1], {"through": [2, 0.5], "to": [3, 1]}, {"through": [2, 0.6], "to": [1, 1]}],
+        [[1, 1], {"through": [2, 1.6], "to": [3, 1]}, [3, 3], {"through": [2, 2.4], "to": [1, 3]}],
+        [[1, 1], [3, 1], {"through": [1.585786437627, 1.585786437627], "to": [1, 3]}],
+        [[1, 1], {"through": [2, 2], "to": [3, 1]}],
+    ],
+)
+@pytest.mark.parametrize("count", [8, 21, 40])
+def test_areas_between_arcs_have_their_area_and_first_moments(polygon, count):
+    region = Area(polygon=polygon).region
+    found = area_quadrature(rectangle((0.0, 0.0), (4.0, 4.0), (count, count)), region)
+    assert found.total == pytest.approx(region.area, rel=1e-10)
+    # The outline as a polygon of chords of one degree, whose area is less than 1e-4 off.
+    x, y = region.loops[0].T
+    cross = x * np.roll(y, -1) - np.roll(x, -1) * y
+    for values, chord in ((found.positions[:, 0], x), (found.positions[:, 1], y)):
+        moment = abs((cross * (chord + np.roll(chord, -1))).sum()) / 6
+        assert found.weights @ values == pytest.approx(moment, rel=2e-3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from models import rectangular
 
 from signorini import InputError, Model, estimate, path, solve
 from signorini.discretise import discretise
@@ -220,3 +221,31 @@ def test_strips_and_sections_may_end_at_the_outline_of_a_rigid_zone():
     for at_zone, beside in zip(result.sections[::2], result.sections[1::2], strict=True):
         assert at_zone.moment == pytest.approx(beside.moment, rel=0.02)
         assert at_zone.shear == pytest.approx(beside.shear, rel=0.05, abs=1)
+
+
+@pytest.mark.parametrize("mesh", [{"size": 0.5}, {"divisions": [8, 8]}])
+@pytest.mark.parametrize(
+    "area",
+    [
+        {"rectangle": [1, 1, 3, 1.02]},
+        {"rectangle": [0.1, 0.1, 0.2, 0.2]},
+        {"polygon": [[1, 1], [2, 1.3], [1.7, 2.2], [0.8, 1.9]]},
+    ],
+)
+def test_the_remedy_for_a_rigid_zone_that_is_not_followed_works(mesh, area):
+    def solved(**options):
+        zone = [{"area": area, "rigid": True}]
+        edges = {"edge": ["left", "right"], "fix": "simple"}
+        options = {"error": False, **options}
+        return solve(rectangular(mesh=options, zone=zone, support=[edges], load=[{"pressure": 1e3}]))["all"]
+
+    try:
+        solved(**mesh)
+    except InputError as error:
+        said = str(error)
+        if "Give mesh.size, not divisions" in said:
+            assert "divisions" in mesh
+            solved(size=0.5)
+        else:
+            size = float(said.split("elements of ")[1].split(" or less")[0])
+            solved(size=0.5, refine=[{"area": area, "size": size}])

@@ -488,7 +488,7 @@ def test_supports_and_the_same_against_a_rigid_plate_give_the_same_moments_and_s
 
 
 def test_shears_jump_at_a_line_between_two_plates():
-    """A plate of 4 m overhangs lines at x = 1 and 3 by 1 m; each takes half of 40 kN, 10 kN/m from either side."""
+    """A plate of 4 m overhangs lines at x = 1 and 3 by 1 m; each takes 20 kN/m, half from either side."""
     shape, wider = (strip(0.2, (divisions, 1)) for divisions in (16, 24))
     model = Model(
         material={"E": 30e9, "nu": 0.0},

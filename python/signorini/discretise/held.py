@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 from signorini.base.components import components
 from signorini.base.remade import Brief
 from signorini.discretise.laws import can_let_go
-from signorini.discretise.meshing import room_beside, to_follow
+from signorini.discretise.meshing import room_beside, sharp_corner, to_follow
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -83,9 +83,12 @@ def _require_followed(mesh: Mesh, zones: Zones, number: int) -> None:
     if not len(cut) and zones.inside[number].any():
         return
     at = f" at {point(mesh.points[mesh.elements[cut[0], :4]].mean(axis=0), mesh.size)}" if len(cut) else ""
+    region = zones.model.zone[number].region
+    advice = to_follow(zones.model, "around it", room_beside(zones.model, region))
+    if (sharp := sharp_corner(region)) is not None:
+        advice = f"Its corner at {point(sharp, mesh.size)} is sharper than 24°, which meshes do not follow. Blunt it."
     raise InputError(
-        f"The outline of this rigid zone cuts the element{at}, and elements are rigid as a whole. "
-        f"{to_follow(zones.model, 'around it', room_beside(zones.model, zones.model.zone[number].region))}",
+        f"The outline of this rigid zone cuts the element{at}, and elements are rigid as a whole. {advice}",
         place=("zone", number, "area"),
     )
 

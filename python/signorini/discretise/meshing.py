@@ -34,7 +34,7 @@ from signorini.model import (
 )
 from signorini.model.field import PointFieldScalar
 from signorini.model.where import Acting, Located, Where, worth_following
-from signorini.model.whole import acting_on
+from signorini.model.whole import acting_on, follows_in_rows
 from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.distances import distances
 from signorini.shapes.extent import diameter
@@ -50,6 +50,8 @@ _LEAST_BESIDE_LINES = 0.25
 """The same of lines: many small elements along them would cost more than following them brings."""
 _FOLLOWED = 0.55 * _LEAST_BESIDE_LINES
 """Distance over the element size below which elements of the least size do not follow a line."""
+_SHARP = 0.42
+"""Angle in radians, 24°, below which the mesher follows one alone of two lines that meet."""
 _EVERY = 5
 """Degrees of the chords that arcs are drawn by here."""
 _TOUCHING = 5e-4
@@ -107,10 +109,22 @@ def to_follow(model: Model, where: str = "there", size: float | None = None) -> 
         return "Make the mesh with sides along it."
     if model.plate.element == "q8r" and model.divisions is not None:
         return "Leave element out: q8r has rows alone."
-    if model.mesh.divisions is not None and not model.follows_in_rows:
+    if model.mesh.divisions is not None and not follows_in_rows(model):
         return "Give mesh.size, not divisions."
     of = "smaller elements" if size is None else f"elements of {size:.2g} or less"
     return f"Take {of} {where}{'' if size is None else ' (mesh.refine)'}."
+
+
+def sharp_corner(region: Region) -> Floats | None:
+    """The sharpest corner (2,) of a region's outline, if it is sharper than lines that the mesh follows may meet."""
+    least, result = _SHARP, None
+    for loop in region.loops:
+        back, on = np.roll(loop, 1, axis=0) - loop, np.roll(loop, -1, axis=0) - loop
+        cross, dot = back[:, 0] * on[:, 1] - back[:, 1] * on[:, 0], (back * on).sum(axis=1)
+        angles = np.abs(np.arctan2(cross, dot))
+        if angles.min() < least:
+            least, result = float(angles.min()), np.asarray(loop[angles.argmin()])
+    return result
 
 
 def room_beside(model: Model, region: Region) -> float | None:

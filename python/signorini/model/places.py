@@ -47,18 +47,22 @@ Corner: TypeAlias = Annotated[
 
 def _corners(value: Any) -> object:
     value = as_list(value)
-    if not isinstance(value, list | tuple) or len(value) < 3:
-        raise ValueError(f"found {describe(value)}; it must be a list of at least 3 corners [x, y].")
+    least = 2 if isinstance(value, list | tuple) and any(isinstance(corner, dict | Arc) for corner in value) else 3
+    if not isinstance(value, list | tuple) or len(value) < least:
+        raise ValueError(f"found {describe(value)}; it must be a list of at least 3 corners [x, y], 2 with an arc.")
     if len(value) > MOST_CORNERS:
         raise ValueError(f"found {len(value)} corners; at most {MOST_CORNERS} are allowed.")
     if isinstance(value[0], dict | Arc):
         raise ValueError("it begins with an arc, which has no corner to start from. Begin with a corner [x, y].")
     if as_list(value[0]) == as_list(value[-1]):
         raise ValueError("the last corner is the first one again; leave it out, the outline closes by itself.")
+    end = value[-1].get("to") if isinstance(value[-1], dict) else getattr(value[-1], "to", None)
+    if len(value) == 2 and as_list(end) == as_list(value[0]):
+        raise ValueError("the arc ends where it begins. Give it another end, or use circle.")
     return value
 
 
-Corners: TypeAlias = Annotated[tuple[Corner, ...], BeforeValidator(_corners), Field(json_schema_extra={"minItems": 3})]
+Corners: TypeAlias = Annotated[tuple[Corner, ...], BeforeValidator(_corners), Field(json_schema_extra={"minItems": 2})]
 
 
 def contour(corners: tuple[tuple[float, float] | Arc, ...], name: str, numbered: bool) -> Contour:

@@ -306,23 +306,8 @@ class Model(Table):
         They do so where rows cannot follow the border of a zone or the line of a support or load, at which moments or
         shears jump, unless they are counted or of an element that has no triangles.
         """
-        rows = self.mesh.divisions is not None or self.follows_in_rows
+        rows = self.mesh.divisions is not None or follows_in_rows(self)
         return self.plate.divisions(self.mesh) if rows and not isinstance(self.plate, MeshPlate) else None
-
-    @property
-    def follows_in_rows(self) -> bool:
-        """Whether rows of elements can follow all borders of zones, and lines; to `q8r` there is nothing else."""
-        plate = self.plate
-        if isinstance(plate, MeshPlate):
-            return False
-        size = plate.element_size(self.mesh)
-        lines = (
-            along
-            for item in acting_on(self)
-            if (along := item.where.curve) is not None and worth_following(along, size)
-        )
-        followed = *(zone.region for zone in self.zone), *lines
-        return plate.element == "q8r" or all(map(plate.follows, followed))
 
     @property
     def young(self) -> float:
@@ -542,6 +527,19 @@ class Model(Table):
         yield from ((("support", index), one) for index, one in enumerate(self.support))
         yield from ((("load", index), one) for index, one in enumerate(self.load))
         yield from ((("mesh", "refine", index), one) for index, one in enumerate(self.mesh.refine))
+
+
+def follows_in_rows(model: Model) -> bool:
+    """Whether rows of elements can follow all borders of zones, and lines; to `q8r` there is nothing else."""
+    plate = model.plate
+    if isinstance(plate, MeshPlate):
+        return False
+    size = plate.element_size(model.mesh)
+    lines = (
+        along for item in acting_on(model) if (along := item.where.curve) is not None and worth_following(along, size)
+    )
+    followed = *(zone.region for zone in model.zone), *lines
+    return plate.element == "q8r" or all(map(plate.follows, followed))
 
 
 def acting_on(model: Model) -> tuple[Acting, ...]:

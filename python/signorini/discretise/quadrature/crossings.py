@@ -96,6 +96,29 @@ def with_circles(curves: Floats, circles: Floats) -> tuple[Ints, Floats]:
     return pair, evaluate(curves[pair], t)
 
 
+def between_circles(circles: Floats, others: Floats) -> tuple[Ints, Floats]:
+    """Cross circles (k, 3) with others, pair by pair: which pair a crossing is of, and where (r, 2)."""
+    apart = others[:, :2] - circles[:, :2]
+    distance, radius = np.hypot(*apart.T), circles[:, 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unit = apart / distance[:, None]
+        along = 0.5 * (distance + (radius - others[:, 2]) * (radius + others[:, 2]) / distance)
+        square = (radius - along) * (radius + along)
+    (pair,) = np.nonzero(square >= -_ZERO * radius**2)
+    middle = circles[pair, :2] + along[pair, None] * unit[pair]
+    across = np.sqrt(np.maximum(square[pair], 0.0))[:, None] * np.column_stack([-unit[pair, 1], unit[pair, 0]])
+    return np.tile(pair, 2), np.concatenate([middle - across, middle + across])
+
+
+def together(owner: Ints, others: Ints) -> tuple[Ints, Ints]:
+    """Find the pairs of entries (p,) of two tables, by number, that have one owner."""
+    order = np.argsort(others, kind="stable")
+    first, last = (np.searchsorted(others[order], owner, side) for side in ("left", "right"))
+    count = last - first
+    one = np.repeat(np.arange(len(owner)), count)
+    return one, order[np.arange(len(one)) + np.repeat(first - np.cumsum(count) + count, count)]
+
+
 def touched(boxes: Floats, outline: Outline, margin: float) -> tuple[Ints, Ints, Ints, Ints]:
     """Find pairs of a box (n, 4) and a segment of an outline that passes through it, then of a box and a circle."""
     centre, half = 0.5 * (boxes[:, :2] + boxes[:, 2:]), 0.5 * (boxes[:, 2:] - boxes[:, :2]) + margin

@@ -12,7 +12,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
+from signorini.discretise.quadrature.crossings import (
+    between_circles,
+    quadratics,
+    together,
+    touched,
+    with_circles,
+    with_segments,
+)
 from signorini.discretise.quadrature.rules import Rule, gauss
 from signorini.discretise.rows import Bools, Floats, Ints, Table
 from signorini.mesh import Mesh
@@ -230,8 +237,13 @@ def _pieces(
     pieces = pieces.pick(np.argsort(pieces.owner, kind="stable"))
     with_line, line_points = with_segments(sides[by_segment].reshape(-1, 2, 3), np.repeat(segments, 4, axis=0))
     with_arc, arc_points = with_circles(sides[by_circle].reshape(-1, 2, 3), np.repeat(circles, 4, axis=0))
-    owner = np.concatenate([np.repeat(pieces.owner, 2), by_segment[with_line // 4], by_circle[with_arc // 4]])
-    x = np.concatenate([pieces.ends.ravel(), line_points[:, 0], arc_points[:, 0]])
+    arc, line = together(by_circle, by_segment)
+    on_line, corners = with_circles(lines[line], circles[arc])
+    one, other = together(by_circle, by_circle)
+    on_circle, tips = between_circles(circles[one], circles[other])
+    owners_of_x = np.repeat(pieces.owner, 2), by_segment[with_line // 4], by_circle[with_arc // 4]
+    owner = np.concatenate([*owners_of_x, by_circle[arc[on_line]], by_circle[one[on_circle]]])
+    x = np.concatenate([pieces.ends.ravel(), *(at[:, 0] for at in (line_points, arc_points, corners, tips))])
     return pieces, (owner, x)
 
 
