@@ -302,7 +302,7 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
     for name, one in result.plates.items():
         of_plate = {path[2:]: width for path, width in by_path.items() if path[:2] == ("plates", name)}
         by_path |= {("plates", name, *path): width for path, width in places_of_extremes(one, of_plate).items()}
-    for path in (one.path for one in result.catalogue if one.over_plates):
+    for path in (one.path for one in result.catalogue if one.over_plates and one.home == "field"):
         at = [(*path[:-1], f"{path[-1]}_at", axis) for axis in (0, 1)]
         by_path |= {place: by_path["plates", plates[path], *place] for place in at}
     warnings = said_of({name: one.warnings for name, one in each.items()})

@@ -278,10 +278,10 @@ class Block:
         for where, support in zip(layout.slices, result.supports, strict=True):
             self.reaction[row, where] = support.reactions
             self.closed[row, where] = support.closed
+            self.lifted[row, where] = ~support.closed & (support.gaps > _MOVED * layout.rest[where])
         for index, where in layout.on_lines.items():
             if (line := result.supports[index].line) is not None:
                 self.on_lines[row, where] = np.concatenate([line.reactions, line.corner_reactions])
-            self.lifted[row, where] = ~support.closed & (support.gaps > _MOVED * layout.rest[where])
         self.on_areas[row] = result.deflection[layout.around_areas]
         by_path = result.catalogue.by_path
         self.values[row] = result.numbers[[by_path[one.path] for one in layout.catalogue]]
