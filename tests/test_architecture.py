@@ -136,7 +136,7 @@ CORE_LAYERS = (
     ("rows",),
     ("ordering", "assembly", "residual", "stress"),
     ("contact/tolerances", "contact/scale", "contact/graph", "contact/points", "contact/rigid"),
-    ("contact/floating", "contact/system", "contact/interface"),
+    ("contact/rigid_body_space", "contact/system", "contact/interface"),
     ("contact/problem", "contact/solution"),
     ("contact/residual",),
     ("contact/kkt", "contact/responses"),

@@ -208,7 +208,7 @@ WRONG = {
         ("at = [1, 1]\ngap = -1", "support[1].gap: found -1; it must not be less than 0."),
         ("at = [1, 1]\nstiffness = 0", "support[1].stiffness: found 0; it must be greater than 0."),
         ("at = [1, 1]\nstiffness = '1/0'", "support[1].stiffness: '1 / 0' divides by zero."),
-        ("at = [1, 1]\nstiffness = [1]", "found 1; it must be a point [x, y, value]."),
+        ("area = 'all'\nstiffness = [[1]]", "found [1]; it must be a point [x, y, value]."),
         ("at = [1, 1]\nsettlement = inf", "support[1].settlement: found inf; it must be finite"),
         ("at = [1, 1]\nname = 'a\tb'", "line breaks and control characters are not allowed."),
     ],
@@ -323,8 +323,8 @@ def test_several_problems_are_one_error_in_the_order_of_the_file(written):
         "  slab.toml:3: material.nu: found 0.7; it must be less than 0.5.",
         "  slab.toml:12: support[1].gap: found -1; it must not be less than 0.",
         "  slab.toml:13: slver: unknown key 'slver'. Did you mean [solver]? Allowed here: title, units, material, "
-        "plates, plate, zone, mesh, support, contact, load, combination, moving, probe, section, strip, profile, "
-        "output, solver.",
+        "plates, plate, zone, mesh, support, contact, load, combination, tightening, moving, probe, section, strip, "
+        "profile, output, solver.",
     ]
 
 

@@ -229,7 +229,8 @@ def test_pressure_is_in_the_vtu_file_of_elastic_areas_at_nodes_and_of_rigid_ones
         *("reactions.csv", "results.json"),
     }
     found = meshio.read(tmp_path / "g.vtu")
-    assert np.allclose(found.point_data["contact_pressure"], np.maximum(1e4 * result.deflection, 0), rtol=1e-12)
+    pressures = found.point_data["contact_pressure"][: len(result.deflection)]
+    assert np.allclose(pressures, np.maximum(1e4 * result.deflection, 0), rtol=1e-12)
     (rigid,) = found.cell_data["rigid_contact_pressure"]
     area = result.mesh.element_area
     assert (rigid * area).sum() == pytest.approx(result.reactions["grout"], rel=1e-12)

@@ -262,7 +262,7 @@ def test_a_combination_without_equilibrium_has_none() -> None:
     found = solve(model)
     widths = estimate(found)
     assert widths["up"].plus_minus is None
-    assert widths["up"].warnings == ()
+    assert "there is no equilibrium" in widths["up"].warnings[0]
     assert widths["down"].plus_minus is not None
 
 

@@ -412,7 +412,7 @@ def test_words_for_the_way_a_support_resists_say_which_is_meant(word: str, meant
 def test_names_keep_their_capitals_in_sentences() -> None:
     bolt = {"name": "Tie", "at": [3.5, 2], "resists": "up", "stiffness": 1e4, "preload": 1}
     pads = {"name": "Pads", "area": {"rectangle": [1, 1, 3, 3]}, "resists": "down", "stiffness": 1e4}
-    with pytest.raises(signorini.NoEquilibriumError, match=r"While tightening Tie: the plate tips .* of Pads"):
+    with pytest.raises(signorini.NoEquilibriumError, match=r"While tightening Tie: The plate tips .* of Pads"):
         signorini.solve(model(support=[pads, bolt], load=[{"pressure": 0.001}]))
 
 

@@ -68,6 +68,7 @@ if TYPE_CHECKING:
         Stiffness,
         Strip,
         Support,
+        Tightening,
         Units,
         Zone,
         validate,
@@ -127,9 +128,8 @@ __all__ = [
     "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate",
     "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Result",
     "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult",
-    "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Units", "Zone", "__version__",
-    "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve", "tightened",
-    "validate", "with_rows", "write",
+    "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Tightening", "Units", "Zone",
+    "__version__", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve", "tightened", "validate", "with_rows", "write",
 ]
 # fmt: on
 

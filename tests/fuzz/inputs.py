@@ -61,7 +61,7 @@ def ended(
         more = (*more, *_NO_PICTURES.get(command, ()))
         for home, name in _PICTURES:
             setattr(home, name, lambda *given, **more: None)
-        signorini.plot.files.save = lambda figure, path: Path(path).write_bytes(b"")
+        signorini.plot.files.save = lambda figure, path, metadata=None: Path(path).write_bytes(b"")
     try:
         code, errors, exception = _run([command, str(file), *more])
     finally:

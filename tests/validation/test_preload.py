@@ -361,14 +361,14 @@ def test_bolts_beyond_what_they_press_on_tip_the_plate_as_they_are_tightened() -
     pads = {"name": "pads", "area": {"rectangle": [1, 1, 3, 3]}, "resists": "down", "stiffness": 1e7}
     bolt = {"name": "bolt", "at": [3.5, 2], "resists": "up", "stiffness": 1e6, "preload": 1e3}
     model = build(load=load, support=[pads, bolt])
-    with pytest.raises(NoEquilibriumError, match="all: While tightening bolt: the plate tips about the line x = 3"):
+    with pytest.raises(NoEquilibriumError, match="all: While tightening bolt: The plate tips about the line x = 3"):
         solve(model)
     (resultant,) = check(model).resultants
-    assert resultant.message.startswith("While tightening bolt: the plate tips about the line x = 3")
+    assert resultant.message.startswith("While tightening bolt: The plate tips about the line x = 3")
     with pytest.raises(NoEquilibriumError, match="While tightening bolt"):
         path(model, None, "load")
     alone = build(load=load, support=[bolt | {"at": [[1, 1], [3, 1], [2, 3]], "resists": "both"}])
-    with pytest.raises(InputError, match="While tightening bolt: nothing holds the plate against this motion"):
+    with pytest.raises(InputError, match="While tightening bolt: Nothing holds the plate against this motion"):
         solve(alone)
 
 
@@ -596,7 +596,7 @@ def test_bolts_of_rounds_are_tightened_beyond_nothing_that_holds_the_plate() -> 
     pads = {"name": "pads", "area": {"rectangle": [1, 1, 3, 3]}, "resists": "down", "stiffness": 1e7}
     bolt = {"name": "bolt", "at": [[2, 2], [3.5, 2]], "resists": "up", "stiffness": 1e6}
     rounds = [{"support": "bolt", "force": 1e3, "sequence": [2, 1]}]
-    with pytest.raises(NoEquilibriumError, match=r"While tightening bolt\[2\]: the plate tips"):
+    with pytest.raises(NoEquilibriumError, match=r"While tightening bolt\[2\]: The plate tips"):
         solve(build(load=[{"pressure": 1e3}], support=[pads, bolt], tightening=rounds))
 
 

@@ -184,8 +184,8 @@ def schema() -> dict[str, Any]:
 
     Examples
     --------
-    >>> schema()["required"], schema()["oneOf"]
-    (['load'], [{'required': ['plate']}, {'required': ['plates']}])
+    >>> schema()["oneOf"]
+    [{'required': ['plate']}, {'required': ['plates']}]
     """
     body: dict[str, Any] = _for_toml(Model.model_json_schema(schema_generator=_SchemaGenerator))
     return {

@@ -84,7 +84,7 @@ def _there(plate: object, info: ValidationInfo) -> object:
 
 
 def acts(tables: Mapping[str, Any]) -> bool:
-    """Whether tables of a model have an action beside loads: a moving load, a preload, a settlement or a rotation."""
+    """Whether tables of a model have an action beside loads: a moving load, a preload, a settlement, a rotation."""
     supports = tables.get("support")
     given = (
         as_list((one if isinstance(one, Mapping) else vars(one)).get(key))
@@ -92,14 +92,16 @@ def acts(tables: Mapping[str, Any]) -> bool:
         for key in ("preload", "settlement", "rotation")
         if isinstance(one, Mapping | Support)
     )
-    return bool(tables.get("moving")) or any(value not in (None, 0, Expression(0.0)) for value in given)
+    return bool(tables.get("moving") or tables.get("tightening")) or any(
+        value not in (None, 0, Expression(0.0)) for value in given
+    )
 
 
 def _without_required_load(schema: dict[str, Any]) -> None:
     """Let the schema have one of plate and plates, and no load where there are other actions."""
     del schema["required"]
     schema["oneOf"] = one_of(("plate", "plates"))
-    schema["anyOf"] = one_of(("load", "moving", "support"))
+    schema["anyOf"] = one_of(("load", "moving", "support", "tightening"))
 
 
 class Model(Table):

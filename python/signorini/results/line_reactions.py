@@ -28,6 +28,7 @@ from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Support
 from signorini.results.extremes import peak
 from signorini.results.support_points import SupportPoints
+from signorini.shapes import Ring
 
 CORNER = np.cos(np.radians(15.0))
 """Cosine of the angle from which a turn of a line is a corner. Quadratic sides of a circle turn by less than 1°."""
@@ -74,7 +75,9 @@ class Pieces:
             size = _APART * np.sqrt(mesh.element_area[elements[elements >= 0]].mean())
             for on in _runs_of(elements >= 0):
                 own = stops[on[0] : on[-1] + 2]
-                count = max(1, int((own[-1] - own[0]) / size))
+                # A piece of a circle turns by a third of it at most: its ends differ.
+                turns = 3.0 * (own[-1] - own[0]) / (stops[-1] - stops[0]) if isinstance(where.curve, Ring) else 1.0
+                count = max(1, round(turns), int((own[-1] - own[0]) / size))
                 wanted = np.linspace(own[0], own[-1], count + 1)
                 own = own[np.unique(np.abs(own[:, None] - wanted).argmin(axis=0))]
                 at, along = arc.at(own)

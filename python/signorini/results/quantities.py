@@ -276,16 +276,16 @@ THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("
 """Forces through sections."""
 MEANS = (Quantity("moment", "moment"), Quantity("twist", "moment"), Quantity("shear", "shear"))
 """Their means at the stations of a strip."""
-OF_STRIPS = tuple(
-    Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment", "max_per_length", "min_per_length")
-)
+OF_STRIPS = tuple(Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment"))
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
 """Extremes of the means at places where a field has no limit."""
 ENDS = (*SIDES, *MEAN_SIDES)
 _EXTREME = ("field", "mean")
 """Homes of extremes of fields."""
-SMOOTH = frozenset(("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment"))
+SMOOTH = frozenset(
+    ("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment", "max_per_length", "min_per_length")
+)
 """What is not linear in the load on one contact set."""
 
 
