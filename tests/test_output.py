@@ -237,7 +237,7 @@ def test_pressure_is_in_the_vtu_file_of_elastic_areas_at_nodes_and_of_rigid_ones
     assert (rigid[result.mesh.nodes.min(axis=(1, 2)) < 2 - 1e-9] == 0).all()
     axes = result.plot("pressure")
     words = [entry.get_text() for entry in axes.get_legend().get_texts()]
-    assert words[0].startswith("soil: area, pushes up only, elastic, ") and words[-1] == "edge of contact"
+    assert words[0].startswith("soil: area, pushes up only, elastic, ") and "edge of contact" in words
     named = [text.get_text() for text in axes.texts if text.get_text().startswith("max")]
     assert named == [f"max {plain(max(support.max_pressure for support in result.supports), 4)}"]
 

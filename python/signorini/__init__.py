@@ -129,7 +129,8 @@ __all__ = [
     "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Result",
     "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult",
     "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Tightening", "Units", "Zone",
-    "__version__", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve", "tightened", "validate", "with_rows", "write",
+    "__version__", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve",
+    "tightened", "validate", "with_rows", "write",
 ]
 # fmt: on
 
