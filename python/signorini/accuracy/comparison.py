@@ -84,7 +84,7 @@ class Estimate(Brief):
 
 @dataclass(frozen=True)
 class PathEstimate:
-    """What other meshes say of a load path.
+    """Half-widths of a load path from other meshes.
 
     Parameters
     ----------
@@ -311,9 +311,9 @@ def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> E
 
 
 def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
-    """The plate (k,) that has each extreme (k,) over p plates, given its own extremes and half-widths (p, k).
+    """The plate (k,) of each extreme (k,) over p plates, given the extremes and half-widths (p, k) of each plate.
 
-    Of several plates with the same extreme it is the plate with the largest half-width.
+    If several plates have the same extreme, the one with the largest half-width counts.
     """
     away = np.nan_to_num(np.abs(own - values), nan=np.inf)
     ordered = np.where(away == away.min(axis=0), np.nan_to_num(widths, nan=np.inf), -1.0)

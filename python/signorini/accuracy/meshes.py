@@ -129,7 +129,7 @@ def meshes_beside_path(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
 
 
 def _rows(model: Model) -> list[object]:
-    """Numbers of elements in rows of every plate, or else what its mesh is made with."""
+    """Numbers of elements in rows of every plate, or the mesh options of a plate without rows."""
     each = [part.model for part in model.parts] if model.plates else [model]
     return [one.mesh if one.divisions is None or one.mesh.refine else one.divisions for one in each]
 

@@ -47,7 +47,7 @@ def _has_estimate(path: LoadPath) -> bool:
 
 
 def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
-    """Find the events of a path on other meshes; what one of them does not do near them has no half-width."""
+    """Find the events of a path on other meshes; an event without a counterpart on a mesh has no half-width."""
     asked = [(Watch(None, number), one.t, _falls(path, one)) for number, one in enumerate(path.thresholds) if one.t]
     names = [support.name for support in path.model.support]
     watches = [

@@ -98,7 +98,7 @@ class Listed(tuple[_V, ...]):
     _words: tuple[str, str]
 
     def __new__(cls, values: Iterable[_V], kind: str = "name", owner: str = "This result") -> Self:
-        """Keep the values, and in what words an unknown name is told."""
+        """Store the values and the words for an unknown name."""
         made = super().__new__(cls, values)
         made._words = kind, owner
         return made
@@ -108,7 +108,7 @@ class Listed(tuple[_V, ...]):
     @overload
     def __getitem__(self, which: slice) -> tuple[_V, ...]: ...
     def __getitem__(self, which: SupportsIndex | str | slice) -> _V | tuple[_V, ...]:
-        """Give what has a name or a number, or those of a slice."""
+        """Return the value of a name or number, or the values of a slice."""
         if isinstance(which, str):
             names = self._ipython_key_completions_()
             return super().__getitem__(names.index(key_of(which, names, *self._words)))

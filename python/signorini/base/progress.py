@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 _MINUTES, _HOURS = 120.0, 7200.0
-"""Seconds from which on times are told in minutes and hours."""
+"""Smallest number of seconds that is written in minutes and hours."""
 
 
 @dataclass(frozen=True)

@@ -372,7 +372,7 @@ def span_of_cone(sides: Floats) -> Floats:
 def _steepest_in_cone(sides: Floats, cost: Floats) -> Floats:
     """The y (d,) with C y ≤ 0 and |y_i| ≤ 1 that minimises c·y, by cutting planes (Kelley 1960).
 
-    Some d of the rows matter. The row that y is farthest beyond joins those that are kept, until there is none.
+    About d of the rows are active. The most violated row joins the kept rows until no row is violated.
     """
     kept: list[int] = []
     while True:

@@ -267,7 +267,7 @@ def _too_near(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> 
 def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, least: Floats) -> Iterator[InputError]:
     """Pairs of a rigid one-sided area and a rigid support on it that holds the plate against it.
 
-    w ≤ g on the area and w ≥ g at a support on it leave no lever but the distance to the next point of the area.
+    With w ≤ g on the area and w ≥ g at the support, the only lever is the distance to the next point of the area.
     """
     nodes, holders = held.holders.T
     at, who = np.concatenate([mesh.points[nodes], contacts.positions]), np.append(holders, contacts.support)

@@ -51,7 +51,7 @@ _LEAST_BESIDE_LINES = 0.25
 _FOLLOWED = 0.55 * _LEAST_BESIDE_LINES
 """Distance over the element size below which elements of the least size do not follow a line."""
 _SHARP = 0.42
-"""Angle in radians, 24°, below which the mesher follows one alone of two lines that meet."""
+"""Smallest angle, 24° in radians, between two lines that the mesher follows both."""
 _EVERY = 5
 """Degrees of the chords that arcs are drawn by here."""
 _TOUCHING = 5e-4

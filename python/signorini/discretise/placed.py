@@ -26,9 +26,9 @@ _GAUSS = 3
 _LEAST = 1e-9
 """Size of a footprint, over the plate's, below which its coordinates have not the digits to tell it from a point."""
 _HOLE_SLACK = 1e-3
-"""Part of a hole's area by which the mesh may miss it."""
+"""Relative tolerance for the area of a hole in the mesh."""
 _OFF_MIDDLE = 0.01
-"""Distance of a footprint's middle from its point, relative to its width, up to which its force acts at the point."""
+"""Largest distance of a footprint's middle from its point, relative to its width; its force then acts at the point."""
 _PARALLEL = 1e-9
 """Sine of the angle up to which directions are one."""
 
@@ -71,7 +71,7 @@ class Footprints:
         return result
 
     def _require_on_plate(self, at: tuple[float, float], shape: Whole, over: Quadrature, place: Place) -> None:
-        """Refuse a footprint that leaves the plate, but for a hole that its point is in, and holes within it."""
+        """Refuse a footprint beyond the plate; it may cover the hole that its point is in, and holes within it."""
         mesh, said = self._mesh, f"The footprint of the point {point(at, self._mesh.size)}"
         if over.total == 0.0:
             raise InputError(f"{said} lies in a hole. Make it larger than the hole, or move the point.", place=place)
@@ -161,7 +161,7 @@ class Placed:
 
 
 def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
-    """Place every support on the plate, those between it and other plates too; collect what cannot be placed."""
+    """Place every support on the plate, including those between it and other plates; collect misplaced ones."""
     result = []
     on_mesh = Footprints(mesh, model.support)
     taken, both = np.zeros((0, 2)), np.zeros(0, np.bool_)

@@ -215,7 +215,7 @@ class ContactPoints(Table, Brief):
 def partition(points: ContactPoints, tightened: Ints) -> tuple[Springs, ContactPoints]:
     """Split points into springs, with a straight law of compliance C > 0, and contact points, all others.
 
-    Tightening moves the laws of the supports ``tightened`` (t,), by number: their points stay contact points, but for
+    Tightening moves the laws of the supports ``tightened`` (t,), by number. Their points stay contact points, except
     slopes.
     """
     linear = points.two_sided & ~points.equations & (points.slope | ~np.isin(points.support, tightened))

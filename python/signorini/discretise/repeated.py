@@ -165,10 +165,10 @@ class Shared:
 
 
 def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[ContactPoints, Repeated]:
-    """Leave out points that are held at every dof, and set apart equations that follow from others.
+    """Leave out points whose dofs are all held, and separate equations that depend on others.
 
-    Of the latter slopes, and points of a line or area that follow from others of the same, are left out too: results
-    do not tell their reactions. Rigid ones at one place that ask for different deflections are refused.
+    Dependent slopes, and points of a line or area that depend on others of the same support, are left out: results do
+    not show their reactions. Rigid points at one place with different deflections are refused.
     """
     contacts = contacts.pick(not_held(mesh, held, contacts))
     _require_agreement(mesh, held, contacts)

@@ -308,7 +308,7 @@ def _on_area(on: Ground, placed: Placed) -> _Acting:
 
 
 def _with_law(on: Ground, placed: Placed, acting: _Acting) -> list[ContactPoints]:
-    """Give points the law of their support; with travel both ways a table for each way."""
+    """Give points the law of their support; free travel both ways makes one table for each direction."""
     support, place, count = placed.support, placed.place, len(acting)
     at = _places(support, acting)
     slope = ~np.isnan(acting.slope)

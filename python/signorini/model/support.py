@@ -214,7 +214,7 @@ class Support(Acting, base.Named):
             self.__dict__[key] = self.on_points(getattr(self, key))
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy it with other keys; lists with one value a point go with the points."""
+        """Copy the support with other keys; lists with one value a point stay with their points."""
         result = super().model_copy(update=update, deep=deep)
         result.model_post_init(None)
         return result

@@ -532,7 +532,7 @@ class Model(Table):
 
 
 def follows_in_rows(model: Model) -> bool:
-    """Whether rows of elements can follow all borders of zones, and lines; to `q8r` there is nothing else."""
+    """Whether rows of elements can follow all borders of zones and all lines; `q8r` has rows only."""
     plate = model.plate
     if isinstance(plate, MeshPlate):
         return False

@@ -226,7 +226,7 @@ def summed(enveloped: Sequence[str]) -> list[str]:
 
 
 _Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, Floats, Floats, Sizes]
-"""Of one term its fields, then what `Terms` has of it."""
+"""Fields of a term, then the arrays of `Terms` for it."""
 
 
 class _Reader:

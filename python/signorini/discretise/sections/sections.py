@@ -164,7 +164,8 @@ class Sections(Brief):
         return csr_array(vstack(parts))
 
     def _of_spread(self, cut: Cut, forces: Quadrature, spread: Spread) -> Floats:
-        """What a pressure, of which nodal forces are those that points weigh, adds (3,) at a line."""
+        """Moment, twist and shear (3,) at a line of a pressure, given by weights of points whose nodal forces are
+        known."""
         place, some = placed(cut.elements, forces.elements)
         if not len(place):
             return np.zeros(3)
@@ -255,7 +256,7 @@ def _of_supports(
     supports: Sequence[Support],
     acting: ContactPoints | Springs,
 ) -> Floats:
-    """What a reaction of 1 along each row (m,), up, adds to moment, twist and shear (m, 3); footprints are no part."""
+    """Moment, twist and shear (m, 3) of a unit reaction, up, along each row (m,); footprints are not included."""
     result = np.zeros((len(acting), 3))
     place, rows = placed(cut.elements, acting.rows.elements)
     areas = [index for index, support in enumerate(supports) if support.area is not None]
