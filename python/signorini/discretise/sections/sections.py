@@ -164,8 +164,7 @@ class Sections(Brief):
         return csr_array(vstack(parts))
 
     def _of_spread(self, cut: Cut, forces: Quadrature, spread: Spread) -> Floats:
-        """Moment, twist and shear (3,) at a line of a pressure, given by weights of points whose nodal forces are
-        known."""
+        """Moment, twist and shear (3,) at a line of a pressure, given by weights of points with known nodal forces."""
         place, some = placed(cut.elements, forces.elements)
         if not len(place):
             return np.zeros(3)
