@@ -374,16 +374,10 @@ def _overlaps(discretisation: Discretisation) -> Iterator[str]:
     model = discretisation.model
     elastic = [i for i, s in enumerate(model.support) if s.area is not None and s.modulus is not None]
     for one, other in combinations(elastic, 2):
-        same = model.support[one].between == model.support[other].between
-        if (
-            same
-            and _alike(model.support[one], model.support[other])
-            and (_reaches(discretisation, one, other) or _reaches(discretisation, other, one))
-        ):
-            yield (
-                f"The areas of {model.support[one].name} and {model.support[other].name} overlap: where they do, their "
-                "stiffness adds."
-            )
+        first, second = model.support[one], model.support[other]
+        reaches = _reaches(discretisation, one, other) or _reaches(discretisation, other, one)
+        if reaches and first.between == second.between and _alike(first, second):
+            yield f"The areas of {first.name} and {second.name} overlap: where they do, their stiffness adds."
 
 
 def _footprints(discretisation: Discretisation) -> Iterator[str]:
