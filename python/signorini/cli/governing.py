@@ -108,8 +108,7 @@ def print_means(
         if any(cells):
             most, least = (of or [""] * (1 + len(columns)) for of in cells)
             shown.add(name, *most, *least)
-    if shown.rows:
-        shown.show(console)
+    shown.show(console)
 
 
 def print_bearings(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
@@ -126,14 +125,18 @@ def print_bearings(console: Console, results: Results, estimates: Estimates | No
     shown = Grid([Column("combination", coded=labels.numbered), *numbers(*(f"{name}{unit}" for name in names))])
     for row, of_row in enumerate(values.T.tolist()):
         widths = [None if estimates is None else estimates.half_width(column, row) for column in columns]
-        told = any(width is not None for width in widths)
-        pairs = zip(of_row, widths, strict=True)
-        cells = [estimated(value, width, largest) if told else number(value, largest) for value, width in pairs]
         solved = not np.isnan(of_row).all()
-        shown.add(labels.cell(results.key(row)), *(cells if solved else [""] * len(cells)))
+        cells = _cells(of_row, widths, largest) if solved else [""] * len(of_row)
+        shown.add(labels.cell(results.key(row)), *cells)
     say(console, "reaction of each bearing")
-    shown.show(console)
-    console.print()
+    shown.show(console, apart=True)
+
+
+def _cells(values: Sequence[float], widths: Sequence[float | None], largest: float) -> list[str]:
+    """Write numbers, with half-widths if one of them has one."""
+    if all(width is None for width in widths):
+        return [number(value, largest) for value in values]
+    return [estimated(value, width, largest) for value, width in zip(values, widths, strict=True)]
 
 
 def _names(model: Model, bearings: Sequence[Bearing]) -> list[str]:
@@ -159,15 +162,10 @@ def _print_extreme_reactions(
     shown = Grid([Column("bearing"), at, *numbers(f"largest reaction{unit}"), by, *numbers("smallest"), by])
     names = _names(model, [high.bearing for high, _ in pairs])
     for name, (high, low) in zip(names, pairs, strict=True):
-        bearing = high.bearing
-        if (high, low) not in most:
-            continue
-        cells: list[str] = []
-        for one in (high, low):
-            told = one.own_width is not None
-            text = estimated(one.own, one.own_width, largest) if told else number(one.own, largest)
-            cells += [text, labels.cell(one.combination)]
-        shown.add(name, point(bearing.at, size) if bearing.at else "", *cells)
+        if (high, low) in most:
+            place = point(high.bearing.at, size) if high.bearing.at else ""
+            (first,), (last,) = (_cells([one.own], [one.own_width], largest) for one in (high, low))
+            shown.add(name, place, first, labels.cell(high.combination), last, labels.cell(low.combination))
     shown.show(console)
 
 
@@ -186,19 +184,16 @@ def print_governing(
     names = _names(model, [one.bearing for one in reactions[::2]])
     largest = size_of([one.reactions for one in reactions])
     unit = in_unit(model.units.force)
-    columns = [Column("reaction"), Column("of", coded=labels.numbered), *numbers(*(f"{name}{unit}" for name in names))]
-    shown = Grid(columns)
+    titles = [f"{name}{unit}" for name in names]
+    shown = Grid([Column("reaction"), Column("of", coded=labels.numbered), *numbers(*titles)])
     for index, one in enumerate(reactions):
         side = "largest" if one.largest else "smallest"
-        told = any(width is not None for width in one.widths)
-        pairs = zip(one.reactions, one.widths, strict=True)
-        cells = [Text(estimated(value, width, largest) if told else number(value, largest)) for value, width in pairs]
+        cells = [*map(Text, _cells(one.reactions, one.widths, largest))]
         cells[index // 2].stylize("bold")
         shown.add(f"{side} {names[index // 2]}", labels.cell(one.combination), *cells)
     of = f" in {group}" if group else ""
     say(console, f"largest and smallest reaction of each bearing{of}, beside it what the others do then")
-    shown.show(console)
-    console.print()
+    shown.show(console, apart=True)
 
 
 def _print_fields(console: Console, results: Results, group: str, enveloped: Mapping[str, Any], labels: Labels) -> None:
@@ -255,8 +250,7 @@ def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any
             at = point(probe["at"], results.discretisation.mesh.size)
             by_most, by_least = labels.cell(of["max_by"]), labels.cell(of["min_by"])
             shown.add(at, FIELDS[field].label(units), most, by_most, least, by_least)
-    shown.show(console)
-    console.print()
+    shown.show(console, apart=True)
 
 
 def _print_supports(console: Console, results: Results, group: str, widths: Widths, labels: Labels) -> None:
@@ -274,8 +268,7 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
         least = cell(ends.min, widths, (*place_of(model, index), "reaction", "min"), largest)
         by_most, by_least = (labels.cell(results.key(row)) for row in (ends.max_by, ends.min_by))
         shown.add(support.name, most, by_most, least, by_least, lifted)
-    shown.show(console)
-    console.print()
+    shown.show(console, apart=True)
     _print_lines(console, results, group, widths)
     for index, (support, points, open_in) in enumerate(every):
         of_support = place_of(model, index)
@@ -285,10 +278,8 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
             gap = cell(gaps[at].max, widths, (*of_support, "points", at, "gap", "max"))
             opening = f"{gap} {units.length}".rstrip()
             where = point(points.positions[at].tolist())
-            say(
-                console,
-                f"{support.name}: widest gap {opening} at {where} in {labels.said(results.key(gaps[at].max_by))}",
-            )
+            by_gap = labels.said(results.key(gaps[at].max_by))
+            say(console, f"{support.name}: widest gap {opening} at {where} in {by_gap}")
         if (area := layout.at_rest.get(index)) is not None:
             pressed, touching = whole[f"max_pressure:{support.name}"], whole[f"contact_area:{support.name}"]
             pressure = cell(pressed.max, widths, (*of_support, "max_pressure", "max"))
@@ -308,18 +299,14 @@ def _print_lines(console: Console, results: Results, group: str, widths: Widths)
     lines = [(index, model.support[index].name) for index in whole.layout.lines]
     most, least = ([whole[f"{side}_per_length:{name}"] for _, name in lines] for side in SIDES)
     size = size_of([(high.max, low.min) for high, low in zip(most, least, strict=True)])
-    titles = f"largest{in_unit(model.units.force_by_length(-1))}", "smallest"
-    shown = Grid(
-        [Column("reaction per length"), *numbers(titles[0]), Column("of"), *numbers(titles[1]), Column("of")],
-    )
+    unit, by = in_unit(model.units.force_by_length(-1)), Column("of")
+    shown = Grid([Column("reaction per length"), *numbers(f"largest{unit}"), by, *numbers("smallest"), by])
     for (index, name), high, low in zip(lines, most, least, strict=True):
         of_support = place_of(model, index)
         largest = cell(high.max, widths, (*of_support, "max_per_length", "max"), size)
         smallest = cell(low.min, widths, (*of_support, "min_per_length", "min"), size)
         shown.add(name, largest, results.key(high.max_by), smallest, results.key(low.min_by))
-    if lines:
-        shown.show(console)
-        console.print()
+    shown.show(console, apart=True)
 
 
 def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, Any], labels: Labels) -> None:
@@ -334,8 +321,7 @@ def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, 
                 most, least = (cell(of[end], widths, (*path, end), size) for end in SIDES)
                 by_most, by_least = labels.cell(of["max_by"]), labels.cell(of["min_by"])
                 shown.add(f"{section['name']}, {in_title(one, units)}", most, by_most, least, by_least)
-        shown.show(console)
-        console.print()
+        shown.show(console, apart=True)
     if envelope["strips"]:
         where = f"at{in_unit(units.length)}"
         columns = [*numbers(f"largest mean {in_title(MEANS[0], units)}", where), by, *numbers("smallest", where), by]
@@ -350,5 +336,4 @@ def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, 
                 cells += [cell(result[at], widths, within, size, 5), point(strip["stations"][at]["at"])]
                 cells.append(labels.cell(moments[at][f"{end}_by"]))
             shown.add(strip["name"], *cells)
-        shown.show(console)
-        console.print()
+        shown.show(console, apart=True)

@@ -73,11 +73,15 @@ class Grid:
         """Add a row, below all others."""
         self.rows.append([_glued(cell) for cell in cells])
 
-    def show(self, console: Console) -> None:
-        """Print it, and what a half-width means that is not known."""
+    def show(self, console: Console, apart: bool = False) -> None:
+        """Print a table that has rows, and below it the meaning of "± ?"; ``apart`` adds an empty line."""
+        if not self.rows:
+            return
         self._show(console)
         if self.unknown and any(_glued(UNKNOWN).plain in cell.plain for row in self.rows for cell in row):
             say(console, self.unknown)
+        if apart:
+            console.print()
 
     def _show(self, console: Console) -> None:
         kept = list(range(len(self.columns)))

@@ -106,9 +106,8 @@ def resting(result: Result, widths: Mapping[str, Any] | None, pressure: float) -
             area = cell(values.contact_area, widths, (*of_support, "contact_area"), whole)
             said = in_contact(values.name, area, values.contact_area, whole, "area", unit_of(units.length, 2))
             unit = unit_of(units.force_by_length(-2))
-            said += (
-                f"; largest pressure {cell(values.max_pressure, widths, (*of_support, 'max_pressure'), pressure)}{unit}"
-            )
+            largest = cell(values.max_pressure, widths, (*of_support, "max_pressure"), pressure)
+            said += f"; largest pressure {largest}{unit}"
             if values.max_pressure and values.max_pressure_at is not None:
                 said += f" at {point(values.max_pressure_at, result.mesh.size)}"
             if values.max_tension:
@@ -196,20 +195,15 @@ def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:
     for fields, widths, force in _fields(results, estimates):
         nothing = {"moment": _STRIP**2 * force, "shear": _STRIP * force / size}
         ends = {name: max(SIDES, key=lambda end: abs(fields[name][end])) for name in RESULTANTS if name in fields}
-        for name in (name for name in RESULTANTS if name in ends):
+        for name in ends:
             value, width = abs(fields[name][ends[name]]), widths[name][ends[name]]
-            alike = [
-                abs(fields[one][ends[one]])
-                for one in ends
-                if one in RESULTANTS and FIELDS[one].kind == FIELDS[name].kind
-            ]
+            alike = [abs(fields[one][ends[one]]) for one in ends if FIELDS[one].kind == FIELDS[name].kind]
             place = fields[name][f"{ends[name]}_at"]
             if width is None or any(_near(one, place) for one in results.discretisation.each):
                 continue
             if width > max(_WIDE * value, _LITTLE * max(alike), nothing[FIELDS[name].kind]):
                 part = width / value if value else float("inf")
-                at = point(fields[name][f"{ends[name]}_at"], size)
-                result[name] = max(result.get(name, (0.0, "")), (part, at))
+                result[name] = max(result.get(name, (0.0, "")), (part, point(place, size)))
     if not result:
         return
     where = ", ".join(f"{name} at {at}" for name, (_, at) in result.items())

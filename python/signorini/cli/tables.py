@@ -100,8 +100,7 @@ def _print_refinement(console: Console, results: Results) -> None:
     for step in results.refinement:
         shown.add(str(step.elements), str(step.dofs), f"{step.worst:.2g}", step.what)
     say(console, f"refined to ± {results.model.mesh.accuracy:g} of the largest value of every field")
-    shown.show(console)
-    console.print()
+    shown.show(console, apart=True)
     if results.accuracy_warning:
         say(console, f"Warning: {results.accuracy_warning}", style="yellow")
 
@@ -123,8 +122,7 @@ def print_check(console: Console, check: Check) -> None:
             int((discretisation.contacts.support == index).sum()),
         )
         supports.add(_symbol(support, console), support.name, describe(support), *map(str, counts))
-    supports.show(console)
-    console.print()
+    supports.show(console, apart=True)
     if totals := case_totals(discretisation):
         say(console, f"load cases in all: {', '.join(f'{case} {total}' for case, total in totals.items())}")
         console.print()
@@ -195,17 +193,14 @@ def _print_summary(console: Console, results: Results, estimates: Estimates | No
             shown.add(Text(labels.cell(result.name), style="bold red"), "", "", "", *[""] * len(names))
             continue
         widths, load = _widths(estimates, result), largest_of(result)["reaction"]
-        ends = (
-            cell(float(end), widths, ("deflection", name), size)
-            for name, end in (("max", result.deflection.max()), ("min", result.deflection.min()))
-        )
+        pairs = (("max", result.deflection.max()), ("min", result.deflection.min()))
+        ends = (cell(float(end), widths, ("deflection", name), size) for name, end in pairs)
         reactions = (
             cell(result.reaction, widths, (*place_of(model, index), "reaction"), load)
             for index, result in enumerate(result.supports)
         )
-        shown.add(
-            labels.cell(result.name), *ends, str(sum(result.open_count for result in result.supports)), *reactions
-        )
+        opened = sum(support.open_count for support in result.supports)
+        shown.add(labels.cell(result.name), *ends, str(opened), *reactions)
     shown.show(console)
     if results.unbalanced:
         say(console, f"without equilibrium: {', '.join(results.unbalanced)}", style="bold red")
@@ -312,11 +307,9 @@ def _print_lines(console: Console, result: Result, widths: Widths, largest: Mapp
     shown = Grid([Column("reaction per length"), *numbers(*titles, f"corner{in_unit(units.force)}", where)])
     lines = [(index, support.line) for index, support in enumerate(result.supports) if support.line is not None]
     for index, line in lines:
-        of_support, cells = place_of(result.model, index), list[str | Text]()
-        for name, value, at in (
-            ("max_per_length", line.max_per_length, line.max_per_length_at),
-            ("min_per_length", line.min_per_length, line.min_per_length_at),
-        ):
+        of_support, cells = place_of(result.model, index), list[str]()
+        for name in ("max_per_length", "min_per_length"):
+            value, at = getattr(line, name), getattr(line, f"{name}_at")
             cells += [cell(value, widths, (*of_support, name), largest["per_length"]), point(at, size)]
         if len(line.corners):
             most = int(np.abs(line.corner_reactions).argmax())
@@ -326,8 +319,7 @@ def _print_lines(console: Console, result: Result, widths: Widths, largest: Mapp
         shown.add(result.supports[index].name, *cells, *[""] * (6 - len(cells)))
     if lines:
         console.print()
-        shown.show(console)
-        console.print()
+        shown.show(console, apart=True)
 
 
 def _print_points(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
@@ -415,11 +407,8 @@ def _print_through(console: Console, result: Result, widths: Widths, largest: Ma
         console.print()
         shown = Grid([Column("section"), *numbers(*(in_title(one, units) for one in THROUGH))])
         for index, section in enumerate(result.sections):
-            cells = [
-                cell(getattr(section, one.name), widths, ("sections", index, one.name), largest[one.kind])
-                for one in THROUGH
-            ]
-            shown.add(section.name, *cells)
+            values = ((one, getattr(section, one.name), ("sections", index, one.name)) for one in THROUGH)
+            shown.add(section.name, *(cell(value, widths, path, largest[one.kind]) for one, value, path in values))
         shown.show(console)
     if result.strips:
         console.print()

@@ -71,11 +71,13 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     apart = [] if names["holes"] else [loop for loop in off if not any(outline.has(loop.points))]
     result[layer].loops += apart
     crossing = [loop for loop in off if loop not in apart]
-    said.lose("holes", _middles(crossing), "not inside the outline; an opening at an edge is part of it")
+    said.lose(
+        "holes", [loop.middle for loop in crossing], "not inside the outline; an opening at an edge is part of it"
+    )
     around, slab, within = Slab(outline, ()), Slab(outline, holes), snap(outline)
     zones = [_inside(zone, around, within) for zone in _all_of(one.loops for one in roles["zones"])]
     off = [zone for zone in zones if not around.covers(zone.points, within)]
-    said.lose("zones", _middles(off), "not within the outline")
+    said.lose("zones", [loop.middle for loop in off], "not within the outline")
     points = _points(roles["points"], slab, within, said)
     lines = _lines(roles["lines"], slab, within, said)
     for name, rest in sorted(result.items()):
@@ -119,10 +121,6 @@ class _Said:
 
 def _line(role: str, places: Sequence[Spot], why: str) -> list[str]:
     return [f"{role}: {len(places)}{about(places)}: {why}"] if places else []
-
-
-def _middles(loops: Sequence[Loop]) -> list[Spot]:
-    return [loop.middle for loop in loops]
 
 
 def _inside(zone: Loop, slab: Slab, most: float) -> Loop:
@@ -316,7 +314,7 @@ def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> l
         )
     if rest:
         why = "no wall of one thickness. Draw its middle, or a rectangle of each straight part"
-        said.left.append(f"lines: {len(rest)} closed{about(_middles(rest))}: {why}")
+        said.left.append(f"lines: {len(rest)} closed{about([loop.middle for loop in rest])}: {why}")
         said.lost.append(Lost("lines", len(rest), said.left[-1]))
     drawn, pairs = middles_of_lines(_all_of(one.lines for one in layers))
     if pairs:

@@ -374,16 +374,11 @@ def _overlaps(discretisation: Discretisation) -> Iterator[str]:
     model = discretisation.model
     elastic = [i for i, s in enumerate(model.support) if s.area is not None and s.modulus is not None]
     for one, other in combinations(elastic, 2):
-        same = model.support[one].between == model.support[other].between
-        if (
-            same
-            and _alike(model.support[one], model.support[other])
-            and (_reaches(discretisation, one, other) or _reaches(discretisation, other, one))
-        ):
-            yield (
-                f"The areas of {model.support[one].name} and {model.support[other].name} overlap: where they do, their "
-                "stiffness adds."
-            )
+        first, second = model.support[one], model.support[other]
+        if first.between != second.between or not _alike(first, second):
+            continue
+        if _reaches(discretisation, one, other) or _reaches(discretisation, other, one):
+            yield f"The areas of {first.name} and {second.name} overlap: where they do, their stiffness adds."
 
 
 def _footprints(discretisation: Discretisation) -> Iterator[str]:
@@ -414,7 +409,9 @@ def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, in
     """Numbers of the owners of regions that have an area in common, each pair once, and a place in both."""
     told = set[tuple[int, int]]()
     shapes = sorted(shapes, key=lambda one: one[1].bounds[0])
-    for (one, first), (other, second) in _beside(shapes):
+    begin = [shape.bounds[0] for _, shape in shapes]
+    beside = ((i, j) for i, (_, shape) in enumerate(shapes) for j in range(i + 1, bisect_left(begin, shape.bounds[2])))
+    for (one, first), (other, second) in ((shapes[i], shapes[j]) for i, j in beside):
         pair = min(one, other), max(one, other)
         common = first.bounds, second.bounds
         low, high = np.max(common, axis=0)[:2], np.min(common, axis=0)[2:]
@@ -424,13 +421,6 @@ def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, in
         if sum(part if (i > 0) == (j > 0) else -part for part, i, j in parts) > _TOUCH * min(first.area, second.area):
             told.add(pair)
             yield *pair, 0.5 * (low + high)
-
-
-def _beside(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[tuple[int, Region], tuple[int, Region]]]:
-    """Pairs of regions, sorted by their left ends, that have an abscissa in common."""
-    begin = [shape.bounds[0] for _, shape in shapes]
-    for number, one in enumerate(shapes):
-        yield from ((one, other) for other in shapes[number + 1 : bisect_left(begin, one[1].bounds[2])])
 
 
 def _alike(one: Support, other: Support) -> bool:
