@@ -12,7 +12,7 @@ from matplotlib.figure import Figure as Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
-from signorini.base.numbers import plain
+from signorini.base.numbers import plain, size_of
 from signorini.plot.plan import INK, PAPER, literal, wrapped
 from signorini.shapes.arrays import Floats
 
@@ -137,19 +137,15 @@ def _unit(unit: str) -> str:
 def _mark(axes: list[Axes], t: float, words: str, color: str) -> None:
     for panel in axes:
         panel.axvline(t, color=color, linewidth=1.2, linestyle="solid" if color == _END else (0, (4, 2)))
-    axes[0].annotate(
-        literal(words),
-        (t, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(-3, -3),
-        textcoords="offset points",
-        ha="right",
-        va="top",
-        rotation=90,
-        fontsize=8,
-        color=color,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
-    )
+    paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
+    look = {"ha": "right", "va": "top", "fontsize": 8, "color": color, "bbox": paper}
+    _write_at_top(axes[0], t, words, xytext=(-3, -3), rotation=90, **look)
+
+
+def _write_at_top(axes: Axes, t: float, words: str, **look: Any) -> None:
+    """Write text at the upper edge of a panel."""
+    place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
+    axes.annotate(literal(words), (t, 1.0), **place, **look)
 
 
 def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: float) -> None:
@@ -160,16 +156,7 @@ def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: flo
             panel.axvline(t, color=_EVENT, linewidth=0.7, linestyle="dotted", zorder=0.9)
         if t - before >= _ROOM * end:
             short = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
-            axes[0].annotate(
-                literal(short),
-                (t, 1.0),
-                xycoords=("data", "axes fraction"),
-                xytext=(0, 2),
-                textcoords="offset points",
-                rotation=40,
-                fontsize=7,
-                color=_EVENT,
-            )
+            _write_at_top(axes[0], t, short, xytext=(0, 2), rotation=40, fontsize=7, color=_EVENT)
             before = t
 
 
@@ -189,16 +176,16 @@ def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
 
 
 def _together(curves: Mapping[str, Floats]) -> list[tuple[list[str], Floats]]:
-    """Curves, those that coincide as one with all their names."""
-    apart = _ALIKE * max((float(np.abs(values).max()) for values in curves.values()), default=0.0)
-    result: list[tuple[list[str], Floats]] = []
+    """Merge curves that coincide; each has all of its names."""
+    tolerance = _ALIKE * size_of(list(curves.values()))
+    merged: list[tuple[list[str], Floats]] = []
     for name, values in curves.items():
-        same = next((names for names, of in result if np.abs(of - values).max() <= apart), None)
+        same = next((names for names, other in merged if np.abs(other - values).max() <= tolerance), None)
         if same is None:
-            result.append(([name], values))
+            merged.append(([name], values))
         else:
             same.append(name)
-    return result
+    return merged
 
 
 def _draw_curves(
@@ -222,12 +209,19 @@ def _draw_curves(
     axes.autoscale_view()
     axes.margins(x=0.01)
     _leave_out_end(axes, stops, [values for _, values in every[:_MOST_CURVES]])
-    _without_rounding(axes, max((float(np.abs(values).max()) for values in curves.values()), default=0.0))
-    axes.set_ylabel(label, fontsize=9, color=INK)
+    _without_rounding(axes, size_of(list(curves.values())))
     axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
-    axes.spines[["top", "right"]].set_visible(False)
     axes.grid(alpha=0.25, linewidth=0.5)
-    axes.tick_params(labelsize=8.5)
+    axes.spines[["top", "right"]].set_visible(False)
+    _write_labels(axes, None, label, 9, 8.5)
+
+
+def _write_labels(axes: Axes, x: str | None, y: str, size: float, numbers: float) -> None:
+    """Label the axes of a panel; without ``x`` the panel below has the label."""
+    if x is not None:
+        axes.set_xlabel(x, fontsize=size, color=INK)
+    axes.set_ylabel(y, fontsize=size, color=INK)
+    axes.tick_params(labelsize=numbers)
 
 
 def _without_rounding(axes: Axes, size: float) -> None:
@@ -285,9 +279,7 @@ def profile_picture(
             axes.lines[-1].set_linestyle(_STYLES[i // _COLOURS % len(_STYLES)])
         _without_rounding(axes, sizes[_unit_of(name)])
         axes.set_xlim(float(np.min(distance)), float(np.max(distance)))
-        axes.set_ylabel(literal(name), fontsize=8.5, color=INK)
-        axes.set_xlabel(literal(along), fontsize=8.5, color=INK)
-        axes.tick_params(labelsize=8)
+        _write_labels(axes, literal(along), literal(name), 8.5, 8)
     names = [literal(name) for curves in list(shown.values())[:1] for name in curves]
     figure.legend(grid[0].lines, names, loc="outside lower center", ncols=5, frameon=False, fontsize=8.5)
     return figure
@@ -310,9 +302,7 @@ def refinement_picture(dofs: ArrayLike, worst: ArrayLike, asked: float, order: f
     far = np.array([at[0], max(at[-1], at[0] * (result[0] / asked) ** (2 / order))])
     expected = result[0] * (far / at[0]) ** (-order / 2)
     axes.loglog(far, expected, color=INK, linewidth=1, linestyle="--", label="uniform refinement, expected")
-    axes.set_xlabel("dofs", fontsize=9, color=INK)
-    axes.set_ylabel("largest ± over the largest value of its field", fontsize=9, color=INK)
-    axes.tick_params(labelsize=8.5)
+    _write_labels(axes, "dofs", "largest ± over the largest value of its field", 9, 8.5)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(fontsize=8.5, frameon=False)
     return figure
