@@ -24,7 +24,7 @@ _END, _ASKED, _EVENT = "#b3261e", "#5c5c5c", "#3f6f8f"
 _WIDEST = 2.6
 """Inches of a line of a legend."""
 _DESIGN, _DWARFED = 0.97, 2.5
-"""Part of t whose values scale a panel if those beyond reach so many times as far."""
+"""A panel is scaled by the first part of t if later values are this many times larger."""
 _ROOM, _LONGEST = 0.04, 40
 """Part of t between the words of two events, and letters of these."""
 _PART = "part closed [%]"
@@ -161,7 +161,7 @@ def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: flo
 
 
 def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
-    """Scale a panel by the values before the last part of t where those in it dwarf them, and say how far these go."""
+    """Scale a panel by the values before the last part of t if later ones are much larger, and write how large."""
     before, every = stops <= _DESIGN * stops[-1], np.array(curves)
     low, high = float(every[:, before].min()), float(every[:, before].max())
     ends = float(every.min()), float(every.max())
@@ -235,7 +235,7 @@ def _without_rounding(axes: Axes, size: float) -> None:
 
 
 _COLOURS = 10
-"""Colours of lines in turn, then they come again with another style."""
+"""Number of line colours; further curves repeat them in another style."""
 
 
 def _unit_of(label: str) -> str:
@@ -243,7 +243,7 @@ def _unit_of(label: str) -> str:
 
 
 _ACROSS = 4
-"""Panels side by side: on a page in landscape each is as wide as is needed to read it."""
+"""Panels in a row of a landscape page."""
 
 
 def profile_picture(
@@ -253,10 +253,10 @@ def profile_picture(
     title: str = "",
     upward: Collection[str] = (),
 ) -> Figure:
-    """Draw quantities along a line, a panel each; positive values downwards, but for those that are ``upward``.
+    """Draw each quantity along a line in a panel. Positive values point down, those of ``upward`` quantities up.
 
-    Curves have gaps where values are NaN; panels without any value are left out.
-    ``panels`` are of each quantity its curves (k,) by combination; ``along`` says what the distance (k,) is.
+    ``panels`` are the curves (k,) of each quantity by combination; ``along`` is the label of the distance (k,). A curve
+    has a gap at NaN, and a quantity without values has no panel.
     """
     shown = {
         name: curves
@@ -289,9 +289,9 @@ _FOUND, _LIMIT = "#1f5fa8", "#b3261e"
 
 
 def refinement_picture(dofs: ArrayLike, worst: ArrayLike, asked: float, order: float, title: str = "") -> Figure:
-    """Draw the largest half-width over its field against the dofs, beside what uniform refinement is expected to do.
+    """Draw the largest relative half-width against the dofs, and the curve expected of uniform refinement.
 
-    ``order`` is that in the size of elements by which half-widths are expected to fall where all shrink alike.
+    ``order`` is the expected order of convergence in the element size.
     """
     at, result = np.asarray(dofs, dtype=float), np.asarray(worst, dtype=float)
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
