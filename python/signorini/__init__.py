@@ -36,43 +36,7 @@ if TYPE_CHECKING:
     from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
     from signorini.formats.inputfile import load, loads, schema
     from signorini.mesh.mesh import Mesh
-    from signorini.model import (
-        Annulus,
-        AnnulusPlate,
-        Arc,
-        Area,
-        Axes,
-        Circle,
-        Combination,
-        Contact,
-        DiscPlate,
-        FieldTable,
-        Form,
-        Hole,
-        Load,
-        Material,
-        MeshOptions,
-        MeshPlate,
-        Model,
-        Modifiers,
-        Moving,
-        Output,
-        Plate,
-        PolygonPlate,
-        Probe,
-        Profile,
-        RectanglePlate,
-        Refinement,
-        Section,
-        Solver,
-        Stiffness,
-        Strip,
-        Support,
-        Tightening,
-        Units,
-        Zone,
-        validate,
-    )
+    from signorini.model import *
     from signorini.output.writing import write
     from signorini.results.contact_field.area_contact import AreaContact
     from signorini.results.exact_path import ExactPath
@@ -117,7 +81,7 @@ _HOME = {
     "results.support_result": ("EdgeCouples", "SupportResult"),
     "singularities.singularity": ("Singularity",),
 }
-"""Modules of public names, but for those in `model`; each is read when it is first asked for, as some take long."""
+"""Modules of the public names outside `model`. A module is imported at the first use of one of its names."""
 
 # fmt: off
 __all__ = [

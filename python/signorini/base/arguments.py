@@ -20,7 +20,7 @@ _C = TypeVar("_C", bound=Callable[..., Any])
 
 
 def checked(called: _C) -> _C:
-    """Check the arguments of a public function, or of every public method of a class: which are missing or unknown.
+    """Report missing and unknown arguments of a function, or of each public method of a class, as an InputError.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def checked(called: _C) -> _C:
 
 
 def _require_fitting(called: Callable[..., Any], given: tuple[Any, ...], named: Mapping[str, Any]) -> None:
-    """Refuse arguments that a function does not have, or that are missing; say how it is called."""
+    """Raise an InputError with the signature if the arguments do not fit it."""
     signature = inspect.signature(called)
     try:
         signature.bind(*given, **named)

@@ -15,7 +15,7 @@ from signorini._core import __version__
 
 PROGRAM = "signorini"
 _SOURCES = Path(__file__).resolve().parents[3]
-"""The repository, where the package runs from its sources."""
+"""The repository, if the package runs from its sources."""
 
 
 @cache
@@ -53,7 +53,7 @@ class Provenance:
 
     @classmethod
     def of(cls, tables: Mapping[str, Any], file: tuple[str, str] | None) -> Self:
-        """Write the input's tables as JSON; ``file`` is its name and SHA-256."""
+        """Make it of the input's tables, and of the name and the SHA-256 of its file."""
         text = json.dumps(tables, separators=(",", ":"), ensure_ascii=False, default=_name)
         name, sha256 = file or (None, hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest())
         return cls(name, sha256, text)

@@ -18,7 +18,7 @@ from signorini.base.arguments import checked
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.expression import Expression
-from signorini.formats.toml import Lines, hint
+from signorini.formats.toml import Lines, hint, without_strings
 from signorini.model import MeshPlate, Model, validate
 from signorini.model.problems import LISTS
 
@@ -137,9 +137,10 @@ def _decoded(content: bytes, path: str | os.PathLike[str]) -> str:
 
 def _parse(text: str, source: str) -> dict[str, Any]:
     # tomllib's memory grows with the square of a dotted key's length
-    for segment in re.split(r"[=,\[\]{}#\n]", text):
+    keys = without_strings(text)
+    for segment in re.split(r"[=,\[\]{}\n]", keys):
         if segment.count(".") >= _MOST_KEY_PARTS and sum(map(bool, segment.split("."))) > _MOST_KEY_PARTS:
-            line = text.count("\n", 0, text.index(segment)) + 1
+            line = keys.count("\n", 0, keys.index(segment)) + 1
             raise InputError(f"a key has more than {_MOST_KEY_PARTS} parts joined by dots.", place=f"{source}:{line}")
     try:
         return tomllib.loads(text)

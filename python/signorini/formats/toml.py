@@ -16,7 +16,13 @@ _STRING = re.compile(
     r'"""(?:[^"\\]|\\.|"{1,2}(?!"))*"{3,5}|' r"'''(?:[^']|'{1,2}(?!'))*'{3,5}|" r'"(?:[^"\\\n]|\\.)*"|' r"'[^'\n]*'",
     re.DOTALL,
 )
+_TOKENS = re.compile(rf"(?P<comment>#[^\n]*)|{_STRING.pattern}|[\"'].*", re.DOTALL)
 _SCALAR = re.compile(r"[^,\]}\n#]*")
+
+
+def without_strings(text: str) -> str:
+    """Remove the content of strings and comments; lines stay. Where a string has no end, the rest is removed."""
+    return _TOKENS.sub(lambda token: "" if token["comment"] else '""' + "\n" * token.group().count("\n"), text)
 
 
 class Lines:

@@ -140,16 +140,14 @@ class _Shown:
     def tree(self, results: Results, group: str) -> dict[str, Any]:
         """Give extremes by their keys."""
         envelope, layout = self.envelope, self.envelope.layout
-        contacts, cases = len(layout.model.contact), frozenset(results.model.effective_combinations.cases_of(group))
+        cases = frozenset(results.model.effective_combinations.cases_of(group))
+        supports = [self._support(results, index) for index in range(len(layout.supports))]
+        first_contact = len(supports) - len(layout.model.contact)
         result: dict[str, Any] = {
             "fields": {name: {} for name in layout.fields},
             **({"plates": {plate: {} for plate in layout.model.plates}} if layout.model.plates else {}),
-            "supports": [self._support(results, index) for index in range(len(layout.supports) - contacts)],
-            **(
-                {"contacts": [self._support(results, len(layout.supports) - contacts + at) for at in range(contacts)]}
-                if contacts
-                else {}
-            ),
+            "supports": supports[:first_contact],
+            **({"contacts": supports[first_contact:]} if layout.model.contact else {}),
             "probes": [{"at": at} for at in layout.probes.tolist()],
             "sections": [{"name": section.name} for section in layout.model.section],
             "strips": [
@@ -197,11 +195,11 @@ class _Shown:
         return result
 
     def _ends(self, results: Results, number: int) -> dict[str, Any]:
-        """Extremes of a reaction per length or a concentrated force of lines, and the combinations they are of."""
-        told: dict[str, Any] = {}
+        """Return the extremes of a reaction per length or a concentrated force, each with its combination."""
+        extremes: dict[str, Any] = {}
         for side, (values, by) in zip(SIDES, self.envelope.on_lines.sides, strict=True):
-            told |= {side: float(values[number]), f"{side}_by": results.key(int(by[number]))}
-        return told
+            extremes |= {side: float(values[number]), f"{side}_by": results.key(int(by[number]))}
+        return extremes
 
 
 def _width_at(results: Results, place: Sequence[float]) -> float:

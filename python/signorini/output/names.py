@@ -55,9 +55,8 @@ def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | N
     together |= {"table": TABLE} if results.model.tabulated else {}
     together |= {"refinement": REFINEMENT} if results.refinement else {}
     named: list[tuple[str | None, str, str]] = [(None, kind, name) for kind, name in together.items()]
-    named += (
-        [(None, "profiles", name) for name in profile_pictures(results.model)] if profiled(results, pictures) else []
-    )
+    if profiled(results, pictures):
+        named += [(None, "profiles", name) for name in profile_pictures(results.model)]
     for (_, plate), name in envelope_files(results).items():
         named.append((None, "envelope", name))
         shown = envelope_pictures(results, name, plate) if pictures != "none" else {}

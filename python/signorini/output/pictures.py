@@ -31,7 +31,7 @@ from signorini.output.names import (
 from signorini.output.names import PRESSURE as PRESSURE_ENDING
 from signorini.plot.picture import Job, Panel, Picture, Sheet, SupportMark
 from signorini.plot.view import exaggeration, seen
-from signorini.results.envelope import Ends, Envelope
+from signorini.results.envelope import Envelope
 from signorini.results.marks import (
     discs,
     enveloped_diagram,
@@ -157,7 +157,8 @@ def _envelope_sheets(
                 for field in enveloped(results, ending):
                     of = on_plate(field, name_of)
                     ends, at = envelope.field(of), envelope.places_of(of)[end].tolist()
-                    said, above = _end(results, estimates, of, SIDES[end], ends)
+                    value, by = (ends.min, ends.min_by) if end else (ends.max, ends.max_by)
+                    said, above = _said(results, estimates, f"{SIDES[end]}:{of}", SIDES[end], value, by)
                     shown = result.stress_nodes.spread(getattr(at_nodes[field], side))
                     label = f"{side} {PICTURED[field].label(result.model.units)}"
                     limits, singular = (ends.min, ends.max), PICTURED[field].singular
@@ -188,16 +189,10 @@ def _largest_pressure(results: Results, estimates: Estimates | None, envelope: E
     return Panel(layers, limits, label, KINDS["pressure"].colours, named, above)
 
 
-def _end(results: Results, estimates: Estimates | None, field: str, end: str, ends: Ends) -> tuple[str, str]:
-    """Of a field's largest or smallest value what stands at it, and the combination, in words."""
-    value, by = (ends.max, ends.max_by) if end == "max" else (ends.min, ends.min_by)
-    return _said(results, estimates, f"{end}:{field}", end, value, by)
-
-
 def _said(
     results: Results, estimates: Estimates | None, column: str, end: str, value: float, by: int
 ) -> tuple[str, str]:
-    """The same of a number of the table by its column."""
+    """Return the label and the title of an extreme; ``column`` is that of the table, ``by`` its row."""
     told = estimates is not None and estimates.of_table is not None and bool(estimates.of_table.others)
     width = estimates.half_width(column, by) if told and estimates is not None else None
     name = results.key(by)

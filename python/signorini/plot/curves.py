@@ -12,7 +12,7 @@ from matplotlib.figure import Figure as Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
-from signorini.base.numbers import plain
+from signorini.base.numbers import plain, size_of
 from signorini.plot.plan import INK, PAPER, literal, wrapped
 from signorini.shapes.arrays import Floats
 
@@ -24,7 +24,7 @@ _END, _ASKED, _EVENT = "#b3261e", "#5c5c5c", "#3f6f8f"
 _WIDEST = 2.6
 """Inches of a line of a legend."""
 _DESIGN, _DWARFED = 0.97, 2.5
-"""Part of t whose values scale a panel if those beyond reach so many times as far."""
+"""A panel is scaled by the first part of t if later values are this many times larger."""
 _ROOM, _LONGEST = 0.04, 40
 """Part of t between the words of two events, and letters of these."""
 _PART = "part closed [%]"
@@ -137,19 +137,15 @@ def _unit(unit: str) -> str:
 def _mark(axes: list[Axes], t: float, words: str, color: str) -> None:
     for panel in axes:
         panel.axvline(t, color=color, linewidth=1.2, linestyle="solid" if color == _END else (0, (4, 2)))
-    axes[0].annotate(
-        literal(words),
-        (t, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(-3, -3),
-        textcoords="offset points",
-        ha="right",
-        va="top",
-        rotation=90,
-        fontsize=8,
-        color=color,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
-    )
+    paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
+    look = {"ha": "right", "va": "top", "fontsize": 8, "color": color, "bbox": paper}
+    _write_at_top(axes[0], t, words, xytext=(-3, -3), rotation=90, **look)
+
+
+def _write_at_top(axes: Axes, t: float, words: str, **look: Any) -> None:
+    """Write text at the upper edge of a panel."""
+    place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
+    axes.annotate(literal(words), (t, 1.0), **place, **look)
 
 
 def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: float) -> None:
@@ -160,21 +156,12 @@ def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: flo
             panel.axvline(t, color=_EVENT, linewidth=0.7, linestyle="dotted", zorder=0.9)
         if t - before >= _ROOM * end:
             short = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
-            axes[0].annotate(
-                literal(short),
-                (t, 1.0),
-                xycoords=("data", "axes fraction"),
-                xytext=(0, 2),
-                textcoords="offset points",
-                rotation=40,
-                fontsize=7,
-                color=_EVENT,
-            )
+            _write_at_top(axes[0], t, short, xytext=(0, 2), rotation=40, fontsize=7, color=_EVENT)
             before = t
 
 
 def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
-    """Scale a panel by the values before the last part of t where those in it dwarf them, and say how far these go."""
+    """Scale a panel by the values before the last part of t if later ones are much larger, and write how large."""
     before, every = stops <= _DESIGN * stops[-1], np.array(curves)
     low, high = float(every[:, before].min()), float(every[:, before].max())
     ends = float(every.min()), float(every.max())
@@ -189,16 +176,16 @@ def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
 
 
 def _together(curves: Mapping[str, Floats]) -> list[tuple[list[str], Floats]]:
-    """Curves, those that coincide as one with all their names."""
-    apart = _ALIKE * max((float(np.abs(values).max()) for values in curves.values()), default=0.0)
-    result: list[tuple[list[str], Floats]] = []
+    """Merge curves that coincide; each has all of its names."""
+    tolerance = _ALIKE * size_of(list(curves.values()))
+    merged: list[tuple[list[str], Floats]] = []
     for name, values in curves.items():
-        same = next((names for names, of in result if np.abs(of - values).max() <= apart), None)
+        same = next((names for names, other in merged if np.abs(other - values).max() <= tolerance), None)
         if same is None:
-            result.append(([name], values))
+            merged.append(([name], values))
         else:
             same.append(name)
-    return result
+    return merged
 
 
 def _draw_curves(
@@ -222,12 +209,19 @@ def _draw_curves(
     axes.autoscale_view()
     axes.margins(x=0.01)
     _leave_out_end(axes, stops, [values for _, values in every[:_MOST_CURVES]])
-    _without_rounding(axes, max((float(np.abs(values).max()) for values in curves.values()), default=0.0))
-    axes.set_ylabel(label, fontsize=9, color=INK)
+    _without_rounding(axes, size_of(list(curves.values())))
     axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
-    axes.spines[["top", "right"]].set_visible(False)
     axes.grid(alpha=0.25, linewidth=0.5)
-    axes.tick_params(labelsize=8.5)
+    axes.spines[["top", "right"]].set_visible(False)
+    _write_labels(axes, None, label, 9, 8.5)
+
+
+def _write_labels(axes: Axes, x: str | None, y: str, size: float, numbers: float) -> None:
+    """Label the axes of a panel; without ``x`` the panel below has the label."""
+    if x is not None:
+        axes.set_xlabel(x, fontsize=size, color=INK)
+    axes.set_ylabel(y, fontsize=size, color=INK)
+    axes.tick_params(labelsize=numbers)
 
 
 def _without_rounding(axes: Axes, size: float) -> None:
@@ -241,7 +235,7 @@ def _without_rounding(axes: Axes, size: float) -> None:
 
 
 _COLOURS = 10
-"""Colours of lines in turn, then they come again with another style."""
+"""Number of line colours; further curves repeat them in another style."""
 
 
 def _unit_of(label: str) -> str:
@@ -249,7 +243,7 @@ def _unit_of(label: str) -> str:
 
 
 _ACROSS = 4
-"""Panels side by side: on a page in landscape each is as wide as is needed to read it."""
+"""Panels in a row of a landscape page."""
 
 
 def profile_picture(
@@ -259,10 +253,10 @@ def profile_picture(
     title: str = "",
     upward: Collection[str] = (),
 ) -> Figure:
-    """Draw quantities along a line, a panel each; positive values downwards, but for those that are ``upward``.
+    """Draw each quantity along a line in a panel. Positive values point down, those of ``upward`` quantities up.
 
-    Curves have gaps where values are NaN; panels without any value are left out.
-    ``panels`` are of each quantity its curves (k,) by combination; ``along`` says what the distance (k,) is.
+    ``panels`` are the curves (k,) of each quantity by combination; ``along`` is the label of the distance (k,). A curve
+    has a gap at NaN, and a quantity without values has no panel.
     """
     shown = {
         name: curves
@@ -285,9 +279,7 @@ def profile_picture(
             axes.lines[-1].set_linestyle(_STYLES[i // _COLOURS % len(_STYLES)])
         _without_rounding(axes, sizes[_unit_of(name)])
         axes.set_xlim(float(np.min(distance)), float(np.max(distance)))
-        axes.set_ylabel(literal(name), fontsize=8.5, color=INK)
-        axes.set_xlabel(literal(along), fontsize=8.5, color=INK)
-        axes.tick_params(labelsize=8)
+        _write_labels(axes, literal(along), literal(name), 8.5, 8)
     names = [literal(name) for curves in list(shown.values())[:1] for name in curves]
     figure.legend(grid[0].lines, names, loc="outside lower center", ncols=5, frameon=False, fontsize=8.5)
     return figure
@@ -297,9 +289,9 @@ _FOUND, _LIMIT = "#1f5fa8", "#b3261e"
 
 
 def refinement_picture(dofs: ArrayLike, worst: ArrayLike, asked: float, order: float, title: str = "") -> Figure:
-    """Draw the largest half-width over its field against the dofs, beside what uniform refinement is expected to do.
+    """Draw the largest relative half-width against the dofs, and the curve expected of uniform refinement.
 
-    ``order`` is that in the size of elements by which half-widths are expected to fall where all shrink alike.
+    ``order`` is the expected order of convergence in the element size.
     """
     at, result = np.asarray(dofs, dtype=float), np.asarray(worst, dtype=float)
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
@@ -310,9 +302,7 @@ def refinement_picture(dofs: ArrayLike, worst: ArrayLike, asked: float, order: f
     far = np.array([at[0], max(at[-1], at[0] * (result[0] / asked) ** (2 / order))])
     expected = result[0] * (far / at[0]) ** (-order / 2)
     axes.loglog(far, expected, color=INK, linewidth=1, linestyle="--", label="uniform refinement, expected")
-    axes.set_xlabel("dofs", fontsize=9, color=INK)
-    axes.set_ylabel("largest ± over the largest value of its field", fontsize=9, color=INK)
-    axes.tick_params(labelsize=8.5)
+    _write_labels(axes, "dofs", "largest ± over the largest value of its field", 9, 8.5)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(fontsize=8.5, frameon=False)
     return figure

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from signorini.base.files import replacing
 from signorini.base.provenance import PROGRAM
@@ -40,12 +39,13 @@ def png_of(figure: Figure) -> bytes:
     figure.set_dpi(DOTS)
     canvas: Any = figure.canvas  # matplotlib leaves its methods without types
     canvas.draw()
-    # Without the alpha channel, of which a page has no need, there is a fourth less to compress.
-    return as_png(np.asarray(canvas.buffer_rgba())[..., :3])
+    return as_png(canvas)
 
 
-def as_png(dots: NDArray[np.uint8]) -> bytes:
-    """Give dots (h, w, 3) as a PNG file, its lines unfiltered: as small as matplotlib's in half the time."""
+def as_png(canvas: Any) -> bytes:
+    """Return a canvas as a PNG file of unfiltered lines: as small as matplotlib's, in half the time."""
+    # Pages need no alpha channel. Without it there is a fourth less to compress.
+    dots = np.asarray(canvas.buffer_rgba())[..., :3]
     height, width, _ = dots.shape
     lines = np.zeros((height, 1 + 3 * width), np.uint8)
     lines[:, 1:] = dots.reshape(height, -1)

@@ -160,8 +160,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
         drawn = [artist for artist in page.artists() if id(artist) not in before]
         for artist in sorted(drawn, key=lambda artist: artist.get_zorder()):
             artist.draw(canvas.get_renderer())
-        # Without the alpha channel, of which a page has no need, there is a fourth less to compress.
-        yield as_png(np.asarray(canvas.buffer_rgba())[..., :3])
+        yield as_png(canvas)
         for artist in drawn:
             artist.remove()
 
