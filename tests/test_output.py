@@ -380,7 +380,7 @@ def test_a_notebook_shows_points_pressures_and_half_widths() -> None:
     first = next(row for row in rows if row[2] == "open")
     at = int(first[1].split(" at ")[0]) - 1
     assert first[4] == estimated(result.supports[0].gaps[at], widths[0]["points"][at]["gap"])
-    assert "and 5 of smaller reactions" in shown and "of the mesh: ± by " in shown
+    assert "and 5 of smaller reactions" in shown and "± estimates the mesh error" in shown
 
 
 def test_a_second_run_replaces_the_first_and_nothing_else(results: signorini.Results, tmp_path: Path) -> None:

@@ -1,8 +1,8 @@
 //! Responses to single load cases and to single contact points; combinations are linear combinations of these.
 //!
-//! u = u₀ + Σ factor_c u_c + Σ x_i u_i; reactions and displacements of points likewise. Each term is in equilibrium: Ku
-//! + Gᵀr = f. Where the rows of G select single dofs, x is the displacement of the points, and load cases act with all
-//! points fixed. Otherwise x is the force δ·Gu − r, and load cases act on K̃.
+//! u = u₀ + Σ factor_c u_c + Σ x_i u_i; reactions and displacements of points likewise. Each term is in equilibrium:
+//! Ku + Gᵀr = f. Where the rows of G select single dofs, x is the displacement of the points, and load cases act with
+//! all points fixed. Otherwise x is the force δ·Gu − r, and load cases act on K̃.
 
 use super::interface::{Form, Work};
 use super::problem::ContactProblem;

@@ -81,16 +81,17 @@ def in_unit(unit: str) -> str:
 
 
 def compared(elements: Sequence[int], asked: bool) -> str:
-    """The meshes that half-widths come from, or the reason without them.
+    """Name the meshes from which ± comes, or say why there is no ±.
 
     Examples
     --------
     >>> compared([64, 16, 4], asked=True), compared([], asked=True)
-    ('± by 64, 16 and 4 elements', 'not known, no ±')
+    ('± estimates the mesh error (meshes of 64, 16 and 4 elements).', 'The mesh error is not known: no ±.')
     """
     if not elements:
-        return "not known, no ±" if asked else "not asked, no ± (mesh.error)"
-    return f"± by {', '.join(map(str, elements[:-1]))} and {elements[-1]} elements"
+        return "The mesh error is not known: no ±." if asked else "The mesh error was not asked for: no ± (mesh.error)."
+    sizes = f"{', '.join(map(str, elements[:-1]))} and {elements[-1]}"
+    return f"± estimates the mesh error (meshes of {sizes} elements)."
 
 
 POWERS = -4, 5

@@ -64,8 +64,12 @@ def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) 
     say(console, "reactions positive up" if names else "reactions of the supports, positive up, are in path.csv")
     say(console, f"certificate, the worst of {len(path.stops)} stops: {path.certificate}")
     none = model.estimated and estimate is None
-    of_mesh = "no ±" if none else compared(estimate.elements if estimate else (), model.estimated)
-    say(console, f"of the equations; of the mesh: {of_mesh}")
+    of_mesh = (
+        "The mesh error is not known: no ±."
+        if none
+        else compared(estimate.elements if estimate else (), model.estimated)
+    )
+    say(console, f"The certificate checks the solution of this mesh. {of_mesh}")
     for sentence in (*path.warnings, *(estimate.warnings if estimate else ())):
         say(console, f"Warning: {sentence}", style="yellow")
 

@@ -82,7 +82,7 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
     meshes = [results.discretisation.mesh, *(mesh for _, mesh in others)] if others else []
     elements = sorted((len(mesh.elements) for mesh in meshes), reverse=True)
-    say(console, f"of the equations; of the mesh: {compared(elements, model.estimated)}")
+    say(console, f"The certificate checks the solution of this mesh. {compared(elements, model.estimated)}")
     if results.full:
         say(console, f"all results of: {', '.join(map(labels.code, results.full))}")
 

@@ -239,7 +239,7 @@ def _print_largest(console: Console, results: Results, estimates: Estimates | No
     say(console, f"worst certificate passed: {worst}")
     estimate = _of(estimates, solved[0])
     of_mesh = compared(() if estimate is None else estimate.elements, model.estimated)
-    say(console, f"of the equations; of the mesh: {of_mesh}")
+    say(console, f"The certificate checks the solution of this mesh. {of_mesh}")
     console.print()
 
 
@@ -293,7 +293,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
         say(console, f"equilibrium would end with {limit[0]} at {limit[1]:.4g} times its factor")
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
     of_mesh = compared(() if estimate is None else estimate.elements, result.model.estimated)
-    say(console, f"of the equations; of the mesh: {of_mesh}")
+    say(console, f"The certificate checks the solution of this mesh. {of_mesh}")
     if result.probes:
         console.print()
         _print_probes(console, result, widths, largest)

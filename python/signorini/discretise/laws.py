@@ -204,6 +204,20 @@ LAWS += tuple(Law(((-travel, -1.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1
 """Of supports that push, that hold both ways, and the same with a limit of 1; each with a spring, and rigid."""
 
 
+def acts_both_ways(support: Support) -> bool:
+    """Whether a support acts downwards and upwards from no travel on: its gap is 0 and no direction is free.
+
+    Examples
+    --------
+    >>> acts_both_ways(Support(area="all", resists="both", law=[[0, 0], [1e-3, 1e4]]))
+    True
+    >>> acts_both_ways(Support(area="all", resists="down", stiffness=1e7))
+    False
+    """
+    both = support.fix is not None or support.resists == "both"
+    return both and support.gap.is_constant and support.gap.value == 0.0
+
+
 def can_let_go(support: Support) -> bool:
     """Whether the law of a support has a kink: the support lets go, yields, or changes its slope.
 
@@ -214,11 +228,9 @@ def can_let_go(support: Support) -> bool:
     >>> can_let_go(Support(area="all", resists="both", stiffness=1e7, limit=1e4))
     True
     """
-    if support.limit is not None or (support.fix is None and support.resists != "both"):
+    if support.limit is not None or not acts_both_ways(support):
         return True
-    if support.law is not None and not Law.drawn(support.law, both=True).straight:
-        return True
-    return not (support.gap.is_constant and support.gap.value == 0)
+    return support.law is not None and not Law.drawn(support.law, both=True).straight
 
 
 def laws_of(both: bool, limited: bool) -> tuple[Law, Law]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini import _core
 from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
-from signorini.discretise.laws import LAWS, Law, can_let_go, laws_of
+from signorini.discretise.laws import LAWS, Law, acts_both_ways, can_let_go, laws_of
 from signorini.discretise.placed import Placed, means_over
 from signorini.discretise.places import (
     MOST,
@@ -227,7 +227,7 @@ def _along_line(on: Ground, placed: Placed) -> list[_Acting]:
     support, mesh = placed.support, on.mesh
     in_means, turned = False, None
     if support.modulus is not None:
-        at_ends = _GAUSS + 1 if can_let_go(support) else 0
+        at_ends = 0 if acts_both_ways(support) else _GAUSS + 1
         line = (mesh, on.shape, support.where, placed.place, placed.sides)
         points = along_curve(*line, _GAUSS, at_ends, _steps(support))
     elif placed.sides is None:
@@ -283,9 +283,12 @@ def _steps(support: Support) -> list[Level]:
 
 
 def _on_area(on: Ground, placed: Placed) -> _Acting:
-    """Points of an area, or means of elements where it is as good as rigid; if it lets go, they reach its outline."""
+    """Points of an area, or means of elements where it is as good as rigid.
+
+    The points of an area that acts one way only reach its outline.
+    """
     support, place = placed.support, placed.place
-    mesh, elastic, one_sided = on.mesh, support.modulus is not None, can_let_go(support)
+    mesh, elastic, one_sided = on.mesh, support.modulus is not None, not acts_both_ways(support)
     # Where nodes hold the plate a point of the outline could do nothing.
     free_corners = np.asarray(~on.held.dofs[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
@@ -296,11 +299,13 @@ def _on_area(on: Ground, placed: Placed) -> _Acting:
     points = LineQuadrature(over.elements, over.xi, over.weights, over.positions, np.zeros_like(over.positions), within)
     through = _on_soil(placed, _Acting.of(on.rows(points, 0), points))
     covered = np.bincount(through.rows.elements, minlength=len(mesh.elements)) > 0
-    if elastic and not one_sided:
+    if elastic and not can_let_go(support):
         return through
     if support.modulus is not None:
         stiffness = support.modulus(*through.within.T, above=0.0, place=(*place, "stiffness"))
         if (stiffness < _STIFF * on.stiffness.in_waves[through.rows.elements]).all():
+            if not one_sided:
+                return through
             return _with(
                 on, placed, through, missing_corners(mesh, on.shape, support.where, covered, through.positions)
             )

@@ -644,8 +644,8 @@ def in_notebook(result: Result, plus_minus: Mapping[str, Any] | None, of_mesh: s
     )
     said = [
         f"deflection {low} to {high} {units.length}".rstrip() + ", positive down",
-        f"{result.method}, {result.iterations} {result.counted}; certificate {result.certificate}, of the equations",
-        *([f"of the mesh: {of_mesh}"] if of_mesh else []),
+        f"{result.method}, {result.iterations} {result.counted}; certificate {result.certificate}",
+        *([of_mesh] if of_mesh else []),
         *result.warnings,
     ]
     widths = None if plus_minus is None else plus_minus["supports"]

@@ -5,7 +5,7 @@
 //! last, gives the plate at its contact points in two forms:
 //!
 //! - *stiffness*: SΔs + Δr = f̂, with S the Schur complement of K (that of K̃ minus δ). It needs rows that select
-//! single dofs, and it is the better conditioned form on long rigid lines of thin plates.
+//!   single dofs, and it is the better conditioned form on long rigid lines of thin plates.
 //!
 //! - *flexibility*: (I − P̃δ)Δs + P̃Δr = d with P̃ = GK̃⁻¹Gᵀ and d = GK̃⁻¹f. δ = 0 gives the dual form of the paper.
 //!
