@@ -236,7 +236,7 @@ def uncertain(discretisation: Discretisation) -> str:
 
 
 def _of_element(discretisation: Discretisation) -> str:
-    if discretisation.model.plate.element != "q8r":
+    if discretisation.zones.element != "q8r":
         return ""
     return 'Elements of q8r bend in some shapes with hardly any resistance: "mitc9" may do better.'
 
