@@ -165,7 +165,7 @@ pub fn envelop(
     (0..who.len()).map(merged).collect()
 }
 
-/// One tile of the vectors, [`TILE`] entries each, against every combination.
+/// A tile: [`TILE`] consecutive entries of every vector, superposed for all combinations at once.
 struct Tile<'a, 'b> {
     rows: &'a [f64],
     vectors: &'a [f64],

@@ -10,7 +10,8 @@ import meshio
 import numpy as np
 import pytest
 
-from signorini import InputError, Model, NoEquilibriumError, estimate, path, solve, write
+from signorini import InputError, Model, NoEquilibriumError, contact_problem, estimate, path, solve, write
+from signorini.contact.strategy import uncertain
 
 STEEL: dict[str, Any] = {"E": 210e9, "nu": 0.0}
 SQUARE: dict[str, Any] = {"shape": "rectangle", "size": [4, 4]}
@@ -522,3 +523,15 @@ def test_shears_jump_at_the_outline_of_a_rigid_area():
     # A propped cantilever: half of the moment 20 kNm/m goes over its length of 2 m.
     assert left == pytest.approx(-15e3, rel=0.01)
     assert right == pytest.approx(10e3, rel=0.02)
+
+
+def test_a_refusal_of_two_plates_names_the_element_that_may_do_better() -> None:
+    plate = {"shape": "rectangle", "size": [2.0, 2.0], "thickness": 0.2, "element": "q8r"}
+    model = Model(
+        material={"E": 30e9, "nu": 0.2},
+        plates={"a": plate, "b": plate},
+        mesh={"size": 1.0},
+        support=[{"plate": name, "area": "all", "stiffness": 1e7} for name in ("a", "b")],
+        load=[{"plate": "a", "pressure": 1e3}],
+    )
+    assert "mitc9" in uncertain(contact_problem(model).discretisation)

@@ -82,7 +82,7 @@ impl Plan {
         size_of::<f64>() * (self.entries() + waiting + threads * workspace)
     }
 
-    /// Numbers stored for L.
+    /// Number of stored entries of the factor L.
     pub(super) fn entries(&self) -> usize {
         self.entries.iter().sum()
     }

@@ -8,8 +8,8 @@ from rich.console import Console
 from rich.text import Text
 
 from signorini.accuracy.comparison import PathEstimate
-from signorini.base.numbers import compared, in_unit, number, size_of
-from signorini.cli.grid import UNKNOWN, Column, Grid, numbers, say
+from signorini.base.numbers import in_unit, number, size_of
+from signorini.cli.grid import UNKNOWN, Column, Grid, numbers, say, say_checked
 from signorini.results.load_path import LoadPath
 
 _UNSETTLED = f"{UNKNOWN}: on the next mesh it happens not at all, or at quite another t"
@@ -63,13 +63,7 @@ def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) 
         say(console, f"So on {len(path.not_unique) - _MOST_STRETCHES} more stretches, all in path.json.")
     say(console, "reactions positive up" if names else "reactions of the supports, positive up, are in path.csv")
     say(console, f"certificate, the worst of {len(path.stops)} stops: {path.certificate}")
-    none = model.estimated and estimate is None
-    of_mesh = (
-        "The mesh error is not known: no ±."
-        if none
-        else compared(estimate.elements if estimate else (), model.estimated)
-    )
-    say(console, f"The certificate checks the solution of this mesh. {of_mesh}")
+    say_checked(console, () if estimate is None else estimate.elements, model.estimated)
     for sentence in (*path.warnings, *(estimate.warnings if estimate else ())):
         say(console, f"Warning: {sentence}", style="yellow")
 

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
-from signorini.base.numbers import compared, estimated, in_unit, number, size_of
+from signorini.base.numbers import estimated, in_unit, number, size_of
 from signorini.cli.grid import (
     UNSETTLED,
     Column,
@@ -22,6 +22,7 @@ from signorini.cli.grid import (
     in_title,
     numbers,
     say,
+    say_checked,
     unit_of,
 )
 from signorini.cli.sentences import Labels, excluded
@@ -82,7 +83,7 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
     meshes = [results.discretisation.mesh, *(mesh for _, mesh in others)] if others else []
     elements = sorted((len(mesh.elements) for mesh in meshes), reverse=True)
-    say(console, f"The certificate checks the solution of this mesh. {compared(elements, model.estimated)}")
+    say_checked(console, elements, model.estimated)
     if results.full:
         say(console, f"all results of: {', '.join(map(labels.code, results.full))}")
 

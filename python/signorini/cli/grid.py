@@ -11,7 +11,7 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
-from signorini.base.numbers import estimated, in_unit, number
+from signorini.base.numbers import compared, estimated, in_unit, number
 from signorini.model import Units
 from signorini.results.quantities import Quantity
 
@@ -38,6 +38,11 @@ def say(console: Console, text: Cell, style: str = "") -> None:
     for line in str(text).split("\n") if isinstance(text, str) else [text]:
         for part in _broken(console, _glued(line), console.width):
             console.print(part, style=style)
+
+
+def say_checked(console: Console, elements: Sequence[int], asked: bool) -> None:
+    """Say what the certificate checks and what ± estimates; ``elements`` are the sizes of the meshes compared."""
+    say(console, f"The certificate checks the solution of this mesh. {compared(elements, asked)}")
 
 
 @dataclass(frozen=True)

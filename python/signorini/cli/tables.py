@@ -14,9 +14,9 @@ from signorini.accuracy.half_width import largest_of
 from signorini.analysis.check import ASKED, Check
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
-from signorini.base.numbers import compared, in_unit, number, size_of
+from signorini.base.numbers import in_unit, number, size_of
 from signorini.cli.governing import MeanRow, print_bearings, print_combined, print_governing, print_means
-from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers, say, unit_of
+from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers, say, say_checked, unit_of
 from signorini.cli.sentences import MOST_KINDS, SEVERAL, Labels, kind_of, lifted, of_bolts, resting, too_wide
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
@@ -238,8 +238,7 @@ def _print_largest(console: Console, results: Results, estimates: Estimates | No
     worst = ", ".join(f"{name} {max(getattr(one.certificate, name) for one in solved):.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {worst}")
     estimate = _of(estimates, solved[0])
-    of_mesh = compared(() if estimate is None else estimate.elements, model.estimated)
-    say(console, f"The certificate checks the solution of this mesh. {of_mesh}")
+    say_checked(console, () if estimate is None else estimate.elements, model.estimated)
     console.print()
 
 
@@ -292,8 +291,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
     if limit is not None:
         say(console, f"equilibrium would end with {limit[0]} at {limit[1]:.4g} times its factor")
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
-    of_mesh = compared(() if estimate is None else estimate.elements, result.model.estimated)
-    say(console, f"The certificate checks the solution of this mesh. {of_mesh}")
+    say_checked(console, () if estimate is None else estimate.elements, result.model.estimated)
     if result.probes:
         console.print()
         _print_probes(console, result, widths, largest)

@@ -1,4 +1,4 @@
-"""From what the engineer said to arrays: mesh, plate, held dofs, springs, contact points and loads."""
+"""Discretisation of a model: mesh, stiffness of the plate, prescribed dofs, springs, contact points and loads."""
 
 from __future__ import annotations
 

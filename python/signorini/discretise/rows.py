@@ -128,7 +128,7 @@ class Rows:
         return np.asarray((3 * nodes[:, :, None] + np.arange(3)).reshape(len(nodes), 24))
 
     def dot(self, elements: Ints, vector: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Rows times a nodal vector (3n,), in its precision: (m,)."""
+        """Return G u (m,), the rows times a nodal vector u (3n,), in the precision of u."""
         products = (self.arrays[1].astype(vector.dtype) * vector[self.dofs(elements)]).sum(axis=1)
         np.add.at(products, self.further.owners, products[len(self) :])
         return np.asarray(products[: len(self)])

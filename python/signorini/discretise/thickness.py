@@ -83,7 +83,7 @@ class PlateStiffness:
         number = zones.of_elements.rigidity
         unit = np.array([[rigidity.in_waves, rigidity.in_shear] for rigidity in zones.rigidities])[number]
         bending, shear = unit[:, 0] * h**3, unit[:, 1] * h
-        # sin(πx/a) sin(πy/a), with a² the element's area.
+        # The plate bends in the wave w = sin(πx/a) sin(πy/a); a² is the area of the element.
         wave = 2.0 * np.pi**2 / mesh.element_area
         return cls(1.0 / (1.0 / (bending * wave**2) + 1.0 / (shear * wave)), shear)
 
