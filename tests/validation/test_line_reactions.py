@@ -102,7 +102,8 @@ def test_a_simply_supported_square_has_kirchhoffs_reactions_and_corner_forces(
 
 @pytest.mark.parametrize("thickness", [0.001, 0.02])
 def test_reactions_of_a_clamped_square_are_smooth_and_have_no_corner_forces(thickness: float) -> None:
-    # R. L. Taylor, S. Govindjee, Solution of clamped rectangular plate problems (2004): 0.441 q a at the middle.
+    # Ritz's method with (1 − x²)²(1 − y²)² times 14 Legendre polynomials each way: 0.4413 q a at the middle, and
+    # w = 0.00126532 q a⁴/D, as R. L. Taylor, S. Govindjee, Commun. Numer. Meth. Engng 20 (2004) have it.
     coarse, fine = (line_of(square("clamped", divisions=n, thickness=thickness)) for n in (8, 16))
     assert fine.max_per_length == pytest.approx(0.441, rel=0.01)
     assert coarse.max_per_length == pytest.approx(fine.max_per_length, rel=0.02)
