@@ -369,5 +369,5 @@ def test_a_support_of_which_nothing_is_said_is_the_same_after_dump_and_load():
     model = Model(**slab(support=[{"at": [[1, 1], [3, 1], [2, 3]]}]))
     again = [Model(**model.model_dump()), Model.model_validate_json(model.model_dump_json())]
     assert again == [model, model]
-    assert all(one.support[0].holds_both_ways_unsaid and one.support[0].resists == "both" for one in again)
-    assert not Support(at=[1, 1], resists="both").holds_both_ways_unsaid
+    assert all(one.support[0].resists_by_default and one.support[0].resists == "both" for one in again)
+    assert not Support(at=[1, 1], resists="both").resists_by_default

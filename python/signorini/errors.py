@@ -62,7 +62,7 @@ class InputError(SignoriniError, ValueError):
         super().__init__(message)
         self.message = message
         self.path: Place = () if isinstance(place, str) else _PLACING.get()(place)
-        self.place = place if isinstance(place, str) else path_in_words(place)
+        self.place = place if isinstance(place, str) else format_place(place)
         self._parts: tuple[InputError, ...] = ()
 
     def __str__(self) -> str:
@@ -75,10 +75,10 @@ class InputError(SignoriniError, ValueError):
         return self._parts or (self,)
 
     @classmethod
-    def of(cls, problems: Sequence[InputError], source: str = "", untold: int = 0) -> InputError:
+    def combined(cls, problems: Sequence[InputError], source: str = "", omitted: int = 0) -> InputError:
         """Tell problems together, those of a source such as a file, and how many more there are."""
         parts = tuple(part for problem in problems for part in problem.parts)
-        count = len(parts) + untold
+        count = len(parts) + omitted
         if count == 1:
             return parts[0]
         more = [f"and {count - _MOST_TOLD} more."] if count > _MOST_TOLD else []
@@ -106,10 +106,10 @@ class Problems:
                 placed = part if part.place else InputError(part.message, place=("plate",))
                 self._of.setdefault(placed.place, placed)
 
-    def tell(self) -> None:
+    def raise_collected(self) -> None:
         """Raise what was collected, if anything was."""
         if self._of:
-            raise InputError.of(list(self._of.values()))
+            raise InputError.combined(list(self._of.values()))
 
 
 class UnknownNameError(InputError, KeyError):
@@ -138,7 +138,7 @@ def placing(of: Callable[[Place], Place]) -> Iterator[None]:
         _PLACING.reset(token)
 
 
-def path_in_words(path: Place) -> str:
+def format_place(path: Place) -> str:
     """Write where something stands in the model; positions count from 1."""
     placed = _PLACING.get()(path)
     return "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in placed).removeprefix(".")

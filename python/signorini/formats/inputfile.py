@@ -101,7 +101,7 @@ def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
         return error
     lines, source = Lines(_decoded(_content(path), path)), os.path.basename(path)
     placed = sorted(((lines.of(part.path) if part.path else 0, part) for part in error.parts), key=lambda pair: pair[0])
-    return InputError.of(
+    return InputError.combined(
         [InputError(part.message, place=f"{source}:{line}: {part.place}") if line else part for line, part in placed],
         source,
     )

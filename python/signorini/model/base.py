@@ -82,7 +82,7 @@ class Table(BaseModel, metaclass=_InWords):
             )
         return self
 
-    def given(self, keys: Iterable[str]) -> list[str]:
+    def present(self, keys: Iterable[str]) -> list[str]:
         """Those of the keys that have a value."""
         return [key for key in keys if getattr(self, key) is not None]
 

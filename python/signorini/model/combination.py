@@ -266,7 +266,7 @@ class Combination(Named):
                 yield from self._pattern_complaints()
 
     def _table_complaints(self) -> Iterator[Complaint]:
-        written = self.given(("columns", "rows"))
+        written = self.present(("columns", "rows"))
         if (self.file is not None) == bool(written):
             yield (), 'generate = "table" needs either file, or columns and rows.'
         elif len(written) == 1:

@@ -58,7 +58,7 @@ class Axes(Table):
     y: Number | None = Field(default=None, description="Couple about y: the side of greater x goes up.")
 
     def _complaints(self) -> Iterator[Complaint]:
-        if not self.given(("x", "y")):
+        if not self.present(("x", "y")):
             yield (), "found neither x nor y; give the couple about at least one of them."
 
 
@@ -117,12 +117,12 @@ class Load(Acting):
         return 0.0 - (self.couple_about.y or 0.0), self.couple_about.x or 0.0
 
     def _complaints(self) -> Iterator[Complaint]:
-        kinds = self.given(_PLACES)
+        kinds = self.present(_PLACES)
         if len(kinds) != 1:
             yield (), f"found {' and '.join(kinds) or 'none'}; a load is exactly one of {', '.join(_PLACES)}."
             return
         allowed = _PLACES[self.kind]
-        places = self.given(sorted(self.places))
+        places = self.present(sorted(self.places))
         for key in places:
             if key not in allowed:
                 goes = f"with {' or '.join(allowed)}" if allowed else "alone"
@@ -131,7 +131,7 @@ class Load(Acting):
         if allowed and len(here) != 1 and len(here) == len(places):
             needs = f"exactly one of {', '.join(allowed)}" if len(allowed) > 1 else allowed[0]
             yield (), f"found {' and '.join(here) or 'no place'}; {self.kind} needs {needs} to say where it acts."
-        if (footprint := self.given(FOOTPRINT)) and "at" not in allowed:
+        if (footprint := self.present(FOOTPRINT)) and "at" not in allowed:
             yield (footprint[0],), f"{footprint[0]} does not go with {self.kind}; it is the footprint of points."
         else:
             yield from self._footprint_complaints()

@@ -81,7 +81,7 @@ class Material(Table):
     @property
     def is_elastic(self) -> bool:
         """Whether it has moduli."""
-        return bool(self.given((*_ISOTROPIC, *_ORTHOTROPIC)))
+        return bool(self.present((*_ISOTROPIC, *_ORTHOTROPIC)))
 
     @property
     def young(self) -> float:
@@ -106,7 +106,7 @@ class Material(Table):
                 yield (key,), f"'{key}' is missing. {type(self).model_fields[key].description}"
 
     def _complaints(self) -> Iterator[Complaint]:
-        isotropic, orthotropic = self.given(_ISOTROPIC), self.given(_ORTHOTROPIC)
+        isotropic, orthotropic = self.present(_ISOTROPIC), self.present(_ORTHOTROPIC)
         if isotropic and not orthotropic:
             yield from self.missing()
         if not orthotropic:
@@ -228,9 +228,9 @@ class Zone(OnPlate):
     def _complaints(self) -> Iterator[Complaint]:
         if self.area == "all":
             yield ("area",), 'found "all"; what the whole plate is made of stands in [plate] and [material].'
-        if self.rigid and (given := self.given(ZONE_KEYS)):
+        if self.rigid and (given := self.present(ZONE_KEYS)):
             yield (given[0],), f"found {given[0]} beside rigid; a rigid zone has none. Leave one of them out."
-        if not self.given(ZONE_KEYS) and not self.rigid and self.extremes:
+        if not self.present(ZONE_KEYS) and not self.rigid and self.extremes:
             yield (), f"it changes nothing; give {', '.join(ZONE_KEYS)} or rigid."
         if self.stiffness is not None:
             if self.thickness is None:
@@ -241,4 +241,4 @@ class Zone(OnPlate):
     @property
     def is_solid(self) -> bool:
         """Whether the section follows from material and thickness."""
-        return self.stiffness is None and bool(self.given(("thickness", "material")))
+        return self.stiffness is None and bool(self.present(("thickness", "material")))

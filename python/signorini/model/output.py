@@ -179,7 +179,7 @@ class Profile(OnPlate, Named):
     )
 
     def _complaints(self) -> Iterator[Complaint]:
-        if len(self.given(("line", "circle"))) != 1:
+        if len(self.present(("line", "circle"))) != 1:
             yield (), "it must have a line or a circle, one of them."
 
     @property

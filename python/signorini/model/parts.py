@@ -203,7 +203,7 @@ def plate_complaints(model: Whole) -> Iterator[Complaint]:
     if given and model.mesh.accuracy is not None:
         yield ("mesh", "accuracy"), "found accuracy beside several plates; refine their meshes by hand, as ± says."
     for name, plate in model.plates.items():
-        for key in plate.mesh.given(("accuracy", "error")) if plate.mesh is not None else ():
+        for key in plate.mesh.present(("accuracy", "error")) if plate.mesh is not None else ():
             yield ("plates", name, "mesh", key), f"found {key} of one plate. [mesh] error is of all; refine by hand."
     if wrong or not given:
         return

@@ -118,7 +118,7 @@ class Outline(base.Table):
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
-        forms = self.given(self.forms)
+        forms = self.present(self.forms)
         if len(forms) != 1:
             yield (), f"found {' and '.join(forms) or 'none'}; exactly one of {', '.join(self.forms)} is needed."
         box = self.rectangle

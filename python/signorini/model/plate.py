@@ -83,7 +83,7 @@ class MeshOptions(base.Table):
 
 _DEFAULT_ALONG = 20
 _SHAPES = "One of rectangle, disc, annulus, polygon, mesh."
-SLIMMEST = 1000.0
+MAX_ASPECT_RATIO = 1000.0
 """Length of a plate over its width: bending along is softer than across by the fourth power."""
 _FARTHEST = 1e6
 """Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
@@ -152,7 +152,7 @@ class OutlinedPlate(_Plate):
         return None
 
     @property
-    def fewest(self) -> tuple[int, int]:
+    def min_divisions(self) -> tuple[int, int]:
         """Least numbers of elements along the two directions."""
         return 1, 1
 
@@ -194,7 +194,7 @@ class _PatternedPlate(OutlinedPlate):
         return scaled.model_copy(update={"divisions": counts, "size": None})
 
     def _enough(self, counts: Iterable[float]) -> tuple[int, int]:
-        first, second = (max(math.ceil(count), least) for count, least in zip(counts, self.fewest, strict=True))
+        first, second = (max(math.ceil(count), least) for count, least in zip(counts, self.min_divisions, strict=True))
         return first, second
 
     @abstractmethod
@@ -229,8 +229,8 @@ class RectanglePlate(_PatternedPlate):
         return self.size
 
     def _complaints(self) -> Iterator[base.Complaint]:
-        if max(self.size) > SLIMMEST * min(self.size):
-            why = f"found {list(self.size)}: one side is over {SLIMMEST:g} times the other. Calculate a beam."
+        if max(self.size) > MAX_ASPECT_RATIO * min(self.size):
+            why = f"found {list(self.size)}: one side is over {MAX_ASPECT_RATIO:g} times the other. Calculate a beam."
             yield ("size",), why
         yield from _too_far("origin", self.origin, max(self.size))
 
@@ -303,7 +303,7 @@ class AnnulusPlate(_RoundPlate):
         return (self.outline, *inner, *self.hole_contours)
 
     @property
-    def fewest(self) -> tuple[int, int]:
+    def min_divisions(self) -> tuple[int, int]:
         """Least numbers of elements: sides of more than a quarter of the circumference would not be round."""
         return 1, math.ceil(self.sector / 90)
 

@@ -80,7 +80,7 @@ def explained(
         result.place += f' ("{label}")' if label else ""
         placed.append((line, InputError(message, place=f"{source}:{line}: {result.place}") if line else result))
     placed.sort(key=lambda pair: pair[0])
-    return InputError.of([problem for _, problem in placed], source, untold=len(errors[_MOST_READ:]))
+    return InputError.combined([problem for _, problem in placed], source, omitted=len(errors[_MOST_READ:]))
 
 
 def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> list[tuple[Place, str]]:

@@ -204,7 +204,7 @@ class Support(Acting, base.Named):
         description="Slopes [θx, θy] at which slope and twist are held, numbers or expressions; default [0, 0].",
     )
 
-    unsaid: ClassVar[Literal["down", "both"]] = "both"
+    default_resists: ClassVar[Literal["down", "both"]] = "both"
     """How it resists where nothing is said of that."""
     _tightened: bool = PrivateAttr(default=False)
 
@@ -243,7 +243,7 @@ class Support(Acting, base.Named):
     def _as_unsaid(self) -> Self:
         if self.fix is None and self.resists is None:
             # Not among what is set: a dump says no more than the input.
-            self.__dict__["resists"] = self.unsaid
+            self.__dict__["resists"] = self.default_resists
             self.model_fields_set.discard("resists")
         return self
 
@@ -260,7 +260,7 @@ class Support(Acting, base.Named):
         return tuple(part for part in _COMPONENTS if part in held)
 
     @property
-    def turns_held(self) -> bool:
+    def holds_rotation(self) -> bool:
         """Whether it holds a slope or a twist."""
         return bool({"slope", "twist"} & set(self.fixed))
 
@@ -280,7 +280,7 @@ class Support(Acting, base.Named):
         return self.holds_w and self.place in ("edge", "line", "circle")
 
     @property
-    def holds_both_ways_unsaid(self) -> bool:
+    def resists_by_default(self) -> bool:
         """Whether it holds both ways because nothing is said of how."""
         return self.resists == "both" and "resists" not in self.model_fields_set
 
@@ -298,7 +298,7 @@ class Support(Acting, base.Named):
         return Expression(max(rise / run for run, rise in steps)) if all(run for run, _ in steps) else None
 
     @property
-    def gives_way(self) -> bool:
+    def is_compliant(self) -> bool:
         """Whether more force makes it travel more: it is elastic, or, if a law rises without travel, later on."""
         return self.modulus is not None or any(s < t and f < g for (s, f), (t, g) in pairwise(self.law or ()))
 
@@ -332,7 +332,7 @@ class Support(Acting, base.Named):
             yield from self._turning_complaints(self.rotational_stiffness)
         yield from self._list_complaints()
         yield from self._preload_complaints()
-        if self.rotation is not None and not self.turns_held and self.rotational_stiffness is None:
+        if self.rotation is not None and not self.holds_rotation and self.rotational_stiffness is None:
             yield (
                 ("rotation",),
                 f"{describe(self.fix or self.resists)} does not hold a slope, so none is prescribed; use fix = "
@@ -342,7 +342,7 @@ class Support(Acting, base.Named):
     def _between_complaints(self, between: Between) -> Iterator[base.Complaint]:
         if between[0] == between[1]:
             yield ("between",), f"found {describe(between[0])} twice; name two plates, the upper one first."
-        for key in self.given(_OF_ONE_PLATE):
+        for key in self.present(_OF_ONE_PLATE):
             yield (
                 (key,),
                 f"found {key} beside between; what acts between two plates is at points, lines or areas of both.",
@@ -377,7 +377,7 @@ class Support(Acting, base.Named):
         if self.preload is not None:
             yield from self.bolt_complaints()
             return
-        for key in self.given(("preload_case", "order")):
+        for key in self.present(("preload_case", "order")):
             yield (key,), f"{key} goes with a preload; give one, or leave it out."
 
     def bolt_complaints(self) -> Iterator[base.Complaint]:
@@ -393,7 +393,7 @@ class Support(Acting, base.Named):
             yield ("gap",), "a gap does not go with a preload: tightening takes up all travel. Leave it out."
 
     def _law_complaints(self, law: Law) -> Iterator[base.Complaint]:
-        for key in self.given(("fix", "stiffness", "limit")):
+        for key in self.present(("fix", "stiffness", "limit")):
             yield (key,), f"found both law and {key}; a law says all of how the force grows."
         for at, (one, other) in enumerate(pairwise(law), start=1):
             if one == other or one[0] > other[0] or one[1] > other[1]:
@@ -405,7 +405,7 @@ class Support(Acting, base.Named):
                 said = f"found {list(other)} after {list(one)}, where the law rises without travel"
                 yield ("law", at), f"{said}; it may do so at travel 0 alone. Draw it less steep."
         at_rest = [force for travel, force in law if travel == 0.0]
-        if (self.resists or self.unsaid) != "both" or law[0][0] >= 0.0:
+        if (self.resists or self.default_resists) != "both" or law[0][0] >= 0.0:
             if law[0] != (0.0, 0.0) or law[1][1] <= 0.0:
                 yield (
                     ("law",),
@@ -467,7 +467,7 @@ class Contact(Support):
     """
 
     model_config = ConfigDict(json_schema_extra=_only_theirs)
-    unsaid: ClassVar[Literal["down", "both"]] = "down"
+    default_resists: ClassVar[Literal["down", "both"]] = "down"
 
     def _complaints(self) -> Iterator[base.Complaint]:
         yield from super()._complaints()

@@ -65,7 +65,7 @@ def curve_of(line: tuple[Point, ...] | None, circle: Circle | None) -> Curve | N
     return None if circle is None else Ring(circle.center, circle.radius)
 
 
-def worth_following(along: Curve, size: float) -> bool:
+def mesh_follows(along: Curve, size: float) -> bool:
     """Whether elements of some size are to follow a curve: around a small circle they would be too many."""
     return not isinstance(along, Ring) or along.radius >= _LEAST_RADIUS * size
 
@@ -107,7 +107,7 @@ class Located(base.Table):
 
     def _place_complaints(self, said: str) -> Iterator[base.Complaint]:
         """Require exactly one place; ``said`` are the places in the table."""
-        given = self.given(self.places)
+        given = self.present(self.places)
         if len(given) != 1:
             found = " and ".join(given) or "none"
             yield (), f"found {found}; exactly one of {', '.join(self.places)} says {said}."
@@ -143,7 +143,7 @@ class Acting(Located, base.OnPlate):
     @property
     def has_footprint(self) -> bool:
         """Whether points have footprints."""
-        return bool(self.given(FOOTPRINT))
+        return bool(self.present(FOOTPRINT))
 
     @property
     def width(self) -> tuple[float, float]:
@@ -167,10 +167,10 @@ class Acting(Located, base.OnPlate):
         return tuple(shapes.Rectangle(x - 0.5 * a, y - 0.5 * b, x + 0.5 * a, y + 0.5 * b) for x, y in points)
 
     def _footprint_complaints(self) -> Iterator[base.Complaint]:
-        keys = self.given(FOOTPRINT)
+        keys = self.present(FOOTPRINT)
         if len(keys) > 1:
             yield ("radius",), "found both patch and radius; give one."
-        elif keys and not self.given(("at", "nodes")):
+        elif keys and not self.present(("at", "nodes")):
             yield (keys[0],), f"{keys[0]} is the footprint of points; it goes with at or nodes."
         if self.angle is not None and self.patch is None:
             yield ("angle",), "angle turns a patch, and there is none."

@@ -35,7 +35,7 @@ from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, as_list, explained, tables_of
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
-from signorini.model.where import Acting, Located, one_of, worth_following
+from signorini.model.where import Acting, Located, mesh_follows, one_of
 
 _MOST_ELEMENTS = 10_000_000
 _MOST_COMBINATIONS = 1_000_000
@@ -238,7 +238,7 @@ class Model(Table):
         return copy
 
     @property
-    def asked(self) -> Model:
+    def original(self) -> Model:
         """The input, of which the program may have made this model."""
         asked: Model = self.__dict__.get("_asked", self)
         return asked
@@ -256,7 +256,7 @@ class Model(Table):
     @cached_property
     def provenance(self) -> Provenance:
         """The input file with its SHA-256, and the whole input as JSON, of what was asked."""
-        asked = self.asked
+        asked = self.original
         return Provenance.of(asked.model_dump(exclude_unset=True), asked.__dict__.get("_file"))
 
     @field_serializer("support")
@@ -390,7 +390,8 @@ class Model(Table):
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
-            for key in [*self.mesh.given(("divisions", "size", "accuracy")), *(["refine"] if self.mesh.refine else [])]:
+            refine = ["refine"] if self.mesh.refine else []
+            for key in [*self.mesh.present(("divisions", "size", "accuracy")), *refine]:
                 yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
             return
         divisions = self.divisions
@@ -400,9 +401,9 @@ class Model(Table):
                 why = "a polygon" if shape == "polygon" else "holes" if self.plate.holes else "refine"
                 yield ("mesh", "divisions"), f"divisions count the elements of a regular mesh; with {why} give size."
             return
-        (first, second), fewest = divisions, self.plate.fewest[1]
-        if second < fewest:
-            yield ("mesh", "divisions"), f"found {second} elements around; this plate needs at least {fewest}."
+        (first, second), min_divisions = divisions, self.plate.min_divisions[1]
+        if second < min_divisions:
+            yield ("mesh", "divisions"), f"found {second} elements around; this plate needs at least {min_divisions}."
         if first * second > _MOST_ELEMENTS:
             key = "size" if self.mesh.size is not None else "divisions"
             yield (
@@ -536,13 +537,15 @@ def follows_in_rows(model: Model) -> bool:
         return False
     size = plate.element_size(model.mesh)
     lines = (
-        along for item in acting_on(model) if (along := item.where.curve) is not None and worth_following(along, size)
+        curve
+        for item in supports_and_loads(model)
+        if (curve := item.where.curve) is not None and mesh_follows(curve, size)
     )
     followed = *(zone.region for zone in model.zone), *lines
     return plate.element == "q8r" or all(map(plate.follows, followed))
 
 
-def acting_on(model: Model) -> tuple[Acting, ...]:
+def supports_and_loads(model: Model) -> tuple[Acting, ...]:
     """Supports and loads."""
     return (*model.support, *model.load)
 
