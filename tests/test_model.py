@@ -218,7 +218,7 @@ def test_divisions_follow_from_counts_size_or_twenty_along_the_longer_side(plate
         ([[0, 0], [1, 1], [1, 0], [0, 1]], "crosses or touches itself: the sides from corners 1 and 3 meet"),
         ([[0, 0], [1, 1], [2, 2]], "encloses nothing"),
         ([[0, 0], [1, 0]], "at least 3 corners"),
-        ([[0, 0], [1, 0], [1, 1], [0, 0]], "closes by itself"),
+        ([[0, 0], [1, 0], [1, 1], [0, 0]], "the last corner equals the first"),
         ([[float(i), float(i * i)] for i in range(2001)], "at most 2000"),
     ],
 )

@@ -116,8 +116,8 @@ def _require_wide(mesh: Mesh, thickness: Thickness) -> None:
     width, thickest = float(mesh.element_area.sum()) / mesh.size, float(thickness.nominal.max())
     if mesh.size > (1.0 + _ROUNDING) * MAX_ASPECT_RATIO * width:
         raise InputError(
-            f"The plate is {mesh.size:.6g} long and {width:.3g} wide (area over length); the largest ratio in the domain is "
-            f"{MAX_ASPECT_RATIO:g} to 1. Calculate a beam.",
+            f"The plate is {mesh.size:.6g} long and {width:.3g} wide (area over length); the largest ratio in the "
+            f"domain is {MAX_ASPECT_RATIO:g} to 1. Calculate a beam.",
             place=("plate",),
         )
     if thickest > (1.0 + _ROUNDING) * THICKEST * width:
