@@ -155,9 +155,8 @@ class Support(Acting, base.Named):
     )
     stiffness: PointFieldScalar | None = Field(
         default=None,
-        description="Force per travel, per point, per length (edge, line, circle) or per area; default rigid. A "
-        "number, an expression, a list with one value per point, or { file = ... }: points x, y, value that cover "
-        "the support, linear between them.",
+        description="Force per travel, per point, length or area; default rigid. A number, an expression, a list with "
+        "one value per point, or { file = ... }: points x, y, value that cover the support, linear between them.",
     )
     limit: PositivePointScalar | None = Field(
         default=None,
@@ -167,8 +166,7 @@ class Support(Acting, base.Named):
     law: Law | None = Field(
         default=None,
         description="In place of stiffness and limit: [[travel, force], ...], nondecreasing, from [0, 0]; the last "
-        "slope continues. Per point, per length (edge, line, circle) or per area. With resists = both it is "
-        "antisymmetric, or begins at a negative travel.",
+        "slope continues. With resists = both it is antisymmetric, or begins at a negative travel.",
     )
     rotational_stiffness: Rotational | None = Field(
         default=None,
