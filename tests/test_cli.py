@@ -151,7 +151,7 @@ def test_what_is_not_certified_is_refused_and_not_written(slab: Path, monkeypatc
         ("thickness", "thicknes", "plate.thicknes: unknown key 'thicknes'. Did you mean 'thickness'?"),
         ("at = [0.2, 1.0]", "at = [5, 0]", "slab.toml:20: load[2].at: The point [5, 0] is not on the plate"),
         ("Q = 1", "R = 1", "Unknown case 'R'. This model has: G, Q, W."),
-        ("units = {", "units = {{", "slab.toml:3: this is not TOML"),
+        ("units = {", "units = {{", "slab.toml:3: invalid TOML"),
     ],
 )
 def test_bad_input_is_said_in_place(slab: Path, old: str, new: str, message: str) -> None:

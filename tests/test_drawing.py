@@ -123,7 +123,7 @@ def test_lengths_are_metres_whatever_the_drawing_has(unit: int, size: float, tmp
 def test_a_drawing_without_a_unit_asks_for_one(tmp_path: Path) -> None:
     sheet = Sheet(tmp_path, 0)
     sheet.closed([(1000 * x, 1000 * y) for x, y in RECTANGLE])
-    with pytest.raises(InputError, match=r"names no unit of length. Name one of mm, cm"):
+    with pytest.raises(InputError, match=r"the drawing has no unit of length."):
         sheet.read()
     assert sheet.read("mm").outline.area == pytest.approx(84)
 
@@ -250,7 +250,7 @@ def test_a_frame_that_is_taken_is_told_with_the_slab_s_layer(sheet: Sheet) -> No
 def test_a_file_that_is_no_drawing_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "notes.dxf"
     path.write_text("thickness 250\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"notes.dxf is no DXF drawing"):
+    with pytest.raises(InputError, match=r"notes.dxf is not a DXF drawing"):
         read_dxf(path, {})
 
 

@@ -212,7 +212,7 @@ BOTH = [
     ({"patch": 1}, "length along x"),
     ({"radius": -1}, "greater than 0"),
     ({"radius": 1, "patch": [1, 1]}, "found both patch and radius"),
-    ({"angle": 30}, "angle turns a patch, and there is none"),
+    ({"angle": 30}, "angle rotates a patch; patch is missing"),
 ]
 
 
@@ -221,9 +221,12 @@ BOTH = [
     [
         *(({"load": [{"force": 1, "at": [2, 2], **given}]}, message) for given, message in BOTH),
         *(({"support": [HARD, {"at": [2, 2], **given}]}, message) for given, message in BOTH),
-        ({"load": [{"pressure": 1, "patch": [1, 1]}]}, "patch does not go with pressure"),
-        ({"load": [{"line_load": 1, "edge": "left", "radius": 1}]}, "radius does not go with line_load"),
-        ({"support": [{"edge": "left", "fix": "simple", "radius": 1}]}, "it goes with at or nodes"),
+        ({"load": [{"pressure": 1, "patch": [1, 1]}]}, "patch is the footprint of points; pressure has none"),
+        (
+            {"load": [{"line_load": 1, "edge": "left", "radius": 1}]},
+            "radius is the footprint of points; line_load has none",
+        ),
+        ({"support": [{"edge": "left", "fix": "simple", "radius": 1}]}, "use it with at or nodes"),
         ({"support": [{"at": [2, 2], "fix": "clamped", "radius": 1}]}, "holds slopes"),
         ({"load": [{"couple_about": {}, "at": [1, 1]}]}, "found neither x nor y"),
     ],

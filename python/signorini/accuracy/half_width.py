@@ -12,7 +12,7 @@ from signorini.discretise.zones import Rigidity, Zones
 from signorini.errors import point
 from signorini.mesh import Mesh
 from signorini.model import Model
-from signorini.model.whole import acting_on
+from signorini.model.whole import supports_and_loads
 from signorini.results.quantities import KINDS, LINEAR, Number
 from signorini.results.result import Result
 from signorini.shapes.distances import distances
@@ -148,7 +148,7 @@ def _group(one: Number) -> tuple[object, ...]:
 
 def acts_at_points(model: Model) -> bool:
     """Whether a force, a couple or a support acts at a point, not on a footprint."""
-    points = any(item.at is not None and not item.has_footprint for item in acting_on(model))
+    points = any(item.at is not None and not item.has_footprint for item in supports_and_loads(model))
     return points or any(moving.patch is None for moving in model.moving)
 
 

@@ -19,7 +19,7 @@ from signorini.discretise.held import sides_that_hold_turns
 from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
-from signorini.model.whole import acting_on
+from signorini.model.whole import supports_and_loads
 from signorini.results.quantities import Path
 from signorini.shapes.distances import distances
 from signorini.singularities.boundary import middles
@@ -89,7 +89,7 @@ def unseen_at_edges(
     parts = len(_CHORDS) - 1
     size = finer * np.repeat(mesh.element_area[mesh.find_sides(sides)[0]], parts) / (parts * length)
     unseen = 1.0 / (1.0 + _TWIST_SEEN * (width / size) ** 2)
-    lines = [middles(mesh, item.where) for item in acting_on(model)]
+    lines = [middles(mesh, item.where) for item in supports_and_loads(model)]
     free = np.repeat(~np.isin(sides[:, 1], np.concatenate(lines)), parts)
 
     peaks = [np.abs(numbers[path]) for path in _ends("mxy") if path in numbers]

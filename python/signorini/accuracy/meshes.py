@@ -16,7 +16,7 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import divided
 from signorini.model import Area, MeshOptions, MeshPlate, Model, RectanglePlate, Refinement
-from signorini.model.whole import acting_on
+from signorini.model.whole import supports_and_loads
 from signorini.results.quantities import Number
 from signorini.results.result import Result
 from signorini.shapes.distances import Targets, distances
@@ -290,7 +290,7 @@ def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
 def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
     """Which points are on a line that supports or loads the plate, where shears jump."""
     at, result = np.array(points).reshape(-1, 2), np.zeros(len(points), np.bool_)
-    for item in acting_on(model):
+    for item in supports_and_loads(model):
         if item.where.curve is not None:
             result |= Targets.along(item.where.outline).nearest(at)[1] <= mesh.near.written
     return result

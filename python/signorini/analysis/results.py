@@ -219,7 +219,7 @@ class Results(States[str], Mapping[str, Result]):
             raise InputError("found the result of one of several plates; take that of all plates.", place="results")
         own = result.combination or Combination(name=result.name, factors={})
         output = Output(combinations="each")
-        model = result.model.asked.varied(combination=(own,), output=output)
+        model = result.model.original.varied(combination=(own,), output=output)
         discretisation = discretise(model, None if result.plates else result.mesh)
         return cls(unfactored(discretisation), {result.name: result}, {"total": result.seconds})
 

@@ -480,7 +480,7 @@ def _print_legend(console: Console, supports: Sequence[Support]) -> None:
     marks = _marks(console)
     used = {kind for support in supports for kind in kinds(support)}
     said = [f"{marks[kind]} {meaning}" for kind, meaning in MEANINGS.items() if kind in used]
-    said += [f"without {marks['elastic']}: rigid"] * any(not support.gives_way for support in supports)
+    said += [f"without {marks['elastic']}: rigid"] * any(not support.is_compliant for support in supports)
     say(console, "  ".join(said))
 
 

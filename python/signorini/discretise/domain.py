@@ -15,12 +15,12 @@ from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.thickness import Thickness
 from signorini.discretise.zones import Zones
-from signorini.errors import InputError, Place, Problems, path_in_words, point
+from signorini.errors import InputError, Place, Problems, format_place, point
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import BoxTree
 from signorini.mesh.sides import Sides
 from signorini.model import Model, OutlinedPlate, Support
-from signorini.model.plate import SLIMMEST
+from signorini.model.plate import MAX_ASPECT_RATIO
 from signorini.shapes import Region
 from signorini.shapes.distances import Targets, depth, edges_of
 from signorini.shapes.extent import Tolerances
@@ -114,10 +114,10 @@ def require_domain(
 
 def _require_wide(mesh: Mesh, thickness: Thickness) -> None:
     width, thickest = float(mesh.element_area.sum()) / mesh.size, float(thickness.nominal.max())
-    if mesh.size > (1.0 + _ROUNDING) * SLIMMEST * width:
+    if mesh.size > (1.0 + _ROUNDING) * MAX_ASPECT_RATIO * width:
         raise InputError(
-            f"The plate is {mesh.size:.6g} long and {width:.3g} wide, its area over its length; at most {SLIMMEST:g} "
-            "to 1 is in the domain. Calculate a beam.",
+            f"The plate is {mesh.size:.6g} long and {width:.3g} wide (area over length); the largest ratio in the "
+            f"domain is {MAX_ASPECT_RATIO:g} to 1. Calculate a beam.",
             place=("plate",),
         )
     if thickest > (1.0 + _ROUNDING) * THICKEST * width:
@@ -301,7 +301,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
             support, (holding, pushing) = model.support[other], ("down", "up") if up else ("up", "down")
             yield InputError(
                 f"{support.name} holds the plate {holding} at {point(found, mesh.size)}, where {floor.name}, "
-                f"{path_in_words(('support', index))}, pushes it {pushing}; both are rigid. Their reactions grow "
+                f"{format_place(('support', index))}, pushes it {pushing}; both are rigid. Their reactions grow "
                 "without limit as elements become smaller. Give one of the two a stiffness.",
                 place=("support", other, support.place),
             )
@@ -380,7 +380,7 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
         if same < distance[number] < limit[number] and pair not in told:
             told.add(pair)
             place, others = (("support", of[k][0], "at", of[k][1]) for k in (a, b))
-            other = f"the point {point(at[b].tolist())} of {model.support[of[b][0]].name}, {path_in_words(others)}"
+            other = f"the point {point(at[b].tolist())} of {model.support[of[b][0]].name}, {format_place(others)}"
             yield _in_words(model, place, at[a], float(distance[number]), float(limit[number]), other)
 
 
@@ -408,7 +408,7 @@ def _name(support: Support, drawn: _Rigid, at: Floats) -> str:
     """What of a support is nearest to a place (2,)."""
     apart = {name: float(one.nearest(at[None])[1][0]) for name, one in drawn.edges.items()}
     what = f"{support.place} {min(apart, key=lambda name: apart[name], default='')}".rstrip()
-    return f"the {what} of {support.name}, {path_in_words(('support', drawn.index, support.place))}"
+    return f"the {what} of {support.name}, {format_place(('support', drawn.index, support.place))}"
 
 
 def _reached(support: Support, boxes: Floats) -> list[int]:

@@ -18,7 +18,7 @@ from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
-from signorini.errors import InputError, Problems, path_in_words, point
+from signorini.errors import InputError, Problems, format_place, point
 from signorini.mesh import Mesh
 from signorini.model import Model, Support
 
@@ -175,8 +175,8 @@ def rounding_of(largest: float, points: Floats) -> float:
 def contradiction(at: Floats, size: float, one: int, other: int, by: float) -> InputError:
     """Say that two supports, by number, ask for different deflections at a place."""
     return InputError(
-        f"Supports contradict each other at {point(at, size)}: what {path_in_words(('support', int(one)))} and "
-        f"{path_in_words(('support', int(other)))} ask for there differs by {by:.3g}. Correct a gap or a settlement, "
+        f"Supports contradict each other at {point(at, size)}: what {format_place(('support', int(one)))} and "
+        f"{format_place(('support', int(other)))} ask for there differs by {by:.3g}. Correct a gap or a settlement, "
         "or give a stiffness.",
         place=("support", int(other)),
     )
@@ -281,7 +281,7 @@ def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:
 
 def sides_that_hold_turns(model: Model, mesh: Mesh) -> Ints:
     """Sides (k, 3) of edges at which a support holds a slope or a twist, support by support."""
-    held = [mesh.edges[name] for one in model.support if one.turns_held for name in one.edge or ()]
+    held = [mesh.edges[name] for one in model.support if one.holds_rotation for name in one.edge or ()]
     return np.concatenate([np.zeros((0, 3), np.int64), *held])
 
 
@@ -291,7 +291,7 @@ def _collect(mesh: Mesh, holds: Holds, placed: Placed) -> None:
     if placed.sides is not None:
         nodes, _ = edge_nodes(mesh, placed.sides)
         numbers = np.zeros_like(nodes)
-        if support.turns_held:
+        if support.holds_rotation:
             tangents = tangents_at_nodes(mesh, placed.sides)
     else:
         (numbers,) = np.nonzero(placed.nodes >= 0)

@@ -43,9 +43,9 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     for part in parts:
         with placing(part.place), problems.collected():
             each.append(discretise_plate(part.model))
-    problems.tell()
+    problems.raise_collected()
     joints = _between(model, parts, each, problems)
-    problems.tell()
+    problems.raise_collected()
     return _joined(model, parts, each, joints, problems)
 
 
@@ -83,7 +83,7 @@ def _between(
     for part, one in zip(parts, each, strict=True):
         with placing(part.place):
             at.append(placed(one.model, one.mesh, problems))
-    problems.tell()
+    problems.raise_collected()
     result = []
     for index, support in enumerate(model.support):
         if support.between is None:
@@ -147,14 +147,14 @@ def _joined(
         {name: sum(one.seconds[name] for one in each) for name in each[0].seconds},
     )
     require_preloads(model, mesh, contacts, whole.repeated, problems, between=True)
-    problems.tell()
+    problems.raise_collected()
     plates = tuple(_of_whole(parts, each, joints, at, whole) for at in range(len(parts)))
     for part, plate in zip(parts, plates, strict=True):
         with placing(part.place):
             one = plate.own
             of = one.zones, one.thickness, one.held, one.springs, one.contacts
             require_domain(one.model, one.mesh, *of, problems)
-    problems.tell()
+    problems.raise_collected()
     return replace(whole, plates=plates)
 
 

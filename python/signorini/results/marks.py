@@ -96,7 +96,7 @@ def support_mark(
         states,
         style,
         boundary,
-        support.gives_way,
+        support.is_compliant,
         not (support.gap.is_constant and support.gap.value == 0),
         describe(support) + words,
         counts,

@@ -93,7 +93,7 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 def kinds(support: Support) -> list[str]:
     """Give the kinds of a support, keys of `MEANINGS` and `SYMBOLS`: how it acts, and whether it is elastic."""
     how = "fixed" if support.fix is not None else support.resists or "both"
-    return [how, "elastic"] if support.gives_way else [how]
+    return [how, "elastic"] if support.is_compliant else [how]
 
 
 def symbol(support: Support) -> str:
@@ -118,7 +118,7 @@ def describe(support: Support) -> str:
         how = support.fix if isinstance(support.fix, str) else " ".join(support.fix) + " held"
         return f"{where}, {how}" + (", elastic" if support.modulus is not None else "")
     how = MEANINGS[support.resists or "both"] if support.between is None else f"between {' and '.join(support.between)}"
-    later = "rigid at first, then elastic" if support.gives_way else "rigid"
+    later = "rigid at first, then elastic" if support.is_compliant else "rigid"
     parts = [where, how, later if support.modulus is None else "elastic"]
     if not (support.gap.is_constant and support.gap.value == 0):
         parts.append("with gap")

@@ -162,7 +162,7 @@ def _zones(discretisation: Discretisation) -> Iterator[str]:
     for (one, earlier), (other, later) in combinations(enumerate(discretisation.model.zone, 1), 2):
         first, second = discretisation.zones.inside[[one - 1, other - 1]]
         both = first & second
-        keys = " and ".join(key for key in earlier.given(ZONE_KEYS) if key in later.given(ZONE_KEYS))
+        keys = " and ".join(key for key in earlier.present(ZONE_KEYS) if key in later.present(ZONE_KEYS))
         if not keys or (both == second).all() or not both.any():
             continue
         if (both == first).all():
@@ -238,7 +238,7 @@ def _some_one_way(model: Model) -> bool:
 
 def _beds_unsaid(model: Model) -> Iterator[str]:
     for support in model.support:
-        if support.area is not None and support.holds_both_ways_unsaid:
+        if support.area is not None and support.resists_by_default:
             yield support.name
 
 
