@@ -75,6 +75,9 @@ def minimise_with_prices(
     solver.setOptionValue("dual_feasibility_tolerance", tolerance)
     # Programs of this size gain nothing from threads, which would exceed the requested number.
     solver.setOptionValue("threads", 1)
+    if isinstance(rows, np.ndarray):
+        # A dense program has three rows or columns a plate. Its presolve takes five times as long as its solution.
+        solver.setOptionValue("presolve", "off")
     solver.passModel(program)
     if solver.run() == highspy.HighsStatus.kError:
         # All of a process share its threads: another user of HiGHS has started more.
