@@ -72,7 +72,7 @@ ASKED = 20
 
 @dataclass(frozen=True)
 class Resultant:
-    """What the load of one combination amounts to."""
+    """Resultant of the load of one combination, and its balance."""
 
     name: str
     force: float
@@ -84,8 +84,8 @@ class Resultant:
     message: str
     """Why no reactions balance it; empty where they do."""
     brink: bool
-    """Whether they only just do: the load is on the edge of what the supports can hold. Of rows of a table this and
-    the limit are asked of the first twenty, and the limit of those that cannot be balanced."""
+    """Whether equilibrium is marginal: an arbitrarily small change of the load can end it. For rows of a table, this is
+    computed for the first twenty. The limit is also computed for rows without equilibrium."""
     limit: tuple[str, float] | None
     """The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone."""
     axis: tuple[tuple[float, float], tuple[float, float]] | None
@@ -94,14 +94,14 @@ class Resultant:
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """A model that can be solved as far as can be told without solving it."""
+    """A model with its mesh, supports and resultants, before the solution."""
 
     discretisation: Discretisation
     resultants: tuple[Resultant, ...]
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What of the model, and of the loads' resultants, is seldom meant, in sentences."""
+        """Warnings about the model and the resultants of loads, as sentences."""
         discretisation, model = self.discretisation, self.discretisation.model
         loads = () if model.tabulated else map(discretisation.load, model.effective_combinations)
         said = [*model_warnings(discretisation, self._acting), *idle_cases(model)]
@@ -133,10 +133,10 @@ class Check:
         return not any(resultant.message for resultant in self.resultants)
 
     def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> list[Path]:
-        """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
+        """Draw mesh, supports, loads, resultants and axes of tipping to a file.
 
-        The suffix gives the format. With ``numbers`` nodes have theirs, from 1, as in
-        ``reactions.csv``. Of several plates each has a file, see `pictures_of`. Returns the files.
+        The suffix gives the format. With ``numbers`` nodes are numbered from 1, as in ``reactions.csv``. Several plates
+        have a file each, see `pictures_of`. Returns the files.
         """
         # Only this method needs matplotlib.
         from signorini.plot.files import save

@@ -105,7 +105,10 @@ class PathJudge:
     _shown: Pieces | None = None
 
     def take(self, t: float, points: Ints, answer: Answer) -> None:
-        """Take the answer at t, from which on ``points`` open or close; raise `NotCertifiedError` where one fails."""
+        """Record the answer at t, where ``points`` open or close.
+
+        Raises `NotCertifiedError` if a certificate fails.
+        """
         for turn in self._turns(t, answer):
             self._put(*turn)
         self._put(t, points, answer)
