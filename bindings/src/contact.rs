@@ -237,21 +237,6 @@ impl ContactProblem {
         Ok(result.map(|inner| self.solution(inner)))
     }
 
-    /// Solves one load by an interior point method, from whose contact set the exact solution is found; `progress` as
-    /// for `solve`.
-    #[pyo3(signature = (load, held_value, progress=None))]
-    fn solve_by_interior_point(
-        &self,
-        py: Python<'_>,
-        load: PyReadonlyArray1<'_, f64>,
-        held_value: PyReadonlyArray1<'_, f64>,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<ContactSolution> {
-        let (load, held_value) = self.load_and_held(&load, &held_value)?;
-        let inner = watched(py, progress, |watch| self.inner.solve_by_interior_point(&load, &held_value, watch))?;
-        Ok(self.solution(inner))
-    }
-
     /// Displacements, reactions and gaps under one load on pieces (m,) that are given, beyond whose ends points may be.
     fn solve_on(
         &self,

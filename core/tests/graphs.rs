@@ -275,8 +275,6 @@ fn by_all(
         ("lemke, stiffness", condensed.solve(load, &none, Some(Form::Stiffness), None, &mut |_| true).unwrap()),
         ("active set", sparse.solve(load, &none, None, None, &mut |_| true).unwrap()),
         ("saddle", saddle.solve(load, &none, None, None, &mut |_| true).unwrap()),
-        ("interior point, lemke", condensed.solve_by_interior_point(load, &none, &mut |_| true).unwrap()),
-        ("interior point, active set", sparse.solve_by_interior_point(load, &none, &mut |_| true).unwrap()),
     ]
 }
 

@@ -137,9 +137,6 @@ pub fn contact(data: &[u8]) {
             let Ok(answer) = problem.solve(&load, &values, form, None, &mut |_| true) else { continue };
             meets_the_conditions(&problem, &load, &answer);
         }
-        if let Ok(answer) = problem.solve_by_interior_point(&load, &values, &mut |_| true) {
-            meets_the_conditions(&problem, &load, &answer);
-        }
     }
 }
 

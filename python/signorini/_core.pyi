@@ -178,9 +178,6 @@ class ContactProblem:
     def solve_and_factor(
         self, load: _Floats, held_value: _Floats, progress: Callable[[int, int, float], object] | None = None
     ) -> ContactSolution | None: ...
-    def solve_by_interior_point(
-        self, load: _Floats, held_value: _Floats, progress: Callable[[int, int, float], object] | None = None
-    ) -> ContactSolution: ...
     def solve_on(self, load: _Floats, held_value: _Floats, pieces: _Pieces) -> ContactSolution: ...
     def path(
         self,

@@ -43,7 +43,7 @@ pub struct ContactSolution {
     /// Number of the piece of each point.
     pub piece: Vec<u8>,
     pub pivots: usize,
-    /// Newton steps, or steps of the interior point method.
+    /// Newton steps.
     pub iterations: usize,
     /// Conjugate gradient steps in all Newton steps.
     pub gradients: usize,

@@ -1,6 +1,6 @@
 //! Solution of one load: displacements, reactions and gaps.
 
-use super::finders::{ActiveSet, InteriorPoint, Lemke, SetFinder, posed_from, solve_together, solved_and_factored};
+use super::finders::{ActiveSet, Lemke, SetFinder, posed_from, solve_together, solved_and_factored};
 use super::interface::{Form, PosedLcp, Work};
 use super::kkt::{Condensed, Factored, Kkt};
 use super::problem::ContactProblem;
@@ -38,16 +38,6 @@ impl ContactProblem {
             Some(_) => Box::new(Condensed::new(self)),
             None => Box::new(Factored::new(self, None, tolerances::newton::STIFFEST, false)),
         }
-    }
-
-    /// Solves one load by the interior point method; the problem's own method then starts from its contact state.
-    pub fn solve_by_interior_point(
-        &self,
-        load: &[f64],
-        held_value: &[f64],
-        watch: &mut Watch<'_>,
-    ) -> Result<ContactSolution, FactorError> {
-        InteriorPoint.find(self, load, held_value, None, watch)
     }
 
     /// Solves one load for a fixed contact state. Points may violate the bounds of their pieces.

@@ -64,7 +64,7 @@ class Units(Table):
 class Solver(Table):
     """Choice of the method that solves the contact problem."""
 
-    method: Literal["auto", "lemke", "active_set", "interior_point"] = Field(
+    method: Literal["auto", "lemke", "active_set"] = Field(
         default="auto", description="auto picks the method, and falls back without asking."
     )
 

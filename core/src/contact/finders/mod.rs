@@ -2,11 +2,8 @@
 
 mod active_set;
 mod finder;
-mod interior_point;
 mod lemke;
-mod program;
 
 pub(super) use active_set::{ActiveSet, solve_together, solved_and_factored};
 pub(super) use finder::{SetFinder, is_feasible};
-pub(super) use interior_point::InteriorPoint;
 pub(super) use lemke::{Lemke, ended, in_memory, pieces_of, posed_from};
