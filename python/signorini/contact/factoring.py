@@ -88,12 +88,22 @@ def core_problem(
 ) -> _core.ContactProblem:
     """Order and factor for a method; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
     free = available()
+    elements, rows, further = contacts.rows.arrays
     try:
         return _core.ContactProblem(
             discretisation.plate,
             discretisation.held.dofs,
             discretisation.springs.arrays,
-            (*contacts.rows.arrays, contacts.distance, contacts.law, contacts.scale, contacts.unit, carried),
+            {
+                "elements": elements,
+                "rows": rows,
+                "further": further,
+                "distance": contacts.distance,
+                "law": contacts.law,
+                "scale": contacts.scale,
+                "unit": contacts.unit,
+                "regularization": carried,
+            },
             [(law.vertices, law.ends) for law in contacts.laws],
             motions.T @ discretisation.scaled_motions.T,
             method,

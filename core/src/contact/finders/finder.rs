@@ -1,25 +1,11 @@
-//! The trait of methods that find the contact state, and the feasibility test of a state.
+//! Whether all points are within the bounds of their pieces.
 
-use crate::cholesky::FactorError;
+use crate::contact::backend::Backend;
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::{largest_force, lengths};
 use crate::contact::scale::largest;
-use crate::contact::solution::{ContactSolution, Watch};
+use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
-
-/// Finds the contact state of one load and its solution.
-pub(in crate::contact) trait SetFinder {
-    /// Solves for a nodal load (3n,) with the held dofs at `held_value` (3n,), from the solution of another load if
-    /// given; `watch` is called after every step.
-    fn find(
-        &self,
-        problem: &ContactProblem,
-        load: &[f64],
-        held_value: &[f64],
-        start: Option<&ContactSolution>,
-        watch: &mut Watch<'_>,
-    ) -> Result<ContactSolution, FactorError>;
-}
 
 /// Whether every point is within the bounds of its piece, up to rounding; lengths up to `least_length` count as zero.
 pub(in crate::contact) fn signs_are_feasible(
@@ -30,8 +16,12 @@ pub(in crate::contact) fn signs_are_feasible(
 ) -> bool {
     let lengths = lengths(problem, solution);
     // Without load, the reference force is the stiffness times the displacement.
+    let stiffness = match &problem.backend {
+        Backend::Condensed(interface) => largest(&interface.delta).max(problem.scale.stiffness),
+        Backend::Penalised(_) | Backend::SaddlePoint(_) => problem.scale.stiffness,
+    };
     let load = match problem.scale.largest(load) {
-        0.0 => largest(&problem.delta).max(problem.scale.stiffness) * largest(&lengths),
+        0.0 => stiffness * largest(&lengths),
         load => load,
     };
     let force = tolerances::SIGN * largest_force(problem, &[], &solution.reaction).max(load);
