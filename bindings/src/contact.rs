@@ -276,13 +276,13 @@ impl ContactProblem {
     ) -> PyResult<PosedLcp<'py>> {
         let (nodal, held_value) = (vector(&load), vector(&held_value));
         let (load, settings) = (Load { nodal: &nodal, held_value: &held_value }, settings_of(form)?);
-        let posed = released(py, || self.inner.lcp(&load, &settings))?.map_err(failed)?;
-        let size = posed.q.len();
+        let (template, q) = released(py, || self.inner.lcp(&load, &settings))?.map_err(failed)?;
+        let rows = &template.vertices.rows;
         Ok((
-            matrix(py, posed.matrix, size)?,
-            PyArray1::from_vec(py, posed.q),
-            PyArray1::from_vec(py, posed.rows.iter().map(|row| row.point as i64).collect()),
-            PyArray1::from_vec(py, posed.rows.iter().map(|row| row.w_is_a_force(&self.inner.points)).collect()),
+            matrix(py, template.matrix.clone(), q.len())?,
+            PyArray1::from_vec(py, q),
+            PyArray1::from_vec(py, rows.iter().map(|row| row.point as i64).collect()),
+            PyArray1::from_vec(py, rows.iter().map(|row| row.w_is_a_force(&self.inner.points)).collect()),
         ))
     }
 

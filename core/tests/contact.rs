@@ -322,10 +322,13 @@ proptest! {
         for (row, found) in rows.iter().zip(problem.combine(&shared, &rows, &mut || true).unwrap()) {
             let sum: Vec<f64> = loads[0].iter().zip(&loads[1]).map(|(a, b)| row[0] * a + row[1] * b).collect();
             let single = solved(&problem, &sum);
-            prop_assert_eq!(found.as_ref().err(), single.as_ref().err());
-            let (Ok(found), Ok(single)) = (found, single) else { continue };
-            for i in 0..5 {
-                prop_assert!((found.reaction[i] - single.reaction[i]).abs() < 1e-9);
+            match (found, single) {
+                (Ok(found), Ok(single)) => prop_assert!((0..5).all(|i| (found.reaction[i] - single.reaction[i]).abs() < 1e-9)),
+                // Only where some point touches without a force is the contact state rounding.
+                (Err(SolveError::Unsolved), Ok(single)) => {
+                    prop_assert!((0..5).any(|i| single.reaction[i].abs() < 1e-9 && single.gap[i].abs() < 1e-9));
+                }
+                (found, single) => prop_assert_eq!(found.err(), single.err()),
             }
         }
     }
@@ -337,18 +340,18 @@ proptest! {
         let load = load(&problem.plate, element, 1.0);
         let at_rest = vec![0.0; load.len()];
         let settings = Settings { form: Some(Form::Dual) };
-        let posed = problem.lcp(&Load { nodal: &load, held_value: &at_rest }, &settings).unwrap();
-        let order = posed.q.len();
-        let gap_is_z: Vec<bool> = posed.rows.iter().map(|row| row.gap_is_z()).collect();
+        let (posed, q) = problem.lcp(&Load { nodal: &load, held_value: &at_rest }, &settings).unwrap();
+        let (order, rows) = (q.len(), &posed.vertices.rows);
+        let gap_is_z: Vec<bool> = rows.iter().map(|row| row.gap_is_z()).collect();
         prop_assert_eq!(&gap_is_z, &[true, true, true, false, false]);
         for motion in motions(&problem.plate) {
             let moves: Vec<f64> = (0..5).map(|i| problem.points.dot(i, &motion)).collect();
             let work: f64 = motion.iter().zip(&load).map(|(u, f)| u * f).sum();
-            let carried: f64 = (0..3).map(|r| moves[posed.rows[r].point] * posed.q[r]).sum();
+            let carried: f64 = (0..3).map(|r| moves[rows[r].point] * q[r]).sum();
             prop_assert!((carried - work).abs() < 1e-13);
             for r in 3..5 {
-                let follows: f64 = (0..3).map(|c| posed.matrix[r * order + c] * moves[posed.rows[c].point]).sum();
-                prop_assert!((follows - moves[posed.rows[r].point]).abs() < 1e-13);
+                let follows: f64 = (0..3).map(|c| posed.matrix[r * order + c] * moves[rows[c].point]).sum();
+                prop_assert!((follows - moves[rows[r].point]).abs() < 1e-13);
             }
         }
         for r in 0..3 {

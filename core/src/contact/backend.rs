@@ -1,13 +1,13 @@
 //! Elimination of the points: what the factor of K contains besides the plate.
 
 use super::graph::Piece;
-use super::interface::Interface;
+use super::interface::{Interface, LcpTemplate};
 use super::points::Points;
 use super::scale::Scale;
 use super::tolerances;
 use crate::element::packed;
 use crate::plate::Plate;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The method for which the plate is factored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,8 +24,8 @@ pub enum Method {
 /// The factored plate of each method.
 #[derive(Clone)]
 pub(super) enum Backend {
-    /// K with the stiffness δ of some points; all points are condensed.
-    Condensed(Arc<Interface>),
+    /// K with the stiffness δ of some points; all points are condensed. The LCP of each form is made on demand.
+    Condensed { interface: Arc<Interface>, templates: Arc<[OnceLock<LcpTemplate>; 2]> },
     /// K with springs at the points.
     Penalised(Arc<Augmentation>),
     /// K with the forces of all points as unknowns.

@@ -13,7 +13,7 @@ use super::tolerances;
 /// The linear equations of fixed contact states: condensed, or with springs in the factor.
 pub(super) fn kkt(problem: &ContactProblem) -> Box<dyn Kkt + '_> {
     match &problem.backend {
-        Backend::Condensed(interface) => Box::new(Condensed::new(problem, interface)),
+        Backend::Condensed { interface, .. } => Box::new(Condensed::new(problem, interface)),
         Backend::Penalised(augmentation) | Backend::SaddlePoint(augmentation) => {
             Box::new(Factored::new(problem, augmentation, None, tolerances::newton::STIFFEST, false))
         }

@@ -34,7 +34,7 @@ pub use backend::Method;
 pub use combine::{Combined, CombinedCases};
 pub use error::SolveError;
 pub use graph::{Graph, GraphError, Piece};
-pub use interface::{Form, PosedLcp, VertexRow};
+pub use interface::{Form, LcpTemplate, VertexRow, Vertices};
 pub use load::Load;
 pub use path::{PathEnd, PathLoad, Stop};
 pub use points::{PointLaws, Points};

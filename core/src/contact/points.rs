@@ -45,6 +45,14 @@ pub struct Points {
     pub arm: Vec<f64>,
 }
 
+/// State of a point: its piece, its reaction, and its travel to the vertex of a horizontal piece.
+#[derive(Clone, Copy)]
+pub(super) struct PointState {
+    pub(super) piece: u8,
+    pub(super) reaction: f64,
+    pub(super) gap: f64,
+}
+
 /// Laws and travels of contact points.
 pub struct PointLaws {
     pub graphs: Vec<Graph>,
@@ -238,6 +246,18 @@ impl Points {
     pub fn ends(&self, i: usize, number: u8) -> [Option<[f64; 2]>; 2] {
         let own = |[travel, force]: [f64; 2]| [self.shift[i] + self.unit[i] * travel, self.weight[i] * force];
         self.graph(i).ends(number).map(|end| end.map(own))
+    }
+
+    /// Distance of a point from the lower or upper end of its piece, positive inside: in force where the force depends
+    /// on the travel, else in travel. `None` where the piece is unbounded.
+    pub(super) fn signed_distance(&self, i: usize, state: PointState, is_upper: bool) -> Option<f64> {
+        let piece = self.piece(i, state.piece);
+        let end = self.ends(i, state.piece)[usize::from(is_upper)]?;
+        let above = match piece.holds() {
+            true => state.reaction - end[1],
+            false => -state.gap - (end[0] - piece.travel),
+        };
+        Some(if is_upper { -above } else { above })
     }
 
     /// The piece at the augmented travel s + σr, measured from `shift`.

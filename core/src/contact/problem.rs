@@ -2,7 +2,7 @@
 
 use super::backend::{Augmentation, Backend, Method};
 use super::error::{SolveError, require_length, require_values};
-use super::interface::Interface;
+use super::interface::{Form, Interface, LcpTemplate};
 use super::points::Points;
 use super::rigid::nearest_motions;
 use super::rigid_body_space::RigidBodySpace;
@@ -120,7 +120,7 @@ impl ContactProblem {
                 let rows = pattern.rows(&points);
                 let interface =
                     Interface::on(&base.factor, trailing, &points, &rows, &multiplier_rows, delta, free_motions)?;
-                Backend::Condensed(Arc::new(interface))
+                Backend::Condensed { interface: Arc::new(interface), templates: Arc::default() }
             }
         };
         let seconds = Seconds { order, factor, condense: clock.elapsed().as_secs_f64() };
@@ -149,9 +149,20 @@ impl ContactProblem {
     /// The condensed plate of Lemke's algorithm.
     pub(super) fn condensed(&self) -> Result<&Interface, SolveError> {
         match &self.backend {
-            Backend::Condensed(interface) => Ok(interface),
+            Backend::Condensed { interface, .. } => Ok(interface),
             Backend::Penalised(_) | Backend::SaddlePoint(_) => Err(SolveError::NotCondensed),
         }
+    }
+
+    /// The LCP of condensed points in a form, made once for all loads and shifts.
+    pub(super) fn lcp_template(&self, form: Form) -> Result<&LcpTemplate, SolveError> {
+        let Backend::Condensed { interface, templates } = &self.backend else { return Err(SolveError::NotCondensed) };
+        let place = &templates[form as usize];
+        if place.get().is_none() {
+            let template = LcpTemplate::of(interface, &self.points, form)?;
+            place.get_or_init(|| template);
+        }
+        Ok(place.get().expect("made here or before"))
     }
 
     /// The plate without load: held dofs at their values, and each plate moved by the nearest rigid motion, which

@@ -1,7 +1,7 @@
 //! The solution of a contact problem and its progress reports.
 
 use super::error::SolveError;
-use super::points::Points;
+use super::points::{PointState, Points};
 use super::system::System;
 use crate::displacement::Displacement;
 use std::sync::Arc;
@@ -61,6 +61,10 @@ impl ContactSolution {
             }
         }
         self.piece = pieces;
+    }
+
+    pub(super) fn state(&self, i: usize) -> PointState {
+        PointState { piece: self.piece[i], reaction: self.reaction[i], gap: self.gap[i] }
     }
 
     /// Interpolates linearly towards another solution.

@@ -4,8 +4,9 @@ use super::backend::Backend;
 use super::error::{SolveError, require_length};
 use super::finders::{by_active_set, by_lemke, posed_from, solve_together, solved_and_factored};
 use super::fixed_state;
-use super::interface::{Form, PosedLcp, Work};
+use super::interface::{Form, LcpTemplate, Work};
 use super::load::Load;
+use super::points::PointState;
 use super::problem::ContactProblem;
 use super::residual::Residual;
 use super::scale::largest;
@@ -34,7 +35,7 @@ impl ContactProblem {
         load.require_lengths(self)?;
         self.require_start(start)?;
         match &self.backend {
-            Backend::Condensed(interface) => {
+            Backend::Condensed { interface, .. } => {
                 let form = settings.form.unwrap_or(interface.better_form());
                 by_lemke(self, interface, form, load, start, watch)
             }
@@ -66,16 +67,15 @@ impl ContactProblem {
         let force = largest(&solution.reaction).max(largest(load)).max(bending).max(f64::MIN_POSITIVE);
         let length = largest(&travel).max(largest(&self.points.shift)).max(f64::MIN_POSITIVE);
         let off = |i: usize| {
-            let (piece, ends) = (self.points.piece(i, solution.piece[i]), self.points.ends(i, solution.piece[i]));
-            let (value, axis, size) =
-                if piece.holds() { (solution.reaction[i], 1, force) } else { (travel[i], 0, length) };
+            let piece = self.points.piece(i, solution.piece[i]);
+            let size = if piece.holds() { force } else { length };
             let beside = match piece.holds() {
                 true => residual.violation[i].abs() / length,
                 false => (solution.reaction[i] - piece.force).abs() / force,
             };
-            let below = ends[0].map_or(0.0, |end| (end[axis] - value) / size);
-            let above = ends[1].map_or(0.0, |end| (value - end[axis]) / size);
-            beside.max(below).max(above)
+            let state = PointState { gap: residual.violation[i], ..solution.state(i) };
+            let beyond = [false, true].map(|is_upper| self.points.signed_distance(i, state, is_upper));
+            beyond.into_iter().flatten().fold(beside, |worst, inside| worst.max(-inside / size))
         };
         let points = (0..self.points.len()).map(off).collect();
         (residual.imbalance.iter().map(|f| f / force).collect(), points)
@@ -85,7 +85,7 @@ impl ContactProblem {
     pub fn solve_and_factor(&self, load: &Load, watch: &mut Watch<'_>) -> Result<Option<ContactSolution>, SolveError> {
         load.require_lengths(self)?;
         match &self.backend {
-            Backend::Condensed(_) => Err(SolveError::Condensed),
+            Backend::Condensed { .. } => Err(SolveError::Condensed),
             Backend::Penalised(augmentation) | Backend::SaddlePoint(augmentation) => {
                 solved_and_factored(self, augmentation, load, watch)
             }
@@ -104,22 +104,24 @@ impl ContactProblem {
         loads.iter().try_for_each(|nodal| Load { nodal, held_value }.require_lengths(self))?;
         self.require_start(start)?;
         match &self.backend {
-            Backend::Condensed(_) => Err(SolveError::Condensed),
+            Backend::Condensed { .. } => Err(SolveError::Condensed),
             Backend::Penalised(augmentation) | Backend::SaddlePoint(augmentation) => {
                 solve_together(self, augmentation, start, loads, held_value, watch)
             }
         }
     }
 
-    /// The first LCP of [`ContactProblem::solve`] where points are condensed.
-    pub fn lcp(&self, load: &Load, settings: &Settings) -> Result<PosedLcp, SolveError> {
+    /// The first LCP of [`ContactProblem::solve`] where points are condensed, and its q (k,).
+    pub fn lcp(&self, load: &Load, settings: &Settings) -> Result<(&LcpTemplate, Vec<f64>), SolveError> {
         load.require_lengths(self)?;
         let interface = self.condensed()?;
         let rest = self.at_rest(load.held_value);
         let form = settings.form.unwrap_or(interface.better_form());
         let reduced = posed_from(self, interface, load.nodal, form, &rest)?;
         let work = Work::of(&interface.free_motions, load.nodal);
-        Ok(interface.lcp(&self.points, form, &reduced.rhs, &work, &rest.reaction)?)
+        let template = self.lcp_template(form)?;
+        let q = template.balanced_q(interface, &self.points, &reduced.rhs, &work, &rest.reaction)?;
+        Ok((template, q))
     }
 
     fn require_start(&self, start: Option<&ContactSolution>) -> Result<(), SolveError> {

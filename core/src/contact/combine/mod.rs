@@ -8,7 +8,8 @@ mod contact_set_solver;
 
 use super::error::{SolveError, require_length};
 use super::finders::{is_feasible, pieces_of};
-use super::interface::{CondensedRhs, Form, FreeMotions, Interface, PosedLcp, Work};
+use super::interface::{CondensedRhs, Form, Interface, LcpTemplate, Work};
+use super::points::PointState;
 use super::problem::ContactProblem;
 use super::residual::largest_force;
 use super::responses::Response;
@@ -34,9 +35,7 @@ pub struct Combined {
 /// Data shared by all combinations.
 pub struct CombinedCases {
     form: Form,
-    /// The LCP of the sum of all cases; q at rest and of each case, before the free motions are imposed.
-    lcp: PosedLcp,
-    motions: FreeMotions,
+    /// q at rest and of each case, before the free motions are imposed.
     q_at_rest: Vec<f64>,
     q: Vec<Vec<f64>>,
     /// Family of LCPs with one M; `None` without a start basis.
@@ -72,21 +71,19 @@ impl ContactProblem {
             piece.travel - piece.compliance() * piece.force
         };
         let distance: Vec<f64> = first.iter().enumerate().map(to_piece).collect();
-        let of_cases = cases.iter().map(|case| rhs(form, case, &still));
-        let all: Vec<_> = std::iter::once(rhs(form, &rest, &distance)).chain(of_cases).collect();
-        let (mut lcp, q) = interface.posed(&self.points, form, &all, &still)?;
-        let motions = interface.impose_motions(&self.points, &mut lcp)?;
+        let template = self.lcp_template(form)?;
+        let q_at_rest = template.q(interface, &self.points, &rhs(form, &rest, &distance), &still)?;
+        let of_case = |case: &Response| template.increment(interface, &rhs(form, case, &still));
+        let q = cases.iter().map(of_case).collect::<Result<_, _>>()?;
         let set_solver = ContactSetSolver::new(form, points)?;
-        let q_at_rest = lcp.q.clone();
-        let mut shared =
-            CombinedCases { form, lcp, motions, q_at_rest, q, family: None, set_solver, distance, rest, cases };
-        shared.lcp.q = shared.pose(&vec![1.0; shared.cases.len()]).1;
-        let pieces = match pieces_of(self, &shared.lcp, None, &mut 0, &mut |_| watch()) {
-            Err(error) if error.is_of_load() => shared.lcp.pieces(&vec![false; shared.lcp.q.len()]),
+        let mut shared = CombinedCases { form, q_at_rest, q, family: None, set_solver, distance, rest, cases };
+        let q = shared.pose(template, &vec![1.0; shared.cases.len()]).1;
+        let pieces = match pieces_of(self, template, &q, None, &mut 0, &mut |_| watch()) {
+            Err(error) if error.is_of_load() => template.vertices.pieces(&vec![false; q.len()]),
             pieces => pieces?,
         };
-        let family = Lcp::new(&shared.lcp.matrix, &shared.lcp.q)
-            .and_then(|lcp| LcpFamily::new(&lcp, &shared.lcp.basis(&pieces)))
+        let family = Lcp::new(&template.matrix, &q)
+            .and_then(|lcp| LcpFamily::new(&lcp, &template.vertices.basis(&pieces)))
             .map_err(SolveError::from);
         shared.family = match family {
             Err(SolveError::Unsolved) => return Ok(shared),
@@ -130,22 +127,21 @@ impl ContactProblem {
         shared: &CombinedCases,
         factors: &[f64],
     ) -> Result<Combined, SolveError> {
-        let (sum, q) = shared.pose(factors);
+        let template = self.lcp_template(shared.form)?;
+        let (sum, q) = shared.pose(template, factors);
         if q.is_empty() {
-            return self.on_pieces_of(interface, shared, &sum, shared.lcp.pieces(&[]), 0);
+            return self.on_pieces_of(interface, shared, &sum, template.vertices.pieces(&[]), 0);
         }
         let family = shared.family.as_ref().ok_or(SolveError::Unsolved)?;
         let LcpBasis { status, basis, mut pivots } = family.solve(&q)?;
         SolveError::of(status)?;
-        let pieces = shared.lcp.pieces(&basis);
+        let pieces = template.vertices.pieces(&basis);
         match self.on_pieces_of(interface, shared, &sum, pieces.clone(), pivots) {
             Err(SolveError::Unsolved) => {}
             combined => return combined,
         }
         // Rounding of many pivots gave an infeasible state nearby: few pivots with a fresh tableau remain.
-        let mut posed = shared.lcp.clone();
-        posed.q = q;
-        let again = pieces_of(self, &posed, Some(pieces), &mut pivots, &mut |_| true)?;
+        let again = pieces_of(self, template, &q, Some(pieces), &mut pivots, &mut |_| true)?;
         self.on_pieces_of(interface, shared, &sum, again, pivots)
     }
 
@@ -181,7 +177,8 @@ impl ContactProblem {
             (tolerances::SIGN * moved.max(shift[i].abs())).max(tolerances::RESIDUAL * travel / arm[i])
         };
         let finite = reaction.iter().chain(gap).all(|value| value.is_finite());
-        finite && is_feasible(self, pieces, reaction, gap, force, length)
+        let state = |i: usize| PointState { piece: pieces[i], reaction: reaction[i], gap: gap[i] };
+        finite && is_feasible(self, state, force, length)
     }
 }
 
@@ -196,13 +193,13 @@ fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
 
 impl CombinedCases {
     /// The sum of the cases of a combination, and q of its LCP.
-    fn pose(&self, factors: &[f64]) -> (Response, Vec<f64>) {
+    fn pose(&self, template: &LcpTemplate, factors: &[f64]) -> (Response, Vec<f64>) {
         let sum = self.sum(factors);
         let mut q = self.q_at_rest.clone();
         for (part, &factor) in self.q.iter().zip(factors).filter(|(_, factor)| **factor != 0.0) {
             q.iter_mut().zip(part).for_each(|(total, value)| *total += factor * value);
         }
-        self.motions.balance(&mut q, &rhs(self.form, &sum, &self.distance), &sum.work);
+        template.balance(&mut q, &rhs(self.form, &sum, &self.distance), &sum.work);
         (sum, q)
     }
 

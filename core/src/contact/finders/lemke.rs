@@ -1,9 +1,9 @@
 //! Lemke's algorithm on the condensed points: finitely many pivots from piece to piece.
 
-use super::finder::signs_are_feasible;
+use super::feasibility::signs_are_feasible;
 use crate::cholesky::FactorError;
 use crate::contact::error::SolveError;
-use crate::contact::interface::{Form, Interface, PosedLcp, ReducedLoad, VertexRow, Work};
+use crate::contact::interface::{Form, Interface, LcpTemplate, ReducedLoad, VertexRow, Work};
 use crate::contact::kkt::{Condensed, Kkt};
 use crate::contact::load::Load;
 use crate::contact::problem::ContactProblem;
@@ -28,6 +28,7 @@ pub(in crate::contact) fn by_lemke(
     watch: &mut Watch<'_>,
 ) -> Result<ContactSolution, SolveError> {
     let mut first = start.map(|start| start.piece.clone());
+    let template = problem.lcp_template(form)?;
     let mut kkt = Condensed::new(problem, interface);
     let mut solution = problem.at_rest(held_value);
     let work = Work::of(&interface.free_motions, load);
@@ -35,8 +36,8 @@ pub(in crate::contact) fn by_lemke(
     let mut reduced = posed_from(problem, interface, load, form, &solution)?;
     let travel = largest(&reduced.rhs.displacement);
     for _ in 0..STATES {
-        let posed = interface.lcp(&problem.points, form, &reduced.rhs, &work, &solution.reaction)?;
-        let pieces = pieces_of(problem, &posed, first.take(), &mut solution.pivots, watch)?;
+        let q = template.balanced_q(interface, &problem.points, &reduced.rhs, &work, &solution.reaction)?;
+        let pieces = pieces_of(problem, template, &q, first.take(), &mut solution.pivots, watch)?;
         let settled = solution.corrections > 0 && pieces == solution.piece;
         if !settled {
             if !kkt.prepare(&pieces)? {
@@ -79,37 +80,39 @@ pub(in crate::contact) fn posed_from(
 /// The contact state that solves an LCP, from a given one if any; adds to the number of pivots.
 pub(in crate::contact) fn pieces_of(
     problem: &ContactProblem,
-    posed: &PosedLcp,
+    template: &LcpTemplate,
+    q: &[f64],
     from: Option<Vec<u8>>,
     pivots: &mut usize,
     watch: &mut Watch<'_>,
 ) -> Result<Vec<u8>, SolveError> {
-    if posed.rows.is_empty() {
-        return Ok(posed.pieces(&[]));
+    let LcpTemplate { matrix, vertices, .. } = template;
+    if q.is_empty() {
+        return Ok(vertices.pieces(&[]));
     }
-    let covering = covering(problem, posed);
+    let covering = covering(problem, &vertices.rows);
     let options = LemkeOptions { covering: Some(&covering), ..LemkeOptions::default() };
-    let basis = from.map(|pieces| posed.basis(&pieces));
+    let basis = from.map(|pieces| vertices.basis(&pieces));
     let mut before = 0;
     let mut tell = |step: usize, residual: f64| {
         let changing = step - std::mem::replace(&mut before, step);
         watch(Progress { step, changing, residual })
     };
-    let lcp = Lcp::new(&posed.matrix, &posed.q)?;
+    let lcp = Lcp::new(matrix, q)?;
     let end = lemke_watched(&lcp, &options, basis.as_deref(), &mut tell)?;
     *pivots += end.pivots;
     SolveError::of(end.status)?;
-    Ok(posed.pieces(&end.basis))
+    Ok(vertices.pieces(&end.basis))
 }
 
 /// Covering vector (k,): a force for rows whose w is a force, otherwise the length by which that force bends the plate.
 /// Lemke's path is then independent of units.
-fn covering(problem: &ContactProblem, posed: &PosedLcp) -> Vec<f64> {
+fn covering(problem: &ContactProblem, rows: &[VertexRow]) -> Vec<f64> {
     let power_of_two = |x: f64| x.log2().round().exp2();
     let root = power_of_two(problem.scale.stiffness.sqrt());
     let of = |row: &VertexRow| {
         let arm = power_of_two(problem.points.arm[row.point]);
         if row.w_is_a_force(&problem.points) { root * arm } else { 1.0 / (root * arm) }
     };
-    posed.rows.iter().map(of).collect()
+    rows.iter().map(of).collect()
 }

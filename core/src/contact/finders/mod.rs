@@ -1,9 +1,9 @@
 //! Methods that find the contact state of a load.
 
 mod active_set;
-mod finder;
+mod feasibility;
 mod lemke;
 
 pub(super) use active_set::{by_active_set, solve_together, solved_and_factored};
-pub(super) use finder::is_feasible;
+pub(super) use feasibility::is_feasible;
 pub(super) use lemke::{by_lemke, pieces_of, posed_from};

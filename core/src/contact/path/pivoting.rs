@@ -6,7 +6,7 @@ use super::recorder::PathRecorder;
 use super::tracer::PathTracer;
 use crate::contact::error::SolveError;
 use crate::contact::finders::posed_from;
-use crate::contact::interface::{CondensedRhs, Interface, Work};
+use crate::contact::interface::{Interface, Work};
 use crate::contact::residual::Residual;
 use crate::contact::solution::Progress;
 use crate::contact::tolerances;
@@ -80,16 +80,17 @@ impl PathTracer<'_> {
         let mut imbalance = load.add.to_vec();
         problem.release_held(&mut imbalance);
         let added = Residual { imbalance, violation: vec![0.0; pieces.len()], worst: 0.0 };
-        let rhs: [CondensedRhs; 2] = [first.rhs, problem.reduced(interface, &added, form)?.rhs];
-        let (mut begin, mut along) = interface.posed(&problem.points, form, &rhs, &rest.reaction)?;
-        let motions = interface.impose_motions(&problem.points, &mut begin)?;
-        motions.balance(&mut begin.q, &rhs[0], &Work::of(&interface.free_motions, load.start));
-        motions.balance_increment(&mut along[0], &rhs[1], &Work::of(&interface.free_motions, load.add));
-        let basis = begin.basis(pieces);
+        let added = problem.reduced(interface, &added, form)?.rhs;
+        let template = problem.lcp_template(form)?;
+        let work = Work::of(&interface.free_motions, load.start);
+        let q = template.balanced_q(interface, &problem.points, &first.rhs, &work, &rest.reaction)?;
+        let mut along = template.increment(interface, &added)?;
+        template.balance_increment(&mut along, &added, &Work::of(&interface.free_motions, load.add));
+        let basis = template.vertices.basis(pieces);
         let mut watch = |step| self.goes_on(Progress { step, changing: 0, residual: 0.0 });
-        let lcp = Lcp::new(&begin.matrix, &begin.q)?;
-        let path = parametric(&lcp, &along[0], &basis, load.end, &mut watch)?;
-        let sets = path.segments.iter().map(|segment| begin.pieces(&segment.basis)).collect();
+        let lcp = Lcp::new(&template.matrix, &q)?;
+        let path = parametric(&lcp, &along, &basis, load.end, &mut watch)?;
+        let sets = path.segments.iter().map(|segment| template.vertices.pieces(&segment.basis)).collect();
         Ok((path, sets))
     }
 }

@@ -73,7 +73,7 @@ impl<'a> PathTracer<'a> {
     /// With little load, or far from a support, the first step may be too short to detect that a gap closes.
     fn until_it_counts(&mut self, line: &Line<'a>) -> Result<Option<Line<'a>>, SolveError> {
         let [t, mut far] = line.at;
-        let gap = line.lengths.iter().fold(0.0, |most, &length| f64::max(most, length));
+        let gap = line.scales.travel.iter().fold(0.0, |most, &length| f64::max(most, length));
         let mut travel = line.travel(t, far);
         for _ in 0..LENGTHENED {
             if travel == 0.0 || travel >= tolerances::path::COUNTS * gap {

@@ -1,6 +1,6 @@
 //! The path tracer: solves from line to line, with a callback.
 
-use super::line::{Line, travel};
+use super::line::{Line, Scales, travel};
 use super::load::{PathEnd, PathLoad, Stop};
 use super::recorder::PathRecorder;
 use crate::contact::backend::Backend;
@@ -74,15 +74,14 @@ impl<'a> PathTracer<'a> {
         let deflection = deflection.fold(least, |most, w| most.max(w.abs()));
         let lengths: Vec<f64> =
             lengths(self.problem, &ends[0]).into_iter().map(|length| length.max(deflection)).collect();
-        let forces = self.forces(force, &lengths);
-        Ok(Some(Line { points: &self.problem.points, at, ends, forces, lengths, deflection }))
+        let scales = self.scales(force, lengths);
+        Ok(Some(Line { points: &self.problem.points, at, ends, scales, deflection }))
     }
 
     /// The solution with other pieces, if the changed points are at the common ends of their pieces.
     pub fn standing_on(&self, solution: &ContactSolution, pieces: &[u8]) -> Option<ContactSolution> {
         let points = &self.problem.points;
-        let lengths = lengths(self.problem, solution);
-        let forces = self.forces(largest(&solution.reaction), &lengths);
+        let scales = self.scales(largest(&solution.reaction), lengths(self.problem, solution));
         let differing = differing(&solution.piece, pieces);
         let mut same = ContactSolution { piece: pieces.to_vec(), ..solution.clone() };
         for i in differing {
@@ -91,13 +90,8 @@ impl<'a> PathTracer<'a> {
                 return None;
             }
             let [travel, force] = points.ends(i, from)[usize::from(to > from)]?;
-            let old = points.piece(i, from);
-            let nothing = tolerances::path::NOTHING;
-            let at_end = match old.holds() {
-                true => (solution.reaction[i] - force).abs() <= nothing * forces[i],
-                false => (old.travel - solution.gap[i] - travel).abs() <= nothing * lengths[i],
-            };
-            if !at_end {
+            let inside = points.signed_distance(i, solution.state(i), to > from)?;
+            if !(inside.abs() <= tolerances::path::NOTHING * scales.of(points, i, from)) {
                 return None;
             }
             same.reaction[i] = force;
@@ -158,14 +152,14 @@ impl<'a> PathTracer<'a> {
         [self.load.start, self.load.add].map(|load| self.problem.scale.largest(load))
     }
 
-    /// Reference force of each point: the largest reaction, or for a soft spring its reference travel over its
+    /// Reference sizes of the points: the reference force is the largest reaction, or for a soft spring its reference travel over its
     /// compliance. Travel and reaction then have equal weight at a change of piece.
-    fn forces(&self, force: f64, lengths: &[f64]) -> Vec<f64> {
+    fn scales(&self, force: f64, travel: Vec<f64>) -> Scales {
         let of = |(i, length): (usize, &f64)| match self.problem.points.steepest(i).compliance() {
             compliance if *length > 0.0 => force.min(length / compliance),
             _ => force,
         };
-        lengths.iter().enumerate().map(of).collect()
+        Scales { force: travel.iter().enumerate().map(of).collect(), travel }
     }
 
     /// The solution on a contact state at one end of a line.
@@ -250,7 +244,7 @@ impl PathTracer<'_> {
             return Ok(recorder.end(0.0, None, PathEnd::Reached));
         }
         match &self.problem.backend {
-            Backend::Condensed(interface) => self.pivot_along(interface, &mut recorder),
+            Backend::Condensed { interface, .. } => self.pivot_along(interface, &mut recorder),
             Backend::Penalised(_) | Backend::SaddlePoint(_) => self.step_along(0.0, &mut recorder),
         }
     }

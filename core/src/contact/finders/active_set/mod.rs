@@ -15,7 +15,7 @@ mod start;
 
 pub(in crate::contact) use batch::solve_together;
 
-use super::finder::signs_are_feasible;
+use super::feasibility::signs_are_feasible;
 use crate::cholesky::FactorError;
 use crate::contact::backend::Augmentation;
 use crate::contact::error::SolveError;
