@@ -93,7 +93,7 @@ class Sizes(NamedTuple):
 
 
 def _units(discretisation: Discretisation) -> Floats:
-    """Divisors (3,) that convert the three nodal forces of a node to forces: couples are divided by the element size."""
+    """Divisors (3,) that convert the three nodal forces of a node to forces, couples by the element size."""
     across = float(np.sqrt(discretisation.mesh.element_area.mean()))
     return np.array([1.0, across, across])
 
