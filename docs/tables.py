@@ -14,7 +14,7 @@ _KEYS = """# Keys of the input file
 
 `python docs/tables.py` generates this page from the schema. [input.md](input.md) explains the keys in context.
 
-A range holds for every number of a list and for every value of an expression."""
+Bounds hold for every number of a list and for every value of an expression."""
 _BOUNDS = {"exclusiveMinimum": "> {:g}", "minimum": "≥ {:g}", "exclusiveMaximum": "< {:g}", "maximum": "≤ {:g}"}
 _QUANTITIES = """# Numbers of results
 
@@ -57,8 +57,9 @@ def _tables(node: Node, definitions: dict[str, Node]) -> list[tuple[str, Node]]:
 
 
 def _range(node: Node) -> str:
-    """Bounds of the numbers that a value may have."""
-    own = " and ".join(text.format(node[key]) for key, text in _BOUNDS.items() if key in node)
+    """Words that a value may be, or bounds of its numbers."""
+    own = ", ".join(f"`{json.dumps(word)}`" for word in node.get("enum", ()))
+    own = own or " and ".join(text.format(node[key]) for key, text in _BOUNDS.items() if key in node)
     return own or next((found for one in _inner(node) if (found := _range(one))), "")
 
 
@@ -86,7 +87,7 @@ def keys() -> str:
         if name not in done:
             done.add(name)
             own, required = table["properties"].items(), table.get("required", ())
-            lines += [_section(f"{title}: {name}\n\n{table['description']}", "key", "value", "range", "default")]
+            lines += [_section(f"{title}: {name}\n\n{table['description']}", "key", "value", "allowed", "default")]
             lines += [_row(key, node, key in required) for key, node in own]
             waiting[:0] = [(f"`{key}` of {name}", *found) for key, node in own for found in _tables(node, definitions)]
     return "\n".join(lines) + "\n"
@@ -100,12 +101,11 @@ def _path(number: Number) -> str:
 
 
 def quantities() -> str:
-    """Return docs/quantities.md: a row for each number of a model with all kinds of owners."""
+    """Return docs/quantities.md: numbers of a model with all kinds of owners, the first of each path."""
     model, lines = signorini.loads(_MODEL), [_QUANTITIES]
     numbers = signorini.solve(model)["all"].catalogue
     for home in dict.fromkeys(one.home for one in numbers):
         lines.append(_section(home.capitalize(), "name", "number", "unit", "path", "column"))
-        # Corners and stations of one owner are alike.
         first = {(one.owner, _path(one)): one for one in reversed(numbers.numbers) if one.home == home}
         for (_, path), one in reversed(first.items()):
             cells = f"`{one.name}` | {one.quantity.words} | {one.quantity.unit(model.units)} | `{path}`"
