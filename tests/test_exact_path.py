@@ -331,7 +331,7 @@ def test_a_stop_that_is_not_certified_ends_the_path_wherever_it_stands_among_oth
 
     whole = lifting()
     monkeypatch.setattr(exact_path, "certify_each", failing)
-    monkeypatch.setattr("signorini.analysis.exact_path.methods_along", lambda problem: [problem])
+    monkeypatch.setattr("signorini.analysis.exact_path.posed_for_methods", lambda problem: [problem])
     cut = lifting()
     assert cut.ending == "stopped" and cut.certificate.passed
     assert [stop.t for stop in cut.stops] == [stop.t for stop in whole.stops[:wrong]]

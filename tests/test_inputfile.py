@@ -177,7 +177,7 @@ WRONG = {
     "[solver]\n": [
         ("thickness = 3", ":11: solver.thickness: unknown key 'thickness'. It belongs in [plate] or [[zone]]."),
         ("title = 'x'", "unknown key 'title'. It belongs above the first table."),
-        ("method = 'lemk'", 'solver.method: found "lemk"; it must be one of auto, lemke, active_set, interior_poin'),
+        ("method = 'lemk'", 'solver.method: found "lemk"; it must be one of auto, lemke, active_set.'),
     ],
     "[[support]]\n": [
         ("at = [[1, 1], [2, 2], [1, 1.0]]", "support[1].at[3]: point 3 equals point 1."),

@@ -289,7 +289,7 @@ def test_tightening_is_a_sequence_of_models_with_forces_and_settlements(seed: in
         assert abs(found[tuple(one.positions[0].tolist())] - one.reaction) < 1e-9 * size
 
 
-@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_every_method_tightens_and_solves_to_the_same(method: str) -> None:
     tables, made = random_joint(2)
     keys = tables | {"mesh": {"divisions": [4, 4], "error": False}, "support": [*tables["support"], *made]}

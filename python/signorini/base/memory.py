@@ -21,9 +21,6 @@ _PER_FOOTPRINT = 300.0
 """Bytes of the row of a footprint after forward substitution, over the root of the number of dofs: it reaches a few
 times that number of columns. 900 on 232 thousand dofs took 270."""
 
-_PER_POINT = 1700.0
-"""Bytes that the interior point method takes for a point and its slack, measured on 3844 and 14,884 elastic points."""
-
 _PER_THREAD = 1.0e9
 """Address space that matrix products reserve for a thread, of which they use little."""
 
@@ -55,19 +52,6 @@ def needed_by_points(points: int) -> float:
     7.2
     """
     return _PER_PAIR * points**2
-
-
-def needed_by_interior_point(dofs: int, points: int) -> float:
-    """Estimate the bytes that the interior point method takes for its own factor, which holds the points too.
-
-    Measured on 4 to 59 thousand dofs of square plates.
-
-    Examples
-    --------
-    >>> round(needed_by_interior_point(58_563, 4) / 1e9, 2)
-    0.27
-    """
-    return dofs * (330.0 * math.log2(dofs) - 580.0) + _PER_POINT * points
 
 
 def fits(bytes_needed: float) -> bool:
@@ -133,12 +117,6 @@ def require_memory_for_footprints(footprints: int, dofs: int, place: Place) -> N
     """Refuse footprints that cannot fit."""
     what = f"The problem of {footprints:,} supports with footprints"
     _require(lambda count: needed_by_footprints(count, dofs), footprints, what, "Take fewer of them.", place)
-
-
-def require_memory_for_interior_point(dofs: int, points: int) -> None:
-    """Refuse the interior point method where it cannot fit."""
-    what, advice = f"Solving {dofs:,} dofs by the interior point method", 'Leave solver.method at "auto".'
-    _require(lambda count: needed_by_interior_point(count, points), dofs, what, advice, ("solver", "method"))
 
 
 def _require(taking: Callable[[int], float], count: int, what: str, advice: str, place: Place) -> None:

@@ -20,8 +20,8 @@ class Progress:
     combination : str
         The combination being solved; empty before the first.
     step : int
-        Steps of the active set, pivots of Lemke's algorithm (told every 64) or iterations of the interior point method
-        so far; 0 as a combination begins, and all there is where few points do with less.
+        Newton steps of the active set, or pivots of Lemke's algorithm (reported every 64) so far; 0 as a combination
+        begins, and all there is where few points do with less.
     changing : int
         Contact points that opened or closed since the one before.
     residual : float

@@ -67,7 +67,7 @@ class Units(Table):
 class Solver(Table):
     """Method of solving the contact problem."""
 
-    method: Literal["auto", "lemke", "active_set", "interior_point"] = Field(
+    method: Literal["auto", "lemke", "active_set"] = Field(
         default="auto",
         description="Method; auto chooses by the number of contact points, and tries others if it fails.",
     )

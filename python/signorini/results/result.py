@@ -101,11 +101,11 @@ class Result(Remade):
         What supports do, forces through sections, mean moments of strips: each by its number from 0 or by its name, as
         ``supports["columns"]``.
     method : str
-        "lemke", "active_set" or "interior_point"; "given" where `signorini.recover` was given the reactions.
+        "lemke", "active_set" or "saddle"; "given" where `signorini.recover` was given the reactions.
     unsettled : tuple of str
         Methods that were tried before and did not settle; almost always none.
     iterations : int
-        Lemke's pivots, the active set's Newton steps, or the steps of the interior point method.
+        Pivots of Lemke's algorithm, or Newton steps of the active set.
     not_unique : tuple of NotUnique
         What else would be as right, where supports repeat each other or the plate may rest elsewhere: of all these the
         least reactions, and then the least deflection, are given. Empty where this is the only answer.
@@ -299,7 +299,7 @@ class Result(Remade):
     @property
     def counted(self) -> str:
         """Unit that ``iterations`` counts."""
-        return {"lemke": "pivots", "active_set": "Newton steps"}.get(self.method, "interior point steps")
+        return "pivots" if self.method == "lemke" else "Newton steps"
 
     @property
     def heading(self) -> str:
