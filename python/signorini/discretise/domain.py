@@ -275,7 +275,7 @@ def _too_near(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> 
 def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, least: Floats) -> Iterator[InputError]:
     """Yield an error for each rigid one-sided area and rigid support on it that holds the plate against it.
 
-    With w ≤ g on the area and w ≥ g at the support, the lever arm is the distance to the next point of the area. The
+    With w ≤ g on the area and w ≥ g at the support, the moment arm is the distance to the next point of the area. So
     reactions grow without limit as the mesh is refined.
     """
     nodes, holders = held.holders.T

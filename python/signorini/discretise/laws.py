@@ -73,9 +73,9 @@ class Law:
 
     @cached_property
     def anchors(self) -> Floats:
-        """Travel and force (p, 2) from which each piece is measured: its zero of force if it has one, else `corners`.
+        """Travel and force (p, 2) of a reference point on each piece: its zero of force if it has one, else `corners`.
 
-        So forces near zero keep their digits where the vertex is distant.
+        Forces near zero keep their digits even if the vertex is distant.
 
         Examples
         --------
@@ -150,16 +150,16 @@ class Law:
         piece = np.minimum(np.maximum(np.searchsorted(vertex_travels, travels, "right"), first), len(self.slopes) - 1)
         return np.asarray(self.anchors[piece, 1] + self.slopes[piece] * (travels - self.anchors[piece, 0]))
 
-    def pieces_at(self, force: Floats, nothing: Floats, flat: bool = True) -> Ints:
-        """Pieces (..., k) that contain forces (..., k) within the tolerance ``nothing`` (..., k).
+    def pieces_at(self, force: Floats, tolerance: Floats, flat: bool = True) -> Ints:
+        """Pieces (..., k) that contain forces (..., k) within a tolerance (..., k).
 
         Where several pieces do, choose one with slope 0 if ``flat``, else one with a slope.
         """
         if self.straight:
             return np.zeros(force.shape, np.int64)
         vertex_forces = self.corners[1:, 1]
-        first = np.searchsorted(vertex_forces, force - nothing, "left")
-        last = np.searchsorted(vertex_forces, force + nothing, "right")
+        first = np.searchsorted(vertex_forces, force - tolerance, "left")
+        last = np.searchsorted(vertex_forces, force + tolerance, "right")
         candidates = np.flatnonzero((self.slopes == 0.0) == flat)
         candidate = np.append(candidates, len(self.slopes))[np.searchsorted(candidates, first)]
         return np.where(candidate <= last, candidate, first)

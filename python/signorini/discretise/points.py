@@ -173,15 +173,15 @@ class ContactPoints(Table, Brief):
             forward[points] = self.unit[points] * high - travel[points]
         return backward, forward
 
-    def pieces_at(self, reaction: Floats, nothing: Floats | float, flat: bool = True) -> Pieces:
-        """Pieces (..., m) of the laws that contain the reactions (..., m) within the tolerance ``nothing``.
+    def pieces_at(self, reaction: Floats, tolerance: Floats | float, flat: bool = True) -> Pieces:
+        """Pieces (..., m) of the laws that contain the reactions (..., m) within a tolerance.
 
         Where several pieces do, choose one with slope 0 if ``flat``, else one with a slope.
         """
         result = np.zeros(reaction.shape, np.uint8)
-        force, tolerance = reaction / self.scale, nothing / self.scale
+        force, law_tolerance = reaction / self.scale, tolerance / self.scale
         for law, points in self.by_law:
-            result[..., points] = law.pieces_at(force[..., points], tolerance[..., points], flat)
+            result[..., points] = law.pieces_at(force[..., points], law_tolerance[..., points], flat)
         return result
 
     @cached_property

@@ -31,8 +31,8 @@ class Snapped(NamedTuple):
     """A point, corner, circle or rectangle that was moved.
 
     ``what`` is its path in the input, such as ``support[2].line[1]``. ``begin`` and ``end`` are its coordinates before
-    and after: [x, y], for a circle [x, y, radius], for a rectangle [x0, y0, x1, y1]. ``onto`` names the edge of the
-    plate, or the path in the input, that it was moved onto.
+    and after: [x, y], for a circle [x, y, radius], for a rectangle [x0, y0, x1, y1]. ``onto`` is its target, an edge of
+    the plate or a path in the input.
     """
 
     what: str

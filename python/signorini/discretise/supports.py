@@ -42,7 +42,7 @@ _ROW = 3
 Two points in each element of a row would lock the plate, with reactions determined by rounding. In fewer elements, the
 means would leave the plate free to turn."""
 _STIFF = 1e3
-"""Relative stiffness of a bed from which it acts on element means, relative to `PlateStiffness.in_waves`.
+"""Least stiffness of a bed that acts on element means, relative to `PlateStiffness.in_waves`.
 
 More points would outnumber the free deflections of an element. The deflection that remains is that of the mesh."""
 STIFFEST_SPRING = 1e8
