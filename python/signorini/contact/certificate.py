@@ -1,7 +1,7 @@
-"""The certificate: how far an answer is from a solution, computed by code that did not solve it.
+"""The certificate: errors of an answer, computed from the statement of the problem alone.
 
-It takes the displacements, reactions and the statement of the problem, and recomputes gaps, nodal forces and the
-three global balances from them. It reads no factor, no condensed matrix, and no status.
+From displacements u and reactions λ it recomputes gaps Gu − Cλ − g, nodal forces F − Ku − Gᵀλ and the global balance.
+It uses no factor, no condensed matrix and no status of a solver.
 """
 
 from __future__ import annotations
@@ -19,56 +19,57 @@ from signorini.discretise.loads import CANCELLED
 from signorini.discretise.rows import Bools, Floats, Ints
 
 TOLERANCE = 1e-8
+"""Largest error of a certified answer, relative to the size of each figure."""
 CERTIFIABLE = 1e-4
-"""Part of the forces that act which arithmetic may leave unknown. What is out of balance all over a plate adds up as
-in a random walk and loads add up plainly, so that an answer is wrong by hardly more; a larger part would excuse all."""
+"""Largest rounding, relative to the acting forces, of a certified answer.
+
+Roundings all over a plate add up as in a random walk, loads add up directly: the answer has hardly a larger error."""
 _ROUNDINGS = 4.0
-"""Units of rounding, of the internal and contact forces that cancel at a node, below which no imbalance can be seen."""
-_NO_LEVER = 1e-12
-"""Part of what supports have in one resultant below which they have none in another: couples have no force but for the
-rounding of their rows, some units of it times the shape functions' slopes."""
+"""Smallest imbalance that is significant, in machine epsilons times the internal and contact forces at a node."""
+_RANK = 1e-12
+"""Rank tolerance of supports' rows over rigid motions, relative to the largest singular value."""
 _NIL = 1e-6
-"""Deflections below this part of F a²/D are rounding of the elimination."""
+"""Largest deflection, relative to F a²/D, that is rounding of the elimination."""
 _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
-"""Part of a size which, as a scale, turns the tolerance into that size's rounding."""
+"""Factor (9e-8) that converts a size into a scale at which `TOLERANCE` equals the rounding of the size."""
 _CANCELLED = CANCELLED / TOLERANCE
-"""As `_UNSEEN`, of loads that are added: as much of them counts as nothing where they cancel."""
+"""The same factor (4e-7) for the rounding of loads that cancel."""
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
+"""Names of the errors, in the order in which they are shown."""
 LIMITED = ("tension", "equilibrium", "balance")
-"""Figures that the rounding of the plate's own forces may limit."""
+"""Errors that may be compared with the rounding of the plate's forces."""
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """Errors of an answer, each relative to a size stated here; ``passed`` means all are within tolerance.
+    """Errors of an answer, each relative to a size stated here; ``passed`` means that all are within tolerance.
 
     Parameters
     ----------
     penetration : float
-        Deepest penetration, or largest violation of a held deflection, over the largest deflection, or, where supports
-        leave none, a millionth of the deflection F a²/D by which the load F scales on a plate of size a, or 10⁻⁷ of the
-        slopes that are given times a. Violations of held slopes count over the largest slope, or this deflection by a.
+        Largest penetration (Gu − Cλ − g)₊ or violation of a held deflection, relative to the largest deflection. This
+        size is at least 10⁻⁶ F a²/D for a load F on a plate of size a, and 10⁻⁷ a times the prescribed slopes.
+        Violations of held slopes are relative to the largest slope, at least this size over a.
     tension : float
-        Largest reaction of the wrong sign over the largest reaction or nodal load.
+        Largest reaction of the wrong sign, or beyond its limit, relative to the largest reaction or nodal load.
     complementarity : float
-        Largest lesser one of a reaction and its gap, each over the size that it is judged by above.
+        Largest min(reaction, gap), each relative to its size above.
     equilibrium : float
-        Largest nodal force out of balance over the largest nodal load (couples over the element size).
+        Largest nodal force F − Ku − Gᵀλ relative to the largest nodal load; couples over the element size.
     balance : float
-        Largest of the three global resultants out of balance over the sum of the load's magnitudes.
+        Largest global resultant of loads and reactions (force, two moments over a) relative to the sum of magnitudes.
     tension_limit, equilibrium_limit, balance_limit : float
-        What double precision can show of the three for this plate: internal forces of thin plates, and forces by which
-        supports push against each other, are so much larger than the loads that their rounding counts. A figure over
-        the tolerance is judged by its limit; 0 where none is.
+        Rounding of these errors in double precision. Internal forces of thin plates, and forces of supports that push
+        against each other, are far larger than the loads, so that it may exceed the tolerance. An error above the
+        tolerance is compared with its limit; 0 if none is.
     rounding : float
-        Where a figure is judged by its limit, what rounding may be of the forces that act: of loads, of reactions, and,
-        where settlements move the plate, of what bends it. Over 1e-4 that certifies nothing. 0 where no figure is.
+        Largest limit that was used, relative to the acting forces: loads, reactions, and with settlements the forces
+        that bend the plate. Above 1e-4 the answer is not certified. 0 if no limit was used.
     lost : float
-        Where curvatures or loads that balance themselves act beside others: largest of force and two moments by which
-        reactions miss the resultant of those others, over the sum of their magnitudes or the largest total of a
-        support, or, if more, the largest of the least forces of the acting supports that make it up, over the largest
-        reaction. Over 1e-4 the others are lost in the rounding of what has no resultant. 0 where all has one, or
-        nothing.
+        Used if curvatures or self-equilibrated loads act together with others. The resultant of the others that
+        reactions miss, relative to the sum of their magnitudes or the largest total of a support; or, if larger, the
+        largest of the least-norm support forces with this resultant, relative to the largest reaction. Above 1e-4 the
+        others are lost in rounding. Otherwise 0.
     """
 
     penetration: float
@@ -84,22 +85,27 @@ class Certificate:
 
     @property
     def limited(self) -> bool:
-        """Whether arithmetic limits a figure that passed."""
+        """Whether the certificate passed with an error above the tolerance, within the rounding."""
         return self.passed and max(self.tension, self.equilibrium, self.balance) > TOLERANCE
 
     @classmethod
-    def worst(cls, of: Sequence[Self]) -> Self:
-        """Take the largest of every figure."""
-        return cls(**{figure.name: max(getattr(one, figure.name) for one in of) for figure in fields(cls)})
+    def worst(cls, certificates: Sequence[Self]) -> Self:
+        """Take the largest of each figure over certificates."""
+        return cls(
+            **{
+                figure.name: max(getattr(certificate, figure.name) for certificate in certificates)
+                for figure in fields(cls)
+            }
+        )
 
     @property
     def passed(self) -> bool:
-        """Whether every figure is within tolerance, or within a limit that still certifies."""
+        """Whether each error is within the tolerance or its limit, and rounding is small enough."""
         within = (getattr(self, name) <= max(TOLERANCE, getattr(self, f"{name}_limit", 0.0)) for name in FIGURES)
         return all(within) and self.rounding <= CERTIFIABLE and self.lost <= CERTIFIABLE
 
     def __str__(self) -> str:
-        """Say it in a line."""
+        """Describe the certificate in a line."""
         figures = ", ".join(f"{name} {getattr(self, name):.1e}" for name in FIGURES)
         limits = ", ".join(f"{name} to {getattr(self, f'{name}_limit'):.0e}" for name in LIMITED)
         note = f"; arithmetic limits {limits}" if self.limited or self.rounding > CERTIFIABLE else ""
@@ -116,14 +122,13 @@ def certify(
     pieces: Sequence[Ints] = (),
     beside: Sequence[CaseLoad] = (),
 ) -> Certificate:
-    """Judge displacements ``hi + lo`` (3n,) and the contact points' reactions (m,) under a load.
+    """Certify displacements u = ``hi + lo`` (3n,) and reactions λ (m,) of contact points under a load.
 
-    ``pieces`` (m,) are pieces of the laws on which they claim to be solutions: how far points are off such a piece
-    counts as complementarity too. An answer at both ends of a stretch that stands on the same pieces proves all
-    between them, which is linear. ``beside`` are the loads that this one is the sum of: their rounding, and
-    that of the reactions to them, is none of the answer's fault where they cancel.
+    Each entry of ``pieces`` (m,) is a set of pieces of the laws that must contain the answer: the distance from it
+    counts as complementarity. Two answers on the same pieces certify all linear combinations between them.
+    ``beside`` are the loads whose sum this load is: where they cancel, their rounding is tolerated.
     """
-    sets = [those[None] for those in pieces]
+    sets = [set_of_pieces[None] for set_of_pieces in pieces]
     return certify_each(discretisation, [load], hi[None], lo[None], reaction[None], sets, [beside])[0]
 
 
@@ -137,9 +142,9 @@ def certify_each(
     beside: Sequence[Sequence[CaseLoad]] = (),
     imbalance: Floats | None = None,
 ) -> list[Certificate]:
-    """Judge answers (k,) to as many loads as `certify` does each, from arrays of one more dimension in front.
+    """Certify k answers to k loads; all arrays have an additional first dimension k, see `certify`.
 
-    ``imbalance`` (k, 3n) are the residuals of plate and springs alone, where they are known.
+    ``imbalance`` (k, 3n) is F − Ku of plate and springs, if known.
     """
     contacts, held, size = discretisation.contacts, discretisation.held, discretisation.mesh.size
     nodal = np.array([load.nodal for load in loads])
@@ -223,10 +228,10 @@ def certify_each(
 
 
 def imbalances(discretisation: Discretisation, loads: Sequence[CaseLoad], hi: Floats, lo: Floats) -> Floats:
-    """F - Ku (k, 3n) of plate and springs, at displacements hi + lo (k, 3n)."""
+    """F − Ku (k, 3n) of plate and springs at displacements u = hi + lo (k, 3n)."""
     springs = discretisation.springs.arrays
-    each = zip(loads, hi, lo, strict=True)
-    return np.array([discretisation.plate.residual(springs, load.nodal, one, rest) for load, one, rest in each])
+    answers = zip(loads, hi, lo, strict=True)
+    return np.array([discretisation.plate.residual(springs, load.nodal, high, low) for load, high, low in answers])
 
 
 def _judged(
@@ -238,28 +243,31 @@ def _judged(
     lo: Floats,
     reaction: Floats,
 ) -> Certificate:
-    """Certify figures by sizes of imbalances, reactions and resultants, or by what double precision can show."""
+    """Certificate of errors; errors above the tolerance are compared with their rounding.
+
+    ``sizes`` are those of nodal forces, of reactions and of resultants.
+    """
     worst = max(figures[name] for name in LIMITED)
     if worst <= TOLERANCE or not np.isfinite(worst):
         return Certificate(**figures, lost=lost)
     held, (scale, pressing, size) = discretisation.held, sizes
 
-    def left_by_rounding(at: Bools) -> float:
-        return _ROUNDINGS * float(np.finfo(float).eps) * sum(forces_at_nodes(discretisation, hi, lo, reaction, at))
+    def rounding_at(mask: Bools) -> float:
+        return _ROUNDINGS * float(np.finfo(float).eps) * sum(forces_at_nodes(discretisation, hi, lo, reaction, mask))
 
-    at_nodes = left_by_rounding(~held.dofs)
-    # Roundings of the dofs add up as in a random walk; those of the dofs held are in the resultants too.
-    many = np.sqrt(discretisation.dof_count)
-    resultant = many * left_by_rounding(np.ones_like(held.dofs))
-    # Beside settlements a load may be nothing: what bends the plate, and what supports push with, count as well.
-    bent = float(np.abs(bending_part(discretisation, hi[None, ::3])).max())
-    bending = rigidity(discretisation, discretisation.thickness.min()) * bent / discretisation.mesh.size**4
-    bending = max(scale, bending * float(discretisation.mesh.element_area.sum()))
+    at_nodes = rounding_at(~held.dofs)
+    # Roundings of dofs add up as in a random walk; held dofs contribute to the resultants too.
+    random_walk = np.sqrt(discretisation.dof_count)
+    resultant = random_walk * rounding_at(np.ones_like(held.dofs))
+    # Under settlements the load may be zero: forces that bend the plate, and forces of supports, count as well.
+    deflection = float(np.abs(bending_part(discretisation, hi[None, ::3])).max())
+    bending_force = rigidity(discretisation, discretisation.thickness.min()) * deflection / discretisation.mesh.size**4
+    bending_force = max(scale, bending_force * float(discretisation.mesh.element_area.sum()))
     pushing = float(maximum(size, reaching(discretisation, push_magnitudes(discretisation, hi, lo, reaction))))
-    # A reaction that balances nothing but rounding may have either sign.
+    # A reaction that only balances rounding may have either sign.
     limits = {
-        "tension": (many * at_nodes, pressing, pressing),
-        "equilibrium": (at_nodes, scale, bending),
+        "tension": (random_walk * at_nodes, pressing, pressing),
+        "equilibrium": (at_nodes, scale, bending_force),
         "balance": (resultant, size, pushing),
     }
     judged = [limits[name] for name in LIMITED if figures[name] > TOLERANCE]
@@ -274,16 +282,16 @@ def _judged(
 def certified(
     discretisation: Discretisation, load: CaseLoad, answer: Answer, beside: Sequence[CaseLoad] = ()
 ) -> tuple[Answer, Certificate]:
-    """Judge an answer, and where it fails what stands for it; that which passes, or else the last."""
-    for turn in answer.in_turn:
-        certificate = certify(discretisation, load, turn.hi, turn.lo, turn.reaction, beside=beside)
+    """Certify an answer; if that fails, certify the fallback. Return the one that passes, or else the last."""
+    for candidate in answer.in_turn:
+        certificate = certify(discretisation, load, candidate.hi, candidate.lo, candidate.reaction, beside=beside)
         if certificate.passed:
             break
-    return turn, certificate
+    return candidate, certificate
 
 
 def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
-    """Deflection below which that of a load is rounding."""
+    """Largest deflection under a load that is rounding."""
     return _NIL * float(loaded_deflection(discretisation, load.nodal))
 
 
@@ -291,51 +299,55 @@ def _travels(discretisation: Discretisation, hi: Floats, lo: Floats) -> Floats:
     contacts = discretisation.contacts
     rows = contacts.rows.arrays
     return -np.array(
-        [discretisation.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True)]
+        [
+            discretisation.plate.openings(*rows, contacts.distance, *displacement)
+            for displacement in zip(hi, lo, strict=True)
+        ]
     )
 
 
 def off_laws(
     contacts: ContactPoints, travels: Floats, reaction: Floats, lengths: Floats, sizes: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """How far points (k, m) have gone beyond their laws, fall short of them, and are beyond what these can give.
+    """Distances (k, m) of points from their laws: penetration, gap, and force out of range.
 
-    A point that reacts is off its law by a travel; on a flat piece by a force, if that is less.
+    The first two are travels relative to ``lengths`` (k, m), or forces relative to ``sizes`` (k, m) on a piece of slope
+    0, if these are less. A straight law has no gap.
     """
     result = np.zeros((3, *travels.shape))
-    for law, at in contacts.by_law:
-        travel, scale, unit = travels[:, at] / contacts.unit[at], contacts.scale[at], contacts.unit[at]
-        force = reaction[:, at] / scale
+    for law, points in contacts.by_law:
+        travel, scale, unit = travels[:, points] / contacts.unit[points], contacts.scale[points], contacts.unit[points]
+        force = reaction[:, points] / scale
         least, most = law.forces
-        given = np.clip(force, least, most)
-        low, high = law.travels(given)
-        result[2][:, at] = scale * np.abs(force - given) / sizes[:, at]
-        flat = scale * np.abs(given - law.flat_force(travel)) / sizes[:, at]
-        for which, off in enumerate((travel - high, low - travel)):
-            result[which][:, at] = np.minimum(np.maximum(off, 0.0) * unit / lengths[:, at], flat)
+        force_in_range = np.clip(force, least, most)
+        low, high = law.travels(force_in_range)
+        result[2][:, points] = scale * np.abs(force - force_in_range) / sizes[:, points]
+        flat = scale * np.abs(force_in_range - law.flat_force(travel)) / sizes[:, points]
+        for row, distance in enumerate((travel - high, low - travel)):
+            result[row][:, points] = np.minimum(np.maximum(distance, 0.0) * unit / lengths[:, points], flat)
         if law.straight:
-            result[0][:, at] = result[:2, :, at].max(axis=0)
-            result[1][:, at] = 0.0
+            result[0][:, points] = result[:2, :, points].max(axis=0)
+            result[1][:, points] = 0.0
     return result[0], result[1], result[2]
 
 
 def _off_pieces(
     contacts: ContactPoints, pieces: Ints, travels: Floats, reaction: Floats, lengths: Floats, sizes: Floats
 ) -> Floats:
-    """How far points (k, m) are off the lines of pieces of their laws; straight laws have but one."""
+    """Distances (k, m) of points from the lines of given pieces of their laws; 0 for straight laws."""
     result = np.zeros(travels.shape)
     for number, law in enumerate(contacts.laws):
-        if law.straight or not (mine := contacts.law == number).any():
+        if law.straight or not (of_law := contacts.law == number).any():
             continue
-        at = np.broadcast_to(mine, travels.shape).nonzero()
-        piece = np.broadcast_to(pieces, travels.shape)[at]
-        anchor, slope, scale = law.anchors[piece], law.slopes[piece], contacts.scale[at[1]]
-        unit = contacts.unit[at[1]]
-        force = reaction[at] / scale
-        flat = scale * np.abs(force - anchor[:, 1]) / sizes[at]
+        entries = np.broadcast_to(of_law, travels.shape).nonzero()
+        piece = np.broadcast_to(pieces, travels.shape)[entries]
+        anchor, slope, scale = law.anchors[piece], law.slopes[piece], contacts.scale[entries[1]]
+        unit = contacts.unit[entries[1]]
+        force = reaction[entries] / scale
+        flat = scale * np.abs(force - anchor[:, 1]) / sizes[entries]
         along = (force - anchor[:, 1]) / np.where(slope == 0.0, np.inf, slope)
-        away = np.abs(travels[at] - unit * (anchor[:, 0] + along)) / lengths[at]
-        result[at] = np.where(slope == 0.0, flat, away)
+        distance = np.abs(travels[entries] - unit * (anchor[:, 0] + along)) / lengths[entries]
+        result[entries] = np.where(slope == 0.0, flat, distance)
     return result
 
 
@@ -348,92 +360,88 @@ def _lost(
     pull: Floats,
     reaction: Floats,
 ) -> float:
-    """What the forces of supports (3n,) leave of the loads that have a resultant, where there are others too.
-
-    The resultant that is missed counts over these loads or the largest total of a support, and the least forces of
-    acting supports that make it up over the largest that acts: supports near each other need more.
-    """
+    """``Certificate.lost`` of an answer; ``against`` (3n,) are the nodal forces of all supports."""
     if load.all_weighs or not load.weighing.any():
         return 0.0
     (missing,), _ = resultants_and_sizes(discretisation, load.weighing[None], against[None])
-    # Loads that cancel can miss the rounding of their parts.
-    of_parts = sum(float(reaching(discretisation, part.weighing)) for part in beside)
+    # Loads that cancel have the rounding of their parts.
+    of_parts = sum(float(reaching(discretisation, relative.weighing)) for relative in beside)
     of_loads = max(float(reaching(discretisation, load.weighing)), _CANCELLED * of_parts)
     totals = np.abs(_totals(discretisation, at_holds, pull, reaction)).max()
-    part = float(ratio(missing, maximum(of_loads, totals)))
-    if not part > 0.0:
-        return part
+    relative = float(ratio(missing, maximum(of_loads, totals)))
+    if not relative > 0.0:
+        return relative
     motions, held = discretisation.scaled_motions, discretisation.held.dofs
-    # A couple counts as a force at the plate's size.
+    # A couple over the plate's size is compared with forces.
     slope = np.concatenate([np.flatnonzero(held) % 3 > 0, discretisation.springs.slope, discretisation.contacts.slope])
     arm = np.where(slope, discretisation.mesh.size, 1.0)
     forces = np.concatenate([at_holds[held], pull, reaction]) / arm
-    moved = [motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions]
-    rows = np.concatenate(moved) * arm[:, None]
+    blocks = [motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions]
+    rows = np.concatenate(blocks) * arm[:, None]
     largest = np.abs(forces).max(initial=0.0)
     acting = np.abs(forces) > _UNSEEN * largest
     resultant = np.einsum("ij,i->j", motions, load.weighing - against)
-    making = np.linalg.lstsq(rows[acting].T, resultant, rcond=_NO_LEVER)[0]
-    # Of the loads at least half a mean share, since nodal forces of a pressure have both signs.
-    most = np.abs(making).max(initial=0.0)
-    return max(part, float(ratio(most, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
+    least_norm = np.linalg.lstsq(rows[acting].T, resultant, rcond=_RANK)[0]
+    # At least half of the loads' mean share of a support: nodal forces of a pressure have both signs.
+    largest_needed = np.abs(least_norm).max(initial=0.0)
+    return max(relative, float(ratio(largest_needed, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
 
 
 def _totals(discretisation: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
-    """Upward force (s,) of every support; of those that hold a node together the first has it."""
-    contacts, many = discretisation.contacts, len(discretisation.model.support)
+    """Upward force (s,) of every support; the force of a shared node is that of its first support."""
+    contacts, count = discretisation.contacts, len(discretisation.model.support)
     forces = np.where(contacts.slope, 0.0, contacts.direction * reaction)
     at_nodes = discretisation.held.dofs[::3]
     return np.asarray(
-        np.bincount(discretisation.held.support[::3][at_nodes], at_holds[::3][at_nodes], many)
-        + np.bincount(discretisation.springs.support, np.where(discretisation.springs.slope, 0.0, pull), many)
-        + np.bincount(contacts.support, forces, many)
+        np.bincount(discretisation.held.support[::3][at_nodes], at_holds[::3][at_nodes], count)
+        + np.bincount(discretisation.springs.support, np.where(discretisation.springs.slope, 0.0, pull), count)
+        + np.bincount(contacts.support, forces, count)
     )
 
 
 def forces_at_nodes(
-    discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats, at: Bools | None = None
+    discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats, dofs: Bools | None = None
 ) -> tuple[float, float]:
-    """Largest sum of what cancels at one of some dofs (3n,), or of the free ones: in the plate, and between supports.
+    """Largest sums of magnitudes at one of the dofs in a mask (3n,): of internal forces, and of forces of supports.
 
-    Their rounding is what arithmetic leaves out of balance.
+    By default the dofs are the free ones. The rounding of these sums is the least imbalance that is significant.
     """
-    at = ~discretisation.held.dofs if at is None else at
-    across = float(np.sqrt(discretisation.mesh.element_area.mean()))
-    internal = discretisation.plate.internal_magnitude(~at, hi, lo)
-    pushes = np.where(at, push_magnitudes(discretisation, hi, lo, reaction), 0.0)
-    return float(internal), float(by_force(pushes[None], across)[0])
+    dofs = ~discretisation.held.dofs if dofs is None else dofs
+    element_size = float(np.sqrt(discretisation.mesh.element_area.mean()))
+    internal = discretisation.plate.internal_magnitude(~dofs, hi, lo)
+    pushes = np.where(dofs, push_magnitudes(discretisation, hi, lo, reaction), 0.0)
+    return float(internal), float(by_force(pushes[None], element_size)[0])
 
 
 def push_magnitudes(discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
-    """Sums (3n,) of the magnitudes that supports push with.
+    """Sums (3n,) of magnitudes of forces of springs and contact points.
 
-    Those that nearly repeat each other push against each other, and their forces are carried as doubles.
+    Nearly redundant supports push against each other with large forces, which are rounded to doubles.
     """
     pull = np.abs(discretisation.spring_forces(hi, lo))
     return np.asarray(abs(discretisation.contact_rows).T @ np.abs(reaction) + abs(discretisation.spring_rows).T @ pull)
 
 
 def resultants_and_sizes(discretisation: Discretisation, nodal: Floats, against: Floats) -> tuple[Floats, Floats]:
-    """Largest resultants (k,) of loads (k, 3n) and of what supports set against them, and the whole sizes."""
-    # Threads of a linear algebra library would cost more than these sums.
+    """Largest resultants (k,) of loads minus supports' forces (k, 3n) each, and sums of magnitudes (k,)."""
+    # einsum uses no threads, which would cost more than these sums.
     resultant = np.einsum("ij,ki->kj", discretisation.scaled_motions, nodal - against)
     return largest_magnitudes(resultant), maximum(reaching(discretisation, nodal), reaching(discretisation, against))
 
 
 def reaching(discretisation: Discretisation, nodal: Floats) -> Floats:
-    """Sums (...,) of the magnitudes that nodal forces (..., 3n) have in a resultant."""
+    """Sums (...,) of magnitudes of nodal forces (..., 3n) in the resultant to which each contributes most."""
     return np.asarray((np.abs(nodal) * np.abs(discretisation.scaled_motions).max(axis=1)).sum(axis=-1))
 
 
 def bending_part(discretisation: Discretisation, deflection: Floats) -> Floats:
-    """Deflections (k, n) of the nodes without the rigid motions nearest to them."""
+    """Deflections (k, n) minus their least-squares rigid motion."""
     motions = discretisation.rigid_motions[::3]
     return np.asarray(deflection - (motions @ np.linalg.lstsq(motions, deflection.T)[0]).T)
 
 
 def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
-    """Deflections (...,) by which loads (..., 3n) scale on the plate."""
+    """Deflection scale F a²/D (...,) of loads (..., 3n) with sums of magnitudes F on a plate of size a."""
     forces, *couples = np.moveaxis(np.abs(nodal.reshape(*nodal.shape[:-1], -1, 3)).sum(axis=-2), -1, 0)
     size = discretisation.mesh.size
     loads = (forces + sum(couples) / size) * size**2
@@ -441,27 +449,27 @@ def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
 
 
 def rigidity(discretisation: Discretisation, thickness: float) -> float:
-    """Bending stiffness E t³/12 of a thickness, Poisson's ratio left out."""
+    """Bending stiffness E h³/12 of a thickness h, without Poisson's ratio."""
     return discretisation.model.young * float(thickness) ** 3 / 12
 
 
-def by_force(nodal: Floats, across: float) -> Floats:
-    """Largest of nodal forces (k, 3n); couples count by the force they are at an element's size apart."""
-    return largest_magnitudes(nodal.reshape(len(nodal), -1, 3) / [1.0, across, across])
+def by_force(nodal: Floats, element_size: float) -> Floats:
+    """Largest magnitude (k,) of nodal forces (k, 3n); couples are divided by the element size."""
+    return largest_magnitudes(nodal.reshape(len(nodal), -1, 3) / [1.0, element_size, element_size])
 
 
 def largest_magnitudes(values: Floats) -> Floats:
-    """Largest magnitudes (k,) of values (k, ...); NaN where there is one."""
+    """Largest magnitudes (k,) of values (k, ...); NaN if there is a NaN."""
     return np.asarray(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
 
 
 def maximum(*sizes: Floats | float) -> Floats:
-    """The largest of each; NaN where there is one."""
+    """Elementwise maximum; NaN if there is a NaN."""
     return np.asarray(functools.reduce(np.maximum, sizes))
 
 
 def ratio(error: Floats | float, size: Floats | float) -> Floats:
-    """Errors over sizes: none of no error, infinite of no size."""
+    """Errors over sizes: 0/0 = 0, otherwise infinite for size 0."""
     error, size = np.asarray(error), np.asarray(size)
     part = np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), np.inf)
     return np.asarray(np.where(error == 0.0, 0.0, part))
