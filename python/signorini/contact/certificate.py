@@ -7,8 +7,9 @@ It uses no factor, no condensed matrix and no status of a solver.
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -146,85 +147,214 @@ def certify_each(
 
     ``imbalance`` (k, 3n) is F − Ku of plate and springs, if known.
     """
-    contacts, held, size = discretisation.contacts, discretisation.held, discretisation.mesh.size
-    nodal = np.array([load.nodal for load in loads])
-    beside = beside or [()] * len(loads)
-    deflected, reached = (
-        np.array([sum(float(of(discretisation, part.nodal)) for part in parts) for parts in beside])
-        for of in (loaded_deflection, reaching)
-    )
     imbalance = imbalances(discretisation, loads, hi, lo) if imbalance is None else imbalance
+    answers = _Answers(discretisation, loads, hi, lo, reaction, pieces, beside or [()] * len(loads), imbalance)
     with np.errstate(invalid="ignore"):
-        pushes = (discretisation.contact_rows.T @ reaction.T).T
-        at_holds = np.where(held.dofs, imbalance - pushes, 0.0)
-        at_free = np.where(held.dofs, 0.0, imbalance - pushes)
+        errors = {name: getattr(answers, name)() for name in FIGURES}
+        sizes = np.stack([answers.force_size, answers.reaction_size, answers.resultant_size], axis=1)
+        lost = [answers.lost(row) for row in range(len(loads))]
+    return [
+        _judged(
+            discretisation,
+            {name: float(values[row]) for name, values in errors.items()},
+            lost[row],
+            sizes[row].tolist(),
+            hi[row],
+            lo[row],
+            reaction[row],
+        )
+        for row in range(len(loads))
+    ]
 
-        travels = _travels(discretisation, hi, lo)
-        force = np.where(contacts.slope, reaction / size, reaction)
-        slip = np.where(held.dofs, hi + lo - held.values, 0.0)
-        springs = discretisation.springs
-        # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
-        lever = np.where(contacts.slope, size, 1.0)
-        travel, idle = _UNSEEN * lever * np.abs(contacts.distance), ~nodal.any(axis=1)
-        # Slopes that are given deflect the plate between nodes that are held.
-        turned = max(
+
+@dataclass(frozen=True, eq=False)
+class _Answers:
+    """k answers to k loads; the methods named in `FIGURES` are their errors (k,), each a formula.
+
+    ``imbalance`` (k, 3n) is F − Ku of plate and springs; the other fields are the arguments of `certify_each`.
+    """
+
+    discretisation: Discretisation
+    loads: Sequence[CaseLoad]
+    hi: Floats
+    lo: Floats
+    reaction: Floats
+    pieces: Sequence[Ints]
+    beside: Sequence[Sequence[CaseLoad]]
+    imbalance: Floats
+
+    def penetration(self) -> Floats:
+        """Largest (Gu − Cλ − g)₊ over points and |u − ū| over held dofs, relative to `length` or `slope`."""
+        held = self.discretisation.held
+        slip = np.where(held.dofs, self.hi + self.lo - held.values, 0.0).reshape(len(self.hi), -1, 3)
+        return maximum(
+            largest_magnitudes(self._off_laws[0]),
+            ratio(largest_magnitudes(slip[:, :, 0]), self.length),
+            ratio(largest_magnitudes(slip[:, :, 1:]), self.slope),
+        )
+
+    def tension(self) -> Floats:
+        """Largest distance of a reaction λ from the range of its law, relative to `reaction_size`."""
+        return largest_magnitudes(self._off_laws[2])
+
+    def complementarity(self) -> Floats:
+        """Largest min(λ, g + Cλ − Gu), relative to the sizes of both; also the distance from given pieces."""
+        sizes = self._travels, self.reaction, self._lengths, self._units
+        contacts = self.discretisation.contacts
+        off = [self._off_laws[1], *(_off_pieces(contacts, pieces, *sizes) for pieces in self.pieces)]
+        return largest_magnitudes(np.max(off, axis=0))
+
+    def equilibrium(self) -> Floats:
+        """Largest |F − Ku − Gᵀλ| at free dofs, relative to `force_size`."""
+        residual = np.where(self.discretisation.held.dofs, 0.0, self.imbalance - self.pushes)
+        return ratio(by_force(residual, self.element_size), self.force_size)
+
+    def balance(self) -> Floats:
+        """Largest |Rᵀ(F − forces of supports)| over rigid motions R, relative to `resultant_size`."""
+        return ratio(self._resultants[0], self.resultant_size)
+
+    def lost(self, row: int) -> float:
+        """``Certificate.lost`` of an answer."""
+        supports = self.support_forces[row], self.holding[row], self.pull[row], self.reaction[row]
+        return _lost(self.discretisation, self.loads[row], self.beside[row], *supports)
+
+    @cached_property
+    def nodal(self) -> Floats:
+        """Loads F (k, 3n)."""
+        return np.array([load.nodal for load in self.loads])
+
+    @cached_property
+    def pushes(self) -> Floats:
+        """Gᵀλ (k, 3n)."""
+        return np.asarray((self.discretisation.contact_rows.T @ self.reaction.T).T)
+
+    @cached_property
+    def holding(self) -> Floats:
+        """F − Ku − Gᵀλ at held dofs (k, 3n), which their supports carry; 0 at others."""
+        return np.where(self.discretisation.held.dofs, self.imbalance - self.pushes, 0.0)
+
+    @cached_property
+    def pull(self) -> Floats:
+        """Upward forces (k, s) of springs."""
+        return self.discretisation.spring_forces(self.hi, self.lo)
+
+    @cached_property
+    def support_forces(self) -> Floats:
+        """Nodal forces (k, 3n) of all supports, positive against the loads."""
+        return np.asarray(self.holding + (self.discretisation.spring_rows.T @ self.pull.T).T + self.pushes)
+
+    @cached_property
+    def unloaded(self) -> Bools:
+        """Whether loads (k,) are zero, so that only settlements and preloads act."""
+        return np.asarray(~self.nodal.any(axis=1))
+
+    @cached_property
+    def travel(self) -> Floats:
+        """Rounding (m,) of the distances g of points: a distant stop must not excuse errors at other points."""
+        contacts = self.discretisation.contacts
+        return _UNSEEN * np.where(contacts.slope, self.discretisation.mesh.size, 1.0) * np.abs(contacts.distance)
+
+    @cached_property
+    def length(self) -> Floats:
+        """Size (k,) of deflections, at least the rounding of those due to loads, slopes and settlements."""
+        held, contacts, springs = self.discretisation.held, self.discretisation.contacts, self.discretisation.springs
+        size = self.discretisation.mesh.size
+        prescribed = max(
             float(np.abs(held.values.reshape(-1, 3)[:, 1:]).max(initial=0.0)),
             float(np.abs(contacts.distance[contacts.slope]).max(initial=0.0)),
         )
-        deflection, slopes = hi[:, ::3], hi.reshape(len(hi), -1, 3)[:, :, 1:]
-        length = maximum(
-            largest_magnitudes(deflection),
-            _NIL * loaded_deflection(discretisation, nodal),
-            _UNSEEN * deflected,
-            _UNSEEN * turned * size,
-            idle * travel.max(initial=0.0),
-            idle * _UNSEEN * (np.abs(springs.base) * np.where(springs.slope, size, 1.0)).max(initial=0.0),
+        return maximum(
+            largest_magnitudes(self.hi[:, ::3]),
+            _NIL * loaded_deflection(self.discretisation, self.nodal),
+            _UNSEEN * self._of_parts(loaded_deflection),
+            _UNSEEN * prescribed * size,
+            self.unloaded * self.travel.max(initial=0.0),
+            self.unloaded * _UNSEEN * (np.abs(springs.base) * np.where(springs.slope, size, 1.0)).max(initial=0.0),
         )
-        slope = maximum(largest_magnitudes(slopes), length / size)
-        lengths = np.where(contacts.slope, slope[:, None], np.maximum(travel, length[:, None]))
-        lengths += length[:, None] == 0.0
 
-        across = float(np.sqrt(discretisation.mesh.element_area.mean()))
-        # Forces count from what bending to the deflection takes, less the rigid motion in it; under no load, from what
-        # shearing to the travel does.
-        part = np.minimum(np.abs(bending_part(discretisation, deflection)), length[:, None])
-        bent = np.where(idle, length, largest_magnitudes(part))
+    @cached_property
+    def slope(self) -> Floats:
+        """Size (k,) of slopes."""
+        slopes = self.hi.reshape(len(self.hi), -1, 3)[:, :, 1:]
+        return maximum(largest_magnitudes(slopes), self.length / self.discretisation.mesh.size)
+
+    @cached_property
+    def element_size(self) -> float:
+        """Root of the mean area of elements."""
+        return float(np.sqrt(self.discretisation.mesh.element_area.mean()))
+
+    @cached_property
+    def least_force(self) -> Floats:
+        """Least size (k,) of forces: preloads, the rounding of bending by the deflection and of loads that cancel.
+
+        Without loads also the rounding of shear by the travel.
+        """
+        discretisation, size = self.discretisation, self.discretisation.mesh.size
+        part = np.minimum(np.abs(bending_part(discretisation, self.hi[:, ::3])), self.length[:, None])
+        bent = np.where(self.unloaded, self.length, largest_magnitudes(part))
         bending = rigidity(discretisation, discretisation.thickness.max()) * bent / size**2
-        # What bolts are tightened to acts as loads do.
-        rest = maximum(_UNSEEN * bending, _CANCELLED * reached, float(np.abs(contacts.preload).max(initial=0.0)))
+        preload = float(np.abs(discretisation.contacts.preload).max(initial=0.0))
+        least = maximum(_UNSEEN * bending, _CANCELLED * self._of_parts(reaching), preload)
         shear = discretisation.model.young * discretisation.thickness.max()
-        rest = np.where(idle, maximum(rest, shear * maximum(_UNSEEN * length, travel.max(initial=0.0))), rest)
-        by_load = by_force(nodal, across)
-        by_supports = maximum(by_force(at_holds, across), largest_magnitudes(force))
-        scale = maximum(np.where(by_load != 0.0, by_load, by_supports), rest)
-        pressing = maximum(scale, largest_magnitudes(force))
-        unit = np.where(contacts.slope, size, 1.0) * np.where(pressing != 0.0, pressing, 1.0)[:, None]
-        too_far, too_near, beyond = off_laws(contacts, travels, reaction, lengths, unit)
-        too_near = np.max(
-            [too_near, *(_off_pieces(contacts, those, travels, reaction, lengths, unit) for those in pieces)], axis=0
-        )
-        pull = discretisation.spring_forces(hi, lo)
-        against = at_holds + (discretisation.spring_rows.T @ pull.T).T + pushes
-        out_of_balance, total = resultants_and_sizes(discretisation, nodal, against)
-        by_name = {
-            "penetration": maximum(
-                largest_magnitudes(too_far),
-                ratio(largest_magnitudes(slip[:, ::3]), length),
-                ratio(largest_magnitudes(slip.reshape(slopes.shape[0], -1, 3)[:, :, 1:]), slope),
-            ),
-            "tension": largest_magnitudes(beyond),
-            "complementarity": largest_magnitudes(too_near),
-            "equilibrium": ratio(by_force(at_free, across), scale),
-            "balance": ratio(out_of_balance, maximum(total, rest)),
-        }
-        of_each = zip(loads, beside, against, at_holds, pull, reaction, strict=True)
-        lost = [_lost(discretisation, *one) for one in of_each]
-    certificates = []
-    for row, load_lost in enumerate(lost):
-        figures = {name: float(values[row]) for name, values in by_name.items()}
-        sizes = float(scale[row]), float(pressing[row]), float(maximum(total, rest)[row])
-        certificates.append(_judged(discretisation, figures, load_lost, sizes, hi[row], lo[row], reaction[row]))
-    return certificates
+        sheared = shear * maximum(_UNSEEN * self.length, self.travel.max(initial=0.0))
+        return np.where(self.unloaded, maximum(least, sheared), least)
+
+    @cached_property
+    def force_size(self) -> Floats:
+        """Size (k,) of nodal forces: the largest load, without loads the largest force of a support."""
+        by_load = by_force(self.nodal, self.element_size)
+        by_supports = maximum(by_force(self.holding, self.element_size), self._largest_reaction)
+        return maximum(np.where(by_load != 0.0, by_load, by_supports), self.least_force)
+
+    @cached_property
+    def reaction_size(self) -> Floats:
+        """Size (k,) of reactions: the largest reaction, at least `force_size`."""
+        return maximum(self.force_size, self._largest_reaction)
+
+    @cached_property
+    def resultant_size(self) -> Floats:
+        """Size (k,) of resultants: the sum of magnitudes of loads, or of forces of supports."""
+        return maximum(self._resultants[1], self.least_force)
+
+    def _of_parts(self, size: Callable[[Discretisation, Floats], Floats]) -> Floats:
+        """Sums (k,) of a size over the loads whose sum each load is."""
+        sizes = [sum(float(size(self.discretisation, part.nodal)) for part in parts) for parts in self.beside]
+        return np.array(sizes)
+
+    @cached_property
+    def _largest_reaction(self) -> Floats:
+        contacts, size = self.discretisation.contacts, self.discretisation.mesh.size
+        return largest_magnitudes(np.where(contacts.slope, self.reaction / size, self.reaction))
+
+    @cached_property
+    def _resultants(self) -> tuple[Floats, Floats]:
+        return resultants_and_sizes(self.discretisation, self.nodal, self.support_forces)
+
+    @cached_property
+    def _travels(self) -> Floats:
+        """Travels Gu − g (k, m) of points."""
+        rows, distance = self.discretisation.contacts.rows.arrays, self.discretisation.contacts.distance
+        answers = zip(self.hi, self.lo, strict=True)
+        return -np.array([self.discretisation.plate.openings(*rows, distance, high, low) for high, low in answers])
+
+    @cached_property
+    def _lengths(self) -> Floats:
+        """Size (k, m) of each point's travel; 1 where all sizes are 0."""
+        at_points = np.maximum(self.travel, self.length[:, None])
+        lengths = np.where(self.discretisation.contacts.slope, self.slope[:, None], at_points)
+        return np.asarray(lengths + (self.length[:, None] == 0.0))
+
+    @cached_property
+    def _units(self) -> Floats:
+        """Size (k, m) of each point's reaction; couples of points on a slope are larger by the plate's size."""
+        size = self.reaction_size
+        unit = np.where(self.discretisation.contacts.slope, self.discretisation.mesh.size, 1.0)
+        return np.asarray(unit * np.where(size != 0.0, size, 1.0)[:, None])
+
+    @cached_property
+    def _off_laws(self) -> tuple[Floats, Floats, Floats]:
+        sizes = self._lengths, self._units
+        return off_laws(self.discretisation.contacts, self._travels, self.reaction, *sizes)
 
 
 def imbalances(discretisation: Discretisation, loads: Sequence[CaseLoad], hi: Floats, lo: Floats) -> Floats:
@@ -238,7 +368,7 @@ def _judged(
     discretisation: Discretisation,
     figures: dict[str, float],
     lost: float,
-    sizes: tuple[float, float, float],
+    sizes: Sequence[float],
     hi: Floats,
     lo: Floats,
     reaction: Floats,
@@ -293,17 +423,6 @@ def certified(
 def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
     """Largest deflection under a load that is rounding."""
     return _NIL * float(loaded_deflection(discretisation, load.nodal))
-
-
-def _travels(discretisation: Discretisation, hi: Floats, lo: Floats) -> Floats:
-    contacts = discretisation.contacts
-    rows = contacts.rows.arrays
-    return -np.array(
-        [
-            discretisation.plate.openings(*rows, contacts.distance, *displacement)
-            for displacement in zip(hi, lo, strict=True)
-        ]
-    )
 
 
 def off_laws(
