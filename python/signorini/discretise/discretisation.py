@@ -16,6 +16,7 @@ from signorini.base.arguments import known, made_by
 from signorini.base.remade import Remade
 from signorini.discretise.domain import require_domain
 from signorini.discretise.held import Bodies, Held, hold
+from signorini.discretise.laws import is_unyielding
 from signorini.discretise.loads import CaseLoad, Cases, case_loads, loaded_sides
 from signorini.discretise.meshing import mesh_of
 from signorini.discretise.placed import placed
@@ -352,7 +353,7 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     with problems.collected():
         along = [sides_beside(mesh, each.support.where, each.sides) for each in placements]
         along += [sides_beside(mesh, model.load[index].where, sides) for index, sides in loaded.items()]
-        rigid = [each.support for each in placements if each.support.is_rigid and not each.support.can_yield]
+        rigid = [each.support for each in placements if is_unyielding(each.support)]
         areas = [support.where.region for support in rigid if support.where.region is not None]
         thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along, areas, bodies.rigid)
     plate = plate_of(mesh, zones, thickness, stress_nodes, held)

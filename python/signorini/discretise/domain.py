@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini.discretise.held import Held, rounding_of
+from signorini.discretise.laws import levels_of
 from signorini.discretise.points import ContactPoints, Springs
 from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
@@ -295,9 +296,8 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
         others = np.flatnonzero(
             (holds if up else pushes) & ~of_floor & _against(model, mesh, floor, positions, support_of)
         )
-        places = positions[others].T
-        gap = floor.gap(*places, at_least=0.0, place=("support", index, "gap"))
-        level = floor.settlement(*places, place=("support", index, "settlement")) + (gap if up else -gap)
+        pushed_from, held_from = levels_of(floor, positions[others], ("support", index))
+        level = pushed_from if up else held_from
         others = others[np.abs(value[others] - level) <= rounding]
         both = np.unique(support_of[others[(pushes & holds)[others]]])
         if any(

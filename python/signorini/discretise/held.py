@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 
 from signorini.base.components import components
 from signorini.base.remade import Brief
-from signorini.discretise.laws import can_let_go
+from signorini.discretise.laws import holds_deflection
 from signorini.discretise.meshing import room_beside, sharp_corner, to_follow
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
@@ -20,7 +20,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems, path_in_words, point
 from signorini.mesh import Mesh
-from signorini.model import Model, Support
+from signorini.model import Model
 
 PARALLEL = np.sin(np.radians(10.0))
 """Sine of the largest angle (10°) between directions that count as parallel.
@@ -271,11 +271,6 @@ def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Probl
     with problems.collected():
         return holds.settle()
     return Holds(bodies).settle()
-
-
-def holds_deflection(support: Support) -> bool:
-    """Whether a support prescribes the deflection: rigid, two-sided, without a gap, no bolt."""
-    return support.is_rigid and not support.is_bolt and not can_let_go(support)
 
 
 def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:

@@ -1,17 +1,21 @@
-"""Laws of contact points: force over travel."""
+"""Laws of contact points, force over travel; and the laws of supports: no other module reads their keys for these."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.errors import InputError, Place
+from signorini.expression import Field
+from signorini.expression.levels import Level
 from signorini.model import Support
+from signorini.model.field import PointFieldScalar
 
 _ROUNDING = 1e-12
 """Relative tolerance for equal slopes of neighbouring pieces: points of a polyline are rounded."""
@@ -206,6 +210,13 @@ LAWS += tuple(Law(ends=(slope, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(((0.0, 0.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 LAWS += tuple(Law(((-travel, -1.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 """Unit laws, each with slope 1 and rigid: one-sided, two-sided, one-sided with limit 1, two-sided with limit 1."""
+_TWO_SIDED = LAWS[2]
+"""The two-sided unit law with slope 1."""
+
+
+def resists_both(support: Support) -> bool:
+    """Whether a support resists motion both downwards and upwards, perhaps after a gap."""
+    return support.fix is not None or support.resists == "both"
 
 
 def acts_both_ways(support: Support) -> bool:
@@ -218,8 +229,7 @@ def acts_both_ways(support: Support) -> bool:
     >>> acts_both_ways(Support(area="all", resists="down", stiffness=1e7))
     False
     """
-    both = support.fix is not None or support.resists == "both"
-    return both and support.gap.is_constant and support.gap.value == 0.0
+    return resists_both(support) and support.gap.is_constant and support.gap.value == 0.0
 
 
 def can_let_go(support: Support) -> bool:
@@ -237,7 +247,119 @@ def can_let_go(support: Support) -> bool:
     return support.law is not None and not Law.drawn(support.law, both=True).straight
 
 
-def laws_of(both: bool, limited: bool) -> tuple[Law, Law]:
-    """Return the unit laws of `LAWS` with slope 1 and rigid."""
-    first = 4 * limited + 2 * both
-    return LAWS[first], LAWS[first + 1]
+def holds_deflection(support: Support) -> bool:
+    """Whether a support prescribes the deflection: rigid, two-sided, without a gap, no bolt."""
+    return support.is_rigid and not support.is_bolt and not can_let_go(support)
+
+
+def is_unyielding(support: Support) -> bool:
+    """Whether a support on the deflection is rigid without a limit."""
+    return support.is_rigid and not support.can_yield
+
+
+def is_elastic(support: Support) -> bool:
+    """Whether a support has a stiffness; a law that rises without travel has none."""
+    return support.modulus is not None
+
+
+def field_of(support: Support) -> Field | None:
+    """Table of a support's stiffness, which may be 0 in part of the support; None if it has none."""
+    return support.stiffness if isinstance(support.stiffness, Field) else None
+
+
+def formulas_of(support: Support) -> tuple[PointFieldScalar, ...]:
+    """Formulas that vary along a support: stiffness, limit, gap and settlement, as far as it has them."""
+    formulas = support.modulus, support.limit, support.gap, support.settlement
+    return tuple(formula for formula in formulas if formula is not None)
+
+
+def jumps_of(support: Support) -> list[Level]:
+    """Levels at which an elastic support's stiffness, limit, gap or settlement jumps; none for a rigid support."""
+    if not is_elastic(support):
+        return []
+    return [level for formula in formulas_of(support) for level in formula.levels if level.jumps]
+
+
+def steps_of(support: Support) -> list[Level]:
+    """Levels at which the quadrature is divided: jumps, and with a limit also kinks of limit and stiffness.
+
+    So the integral of the limit, which is the limit load, is accurate.
+    """
+    if support.modulus is None or support.limit is None:
+        return jumps_of(support)
+    kinks = [level for formula in (support.modulus, support.limit) for level in formula.levels if not level.jumps]
+    return jumps_of(support) + kinks
+
+
+def modulus_at(support: Support, positions: Floats, place: Place) -> Floats | None:
+    """Stiffness (q,) per point, length or area at positions (q, 2); None for a rigid support."""
+    if support.modulus is None:
+        return None
+    return support.modulus(*positions.T, above=0.0, place=(*place, "stiffness"))
+
+
+def levels_of(support: Support, positions: Floats, place: Place) -> tuple[Floats, Floats]:
+    """Deflections (q,) at positions (q, 2) at which a support begins to push the plate up, and to hold it down."""
+    gap = support.gap(*positions.T, at_least=0.0, place=(*place, "gap"))
+    settlement = support.settlement(*positions.T, place=(*place, "settlement"))
+    return settlement + gap, settlement - gap
+
+
+class Graphs(NamedTuple):
+    """Laws of points that push the plate up (``direction`` 1) or down (−1): columns (m,) as in `ContactPoints`."""
+
+    direction: float
+    distance: Floats
+    settlement: Floats
+    law: Ints
+    scale: Floats
+    unit: Floats
+    laws: tuple[Law, ...]
+
+    @classmethod
+    def linear(cls, stiffness: Floats, base: Floats) -> Graphs:
+        """Springs with force ``stiffness`` (row·u − ``base``)."""
+        law, unit = np.zeros(len(base), np.int64), np.ones(len(base))
+        return cls(1.0, 0.0 + base, base, law, stiffness, unit, (_TWO_SIDED,))
+
+
+def graphs_of(
+    support: Support, positions: Floats, weights: Floats, stiffest: Floats, slopes: Floats, place: Place
+) -> list[Graphs]:
+    """Laws of a support's points (m,) at positions (m, 2), one for each direction in which it acts after a gap.
+
+    ``weights`` (m,) are 1, lengths or areas, ``stiffest`` (m,) bounds the stiffness of springs. ``slopes`` (m,) are
+    prescribed slopes, NaN for points on the deflection.
+    """
+    on_deflection = bool(np.isnan(slopes).all())
+    settlement = support.settlement(*positions.T, place=(*place, "settlement")) if on_deflection else slopes
+    gap = support.gap(*positions.T, at_least=0.0, place=(*place, "gap"))
+    both = resists_both(support) and not gap.any()
+    elastic, stiffness = np.zeros(len(weights), np.bool_), np.ones(len(weights))
+    if (modulus := modulus_at(support, positions, place)) is not None:
+        stiffness = weights * modulus
+        if support.law is not None and (stiffness >= stiffest).any():
+            raise InputError(
+                f"found a part that rises by {float(modulus[0]):.4g} for a travel of 1, which is as good as rigid. "
+                "Draw it without travel, or less steep.",
+                place=(*place, "law"),
+            )
+        elastic = stiffness < stiffest
+        if both and support.limit is None:
+            # A straight law with C > 0 is a spring, never an equation.
+            elastic, stiffness = np.ones(len(weights), np.bool_), np.minimum(stiffness, stiffest)
+    if support.law is not None:
+        laws: tuple[Law, ...] = (Law.drawn(support.law, both=both),)
+        law, scale, unit = np.zeros(len(weights), np.int64), weights, np.ones(len(weights))
+    elif support.limit is not None:
+        laws, law = LAWS, np.where(elastic, 4, 5) + 2 * both
+        scale = weights * support.limit(*positions.T, above=0.0, place=(*place, "limit"))
+        unit = np.where(elastic, scale / stiffness, 1.0)
+    else:
+        laws, law = LAWS, np.where(elastic, 0, 1) + 2 * both
+        scale, unit = np.where(elastic, stiffness, 1.0), np.ones(len(weights))
+    directions = [1.0] * (both or support.resists != "up") + [-1.0] * (not both and support.resists != "down")
+    return [
+        Graphs(direction, gap + direction * settlement, direction * settlement, law, scale, unit, laws)
+        for direction in directions
+    ]

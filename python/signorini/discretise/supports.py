@@ -8,8 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.held import Held, holds_deflection, prescribed_rotations, tangents_at_nodes
-from signorini.discretise.laws import LAWS, Law, acts_both_ways, can_let_go, laws_of
+from signorini.discretise.held import Held, prescribed_rotations, tangents_at_nodes
+from signorini.discretise.laws import (
+    Graphs,
+    acts_both_ways,
+    can_let_go,
+    field_of,
+    graphs_of,
+    holds_deflection,
+    is_elastic,
+    jumps_of,
+    modulus_at,
+    steps_of,
+)
 from signorini.discretise.placed import Placed, means_over
 from signorini.discretise.places import (
     MOST,
@@ -24,11 +35,10 @@ from signorini.discretise.places import (
 from signorini.discretise.points import ContactPoints, Springs, partition
 from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
-from signorini.discretise.rows import Bools, Floats, Ints, Rows, Table, interpolated
+from signorini.discretise.rows import Floats, Ints, Rows, Table, interpolated
 from signorini.discretise.thickness import PlateStiffness
 from signorini.errors import InputError, Place, Problems, point
 from signorini.expression import Expression, Field
-from signorini.expression.levels import Level
 from signorini.mesh import Mesh
 from signorini.model import Plate, Support
 
@@ -152,13 +162,13 @@ def points_of(plate: SupportedPlate, supports: Sequence[Placed], problems: Probl
 
 def _places(support: Support, acting: _SupportPoints) -> Floats:
     """Positions (q, 2) at which formulas are evaluated: inside the point's element if a formula jumps."""
-    return acting.within if _jumps(support) else acting.positions
+    return acting.within if jumps_of(support) else acting.positions
 
 
 def _require_covered(plate: SupportedPlate, placed: Placed) -> None:
     """Refuse a table of stiffness that does not cover the whole support."""
-    field, where, place = placed.support.stiffness, placed.support.where, placed.place
-    if not isinstance(field, Field) or field.outside is not None:
+    field, where, place = field_of(placed.support), placed.support.where, placed.place
+    if field is None or field.outside is not None:
         return
     quadrature: Quadrature
     if placed.points is not None:
@@ -201,8 +211,8 @@ def _acting(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
 
 def _on_soil(placed: Placed, acting: _SupportPoints) -> _SupportPoints:
     """Leave out points at which a field gives no stiffness; refuse this for points listed in the input."""
-    field = placed.support.stiffness
-    if not isinstance(field, Field):
+    field = field_of(placed.support)
+    if field is None:
         return acting
     place = _stiffness_place(placed, field)
     supported = field(*_places(placed.support, acting).T, place=place) > 0.0
@@ -241,10 +251,10 @@ def _along_line(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
     """Points along an edge, a line or a circle; a rigid line that the mesh follows acts at nodes that are not held."""
     support, mesh = placed.support, plate.mesh
     in_means, turned = False, None
-    if support.modulus is not None:
+    if is_elastic(support):
         at_ends = 0 if acts_both_ways(support) else _GAUSS + 1
         line = (mesh, plate.shape, support.where, placed.place, placed.sides)
-        points = along_curve(*line, _GAUSS, at_ends, _steps(support))
+        points = along_curve(*line, _GAUSS, at_ends, steps_of(support))
     elif placed.sides is None:
         at_ends = _GAUSS_RIGID if can_let_go(support) else 0
         points = _once(mesh, along_curve(mesh, plate.shape, support.where, placed.place, None, _GAUSS_RIGID, at_ends))
@@ -278,100 +288,39 @@ def _along_line(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
     return [replace(applied, shared=np.full_like(applied.shared, -1)) for applied in means] or result
 
 
-def _jumps(support: Support) -> list[Level]:
-    """Levels at which an elastic support's stiffness, limit, gap or settlement jumps; none for a rigid support."""
-    if support.modulus is None:
-        return []
-    formulas = support.modulus, support.limit, support.gap, support.settlement
-    return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
-
-
-def _steps(support: Support) -> list[Level]:
-    """Levels at which the quadrature is divided: jumps, and with a limit also kinks of limit and stiffness.
-
-    So the integral of the limit, which is the limit load, is accurate.
-    """
-    if support.modulus is None or support.limit is None:
-        return _jumps(support)
-    kinks = [level for formula in (support.modulus, support.limit) for level in formula.levels if not level.jumps]
-    return _jumps(support) + kinks
-
-
 def _on_area(plate: SupportedPlate, placed: Placed) -> _SupportPoints:
     """Points of an area: Gauss points of an elastic one, element means and outline points of a nearly rigid one.
 
     One-sided areas have points on their outline.
     """
     support, place = placed.support, placed.place
-    mesh, elastic, one_sided = plate.mesh, support.modulus is not None, not acts_both_ways(support)
+    mesh, elastic, one_sided = plate.mesh, is_elastic(support), not acts_both_ways(support)
     # Points on the outline have no free dofs where nodes hold the plate.
     free_corners = np.asarray(~plate.held.dofs[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
     quadrature = in_area(
-        mesh, plate.shape, support.where.region, place, _GAUSS, to_outline, _steps(support), _OFF, follow=True
+        mesh, plate.shape, support.where.region, place, _GAUSS, to_outline, steps_of(support), _OFF, follow=True
     )
-    inner = quadrature.positions
-    if _jumps(support):
-        inner = mesh.map(quadrature.elements, mesh.inward(quadrature.elements, quadrature.xi, INSIDE))
-    points = LineQuadrature(
-        quadrature.elements,
-        quadrature.xi,
-        quadrature.weights,
-        quadrature.positions,
-        np.zeros_like(quadrature.positions),
-        inner,
-    )
+    elements, xi, weights, positions = quadrature.elements, quadrature.xi, quadrature.weights, quadrature.positions
+    inner = mesh.map(elements, mesh.inward(elements, xi, INSIDE)) if jumps_of(support) else positions
+    points = LineQuadrature(elements, xi, weights, positions, np.zeros_like(positions), inner)
     through = _on_soil(placed, _SupportPoints.of(plate.rows(points, 0), points))
     covered = np.bincount(through.rows.elements, minlength=len(mesh.elements)) > 0
     if elastic and not can_let_go(support):
         return through
-    if support.modulus is not None:
-        stiffness = support.modulus(*through.within.T, above=0.0, place=(*place, "stiffness"))
-        if (stiffness < _STIFF * plate.stiffness.in_waves[through.rows.elements]).all():
-            if not one_sided:
-                return through
-            return _with(
-                plate, placed, through, missing_corners(mesh, plate.shape, support.where, covered, through.positions)
-            )
-    return _with(plate, placed, _means(plate, through), outline_points(mesh, plate.shape, support.where, covered))
+    modulus, geometry = modulus_at(support, through.within, place), (mesh, plate.shape, support.where, covered)
+    stiff = _STIFF * plate.stiffness.in_waves[through.rows.elements]
+    if modulus is None or not (modulus < stiff).all():
+        return _with(plate, placed, _means(plate, through), outline_points(*geometry))
+    return _with(plate, placed, through, missing_corners(*geometry, through.positions)) if one_sided else through
 
 
 def _with_law(plate: SupportedPlate, placed: Placed, acting: _SupportPoints) -> list[ContactPoints]:
     """Give points the law of their support; a support with a gap in both directions has a table for each."""
-    support, place, count = placed.support, placed.place, len(acting)
-    positions = _places(support, acting)
-    slope = ~np.isnan(acting.slope)
-    settlement = acting.slope if slope.any() else support.settlement(*positions.T, place=(*place, "settlement"))
-    gap = support.gap(*positions.T, at_least=0.0, place=(*place, "gap"))
-    both = (support.fix is not None or support.resists == "both") and not gap.any()
-    elastic, stiffness = np.zeros(count, np.bool_), np.ones(count)
-    if support.modulus is not None:
-        most = STIFFEST_SPRING * plate.stiffness.in_shear[acting.rows.elements]
-        stiffness = acting.weights * support.modulus(*positions.T, above=0.0, place=(*place, "stiffness"))
-        if support.law is not None and (stiffness >= most).any():
-            steepest = float(support.modulus(0.0, 0.0))
-            raise InputError(
-                f"found a part that rises by {steepest:.4g} for a travel of 1, which is as good as rigid. Draw it "
-                "without travel, or less steep.",
-                place=(*place, "law"),
-            )
-        elastic = stiffness < most
-        if both and support.limit is None:
-            # A straight law with C > 0 is a spring, never an equation.
-            elastic, stiffness = np.ones(count, np.bool_), np.minimum(stiffness, most)
-    laws: tuple[Law, ...] = LAWS
-    law = np.where(elastic, *(LAWS.index(law) for law in laws_of(both=both, limited=support.limit is not None)))
-    scale, unit = np.where(elastic, stiffness, 1.0), np.ones(count)
-    if support.limit is not None:
-        scale = acting.weights * support.limit(*positions.T, above=0.0, place=(*place, "limit"))
-        unit = np.where(elastic, scale / stiffness, 1.0)
-    if support.law is not None:
-        laws, law = (Law.drawn(support.law, both=both),), np.zeros(count, np.int64)
-        scale, unit = acting.weights, np.ones(count)
-    directions = [1.0] * (both or support.resists != "up") + [-1.0] * (not both and support.resists != "down")
-    return [
-        _points(placed, acting, direction, gap, settlement, (law, scale, unit), laws, slope) for direction in directions
-    ]
+    stiffest = STIFFEST_SPRING * plate.stiffness.in_shear[acting.rows.elements]
+    positions = _places(placed.support, acting)
+    graphs = graphs_of(placed.support, positions, acting.weights, stiffest, acting.slope, placed.place)
+    return [_points(placed, acting, graph) for graph in graphs]
 
 
 def _turning(plate: SupportedPlate, placed: Placed, stiffness: Sequence[Expression]) -> list[ContactPoints]:
@@ -395,39 +344,30 @@ def _turning(plate: SupportedPlate, placed: Placed, stiffness: Sequence[Expressi
     )
     rotation = prescribed_rotations(placed, points.positions)
     most = STIFFEST_SPRING * plate.stiffness.in_shear[points.elements] * mesh.element_area[points.elements]
-    count, (linear, _) = len(points.elements), laws_of(both=True, limited=False)
     result = []
     for formula, along in stiffnesses:
         rows = x.slope_along(along, y)
         values = points.weights * formula(*points.within.T, above=0.0, place=place)
-        graph = np.zeros(count, np.int64), np.minimum(values, most), np.ones(count)
         acting = _SupportPoints.of(rows, points, (along * rotation).sum(axis=1), numbers)
-        slope = np.ones(count, np.bool_)
-        result.append(_points(placed, acting, 1.0, np.zeros(count), acting.slope, graph, (linear,), slope))
+        result.append(_points(placed, acting, Graphs.linear(np.minimum(values, most), acting.slope)))
     return result
 
 
-def _points(
-    placed: Placed,
-    acting: _SupportPoints,
-    direction: float,
-    gap: Floats,
-    settlement: Floats,
-    graph: tuple[Ints, Floats, Floats],
-    laws: tuple[Law, ...],
-    slope: Bools,
-) -> ContactPoints:
-    """Points that push the plate up (direction 1) or down (−1); ``graph`` is index of law, scale and unit (m,)."""
+def _points(placed: Placed, acting: _SupportPoints, graphs: Graphs) -> ContactPoints:
+    """Contact points with given laws, not tightened."""
+    direction, distance, settlement, law, scale, unit, laws = graphs
     count = len(acting)
     return ContactPoints(
         acting.rows if direction > 0 else -acting.rows,
-        gap + direction * settlement,
-        direction * settlement,
+        distance,
+        settlement,
         np.zeros(count),
         np.zeros(count),
-        *graph,
+        law,
+        scale,
+        unit,
         np.full(count, direction),
-        slope,
+        ~np.isnan(acting.slope),
         acting.positions,
         acting.weights,
         np.full(count, placed.index, np.int64),
@@ -458,7 +398,7 @@ def _means(plate: SupportedPlate, through: _SupportPoints) -> _SupportPoints:
 
 def _with(plate: SupportedPlate, placed: Placed, acting: _SupportPoints, result: OutlinePoints) -> _SupportPoints:
     """Add points on the outline, with weights taken from the elements around them."""
-    if isinstance(field := placed.support.stiffness, Field):
+    if (field := field_of(placed.support)) is not None:
         shared_by = field(*result.positions.T) > 0.0
         result = OutlinePoints(result.positions[shared_by], result.shared[shared_by])
     if not len(result.positions):

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini.discretise import Discretisation
+from signorini.discretise.laws import field_of
 from signorini.discretise.places import outline
 from signorini.discretise.rows import Floats, Ints, null_space
 from signorini.errors import InputError, point
-from signorini.expression import Field
 from signorini.shapes.extent import hull
 
 RANK = 1e-9
@@ -120,8 +120,7 @@ def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
     support_and_direction = (2 * contacts.support + (contacts.direction > 0))[~contacts.two_sided]
     positions, directions, supports = [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0, np.int64)]
     for index, up in zip(*np.divmod(np.unique(support_and_direction), 2), strict=True):
-        support = discretisation.model.support[index]
-        if isinstance(support.stiffness, Field):
+        if field_of(discretisation.model.support[index]) is not None:
             # A field may be 0 in part of the outline.
             reach = contacts.positions[(contacts.support == index) & ~contacts.two_sided]
         else:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
-from signorini.discretise.laws import can_let_go
+from signorini.discretise.laws import can_let_go, is_elastic
 from signorini.discretise.places import quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
@@ -143,7 +143,7 @@ class Boundary:
         sheared = np.zeros((len(sides), 2), np.bool_)
         for support in discretisation.model.support:
             along = np.isin(sides[:, 1], middles(mesh, support.where))
-            if support.modulus is None:
+            if not is_elastic(support):
                 held |= along & support.holds_w
                 always |= along & (not can_let_go(support)) & held
             slope |= along & ("slope" in support.fixed)

@@ -9,6 +9,7 @@ import numpy as np
 
 from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
+from signorini.discretise.laws import is_unyielding
 from signorini.discretise.rows import Floats
 from signorini.errors import point
 from signorini.model import Support
@@ -160,7 +161,7 @@ def _on_rigid_areas(
 ) -> Iterator[Singularity]:
     """Yield point forces on rigid areas, whose pressure is singular under them."""
     for support in discretisation.model.support:
-        if support.area is None or not support.is_rigid or support.can_yield:
+        if support.area is None or not is_unyielding(support):
             continue
         covered = support.where.covers(np.array(places).reshape(-1, 2))
         if covered.any():
@@ -201,7 +202,7 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
                 continue
             advice = "Give it a stiffness, or take values from beside it." if rigid else "Take values from beside it."
             yield Singularity(ends, f"End or corner of the line of {support.name}", numbers, advice, support.name)
-    if support.area is None or not rigid or support.can_yield:
+    if support.area is None or not is_unyielding(support):
         return
     advice = "Give the area a stiffness."
     if shape is None or shape.contains(discretisation.mesh.points).all():
