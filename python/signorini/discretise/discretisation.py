@@ -44,6 +44,7 @@ from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems
 from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
+from signorini.model.parts import ON_PLATES
 
 __all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows", "Springs"]
 
@@ -81,9 +82,14 @@ class Discretisation(Remade):
     _made = MappingProxyType({"plate": lambda result: result.made()})
 
     @property
+    def members(self) -> tuple[OfWhole, ...]:
+        """The plates with their indices into the arrays here; a single plate is its only member."""
+        return self.plates or (OfWhole.alone(self),)
+
+    @property
     def each(self) -> tuple[Discretisation, ...]:
         """The discretisation of each plate; of a model of one plate, itself."""
-        return tuple(plate.own for plate in self.plates) or (self,)
+        return tuple(plate.own for plate in self.members)
 
     @property
     def dof_count(self) -> int:
@@ -216,10 +222,8 @@ class Discretisation(Remade):
     @cached_property
     def cut_lengths(self) -> Floats:
         """Lengths (s,) on the plate of sections, followed by those of stations of strips."""
-        if not self.plates:
-            return self.sections.lengths
         result: dict[tuple[str, int], Floats] = {}
-        for plate in self.plates:
+        for plate in self.members:
             first = len(plate.own.model.section)
             cut = plate.own.sections.lengths
             ends = first + np.cumsum([0, *(strip.stations for strip in plate.own.model.strip)])
@@ -236,11 +240,9 @@ class Discretisation(Remade):
     @cached_property
     def rigid_motions(self) -> Floats:
         """Rigid-body modes R (3n, 3p) of p plates: w = 1, w = x − x0, w = y − y0 about the middle (x0, y0)."""
-        motions = self.held.rigid_motions(self.mesh.points, self.middle)
-        if not self.plates:
-            return motions
-        result = np.zeros((len(motions), 3 * len(self.plates)))
-        for number, plate in enumerate(self.plates):
+        motions, members = self.held.rigid_motions(self.mesh.points, self.middle), self.members
+        result = np.zeros((len(motions), 3 * len(members)))
+        for number, plate in enumerate(members):
             result[plate.dofs, 3 * number : 3 * number + 3] = motions[plate.dofs]
         return result
 
@@ -252,14 +254,12 @@ class Discretisation(Remade):
     @property
     def sizes(self) -> Floats:
         """Scale of each rigid-body mode (3p,): 1 for the deflection, the mesh size L for the two rotations."""
-        return np.tile([1.0, self.mesh.size, self.mesh.size], max(1, len(self.plates)))
+        return np.tile([1.0, self.mesh.size, self.mesh.size], len(self.members))
 
     def in_motions(self, positions: Floats, elements: Ints) -> Floats:
         """Deflections (q, 3p) of `scaled_motions` at positions (q, 2) in elements (q,)."""
         linear = np.column_stack([np.ones(len(positions)), (positions - self.middle) / self.mesh.size])
-        if not self.plates:
-            return linear
-        firsts = [plate.elements.start for plate in self.plates]
+        firsts = [plate.elements.start for plate in self.members]
         result = np.zeros((len(linear), len(firsts), 3))
         result[np.arange(len(linear)), np.searchsorted(firsts, elements, side="right") - 1] = linear
         return result.reshape(len(linear), 3 * len(firsts))
@@ -267,12 +267,9 @@ class Discretisation(Remade):
     def moved(self, hi: Floats, lo: Floats, motions: Floats) -> tuple[Floats, Floats]:
         """Displacements u = hi + lo (3n,) plus rigid motions (3p,): w and two slopes about the middle of each plate."""
         x, y = self.middle.tolist()
-        if not self.plates:
-            w, tx, ty = motions.tolist()
-            return self.plate.moved(hi, lo, (x, y), (w, tx, ty))
         moved = [
             part.own.plate.moved(hi[part.dofs], lo[part.dofs], (x, y), (w, tx, ty))
-            for part, (w, tx, ty) in zip(self.plates, motions.reshape(-1, 3).tolist(), strict=True)
+            for part, (w, tx, ty) in zip(self.members, motions.reshape(-1, 3).tolist(), strict=True)
         ]
         return np.concatenate([high for high, _ in moved]), np.concatenate([low for _, low in moved])
 
@@ -284,11 +281,9 @@ class Discretisation(Remade):
     @cached_property
     def node_thickness(self) -> Floats:
         """Thickness (s,) at the stress nodes; NaN where the section is given by its stiffness."""
-        if not self.plates:
-            return solid_thickness(self.stress_nodes, self.zones)
         result = np.empty(self.stress_nodes.count)
-        for plate in self.plates:
-            result[plate.stress_nodes] = plate.own.node_thickness
+        for plate in self.members:
+            result[plate.stress_nodes] = solid_thickness(plate.own.stress_nodes, plate.own.zones)
         return result
 
     @cached_property
@@ -445,6 +440,23 @@ class OfWhole(Remade):
     numbers: Mapping[str, tuple[int, ...]]
     beneath: Mapping[int, tuple[int, csr_array]]
     upon: frozenset[int]
+
+    @classmethod
+    def alone(cls, plate: Discretisation) -> OfWhole:
+        """A single plate as its own only member."""
+        model = plate.model
+        return cls(
+            "",
+            plate,
+            slice(0, plate.mesh.node_count),
+            slice(0, len(plate.mesh.elements)),
+            np.arange(plate.stress_nodes.count),
+            slice(0, len(plate.springs)),
+            np.arange(len(plate.points)),
+            {key: tuple(range(len(getattr(model, key)))) for key in ON_PLATES},
+            {},
+            frozenset(),
+        )
 
     @property
     def dofs(self) -> slice:

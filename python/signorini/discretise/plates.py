@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TypeVar
@@ -110,10 +110,7 @@ def _joined(
     problems: Problems,
 ) -> Discretisation:
     mesh = Mesh.layered([plate.mesh for plate in each])
-    nodes, elements = (
-        np.cumsum([0, *counts])
-        for counts in ([plate.mesh.node_count for plate in each], [len(plate.mesh.elements) for plate in each])
-    )
+    nodes, elements = (np.cumsum([0, *map(count, each)]) for count in _COUNTS[:2])
     supports = [np.array(part.numbers["support"], np.int64) for part in parts]
     offsets = list(zip(each, elements.tolist(), supports, strict=False))
     springs = [_offset(plate.springs, first, indices) for plate, first, indices in offsets]
@@ -167,6 +164,14 @@ def _joined(
     return replace(whole, plates=plates)
 
 
+_COUNTS: tuple[Callable[[Discretisation], int], ...] = (
+    lambda plate: plate.mesh.node_count,
+    lambda plate: len(plate.mesh.elements),
+    lambda plate: len(plate.springs),
+    lambda plate: len(plate.contacts),
+    lambda plate: len(plate.repeated),
+)
+"""Numbers of nodes, elements, springs, contact points and redundant points of a plate."""
 _Table = TypeVar("_Table", Springs, ContactPoints)
 
 
@@ -313,12 +318,9 @@ def _of_whole(
 ) -> OfWhole:
     """Plate with a given index: its contacts with other plates become its own supports; indices into joined arrays."""
     plate, numbers = each[index], parts[index].numbers["support"]
-    starts = np.cumsum([0, *(len(each_plate.mesh.elements) for each_plate in each)])
-    counts = {
-        key: np.cumsum([0, *(len(getattr(each_plate, key)) for each_plate in each)]) for key in ("springs", "contacts")
-    }
-    contacts_of_plate = np.arange(*counts["contacts"][index : index + 2])
-    first, tables, places = int(counts["contacts"][-1]), [plate.contacts], [contacts_of_plate]
+    nodes, elements, springs, contacts, redundant = (np.cumsum([0, *map(count, each)]) for count in _COUNTS)
+    tables, places = [plate.contacts], [np.arange(contacts[index], contacts[index + 1])]
+    first = int(contacts[-1])
     beneath: dict[int, tuple[int, csr_array]] = {}
     upon = set()
     for joint in joints:
@@ -327,38 +329,31 @@ def _of_whole(
         if index not in sides:
             continue
         side, other = sides.index(index), sides[1 - sides.index(index)]
-        table = replace(joint.points, rows=joint.rows(starts)[side])
-        if side:
-            table = replace(table, direction=-table.direction, shared=np.full_like(table.shared, -1))
+        table = replace(joint.points, rows=joint.rows(elements)[side])
         number = numbers.index(joint.support)
         if side:
+            table = replace(table, direction=-table.direction, shared=np.full_like(table.shared, -1))
             upon.add(number)
         tables.append(replace(table, support=np.full(len(table), number)))
         places.append(indices)
         if plate.model.support[number].area is not None:
             beneath[number] = other, _deflection_at(plate.mesh, each[other].mesh)
-    contacts = ContactPoints.join(tables)
+    joined = ContactPoints.join(tables)
     follows = csr_array(plate.repeated.follows)
-    more = csr_array((len(plate.repeated), len(contacts) - follows.shape[1]))
-    repeated = Repeated(plate.repeated.points, csr_array(hstack([follows, more], "csr")))
-    again = len(whole.contacts) + np.cumsum([0, *(len(each_plate.repeated) for each_plate in each)])
-    nodes, elements, springs = (
-        slice(*map(int, np.cumsum([0, *counted])[index : index + 2]))
-        for counted in (
-            [each_plate.mesh.node_count for each_plate in each],
-            [len(each_plate.mesh.elements) for each_plate in each],
-            [len(each_plate.springs) for each_plate in each],
-        )
+    empty = csr_array((len(plate.repeated), len(joined) - follows.shape[1]))
+    repeated = Repeated(plate.repeated.points, csr_array(hstack([follows, empty], "csr")))
+    own_redundant = len(whole.contacts) + np.arange(redundant[index], redundant[index + 1])
+    node_slice, element_slice, spring_slice = (
+        slice(*map(int, starts[index : index + 2])) for starts in (nodes, elements, springs)
     )
-    ends = np.cumsum([0, *(each_plate.mesh.node_count for each_plate in each)])
     return OfWhole(
         parts[index].name,
-        replace(plate, contacts=contacts, repeated=repeated),
-        nodes,
-        elements,
-        _of_stress([each_plate.stress_nodes for each_plate in each], ends)[index],
-        springs,
-        np.concatenate([*places, np.arange(again[index], again[index + 1])]),
+        replace(plate, contacts=joined, repeated=repeated),
+        node_slice,
+        element_slice,
+        _of_stress([each_plate.stress_nodes for each_plate in each], nodes)[index],
+        spring_slice,
+        np.concatenate([*places, own_redundant]),
         parts[index].numbers,
         beneath,
         frozenset(upon),

@@ -152,11 +152,9 @@ def _bearing(
 
 def _outline(discretisation: Discretisation, index: int) -> Floats:
     """Points (k, 2) with the convex hull of a support."""
-    for plate in discretisation.plates:
-        if index in plate.numbers["support"]:
-            support = plate.own.model.support[plate.numbers["support"].index(index)]
-            return outline(plate.own.mesh, plate.own.model.plate, support.where)
-    return outline(discretisation.mesh, discretisation.model.plate, discretisation.model.support[index].where)
+    plate = next(plate for plate in discretisation.members if index in plate.numbers["support"])
+    support = plate.own.model.support[plate.numbers["support"].index(index)]
+    return outline(plate.own.mesh, plate.own.model.plate, support.where)
 
 
 def _arms(discretisation: Discretisation, positions: Floats, supports: Ints) -> Floats:
@@ -165,13 +163,11 @@ def _arms(discretisation: Discretisation, positions: Floats, supports: Ints) -> 
     Motions are as in `RigidFreedom`. Between two plates it is the upper plate's displacement minus the lower one's.
     """
     arms = np.column_stack([np.ones(len(positions)), (positions - discretisation.middle) / discretisation.mesh.size])
-    if not discretisation.plates:
-        return arms
-    result = np.zeros((len(positions), len(discretisation.plates), 3))
-    names = [plate.name for plate in discretisation.plates]
+    names = [plate.name for plate in discretisation.members]
+    result = np.zeros((len(positions), len(names), 3))
     for index in np.unique(supports):
         support, of_support = discretisation.model.support[index], supports == index
-        upper, *lower = support.between or (support.plate or "",)
+        upper, *lower = (support.between or (support.plate or "",)) if discretisation.plates else ("",)
         result[of_support, names.index(upper)] = arms[of_support]
         for name in lower:
             result[of_support, names.index(name)] = -arms[of_support]

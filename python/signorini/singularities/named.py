@@ -52,12 +52,10 @@ def excluding(discretisation: Discretisation, number: str, cases: frozenset[str]
     Empty on a plate all of whose nodes would be excluded: its extremes are over all nodes.
     """
     result: list[Singularity] = []
-    for plate, discretisation_of_plate in zip(discretisation.plates or (None,), discretisation.each, strict=True):
-        excluded = [
-            singularity for singularity in singularities(discretisation_of_plate, cases) if singularity.excludes(number)
-        ]
-        if not at_peaks(discretisation_of_plate.mesh, excluded, number).all():
-            result += [replace(singularity, plate=plate.name) if plate else singularity for singularity in excluded]
+    for plate in discretisation.members:
+        excluded = [singularity for singularity in singularities(plate.own, cases) if singularity.excludes(number)]
+        if not at_peaks(plate.own.mesh, excluded, number).all():
+            result += [replace(singularity, plate=plate.name) for singularity in excluded]
     return tuple(result)
 
 
