@@ -1,6 +1,6 @@
 """Whether reactions exist that balance a load, and at which factor of a load case they no longer do.
 
-The plate is a rigid body here, and nothing is factorized. Reactions of one-sided supports have a sign. By Farkas' lemma
+The plate is a rigid body here; no factor is needed. Reactions of one-sided supports have a sign. By Farkas' lemma
 they balance the load exactly if it does no positive work in any rigid motion that all supports allow. A linear program
 in at most three unknowns finds the motion with the most work. Supports reach to their outlines, whatever the mesh.
 A plate tips about the line of the allowed motion with the most work per rotation. This work is the missing moment: by
@@ -289,7 +289,7 @@ def _least_holding(
 
 
 def explain(discretisation: Discretisation, why: Imbalance | None) -> str:
-    """Text that says why no reactions balance a load and what would help; empty without an imbalance."""
+    """Text on the missing force or moment, the motion, and loads that would restore equilibrium; "" for None."""
     if why is None:
         return ""
     force, arm = discretisation.model.units.force, discretisation.model.units.length if why.axis else ""
@@ -514,7 +514,7 @@ def largest_factor(
 def _limits(
     discretisation: Discretisation, freedom: RigidFreedom, bearing: Bearing, rest: Floats, case: Floats
 ) -> list[float]:
-    """Least and largest t such that reactions balance ``rest`` + t ``case``; empty if there is none."""
+    """Least and largest t such that reactions balance ``rest`` + t ``case``; an empty list if they never do."""
     total = load_size(discretisation, rest) + load_size(discretisation, case)
     one_sided = bearing.moves
     balance = np.column_stack([-work_of(discretisation, freedom, case) / total, one_sided.T])
