@@ -151,20 +151,9 @@ def certify_each(
     answers = _Answers(discretisation, loads, hi, lo, reaction, pieces, beside or [()] * len(loads), imbalance)
     with np.errstate(invalid="ignore"):
         errors = {name: getattr(answers, name)() for name in FIGURES}
-        sizes = np.stack([answers.force_size, answers.reaction_size, answers.resultant_size], axis=1)
         lost = [answers.lost(row) for row in range(len(loads))]
-    return [
-        _judged(
-            discretisation,
-            {name: float(values[row]) for name, values in errors.items()},
-            lost[row],
-            sizes[row].tolist(),
-            hi[row],
-            lo[row],
-            reaction[row],
-        )
-        for row in range(len(loads))
-    ]
+    rows = ({name: float(values[row]) for name, values in errors.items()} for row in range(len(loads)))
+    return [answers.certificate(row, figures, lost[row]) for row, figures in enumerate(rows)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,8 +204,64 @@ class _Answers:
 
     def lost(self, row: int) -> float:
         """``Certificate.lost`` of an answer."""
-        supports = self.support_forces[row], self.holding[row], self.pull[row], self.reaction[row]
-        return _lost(self.discretisation, self.loads[row], self.beside[row], *supports)
+        discretisation, load, supports = self.discretisation, self.loads[row], self.support_forces[row]
+        if load.all_weighs or not load.weighing.any():
+            return 0.0
+        (missing,), _ = resultants_and_sizes(discretisation, load.weighing[None], supports[None])
+        # Loads that cancel have the rounding of their parts.
+        of_parts = sum(float(reaching(discretisation, part.weighing)) for part in self.beside[row])
+        of_loads = max(float(reaching(discretisation, load.weighing)), _CANCELLED * of_parts)
+        holding, pull, reaction = self.holding[row], self.pull[row], self.reaction[row]
+        totals = np.abs(_totals(discretisation, holding, pull, reaction)).max()
+        relative = float(ratio(missing, maximum(of_loads, totals)))
+        if not relative > 0.0:
+            return relative
+        motions, held = discretisation.scaled_motions, discretisation.held.dofs
+        # A couple over the plate's size is compared with forces.
+        slopes = np.flatnonzero(held) % 3 > 0, discretisation.springs.slope, discretisation.contacts.slope
+        arm = np.where(np.concatenate(slopes), discretisation.mesh.size, 1.0)
+        forces = np.concatenate([holding[held], pull, reaction]) / arm
+        blocks = [motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions]
+        largest = np.abs(forces).max(initial=0.0)
+        acting = np.abs(forces) > _UNSEEN * largest
+        resultant = np.einsum("ij,i->j", motions, load.weighing - supports)
+        rows = (np.concatenate(blocks) * arm[:, None])[acting]
+        least_norm = np.abs(np.linalg.lstsq(rows.T, resultant, rcond=_RANK)[0]).max(initial=0.0)
+        # At least half of the loads' mean share of a support: nodal forces of a pressure have both signs.
+        return max(relative, float(ratio(least_norm, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
+
+    def certificate(self, row: int, figures: dict[str, float], lost: float) -> Certificate:
+        """Certificate of an answer; errors above the tolerance are compared with their rounding."""
+        worst = max(figures[name] for name in LIMITED)
+        if worst <= TOLERANCE or not np.isfinite(worst):
+            return Certificate(**figures, lost=lost)
+        discretisation, held = self.discretisation, self.discretisation.held.dofs
+        answer = discretisation, self.hi[row], self.lo[row], self.reaction[row]
+        sizes = self.force_size[row], self.reaction_size[row], self.resultant_size[row]
+        force, reaction, resultant = map(float, sizes)
+        epsilon = _ROUNDINGS * float(np.finfo(float).eps)
+        # Roundings of dofs add up as in a random walk; held dofs contribute to the resultants too.
+        random_walk = np.sqrt(discretisation.dof_count)
+        at_nodes = epsilon * sum(forces_at_nodes(*answer, ~held))
+        of_resultant = random_walk * (epsilon * sum(forces_at_nodes(*answer, np.ones_like(held))))
+        # Under settlements the load may be zero: forces that bend the plate, and forces of supports, count as well.
+        deflection = float(np.abs(bending_part(discretisation, self.hi[row][None, ::3])).max())
+        bending = rigidity(discretisation, discretisation.thickness.min()) * deflection / discretisation.mesh.size**4
+        bending = max(force, bending * float(discretisation.mesh.element_area.sum()))
+        pushing = float(maximum(resultant, reaching(discretisation, push_magnitudes(*answer))))
+        # A reaction that only balances rounding may have either sign.
+        limits = {
+            "tension": (random_walk * at_nodes, reaction, reaction),
+            "equilibrium": (at_nodes, force, bending),
+            "balance": (of_resultant, resultant, pushing),
+        }
+        judged = [limits[name] for name in LIMITED if figures[name] > TOLERANCE]
+        return Certificate(
+            **figures,
+            **{f"{name}_limit": float(ratio(rounding, size)) for name, (rounding, size, _) in limits.items()},
+            rounding=max(float(ratio(rounding, acting)) for rounding, _, acting in judged),
+            lost=lost,
+        )
 
     @cached_property
     def nodal(self) -> Floats:
@@ -364,51 +409,6 @@ def imbalances(discretisation: Discretisation, loads: Sequence[CaseLoad], hi: Fl
     return np.array([discretisation.plate.residual(springs, load.nodal, high, low) for load, high, low in answers])
 
 
-def _judged(
-    discretisation: Discretisation,
-    figures: dict[str, float],
-    lost: float,
-    sizes: Sequence[float],
-    hi: Floats,
-    lo: Floats,
-    reaction: Floats,
-) -> Certificate:
-    """Certificate of errors; errors above the tolerance are compared with their rounding.
-
-    ``sizes`` are those of nodal forces, of reactions and of resultants.
-    """
-    worst = max(figures[name] for name in LIMITED)
-    if worst <= TOLERANCE or not np.isfinite(worst):
-        return Certificate(**figures, lost=lost)
-    held, (scale, pressing, size) = discretisation.held, sizes
-
-    def rounding_at(mask: Bools) -> float:
-        return _ROUNDINGS * float(np.finfo(float).eps) * sum(forces_at_nodes(discretisation, hi, lo, reaction, mask))
-
-    at_nodes = rounding_at(~held.dofs)
-    # Roundings of dofs add up as in a random walk; held dofs contribute to the resultants too.
-    random_walk = np.sqrt(discretisation.dof_count)
-    resultant = random_walk * rounding_at(np.ones_like(held.dofs))
-    # Under settlements the load may be zero: forces that bend the plate, and forces of supports, count as well.
-    deflection = float(np.abs(bending_part(discretisation, hi[None, ::3])).max())
-    bending_force = rigidity(discretisation, discretisation.thickness.min()) * deflection / discretisation.mesh.size**4
-    bending_force = max(scale, bending_force * float(discretisation.mesh.element_area.sum()))
-    pushing = float(maximum(size, reaching(discretisation, push_magnitudes(discretisation, hi, lo, reaction))))
-    # A reaction that only balances rounding may have either sign.
-    limits = {
-        "tension": (random_walk * at_nodes, pressing, pressing),
-        "equilibrium": (at_nodes, scale, bending_force),
-        "balance": (resultant, size, pushing),
-    }
-    judged = [limits[name] for name in LIMITED if figures[name] > TOLERANCE]
-    return Certificate(
-        **figures,
-        **{f"{name}_limit": float(ratio(rounding, loads)) for name, (rounding, loads, _) in limits.items()},
-        rounding=max(float(ratio(rounding, acting)) for rounding, _, acting in judged),
-        lost=lost,
-    )
-
-
 def certified(
     discretisation: Discretisation, load: CaseLoad, answer: Answer, beside: Sequence[CaseLoad] = ()
 ) -> tuple[Answer, Certificate]:
@@ -468,42 +468,6 @@ def _off_pieces(
         distance = np.abs(travels[entries] - unit * (anchor[:, 0] + along)) / lengths[entries]
         result[entries] = np.where(slope == 0.0, flat, distance)
     return result
-
-
-def _lost(
-    discretisation: Discretisation,
-    load: CaseLoad,
-    beside: Sequence[CaseLoad],
-    against: Floats,
-    at_holds: Floats,
-    pull: Floats,
-    reaction: Floats,
-) -> float:
-    """``Certificate.lost`` of an answer; ``against`` (3n,) are the nodal forces of all supports."""
-    if load.all_weighs or not load.weighing.any():
-        return 0.0
-    (missing,), _ = resultants_and_sizes(discretisation, load.weighing[None], against[None])
-    # Loads that cancel have the rounding of their parts.
-    of_parts = sum(float(reaching(discretisation, relative.weighing)) for relative in beside)
-    of_loads = max(float(reaching(discretisation, load.weighing)), _CANCELLED * of_parts)
-    totals = np.abs(_totals(discretisation, at_holds, pull, reaction)).max()
-    relative = float(ratio(missing, maximum(of_loads, totals)))
-    if not relative > 0.0:
-        return relative
-    motions, held = discretisation.scaled_motions, discretisation.held.dofs
-    # A couple over the plate's size is compared with forces.
-    slope = np.concatenate([np.flatnonzero(held) % 3 > 0, discretisation.springs.slope, discretisation.contacts.slope])
-    arm = np.where(slope, discretisation.mesh.size, 1.0)
-    forces = np.concatenate([at_holds[held], pull, reaction]) / arm
-    blocks = [motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions]
-    rows = np.concatenate(blocks) * arm[:, None]
-    largest = np.abs(forces).max(initial=0.0)
-    acting = np.abs(forces) > _UNSEEN * largest
-    resultant = np.einsum("ij,i->j", motions, load.weighing - against)
-    least_norm = np.linalg.lstsq(rows[acting].T, resultant, rcond=_RANK)[0]
-    # At least half of the loads' mean share of a support: nodal forces of a pressure have both signs.
-    largest_needed = np.abs(least_norm).max(initial=0.0)
-    return max(relative, float(ratio(largest_needed, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
 
 
 def _totals(discretisation: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
