@@ -46,8 +46,6 @@ RIGID = 1e12
 """Smallest relative stiffness KL⁴/(AD) of a whole support that counts as rigid."""
 _ROUNDING = 1e-9
 """Relative tolerance of all limits: coordinates and formulas are rounded."""
-_RANK = 1e-9
-"""Rank tolerance relative to the largest singular value of the supports' rows over rigid motions."""
 _ALONG = 0.02
 """Largest slope (about 1°) of the distance between two lines that count as parallel.
 
@@ -94,7 +92,7 @@ def require_domain(
     unit = np.array([rigidity.in_waves for rigidity in zones.rigidities])[zones.of_elements.rigidity]
     bending = float((unit * np.broadcast_to(thickness.at_points.mean(axis=1), len(unit)) ** 3).max())
     hold = _hold(mesh, held, springs, contacts)
-    free = null_space(hold.rigid, _RANK)
+    free = null_space(hold.rigid)
     if free.shape[1]:
         with problems.collected():
             _require_stiff_enough(model, mesh, bending, thickness.min(), hold, free)
@@ -197,7 +195,7 @@ def _require_no_softer(model: Model, total: Floats) -> None:
 def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: float, hold: _Hold, free: Floats) -> None:
     """Refuse elastic supports on which the plate would float, by the least λ of motions (3, d) that they alone hold."""
     # A mechanism has a message of its own.
-    if null_space(np.concatenate([hold.rigid, hold.elastic]), _RANK).shape[1]:
+    if null_space(np.concatenate([hold.rigid, hold.elastic])).shape[1]:
         return
     # λ = Σ k w² / ∫ w² is the modulus of a bed under the whole plate with the same stiffness against the motion w.
     corners = mesh.points[mesh.elements[:, :4]]
@@ -220,7 +218,7 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
     names = " and ".join(model.support[i].name for i in which)
     held_part = "the plate" if floats else "the plate against a motion that rigid supports leave free"
     raise InputError(
-        f"The stiffness of {names} alone holds {held_part}, like a bed under the whole plate with kL⁴/D = "
+        f"The stiffness of {names} alone holds {held_part}, as stiffly as a bed under all of it with kL⁴/D = "
         f"{result:.2g}; it must be {least:g} or more. Give {least / result:.2g} times the stiffness, or hold the plate "
         "rigidly.",
         place=("support", which[0], "stiffness"),

@@ -11,7 +11,7 @@ from signorini import _core
 from signorini.discretise.held import Held
 from signorini.discretise.placed import Footprints
 from signorini.discretise.places import along_curve, in_area, located, mesh_edges
-from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
+from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, among, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
 from signorini.discretise.sections import Sections
@@ -23,8 +23,6 @@ from signorini.model import Load, Model, Moving
 from signorini.model.load import Wheel
 from signorini.shapes import Polygon
 
-_GAUSS = 3
-"""Number of Gauss points in each direction for a constant load."""
 _GAUSS_VARYING = 5
 """Number of Gauss points in each direction for a load that varies, and on thirds of a circle.
 
@@ -160,7 +158,7 @@ def _load(
     match load.kind:
         case "pressure":
             assert load.pressure is not None
-            order = _GAUSS if load.pressure.is_constant else _GAUSS_VARYING
+            order = GAUSS if load.pressure.is_constant else _GAUSS_VARYING
             formula, key = load.pressure, (*place, "pressure")
             quadrature = in_area(mesh, model.plate, where.region, place, order, levels=formula.levels)
             onto.spread(
@@ -171,7 +169,7 @@ def _load(
             _weigh(zones, onto)
         case "line_load":
             assert load.line_load is not None
-            order = _GAUSS if load.line_load.is_constant and where.key != "circle" else _GAUSS_VARYING
+            order = GAUSS if load.line_load.is_constant and where.key != "circle" else _GAUSS_VARYING
             formula = load.line_load
 
             def along(levels: Levels) -> Quadrature:
@@ -191,7 +189,7 @@ def _load(
             assert load.couple is not None
             spread = footprints.of(load, place)
             for quadrature, shape in zip(spread, where.footprints, strict=True):
-                onto.spread(quadrature, Spread(shape, _GAUSS, (), _turning(quadrature, load.couple)))
+                onto.spread(quadrature, Spread(shape, GAUSS, (), _turning(quadrature, load.couple)))
             if not spread:
                 onto.twist(plate, located(mesh, where.points, (*place, "at")), load.couple)
         case "curvature":
@@ -248,7 +246,7 @@ class Onto:
 def _weigh(zones: Zones, onto: Onto) -> None:
     """Add the plate's weight."""
     formulas = dict.fromkeys(zones.formulas)
-    order = _GAUSS if all(formula.is_constant for formula in formulas) else _GAUSS_VARYING
+    order = GAUSS if all(formula.is_constant for formula in formulas) else _GAUSS_VARYING
     levels: Levels = [level for formula in formulas for level in formula.levels]
     parted = [*levels, *zones.borders] if zones.parted.any() else levels
 
@@ -328,7 +326,7 @@ class Cases(Mapping[str, CaseLoad]):
             inside = self._mesh.locate(prints.reshape(-1, 2)).inside.reshape(-1, 4)
             for wheel in np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1)).tolist():
                 shape = Polygon(tuple(map(tuple, prints[wheel].tolist())))
-                covered = float(area_quadrature(self._mesh, shape, _GAUSS).weights.sum())
+                covered = float(area_quadrature(self._mesh, shape, GAUSS).weights.sum())
                 lost = 1.0 - covered / (load.patch[0] * load.patch[1])
                 if lost > _NOTHING:
                     yield load.case, name, wheel * len(load.axles) // len(wheels) + 1, lost
@@ -345,7 +343,7 @@ def _position(onto: Onto, wheels: list[Wheel], patch: tuple[float, float] | None
     else:
         for middle, direction, force in wheels:
             shape = Polygon(_print(middle, direction, patch))
-            onto.spread(area_quadrature(mesh, shape, _GAUSS), Spread.even(shape, force / (patch[0] * patch[1])))
+            onto.spread(area_quadrature(mesh, shape, GAUSS), Spread.even(shape, force / (patch[0] * patch[1])))
     return onto.load
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from signorini.discretise.laws import resists_both
 from signorini.discretise.places import edge_sides, located, mesh_edges, points_in_holes
-from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature, off_plate
+from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, area_quadrature, off_plate
 from signorini.discretise.rows import Floats, Ints, Rows, interpolated
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
@@ -23,8 +23,6 @@ from signorini.shapes.outlines import closed
 from signorini.shapes.regions import inside as within
 from signorini.shapes.regions import overlap
 
-_GAUSS = 3
-"""Number of Gauss points in each direction."""
 _LEAST = 1e-9
 """Least size of a footprint relative to the plate's: smaller ones are lost in the rounding of coordinates."""
 _HOLE_SLACK = 1e-3
@@ -66,7 +64,7 @@ class Footprints:
             mesh.locate(np.array(points)).inside | points_in_holes(mesh, np.array(points))
         ).tolist():
             centre, shape = points[index], shapes[index]
-            result.append(area_quadrature(mesh, shape, _GAUSS))
+            result.append(area_quadrature(mesh, shape, GAUSS))
             with problems.collected():
                 self._require_on_plate(centre, shape, result[-1], (*place, "at", *([index] if len(points) > 1 else [])))
         problems.raise_collected()

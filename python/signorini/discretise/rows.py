@@ -16,6 +16,8 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 Pieces = npt.NDArray[np.uint8]
+RANK = 1e-9
+"""Rank tolerance for rows over rigid motions of unit deflection, relative to max(σ₁, 1)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +222,7 @@ class Table:
         return [column.name for column in fields(self) if isinstance(getattr(self, column.name), np.ndarray | Rows)]
 
 
-def null_space(rows: Floats, rounding: float) -> Floats:
+def null_space(rows: Floats, rounding: float = RANK) -> Floats:
     """Basis (n, k) of the null space of rows (m, n); the rank tolerance is relative to max(σ₁, 1)."""
     if not len(rows):
         return np.eye(rows.shape[1])

@@ -33,7 +33,7 @@ from signorini.discretise.places import (
     outline_points,
 )
 from signorini.discretise.points import ContactPoints, Springs, partition
-from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
+from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Floats, Ints, Rows, Table, interpolated
 from signorini.discretise.thickness import PlateStiffness
@@ -42,8 +42,6 @@ from signorini.expression import Expression, Field
 from signorini.mesh import Mesh
 from signorini.model import Plate, Support
 
-_GAUSS = 3
-"""Number of Gauss points in each direction, or on each piece of a line."""
 _GAUSS_RIGID = 2
 """Number of points on each piece of a rigid line between nodes: no more than the free dofs there."""
 _ROW = 3
@@ -126,7 +124,7 @@ class SupportedPlate:
         if self.beneath is None:
             return rows
         mesh, frames = self.beneath.mesh, self.beneath.held.frames
-        below = [area_quadrature(mesh, shape, _GAUSS) for shape in placed.support.where.footprints]
+        below = [area_quadrature(mesh, shape, GAUSS) for shape in placed.support.where.footprints]
         return rows.extended(-means_over(mesh, frames, below, field), len(self.mesh.elements))
 
 
@@ -176,10 +174,10 @@ def _require_covered(plate: SupportedPlate, placed: Placed) -> None:
     elif where.key == "area":
         measure, quadrature = (
             "area",
-            in_area(plate.mesh, plate.shape, where.region, place, _GAUSS, levels=[field.depth]),
+            in_area(plate.mesh, plate.shape, where.region, place, GAUSS, levels=[field.depth]),
         )
     else:
-        line = plate.mesh, plate.shape, where, place, placed.sides, _GAUSS
+        line = plate.mesh, plate.shape, where, place, placed.sides, GAUSS
         measure, quadrature = "length", along_curve(*line, levels=[field.depth])
     inside = field.depth(quadrature.positions) >= 0.0
     if inside.all():
@@ -252,9 +250,9 @@ def _along_line(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
     support, mesh = placed.support, plate.mesh
     in_means, turned = False, None
     if is_elastic(support):
-        at_ends = 0 if acts_both_ways(support) else _GAUSS + 1
+        at_ends = 0 if acts_both_ways(support) else GAUSS + 1
         line = (mesh, plate.shape, support.where, placed.place, placed.sides)
-        points = along_curve(*line, _GAUSS, at_ends, steps_of(support))
+        points = along_curve(*line, GAUSS, at_ends, steps_of(support))
     elif placed.sides is None:
         at_ends = _GAUSS_RIGID if can_let_go(support) else 0
         points = _once(mesh, along_curve(mesh, plate.shape, support.where, placed.place, None, _GAUSS_RIGID, at_ends))
@@ -299,7 +297,7 @@ def _on_area(plate: SupportedPlate, placed: Placed) -> _SupportPoints:
     free_corners = np.asarray(~plate.held.dofs[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
     quadrature = in_area(
-        mesh, plate.shape, support.where.region, place, _GAUSS, to_outline, steps_of(support), _OFF, follow=True
+        mesh, plate.shape, support.where.region, place, GAUSS, to_outline, steps_of(support), _OFF, follow=True
     )
     elements, xi, weights, positions = quadrature.elements, quadrature.xi, quadrature.weights, quadrature.positions
     inner = mesh.map(elements, mesh.inward(elements, xi, INSIDE)) if jumps_of(support) else positions
@@ -328,7 +326,7 @@ def _turning(plate: SupportedPlate, placed: Placed, stiffness: Sequence[Expressi
     mesh, support, place = plate.mesh, placed.support, (*placed.place, "rotational_stiffness")
     if placed.points is None:
         line = (mesh, plate.shape, support.where, placed.place, placed.sides)
-        points = along_curve(*line, _GAUSS, 0, [level for level in stiffness[0].levels if level.jumps])
+        points = along_curve(*line, GAUSS, 0, [level for level in stiffness[0].levels if level.jumps])
         ty, tx = points.tangents[:, 1], points.tangents[:, 0]
         numbers, stiffnesses = np.zeros(len(points.elements), np.int64), [(stiffness[0], np.column_stack([ty, -tx]))]
     else:

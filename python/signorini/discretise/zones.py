@@ -11,6 +11,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from signorini.discretise.places import in_area
+from signorini.discretise.quadrature import GAUSS
 from signorini.discretise.quadrature.lines import Segment, arcs_of
 from signorini.discretise.quadrature.stepped import sides_of
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -164,7 +165,7 @@ class Zones:
         points = []
         for index, zone in enumerate(model.zone):
             with problems.collected():
-                points.append(in_area(mesh, model.plate, zone.region, ("zone", index), 3))
+                points.append(in_area(mesh, model.plate, zone.region, ("zone", index), GAUSS))
         if len(points) < len(model.zone):
             return result
         sliver = np.where(result._in_strips(mesh), _ROUNDING, _SLIVER)

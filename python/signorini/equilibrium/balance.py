@@ -10,12 +10,10 @@ import numpy as np
 from signorini.discretise import Discretisation
 from signorini.discretise.laws import field_of
 from signorini.discretise.places import outline
-from signorini.discretise.rows import Floats, Ints, null_space
+from signorini.discretise.rows import RANK, Floats, Ints, null_space
 from signorini.errors import InputError, point
 from signorini.shapes.extent import hull
 
-RANK = 1e-9
-"""Rank tolerance for rows over rigid motions scaled to unit deflection, relative to max(σ₁, 1)."""
 NO_FORCE = 1e-6
 """Tolerance for a zero resultant, relative to the acting forces: loads along arcs have the error of parabolas."""
 _HELD = 1e-4
@@ -91,12 +89,12 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
         * np.tile([1.0, size, size], discretisation.mesh.node_count)[discretisation.held.dofs, None]
     )
     in_stiffness = np.vstack([held, of_springs])
-    motions = null_space(np.vstack([in_stiffness, at_contacts[contacts.holds_both_ways]]), RANK)
+    motions = null_space(np.vstack([in_stiffness, at_contacts[contacts.holds_both_ways]]))
     moves = at_contacts @ motions
-    loose = motions @ null_space(moves, RANK) if motions.size else np.zeros((len(motions), 0))
-    if loose.size:
+    mechanism = motions @ null_space(moves) if motions.size else np.zeros((len(motions), 0))
+    if mechanism.size:
         raise InputError(
-            f"Nothing holds the plate against this motion: {_name_motion(loose, discretisation)}. "
+            f"Nothing holds the plate against this motion: {_name_motion(mechanism, discretisation)}. "
             "Add a support that resists it (points that are not all on one line, or an edge or area).",
             place=("support",),
         )
@@ -108,8 +106,8 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
         # The limit of a point depends on its length or area, so that the hull does not suffice.
         moves_one_sided = moves[~contacts.two_sided]
         on_mesh = outlines = Bearing(one_sided.positions, moves_one_sided, one_sided.support, least, most)
-    regular = null_space(in_stiffness, RANK).shape[1] == 0
-    rows = (null_space(held, RANK), of_springs, at_contacts)
+    regular = null_space(in_stiffness).shape[1] == 0
+    rows = (null_space(held), of_springs, at_contacts)
     return RigidFreedom(motions, moves, outlines, on_mesh, regular, *rows)
 
 
@@ -174,14 +172,14 @@ def _arms(discretisation: Discretisation, positions: Floats, supports: Ints) -> 
     return result.reshape(len(positions), 3 * len(names))
 
 
-def _name_motion(loose: Floats, discretisation: Discretisation) -> str:
+def _name_motion(mechanism: Floats, discretisation: Discretisation) -> str:
     if discretisation.plates:
-        return describe_motion(loose[:, 0], discretisation)
-    if loose.shape[1] == 3:
+        return describe_motion(mechanism[:, 0], discretisation)
+    if mechanism.shape[1] == 3:
         return "any rigid motion, it has no support"
-    if loose.shape[1] == 2:
+    if mechanism.shape[1] == 2:
         return "turning about a point in two directions"
-    return describe_motion(loose[:, 0], discretisation)
+    return describe_motion(mechanism[:, 0], discretisation)
 
 
 def describe_motion(motion: Floats, discretisation: Discretisation) -> str:

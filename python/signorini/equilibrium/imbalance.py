@@ -17,8 +17,8 @@ from scipy.sparse import csr_array, hstack, vstack
 
 from signorini.base.linear_program import minimise, minimise_with_prices
 from signorini.discretise import Discretisation
-from signorini.discretise.rows import Floats, Ints
-from signorini.equilibrium.balance import RANK, Bearing, RigidFreedom, allowed_motions, load_size, work_of
+from signorini.discretise.rows import RANK, Floats, Ints
+from signorini.equilibrium.balance import Bearing, RigidFreedom, allowed_motions, load_size, work_of
 from signorini.errors import InputError, length, point
 from signorini.model import Combination
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from signorini._core import serendipity, triangular
 from signorini.discretise.quadrature.cutcells import cut
-from signorini.discretise.quadrature.rules import Quadrature, collapsed, gauss, lobatto, radon
+from signorini.discretise.quadrature.rules import GAUSS, Quadrature, collapsed, gauss, lobatto, radon
 from signorini.discretise.quadrature.stepped import OFF, Levels, among, crossed, cut_by, sides_of
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
@@ -30,7 +30,7 @@ _ROUNDINGS = 16.0
 def area_quadrature(
     mesh: Mesh,
     region: Part | None = None,
-    order: int = 3,
+    order: int = GAUSS,
     to_outline: Bools | None = None,
     levels: Levels = (),
     off: float = OFF,

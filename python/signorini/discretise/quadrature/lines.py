@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
-from signorini.discretise.quadrature.rules import LineQuadrature, gauss, lobatto
+from signorini.discretise.quadrature.rules import GAUSS, LineQuadrature, gauss, lobatto
 from signorini.discretise.quadrature.stepped import INSIDE, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
@@ -213,7 +213,9 @@ def curve_pieces(mesh: Mesh, curve: Curve) -> Iterator[tuple[Arc, Floats, Ints]]
         yield arc, stops, mesh.locate(arc.at(0.5 * (stops[1:] + stops[:-1]))[0]).elements
 
 
-def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0, levels: Levels = ()) -> LineQuadrature:
+def curve_quadrature(
+    mesh: Mesh, curve: Curve, order: int = GAUSS, at_ends: int = 0, levels: Levels = ()
+) -> LineQuadrature:
     """Quadrature along the part of a curve on the plate, in order; pieces end where levels change sign.
 
     Tangents point along the curve, counter-clockwise on a ring. Pieces within one element have ``order`` Gauss points.
@@ -238,7 +240,7 @@ def _along(arc: Arc, _: Ints, s: Floats) -> Floats:
 
 
 def edge_quadrature(
-    mesh: Mesh, triples: Ints, order: int = 3, to_ends: bool = False, levels: Levels = ()
+    mesh: Mesh, triples: Ints, order: int = GAUSS, to_ends: bool = False, levels: Levels = ()
 ) -> LineQuadrature:
     """Quadrature along curved element sides (k, 3), divided where levels change sign.
 

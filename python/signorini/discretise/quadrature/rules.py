@@ -12,6 +12,8 @@ import numpy as np
 from signorini._core import section_points
 from signorini.discretise.rows import Floats, Ints, Table
 
+GAUSS = 3
+"""Number of Gauss points in each direction, exact to the degree 5, where the integrand is a polynomial."""
 Rule: TypeAlias = Callable[[int], tuple[Floats, Floats]]
 """Function from the number of points to points and weights on −1 ≤ t ≤ 1."""
 

@@ -14,7 +14,7 @@ from signorini import _core
 from signorini.base.remade import Brief
 from signorini.discretise.held import Held
 from signorini.discretise.points import ContactPoints, Springs
-from signorini.discretise.quadrature import Quadrature, area_quadrature, curve_quadrature
+from signorini.discretise.quadrature import GAUSS, Quadrature, area_quadrature, curve_quadrature
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints, interpolated
 from signorini.discretise.sections.cut import BESIDE, Cut, cut, placed
@@ -25,8 +25,6 @@ from signorini.shapes import Polyline
 from signorini.shapes.cuts import Part
 from signorini.shapes.outlines import Point
 
-_ORDER = 3
-"""Number of Gauss points in each direction."""
 _FLAT = 1e-9
 """Relative rank tolerance for the moments of an area in an element: a narrow one has no slope of pressure."""
 _AT_SIDE = 1e-6
@@ -51,7 +49,7 @@ class Spread:
     @classmethod
     def even(cls, shape: Part, pressure: float, field: int = 0) -> Spread:
         """A constant pressure over a footprint."""
-        return cls(shape, _ORDER, (), lambda _, positions: np.full(len(positions), pressure), field)
+        return cls(shape, GAUSS, (), lambda _, positions: np.full(len(positions), pressure), field)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -154,7 +152,7 @@ class Sections(Brief):
             fields[points.slope[rows]] = np.repeat([2, 1], np.count_nonzero(points.slope[rows]) // 2)
             for row, field in zip(rows.tolist(), fields.tolist(), strict=True) if shapes else ():
                 shape = shapes[points.numbers[row]]
-                quadrature = area_quadrature(self.mesh, shape, _ORDER)
+                quadrature = area_quadrature(self.mesh, shape, GAUSS)
                 pressure = -float(points.direction[row]) / quadrature.total
                 prints[row] = quadrature.times(pressure), Spread.even(shape, pressure, field)
         parts = []
@@ -289,8 +287,8 @@ def _shares(
 ) -> Iterator[tuple[Ints, Floats]]:
     """Yield contributions (k, 3) of the parts on the left of an area's unit reactions, spread over their elements."""
     covered = support.where.region
-    left = cut.on_left(mesh, covered, _ORDER, ())
-    whole = area_quadrature(mesh.part(cut.elements), covered, _ORDER)
+    left = cut.on_left(mesh, covered, GAUSS, ())
+    whole = area_quadrature(mesh.part(cut.elements), covered, GAUSS)
     rows = _deflections(mesh, replace(left, elements=cut.elements[left.elements]))
     work = np.einsum("qcd,qd->qc", cut.motion[left.elements], rows)
     for element in np.unique(left.elements).tolist():
