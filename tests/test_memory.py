@@ -114,6 +114,6 @@ def test_a_method_that_was_asked_for_and_does_not_fit_is_refused(monkeypatch: py
     enough = 1.01 * needed(len(found.mesh.elements))
     assert enough < needed_by_interior_point(found.dof_count, len(found.contacts))
     monkeypatch.setattr("signorini.base.memory.available", lambda: enough)
-    with pytest.raises(InputError, match=r'interior point method takes .* Leave solver.method at "auto"') as caught:
+    with pytest.raises(InputError, match=r'interior point method takes .* Use solver.method = "auto"') as caught:
         solve(model)
     assert caught.value.place == "solver.method"
