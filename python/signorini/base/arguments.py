@@ -167,7 +167,7 @@ def watching(value: Callable[[_T], object] | None, place: str) -> Callable[[_T],
 
 
 def made_by(value: object, kind: type, advice: str, place: str) -> None:
-    """Require an instance of a class; ``advice`` tells how to make one."""
+    """Require an instance of a class; ``advice`` describes how to make an instance."""
     if not isinstance(value, kind):
         raise InputError(f"found {reprlib.repr(value)}; it must be a {kind.__name__}. {advice}", place=place)
 

@@ -70,7 +70,7 @@ def minimise_with_prices(
     solver.setOptionValue("output_flag", False)
     solver.setOptionValue("primal_feasibility_tolerance", tolerance)
     solver.setOptionValue("dual_feasibility_tolerance", tolerance)
-    # Programs of this size gain nothing from threads, which would exceed the requested number.
+    # Threads do not speed up programs of this size, and would exceed the requested number.
     solver.setOptionValue("threads", 1)
     solver.passModel(program)
     if solver.run() == highspy.HighsStatus.kError:

@@ -81,7 +81,7 @@ def in_unit(unit: str) -> str:
 
 
 def compared(elements: Sequence[int], asked: bool) -> str:
-    """Name the meshes from which ± comes, or say why there is no ±.
+    """Name the meshes compared for ±, or the reason why there is no ±.
 
     Examples
     --------

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 _MINUTES, _HOURS = 120.0, 7200.0
-"""Seconds from which a duration is written in minutes, in hours."""
+"""Smallest durations [s] written in minutes, in hours."""
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ _BLOCK = 1 << 20
 def open_regular(path: str | os.PathLike[str], largest: int) -> Iterator[BinaryIO]:
     """Open a regular file, or a link to one, of at most ``largest`` bytes.
 
-    Other files raise an OSError; its ``strerror`` has what was found and what is allowed.
+    Other files raise an OSError, whose ``strerror`` names the kind of file found and the kind allowed.
     """
     file = os.open(path, os.O_RDONLY | sum(getattr(os, flag, 0) for flag in _FLAGS))
     try:

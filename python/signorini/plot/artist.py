@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _ENOUGH = 24
 """Panels that a process draws in about the time of importing matplotlib."""
 _MAX_ELEMENTS = 100_000
-"""Elements up to which several processes draw in parallel: limits memory."""
+"""Largest number of elements that several processes draw in parallel: limits memory."""
 
 
 class Artist:

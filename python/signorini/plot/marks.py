@@ -27,7 +27,7 @@ LEGEND_SIZE = 8.5
 LARGEST, _SMALLEST = 8.5, 3.2
 """Largest and smallest width of a mark [points]."""
 _FEW = 600
-"""Points up to which all distances are computed."""
+"""Largest number of points for which all distances are computed."""
 _FITS = 0.8
 """Size of a mark, relative to the distance of its neighbour."""
 _SPACED = {"line": 0.55, "area": 1.1}

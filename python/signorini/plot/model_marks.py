@@ -23,7 +23,7 @@ from signorini.shapes.arrays import Floats
 _COLOURS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
 """Colours of the load cases, in order."""
 _MAX_VALUES = 12
-"""Points of a load up to which each has a label with the value; otherwise the value is in the legend only."""
+"""Largest number of points of a load with labels; otherwise the value is in the legend only."""
 _MAX_PLACES = 5
 """Candidate positions of a label along a line."""
 _IN_AREA = np.array([[0.2, 0.8], [0.5, 0.5], [0.8, 0.2], [0.2, 0.2], [0.8, 0.8]])
@@ -134,7 +134,7 @@ _NAME, _SINGULAR = "#5d6b78", "#d6006c"
 _INWARD = 8.0
 """Distance from an edge to the middle of its name [points]."""
 _FEW = 60
-"""Singular points up to which each has a ring; more have dots."""
+"""Largest number of singular points with rings; more have dots."""
 _MAX_WORDS = 3
 """Kinds of singularities that the legend lists."""
 _ALONG_EDGE = np.array([0.0, 0.5, -0.5, 1.0, -1.0, 1.5, -1.5])
@@ -178,7 +178,7 @@ _GOOD, _BAD = "#1b6e53", "#b3261e"
 _ARROW = 22.0
 """Length of the arrow towards a resultant outside the picture [points]."""
 _MAX_NAMED = 8
-"""Combinations up to which all have names; otherwise at most this many unbalanced ones have names."""
+"""Largest number of combinations with names; of more, only unbalanced ones have names."""
 
 _NEAR = 0.02
 """Distance of resultants that share a label, relative to the picture's size."""

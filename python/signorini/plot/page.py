@@ -19,7 +19,7 @@ _WIDEST, _TALLEST = 5.6, 7.6
 _WIDTH_IN_ROW = 3.4
 """Largest width of each of several plans in a row [inches]."""
 _WIDE = 1.7
-"""Width over height above which plans are stacked, not in a row."""
+"""Largest width over height of plans in a row; wider plans are stacked."""
 _SMALLEST = (1.6, 0.8)
 """Smallest width and height of a plan [inches]."""
 _LEFT, _BETWEEN, _BELOW, _GAP, _BAR, _RIGHT, _LINE = 0.68, 0.1, 0.5, 0.12, 0.15, 0.8, 0.2

@@ -29,7 +29,7 @@ _SHEET = "#eef2f5"
 HATCHED: dict[str, Any] = {"facecolor": _SHEET, "edgecolor": "#aeb8c0", "hatch": "////", "linewidth": 0.0}
 """Hatch of excluded areas."""
 _FINE = 4000
-"""Number of elements above which each is drawn as two triangles: elements are then a few dots wide."""
+"""Largest number of elements with fine triangles; of more, each is two triangles and a few dots wide."""
 _SAME = 1e-7
 """Distance of equal points, relative to the plate's size: far above rounding."""
 _FAINTEST = 0.07
