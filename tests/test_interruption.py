@@ -274,7 +274,7 @@ def test_a_mesh_that_cannot_fit_is_refused_before_it_is_made(slab: Path, monkeyp
     done = CliRunner().invoke(app, ["solve", str(slab)])
     assert done.exit_code == 2 and time.monotonic() - begun < 2
     assert "slab.toml:5: mesh: A mesh of 1,000,000 elements takes about 35." in done.stderr
-    assert "2.0 GB are free, enough for about 63,000. Take larger elements." in done.stderr
+    assert "2.0 GB are free, enough for about 63,000. Use larger elements." in done.stderr
 
 
 def test_a_limit_on_the_address_space_is_a_message(slab: Path) -> None:
@@ -283,7 +283,7 @@ def test_a_limit_on_the_address_space_is_a_message(slab: Path) -> None:
     running = started(slab, limit)
     _, errors = running.communicate(timeout=60)
     assert running.returncode == 2
-    said = "mesh: A mesh of 16 elements takes about 0.1 GB of memory; 0.0 GB are free, not enough for the least."
+    said = "mesh: A mesh of 16 elements takes about 0.1 GB of memory; 0.0 GB are free, too little for any number."
     assert errors.splitlines()[-1] == f"Error: slab.toml:5: {said}"
 
 

@@ -221,7 +221,7 @@ def path(
 ) -> None:
     """Follow one load as another grows: the t at which supports open or close, and at which equilibrium ends.
 
-    Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes the results so far.
+    Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes the results up to there.
     """
     with _messages(file):
         from signorini.analysis.estimate import estimate_asked

@@ -18,7 +18,7 @@ _MAX_EVENTS = 40
 _MAX_INTERVALS = 3
 """Intervals of t with a non-unique solution that are printed."""
 _MAX_COLUMNS = 6
-"""Supports up to which each has a column; reactions of more supports are in path.csv only."""
+"""Largest number of supports with columns of reactions; those of more supports are in path.csv only."""
 
 
 def print_path(console: Console, path: LoadPath, estimate: PathEstimate | None) -> None:

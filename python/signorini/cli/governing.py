@@ -44,11 +44,11 @@ Widths = Mapping[str, Any] | None
 _MAX_NAMED = 5
 """Combinations without equilibrium that are named; the others are in the files."""
 _MAX_PROBES = 6
-"""Probes up to which the extremes are listed, eight rows each."""
+"""Largest number of probes whose extremes are listed, eight rows each."""
 _MAX_LISTED, _MAX_COMBINATIONS = 40, 40
-"""Bearings and combinations up to which all reactions are listed."""
+"""Largest numbers of bearings and combinations with a table of all reactions."""
 _MAX_BEARINGS = 12
-"""Bearings up to which the governing reactions are listed; those of more are in a file only."""
+"""Largest number of bearings whose governing reactions are listed; those of more are in a file only."""
 
 
 def print_combined(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:

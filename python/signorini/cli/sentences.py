@@ -32,9 +32,9 @@ _SAME_POINT = 1e-9
 _MAX_CORNERS = 6
 """Lifted corners that are listed."""
 SEVERAL = 3
-"""Number of combinations from which a summary replaces the tables of each."""
+"""Smallest number of combinations with a summary in place of the tables of each."""
 _SHORT_NAME, _EXAMINED = 12, 1000
-"""Characters of a name up to which it needs no number; names that are examined."""
+"""Largest length of a name without a number, in characters; number of names examined."""
 MAX_KINDS = 6
 """Kinds of singularities that are listed."""
 _PLACES = re.compile(r" at \[.*")
@@ -183,11 +183,11 @@ def _holds(result: Result, support: Support, values: SupportResult, points: Floa
 
 
 _WIDE = 0.5
-"""Half-width, relative to its number, above which it is reported as wide."""
+"""Largest half-width, relative to its number, that is not reported."""
 _NEAR = 4.0
 """Distance from a singularity, in element sizes, within which values depend on the mesh: 2 elements of double size."""
 _MINOR = 0.25
-"""Half-width, relative to the largest moment or shear of any direction, up to which it is not reported."""
+"""Largest half-width, relative to the largest moment or shear of any direction, that is not reported."""
 _STRIP = 1e-3
 """Width ℓ of a strip, relative to the plate's size: moments p ℓ² and shears p ℓ under the mean pressure p are zero."""
 

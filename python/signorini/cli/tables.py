@@ -48,7 +48,7 @@ _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _MAX_POINTS = 20
 """Points of supports whose reactions are listed; of more, those with the largest."""
 _MAX_OPEN = 8
-"""Open points up to which they are listed if not all points are; more are only counted."""
+"""Largest number of open points that are listed if not all points are; more are only counted."""
 _MAX_WARNINGS = 20
 """Warnings, and snapped shapes, that are listed."""
 
