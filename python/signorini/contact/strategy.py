@@ -55,7 +55,7 @@ class BudgetSpent(Exception):
 
 
 class Budget:
-    """Remaining operations of the fallback methods, for a plate of so many dofs and contact points."""
+    """Remaining operations of the fallback methods, given the numbers of dofs and contact points."""
 
     def __init__(self, dofs: int, points: int) -> None:
         self._left = _MOST
@@ -147,8 +147,8 @@ def answered(
     """Solve one load and certify the answer; after a failure try the other form and every other method.
 
     Fallback methods have a `Budget`. ``progress`` is called in all of them, and an exception in it ends the solve.
-    ``beside`` is that of `certify`; ``start`` is an answer of the same problem to another load, from which the
-    problem's own method starts.
+    ``beside`` is that of `certify`. The problem's own method starts from ``start``, an answer of the same problem to
+    another load.
     """
     discretisation = problem.discretisation
     budget = Budget(discretisation.dof_count, len(discretisation.contacts))
@@ -201,9 +201,8 @@ def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: A
     # If other figures failed too, their reasons apply.
     if certificate.lost > CERTIFIABLE and replace(certificate, lost=0.0).passed:
         why = [
-            f"Over {CERTIFIABLE:g} that proves nothing: a stress-free curvature, or a load that balances itself, is so "
-            "much larger than the others that these are lost in its rounding. Correct it, or give it a combination of "
-            "its own."
+            f"The limit is {CERTIFIABLE:g}: a stress-free curvature, or a load that balances itself, is so large that "
+            "the other loads are lost in its rounding. Correct it, or give it a combination of its own."
         ]
     return (
         f'"{name}" is refused, its certificate {certificate}.{vain}{"".join(f" {reason}" for reason in why if reason)}'
