@@ -1,17 +1,20 @@
-"""What contact costs on top of a linear solve of the same mesh.
+"""Time of contact over that of a linear solve of the same mesh.
 
-Four plates, each on supports that only push and on the same supports acting both ways, which is a linear problem: slab
-A on soil, whose two-way springs are part of the matrix; the same slab on 100 rigid points instead, which held both ways
-are dofs without an equation; on 36 rigid footprints of a tenth of its sides, beside points held both ways in their
-middles, since footprints held both ways are rows of contact too; and on a second slab on the soil, an elastic layer
-between them. The runs take turns in one process; figures are
-medians, and ratios those of the medians.
+Four plates on one-sided supports, against the same supports two-sided, which is a linear problem:
+
+- slab A on soil; two-sided springs are part of the matrix;
+- the same slab on 100 rigid points; two-sided points are held dofs;
+- on 36 rigid footprints of a tenth of its sides, against two-sided points in their middles, since two-sided footprints
+  are contact rows too;
+- on a second slab on the soil, with an elastic layer between them.
+
+The runs alternate in one process; figures are medians, and ratios those of the medians.
 
 "core" is from the discretised model to displacements and reactions: equilibrium check of the supports, ordering,
 assembly, factorization, condensation, contact, refinement. "whole" is from the model to the certified result.
 
     python benchmarks/contact_price.py [--elements 160 400] [--repeat 5]
-    python benchmarks/contact_price.py --check      answers only: both ways agree where every point stays closed
+    python benchmarks/contact_price.py --check      answers only: both agree where all points stay closed
 """
 
 import argparse
@@ -97,7 +100,7 @@ def compare(name, elements, repeat):
 
 
 def check():
-    """Under a uniform load every point stays closed, and one-sided supports are those that act both ways."""
+    """Compare under a uniform load, where all points stay closed and one-sided supports equal two-sided ones."""
     passed = True
     for name, plate in ALIKE.items():
         found = []

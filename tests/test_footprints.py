@@ -61,7 +61,7 @@ def test_a_couple_about_an_axis_turns_as_the_right_hand_does_with_z_down():
 def test_a_support_takes_the_mean_of_the_deflection_by_any_method(how, footprint):
     load = [{"pressure": 5e3}, {"force": 20e3, "at": [2.2, 1.7], "radius": 0.2}]
     reactions = []
-    for method in ("lemke", "active_set", "interior_point"):
+    for method in ("lemke", "active_set"):
         model = rectangular(
             divisions=[5, 7], support=[{"at": AT, **how, **footprint}], load=load, solver={"method": method}
         )
@@ -75,7 +75,7 @@ def test_a_support_takes_the_mean_of_the_deflection_by_any_method(how, footprint
         np.testing.assert_allclose(mean, stretch, rtol=0, atol=1e-11)
         np.testing.assert_allclose(result.supports[0].positions, AT, rtol=0, atol=0)
         assert forces.sum() == pytest.approx(100e3, rel=1e-9)
-    np.testing.assert_allclose(reactions[1:], [reactions[0]] * 2, rtol=1e-7)
+    np.testing.assert_allclose(reactions[1:], reactions[:1], rtol=1e-7)
 
 
 @pytest.mark.parametrize("others", [[], [{"edge": "left", "fix": "clamped"}]], ids=["alone", "beside an edge"])
@@ -212,7 +212,7 @@ BOTH = [
     ({"patch": 1}, "length along x"),
     ({"radius": -1}, "greater than 0"),
     ({"radius": 1, "patch": [1, 1]}, "found both patch and radius"),
-    ({"angle": 30}, "angle turns a patch, and there is none"),
+    ({"angle": 30}, "angle rotates a patch; patch is missing"),
 ]
 
 
@@ -221,9 +221,12 @@ BOTH = [
     [
         *(({"load": [{"force": 1, "at": [2, 2], **given}]}, message) for given, message in BOTH),
         *(({"support": [HARD, {"at": [2, 2], **given}]}, message) for given, message in BOTH),
-        ({"load": [{"pressure": 1, "patch": [1, 1]}]}, "patch does not go with pressure"),
-        ({"load": [{"line_load": 1, "edge": "left", "radius": 1}]}, "radius does not go with line_load"),
-        ({"support": [{"edge": "left", "fix": "simple", "radius": 1}]}, "it goes with at or nodes"),
+        ({"load": [{"pressure": 1, "patch": [1, 1]}]}, "patch is the footprint of points; pressure has none"),
+        (
+            {"load": [{"line_load": 1, "edge": "left", "radius": 1}]},
+            "radius is the footprint of points; line_load has none",
+        ),
+        ({"support": [{"edge": "left", "fix": "simple", "radius": 1}]}, "use it with at or nodes"),
         ({"support": [{"at": [2, 2], "fix": "clamped", "radius": 1}]}, "holds slopes"),
         ({"load": [{"couple_about": {}, "at": [1, 1]}]}, "found neither x nor y"),
     ],

@@ -234,7 +234,7 @@ def test_what_does_not_come_nearer_is_given_up() -> None:
 
 
 def test_an_accuracy_needs_half_widths() -> None:
-    with pytest.raises(InputError, match="an accuracy that is asked for needs half-widths"):
+    with pytest.raises(InputError, match="accuracy needs the half-widths"):
         plate(accuracy=0.1, error=False)
     with pytest.raises(InputError, match=r"mesh\.accuracy"):
         plate(accuracy=2)

@@ -89,8 +89,17 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
     def contact(
         elements, coefficients, further, distance, law, scale, unit, regularization, dofs, motions, method, *spring
     ):
-        arrays = (elements, coefficients, further, distance, law, scale, unit, regularization)
-        _core.ContactProblem(found.plate, dofs, spring, arrays, laws, motions, method).solve(load, held.values)
+        points = {
+            "elements": elements,
+            "rows": coefficients,
+            "further": further,
+            "distance": distance,
+            "law": law,
+            "scale": scale,
+            "unit": unit,
+            "regularization": regularization,
+        }
+        _core.ContactProblem(found.plate, dofs, spring, points, laws, motions, method).solve(load, held.values)
 
     def residual(load, hi, lo, *spring):
         found.plate.residual(spring, load, hi, lo)

@@ -126,7 +126,7 @@ def test_every_way_of_solving_gives_the_same(case):
     total = np.array([table.envelope[f"reaction:{one.name}"].max for one in result.supports])
     size = np.abs(total).max(initial=1.0)
     assert total == pytest.approx([one.reaction for one in result.supports], abs=1e-9 * size)
-    for method in ("lemke", "active_set", "interior_point"):
+    for method in ("lemke", "active_set"):
         assert_same(signorini.solve(model_of(support, load, solver={"method": method}))["all"], result)
     model = model_of(support, [{**one, "case": "Q"} for one in load], combination=[{"factors": {"Q": 1.0}}])
     answer = contact_problem(model).solve(signorini.discretise.discretise(model).cases["Q"])
@@ -299,7 +299,7 @@ def test_results_say_what_is_not_unique():
     assert said["what"] == "deflection" and said["motion"].startswith("turning about the line through [2, 1.5]")
 
 
-@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_a_plate_on_four_legs_far_below_its_ceiling_rests_on_all_of_them(method):
     # Of four legs one carries nothing but rounding, and the ceiling is half a million deflections away.
     legs = {"name": "legs", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down"}

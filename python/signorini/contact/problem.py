@@ -15,9 +15,8 @@ from scipy.sparse import csc_array, csr_array
 from signorini import _core
 from signorini.base.arguments import checked, known, made_by, vector
 from signorini.base.arguments import points as points_of_plate
-from signorini.base.memory import require_memory_for_interior_point
 from signorini.base.remade import Remade
-from signorini.contact.factoring import Method, base_of, core_problem, factored, method_of, regularization
+from signorini.contact.factoring import Method, core_problem, factored, method_of, regularization
 from signorini.contact.lcp import Lcp, lcp_of
 from signorini.contact.selection import Answer, chosen
 from signorini.discretise import CaseLoad, Discretisation, discretise
@@ -34,7 +33,7 @@ Form = Literal["auto", "dual", "stiffness"]
 Steps: TypeAlias = Callable[[int, int, float], object]
 """Called with a step's number, the contact points it changed and its relative imbalance; what it raises ends it."""
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
-_METHODS: tuple[Method, ...] = ("lemke", "active_set", "saddle", "interior_point")
+_METHODS: tuple[Method, ...] = ("lemke", "active_set", "saddle")
 _NOT_OUTLINE = {"thickness", "element", "shear_factor"}
 """What a plate may change and keep its mesh."""
 _LOAD = "Take discretisation.load(combination) or one of discretisation.cases."
@@ -214,15 +213,14 @@ class ContactProblem(Statement, Remade):
     @property
     def core(self) -> _core.ContactProblem:
         """The plate factored for the method, and its contact points."""
-        base = base_of(self.discretisation, self.method)
-        if base not in self._cores:
-            result = self.discretisation
-            self._cores[base] = (
-                factored(result, self.freedom, base)
+        method, result = self.method, self.discretisation
+        if method not in self._cores:
+            self._cores[method] = (
+                factored(result, self.freedom, method)
                 if self.unmoved is None
-                else self.unmoved.by(base).core.with_distance(result.contacts.distance)
+                else self.unmoved.by(method).core.with_distance(result.contacts.distance)
             )
-        return self._cores[base]
+        return self._cores[method]
 
     def without_factor(self) -> ContactProblem:
         """The same problem, to be factored again when something first needs it."""
@@ -236,8 +234,7 @@ class ContactProblem(Statement, Remade):
     @property
     def is_factored(self) -> bool:
         """Whether there is a core already."""
-        own = base_of(self.discretisation, self.method) in self._cores
-        return own or (self.unmoved is not None and self.unmoved.by(self.method).is_factored)
+        return self.method in self._cores or (self.unmoved is not None and self.unmoved.by(self.method).is_factored)
 
     def lcp(self, load: Floats, form: Form = "auto") -> Lcp:
         """Pose the LCP of one nodal load (3n,).
@@ -447,18 +444,14 @@ class ContactProblem(Statement, Remade):
         if start is not None:
             made_by(start, Answer, "Take what solve returned for another load.", "start")
         held = self.discretisation.held.values
-        if self.method == "interior_point":
-            require_memory_for_interior_point(len(load.nodal), len(self.gaps))
-            solution = self.core.solve_by_interior_point(load.nodal, held, progress=progress)
-        else:
-            form = self.better_form if form == "auto" else form
-            near = self.reference if start is None else start.solution
-            try:
-                solution = self.core.solve(load.nodal, held, form, near, progress)
-            except ValueError as error:
-                if near is None:
-                    raise
-                raise InputError(f"{error}.", place="start") from None
+        form = self.better_form if form == "auto" else form
+        near = self.reference if start is None else start.solution
+        try:
+            solution = self.core.solve(load.nodal, held, form, near, progress)
+        except ValueError as error:
+            if near is None:
+                raise
+            raise InputError(f"{error}.", place="start") from None
         answer = Answer.of(self.discretisation, solution)
         return chosen(self.discretisation, self.freedom, load.nodal, answer)
 
@@ -481,8 +474,7 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
         If it does not fit into memory.
     """
     problem = unfactored(model if isinstance(model, Discretisation) else discretise(model))
-    base = base_of(problem.discretisation, problem.method)
-    return replace(problem, _cores={base: factored(problem.discretisation, problem.freedom, base)})
+    return replace(problem, _cores={problem.method: factored(problem.discretisation, problem.freedom, problem.method)})
 
 
 def unfactored(discretisation: Discretisation) -> ContactProblem:

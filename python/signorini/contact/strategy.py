@@ -10,9 +10,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from signorini.base.memory import fits, needed_by_interior_point
 from signorini.contact.certificate import CERTIFIABLE, Certificate, certified, forces_at_nodes
-from signorini.contact.factoring import Method, base_of, can_be_factored
+from signorini.contact.factoring import Method, can_be_factored
 from signorini.contact.problem import ContactProblem, Form, Steps
 from signorini.contact.selection import Answer
 from signorini.discretise import CaseLoad, Discretisation
@@ -32,13 +31,12 @@ _PIVOTS = 64
 """Pivots of Lemke's algorithm between two calls of the callback; each pivot reads the tableau once."""
 
 
-_FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle", "interior_point")
+_FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle")
 """Methods that take over, in turn, where one does not settle; a prescribed one is only the first."""
 WORDS: dict[Method, str] = {
     "lemke": "Lemke's algorithm",
     "active_set": "the active set",
     "saddle": "the saddle-point system",
-    "interior_point": "the interior point method",
 }
 """Names of the methods in progress reports."""
 Told: TypeAlias = Callable[[str, int, int, float], object]
@@ -85,7 +83,7 @@ class Budget:
         factor = _A_FACTOR * math.pow(self._dofs, _FILL)
         newton = _A_SOLVE * self._dofs + _FACTORED * factor
         saddle = _A_FACTOR * math.pow(self._dofs + self._points, _FILL)
-        return {"lemke": pivots, "active_set": newton, "saddle": saddle, "interior_point": factor}[method]
+        return {"lemke": pivots, "active_set": newton, "saddle": saddle}[method]
 
 
 class Attempt(NamedTuple):
@@ -121,7 +119,7 @@ def attempts(problem: ContactProblem) -> Iterator[Attempt]:
     """
     if problem.reference is not None:
         yield Attempt(problem)
-    for other in _methods(replace(problem, reference=None)):
+    for other in posed_for_methods(replace(problem, reference=None)):
         if other.method != "lemke":
             yield Attempt(other)
             continue
@@ -131,30 +129,12 @@ def attempts(problem: ContactProblem) -> Iterator[Attempt]:
             yield Attempt(other, "dual" if other.better_form == "stiffness" else "stiffness")
 
 
-def methods_along(problem: ContactProblem) -> Iterator[ContactProblem]:
-    """Problems that can follow a load path, in turn."""
-    base = base_of(problem.discretisation, problem.method)
-    for other in _methods(problem):
-        if other is problem or other.method not in ("interior_point", base):
-            yield other
-
-
-def _methods(problem: ContactProblem) -> Iterator[ContactProblem]:
-    """The problem, and posed for the methods that take over."""
+def posed_for_methods(problem: ContactProblem) -> Iterator[ContactProblem]:
+    """The problem, then posed for the methods that take over, as far as memory allows."""
     yield problem
     for other in map(problem.by, _FALLBACKS):
-        if other is not problem and _fits(other):
+        if other is not problem and (other.is_factored or can_be_factored(other.discretisation, other.method)):
             yield other
-
-
-def _fits(problem: ContactProblem) -> bool:
-    """Whether memory is left for a method, and its points can be condensed."""
-    discretisation = problem.discretisation
-    if not (problem.is_factored or can_be_factored(discretisation, base_of(discretisation, problem.method))):
-        return False
-    if problem.method != "interior_point":
-        return True
-    return fits(needed_by_interior_point(discretisation.dof_count, len(discretisation.contacts)))
 
 
 def answered(

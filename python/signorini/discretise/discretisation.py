@@ -365,14 +365,14 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
         if not mesh.locate(profile.places[1]).inside.any():
             with problems.collected():
                 raise InputError("None of its stations is on the plate. Move it onto the plate.", ("profile", index))
-    problems.tell()
+    problems.raise_collected()
     if not any(support.between for support in model.support):
         # Supports between plates are not known yet; `plates` checks the domain later.
         require_domain(model, mesh, zones, thickness, held, springs, contacts, problems)
-    problems.tell()
+    problems.raise_collected()
     contacts, repeated = that_can_act(model, mesh, held, contacts)
     require_preloads(model, mesh, contacts, repeated, problems)
-    problems.tell()
+    problems.raise_collected()
     assembled = time.perf_counter()
     seconds = {"mesh": meshed - begun, "assemble": assembled - meshed}
     return Discretisation(

@@ -16,12 +16,12 @@ from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.thickness import Thickness
 from signorini.discretise.zones import Zones
-from signorini.errors import InputError, Place, Problems, path_in_words, point
+from signorini.errors import InputError, Place, Problems, format_place, point
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import BoxTree
 from signorini.mesh.sides import Sides
 from signorini.model import Model, OutlinedPlate, Support
-from signorini.model.plate import SLIMMEST
+from signorini.model.plate import MAX_ASPECT_RATIO
 from signorini.shapes import Region
 from signorini.shapes.distances import Targets, depth, edges_of
 from signorini.shapes.extent import Tolerances
@@ -120,10 +120,10 @@ def require_domain(
 
 def _require_wide(mesh: Mesh, thickness: Thickness) -> None:
     width, thickest = float(mesh.element_area.sum()) / mesh.size, float(thickness.nominal.max())
-    if mesh.size > (1.0 + _ROUNDING) * SLIMMEST * width:
+    if mesh.size > (1.0 + _ROUNDING) * MAX_ASPECT_RATIO * width:
         raise InputError(
-            f"The plate is {mesh.size:.6g} long and {width:.3g} wide, its area over its length; at most {SLIMMEST:g} "
-            "to 1 is in the domain. Calculate a beam.",
+            f"The plate is {mesh.size:.6g} long and {width:.3g} wide (area over length); the largest ratio in the "
+            f"domain is {MAX_ASPECT_RATIO:g} to 1. Calculate a beam.",
             place=("plate",),
         )
     if thickest > (1.0 + _ROUNDING) * THICKEST * width:
@@ -314,7 +314,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
             support, (holding, pushing) = model.support[other], ("down", "up") if up else ("up", "down")
             yield InputError(
                 f"{support.name} holds the plate {holding} at {point(position, mesh.size)}, where {floor.name}, "
-                f"{path_in_words(('support', index))}, pushes it {pushing}; both are rigid. Their reactions grow "
+                f"{format_place(('support', index))}, pushes it {pushing}; both are rigid. Their reactions grow "
                 "without limit as elements become smaller. Give one of the two a stiffness.",
                 place=("support", other, support.place),
             )
@@ -396,7 +396,7 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
             reported.add(pair)
             place, others = (("support", owners[k][0], "at", owners[k][1]) for k in (a, b))
             neighbour_name = model.support[owners[b][0]].name
-            other = f"the point {point(positions[b].tolist())} of {neighbour_name}, {path_in_words(others)}"
+            other = f"the point {point(positions[b].tolist())} of {neighbour_name}, {format_place(others)}"
             yield _in_words(model, place, positions[a], float(distance[number]), float(limit[number]), other)
 
 
@@ -424,7 +424,7 @@ def _name(support: Support, drawn: _Rigid, position: Floats) -> str:
     """Name the edge, line or area of a support that is nearest to a position (2,)."""
     apart = {name: float(target.nearest(position[None])[1][0]) for name, target in drawn.edges.items()}
     part = f"{support.place} {min(apart, key=lambda name: apart[name], default='')}".rstrip()
-    return f"the {part} of {support.name}, {path_in_words(('support', drawn.index, support.place))}"
+    return f"the {part} of {support.name}, {format_place(('support', drawn.index, support.place))}"
 
 
 def _reached(support: Support, boxes: Floats) -> list[int]:

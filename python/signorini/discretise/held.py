@@ -18,7 +18,7 @@ from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
-from signorini.errors import InputError, Problems, path_in_words, point
+from signorini.errors import InputError, Problems, format_place, point
 from signorini.mesh import Mesh
 from signorini.model import Model
 
@@ -179,7 +179,7 @@ def contradiction(position: Floats, size: float, first: int, second: int, differ
     """Error of two supports, by index, that prescribe different deflections at a position."""
     return InputError(
         f"Supports contradict each other at {point(position, size)}: the deflections that "
-        f"{path_in_words(('support', int(first)))} and {path_in_words(('support', int(second)))} prescribe there "
+        f"{format_place(('support', int(first)))} and {format_place(('support', int(second)))} prescribe there "
         f"differ by {difference:.3g}. Correct a gap or a settlement, or give a stiffness.",
         place=("support", int(second)),
     )
@@ -283,7 +283,7 @@ def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:
 
 def sides_that_hold_turns(model: Model, mesh: Mesh) -> Ints:
     """Sides (k, 3) of the edges along which supports hold a slope or a twist, support by support."""
-    held = [mesh.edges[name] for support in model.support if support.turns_held for name in support.edge or ()]
+    held = [mesh.edges[name] for support in model.support if support.holds_rotation for name in support.edge or ()]
     return np.concatenate([np.zeros((0, 3), np.int64), *held])
 
 
@@ -293,7 +293,7 @@ def _collect(mesh: Mesh, holds: Holds, placed: Placed) -> None:
     if placed.sides is not None:
         nodes, _ = edge_nodes(mesh, placed.sides)
         numbers = np.zeros_like(nodes)
-        if support.turns_held:
+        if support.holds_rotation:
             tangents = tangents_at_nodes(mesh, placed.sides)
     else:
         (numbers,) = np.nonzero(placed.nodes >= 0)

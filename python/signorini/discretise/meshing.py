@@ -34,8 +34,8 @@ from signorini.model import (
     Zone,
 )
 from signorini.model.field import PointFieldScalar
-from signorini.model.where import Acting, Located, Where, worth_following
-from signorini.model.whole import acting_on, follows_in_rows
+from signorini.model.where import Acting, Located, Where, mesh_follows
+from signorini.model.whole import follows_in_rows, supports_and_loads
 from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.distances import distances
 from signorini.shapes.extent import diameter
@@ -147,7 +147,7 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
     place = ("plate", "file")
     points: Mapping[int, Point] = {}
     try:
-        if any(item.nodes is not None for item in acting_on(model)):
+        if any(item.nodes is not None for item in supports_and_loads(model)):
             in_file, points = read_numbered(plate.file)
             mesh = in_file if mesh is None else mesh
         elif mesh is None:
@@ -193,7 +193,7 @@ def _at_nodes(model: Model, points: Mapping[int, Point]) -> Model:
                 points_of_nodes = tuple(points[number] for number in item.nodes if number in points)
                 items[i] = item.model_copy(update={"at": points_of_nodes, "nodes": None})
         update[key] = tuple(items)
-    problems.tell()
+    problems.raise_collected()
     return model.varied(**update)
 
 
@@ -227,7 +227,7 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     """Mesh along the outline, holes, borders of zones, circles, and straight lines of supports, loads and jumps."""
     size = plate.element_size(model.mesh)
     borders = [*(zone.region for zone in model.zone), *_rings(model, size)]
-    walls = [along for item in acting_on(model) if isinstance(along := item.where.curve, Polyline)]
+    walls = [along for item in supports_and_loads(model) if isinstance(along := item.where.curve, Polyline)]
     lines = [(np.array(list(arcs_of(border))).reshape(-1, 6), False) for border in borders]
     lines += [(_straight(wall), True) for wall in walls]
     lines += [(_straight(border), False) for border in borders]
@@ -262,7 +262,7 @@ def _axes(model: Model, plate: OutlinedPlate) -> Axes:
     around = [contour.points() for contour in plate.contours]
     sides = [0.5 * (points + np.roll(points, 1, axis=0)) for points in around]
     zones = [_marks(zone.region) for zone in model.zone]
-    placed: list[Located] = [*model.mesh.refine, *acting_on(model)]
+    placed: list[Located] = [*model.mesh.refine, *supports_and_loads(model)]
     items = [_marks_of(item.where, plate) for item in placed]
     drawn: list[Section | Strip | Moving] = [*model.section, *model.strip, *model.moving]
     lines = [np.array(item.line) for item in drawn]
@@ -339,8 +339,8 @@ def _spread(low: float, high: float, step: float) -> Floats:
 
 def _rings(model: Model, size: float) -> tuple[Ring, ...]:
     """Distinct circles along which supports and loads act, except circles small beside elements."""
-    rings = [item.where.curve for item in acting_on(model)]
-    return tuple(dict.fromkeys(ring for ring in rings if isinstance(ring, Ring) and worth_following(ring, size)))
+    rings = [item.where.curve for item in supports_and_loads(model)]
+    return tuple(dict.fromkeys(ring for ring in rings if isinstance(ring, Ring) and mesh_follows(ring, size)))
 
 
 def _sections(model: Model) -> list[Polyline]:
@@ -349,7 +349,7 @@ def _sections(model: Model) -> list[Polyline]:
 
 def _acted_on(model: Model) -> list[Region | Curve]:
     """Outlines and lines of supports and loads."""
-    return [shape for item in acting_on(model) for shape in item.where.shapes]
+    return [shape for item in supports_and_loads(model) for shape in item.where.shapes]
 
 
 def _refined_beside(model: Model) -> list[Region | Curve]:

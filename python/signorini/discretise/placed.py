@@ -67,7 +67,7 @@ class Footprints:
             result.append(area_quadrature(mesh, shape, GAUSS))
             with problems.collected():
                 self._require_on_plate(centre, shape, result[-1], (*place, "at", *([index] if len(points) > 1 else [])))
-        problems.tell()
+        problems.raise_collected()
         return result
 
     def _require_on_plate(

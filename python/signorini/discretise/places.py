@@ -82,7 +82,7 @@ def located(
                     f"The point {point(coordinates[i])} is not on the plate, {reason}",
                     place=(*place, i) if len(coordinates) > 1 else place,
                 )
-        problems.tell()
+        problems.raise_collected()
         elements = np.where(where.inside, where.elements, mesh.beside(positions))
         middles = mesh.inward(elements, np.zeros_like(positions), 0.0)
         where = Location(elements, np.where(where.inside[:, None], where.xi, middles))
@@ -107,7 +107,7 @@ def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
         if name not in mesh.edges
     ]
     if problems:
-        raise InputError.of(problems)
+        raise InputError.combined(problems)
     sides = np.concatenate([mesh.edges[name] for name in names])
     if len(np.unique(sides[:, 1])) < len(sides):
         listed = ", ".join(f'"{name}"' for name in names)

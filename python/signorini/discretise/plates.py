@@ -43,9 +43,9 @@ def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
     for part in parts:
         with placing(part.place), problems.collected():
             each.append(discretise_plate(part.model))
-    problems.tell()
+    problems.raise_collected()
     joints = _between(model, parts, each, problems)
-    problems.tell()
+    problems.raise_collected()
     return _joined(model, parts, each, joints, problems)
 
 
@@ -88,7 +88,7 @@ def _between(
     for part, plate in zip(parts, each, strict=True):
         with placing(part.place):
             placements.append(placed(plate.model, plate.mesh, problems))
-    problems.tell()
+    problems.raise_collected()
     result = []
     for index, support in enumerate(model.support):
         if support.between is None:
@@ -147,7 +147,7 @@ def _joined(
         {name: sum(plate.seconds[name] for plate in each) for name in each[0].seconds},
     )
     require_preloads(model, mesh, contacts, whole.repeated, problems, between=True)
-    problems.tell()
+    problems.raise_collected()
     plates = tuple(_of_whole(parts, each, joints, index, whole) for index in range(len(parts)))
     for part, plate in zip(parts, plates, strict=True):
         with placing(part.place):
@@ -160,7 +160,7 @@ def _joined(
                 plate_alone.contacts,
             )
             require_domain(plate_alone.model, plate_alone.mesh, *arrays, problems)
-    problems.tell()
+    problems.raise_collected()
     return replace(whole, plates=plates)
 
 

@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar
 import numpy as np
 
 from signorini.discretise.rows import Floats, Ints
-from signorini.errors import InputError, Place, path_in_words
+from signorini.errors import InputError, Place, format_place
 from signorini.mesh import Mesh
 from signorini.mesh.sides import Sides
 from signorini.model import Area, Load, Model, OutlinedPlate, Support, Zone
@@ -104,7 +104,7 @@ def _target(path: Place, item: _Item) -> _Target:
         *outline.segments.reshape(-1, 2).tolist(),
         *outline.arcs[:, ::2].reshape(-1, 2).tolist(),
     ]
-    return _Target(path_in_words(path), Targets.of((x, y) for x, y in corners), Targets.along(outline), outline.circles)
+    return _Target(format_place(path), Targets.of((x, y) for x, y in corners), Targets.along(outline), outline.circles)
 
 
 def _near(targets: Sequence[_Target], reach: float) -> list[tuple[Ints, Ints]]:
@@ -228,7 +228,7 @@ class _Snapper:
     def _moved(self, path: Place, begin: _Numbers, result: tuple[_Numbers, str]) -> _Numbers:
         end, onto = result
         if max(abs(a - b) for a, b in zip(begin, end, strict=True)) > self.same:
-            self.moved[path] = Snapped(path_in_words(path), begin, end, onto)
+            self.moved[path] = Snapped(format_place(path), begin, end, onto)
         return end
 
     def _corner(self, point: Point) -> tuple[Point, str]:

@@ -160,7 +160,7 @@ def of_held_slopes(discretisation: Discretisation) -> Iterator[Singularity]:
     """Nodes of elements cut by a line that holds slopes, across which moments jump."""
     for support in discretisation.model.support:
         along = support.where.curve
-        if along is None or not support.turns_held:
+        if along is None or not support.holds_rotation:
             continue
         subject = f"The {'circle' if isinstance(along, Ring) else 'line'} of {support.name}"
         advice = f"They are means of both sides there; {_BESIDE} {to_follow(discretisation.model)}"

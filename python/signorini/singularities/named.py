@@ -288,5 +288,5 @@ def _of_zones(discretisation: Discretisation) -> Iterator[Singularity]:
 def _determinate(discretisation: Discretisation) -> bool:
     """Whether three points alone hold the deflection, so that reactions are statically determinate."""
     holding = [support for support in discretisation.model.support if support.holds_w]
-    slopes = any(support.turns_held for support in discretisation.model.support)
+    slopes = any(support.holds_rotation for support in discretisation.model.support)
     return not slopes and all(s.at is not None for s in holding) and sum(len(s.where.points) for s in holding) == 3
