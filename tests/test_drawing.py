@@ -377,7 +377,7 @@ def test_columns_over_the_edge_are_moved_flush_with_it(sheet: Sheet) -> None:
         sheet.closed(box(x + 0.2, y + 0.2, 0.4, 0.4), "POINTS")
     sheet.read()
     done = run("import-dxf", sheet.path)
-    assert done.exit_code == 0 and "Taken: points: 5 of 5" in done.output and "Left" not in done.output
+    assert done.exit_code == 0 and "Used: points: 5 of 5" in done.output and "Left out" not in done.output
     assert "points: 3, at [9.801, 0.2], [9.801, 3], [9.803, 5.8]: moved flush with the edge" in done.output
     (support,) = tomllib.loads(sheet.path.with_suffix(".toml").read_text(encoding="utf-8"))["support"]
     assert support["patch"] == [0.4, 0.4]
@@ -445,7 +445,7 @@ def test_shapes_that_do_not_arrive_are_errors(draw: Any, said: str, sheet: Sheet
     sheet.read()
     done = run("import-dxf", sheet.path)
     assert done.exit_code == 2
-    assert f"Error: not taken as drawn: {said}" in " ".join(done.output.split())
+    assert f"Error: not used as drawn: {said}" in " ".join(done.output.split())
     assert "points: 1 of 1" in done.output or " 0 of " in done.output or "1 of 2" in done.output
     assert sheet.path.with_suffix(".toml").exists()
 
@@ -576,11 +576,11 @@ def test_holes_points_and_lines_off_the_plate_are_left_and_told(plate: Sheet) ->
 def test_the_command_writes_a_file_once_and_says_what_it_took(plate: Sheet) -> None:
     plate.read()
     first = run("import-dxf", plate.path)
-    assert first.exit_code == 0 and "Taken: outline: 4 sides, 84 m², layer 0" in first.output
+    assert first.exit_code == 0 and "Used: outline: 4 sides, 84 m², layer 0" in first.output
     text = plate.path.with_suffix(".toml").read_text(encoding="utf-8")
     assert tomllib.loads(text)["plate"]["points"] == [[0, 0], [12, 0], [12, 7], [0, 7]]
     again = run("import-dxf", plate.path)
-    assert again.exit_code == 2 and "exists already" in again.output
+    assert again.exit_code == 2 and "exists; give another name" in again.output
 
 
 def test_roles_take_several_layers(sheet: Sheet) -> None:

@@ -105,7 +105,6 @@ def test_a_slab_under_strong_suction_flies() -> None:
     service = str(caught.value).splitlines()[0]
     assert "service: The plate lifts off its supports: the load's resultant is 500000 N up" in service
     assert "An extra 500000 N down at [9, 9] would just hold it." in service
-    assert documented(service)
 
 
 def test_a_base_plate_stands_the_wind_that_its_anchors_hold() -> None:
@@ -116,7 +115,7 @@ def test_a_base_plate_stands_the_wind_that_its_anchors_hold() -> None:
     assert grout.reaction + anchors.reaction == pytest.approx(500.0, rel=1e-9)
     assert -250 < anchors.reaction < -500 * 0.05 / 0.35
     assert left.status == "no_equilibrium"
-    assert documented(f"{left.name}: {left.message}")
+    assert "tips about the line x = 0.5" in left.message
 
 
 def test_the_messages_about_supports_are_those_of_the_documents() -> None:

@@ -152,7 +152,7 @@ def test_an_unknown_edge_of_a_mesh_is_told_with_what_else_is_wrong(tmp_path):
 def test_what_is_wrong_with_a_mesh_file_has_the_line_that_names_it(tmp_path):
     text = HEAD[: HEAD.index("[mesh]")].replace('"rectangle"\nsize = [10, 10]', '"mesh"\nfile = "plate.msh"')
     found = told(tmp_path, text + SUPPORT.replace("9", "5") + LOAD)
-    assert found == f"slab.toml:6: plate.file: {tmp_path / 'plate.msh'}: There is no such mesh file."
+    assert found == f"slab.toml:6: plate.file: {tmp_path / 'plate.msh'}: The mesh file does not exist."
 
 
 def test_no_load_is_a_combination():

@@ -478,8 +478,8 @@ def test_the_check_picture_names_edges_values_of_loads_their_sums_and_places_wit
     assert {"left", "right", "bottom", "top"} < set(written)
     assert written.count("60 kN") == 2 and {"5 kN/m²", "[0, 4.5] kN m"} < set(written)
     legend = [entry.get_text().replace("\n", " ") for entry in axes.get_legend().get_texts()]
-    assert {"G: pressure, 5 kN/m²", "G: force, upward, 60 kN", "G: 80 kN up in all"} < set(legend)
-    assert "T: moment [0, 4.5] kN m in all" in legend
+    assert {"G: pressure, 5 kN/m²", "G: force, upward, 60 kN", "G: 80 kN up in total"} < set(legend)
+    assert "T: moment [0, 4.5] kN m in total" in legend
     (named,) = (words for words in legend if words.startswith("no limit"))
     assert "Force at a point of load[2]" in named and "Couple at a point of load[3]" in named
     rings = [line for line in axes.lines if line.get_markersize() == 13.0]

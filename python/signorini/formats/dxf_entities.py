@@ -101,7 +101,7 @@ _SAGITTA = 1 / 20000
 _MAX_BISECTIONS = 8
 """Bisections of a spline into arcs; a sharper bend becomes a corner."""
 _FLAT = 1e-6
-"""Rise over chord below which an arc is a straight line."""
+"""Largest rise over chord of a straight line."""
 _CHORD_ERROR = 0.1
 """Distance of chords from a line that is compared with others, relative to the gap of equal points."""
 _MAX_DEPTH = 16

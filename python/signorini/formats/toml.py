@@ -139,8 +139,7 @@ class Lines:
 _NUMBER = r"(?>[+-]?\d[\d_]*(?:\.\d+)?(?:[eE][+-]?\d+)?)"
 _ENDS = r"\s*(?:[,}\]#].*)?$"
 
-# Slips that show in the line where reading stopped, by a pattern and what to say of its groups. The first one that is
-# found is told.
+# Patterns of frequent errors in the line at which the parser stopped, with the hint for each; the first match counts.
 _SLIPS: tuple[tuple[str, str], ...] = (
     (r"^(?://|;|%|--)", "A comment begins with #."),
     (r"[“”„‘’«»]", "Quotes are straight: \" or '."),

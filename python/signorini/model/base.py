@@ -30,38 +30,39 @@ from signorini.model.problems import as_list, describe, explained
 Complaint = tuple[Place, str]
 
 
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
-else:
-    ModelMetaclass = type(BaseModel)
-
-
-class _InWords(ModelMetaclass):
-    """Metaclass of tables: a table made with invalid values raises the `InputError` of an input file."""
-
-    if not TYPE_CHECKING:  # The signatures of the tables stay those of their fields.
-
-        def __call__(cls, *args: Any, **keys: Any) -> Any:
-            """Make a table. pydantic makes nested tables without this call, so that one error reports all problems."""
-            if args:
-                raise InputError(
-                    f"found {reprlib.repr(args[0])}; a table takes its keys by name, {cls.__name__}(key=value, ...), "
-                    f"or from a mapping, {cls.__name__}(**mapping).",
-                    place=cls.__name__,
-                )
-            try:
-                return super().__call__(*args, **keys)
-            except ValidationError as error:
-                raise explained(error, cls, keys) from None
-
-
-class Table(BaseModel, metaclass=_InWords):
+class Table(BaseModel):
     """A table of the input: immutable; unknown keys are refused.
 
     Invalid values raise `InputError`, which lists every problem with its place.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    if not TYPE_CHECKING:  # For a type checker the parameters are the fields.
+
+        def __init__(self, /, *args: object, **keys: object) -> None:
+            """Make a table; invalid values raise the `InputError` of an input file."""
+            name = type(self).__name__
+            if args:
+                raise InputError(
+                    f"found {reprlib.repr(args[0])}; a table takes its keys by name, {name}(key=value, ...), or from a "
+                    f"mapping, {name}(**mapping).",
+                    place=name,
+                )
+            try:
+                super().__init__(**keys)
+            except ValidationError as error:
+                raise explained(error, type(self), keys) from None
+
+        # Nested tables are validated without this constructor, so that one error reports all problems.
+        __init__.__pydantic_base_init__ = True
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse to assign a key."""
+        if name in type(self).model_fields:
+            kind = type(self).__name__
+            raise AttributeError(f"{kind} is immutable; make a new {kind} with another {name}.", name=name, obj=self)
+        super().__setattr__(name, value)
 
     def _complaints(self) -> Iterator[Complaint]:
         """Yield contradictions between valid keys: the place relative to this table, and the message."""

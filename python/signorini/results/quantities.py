@@ -209,7 +209,15 @@ DERIVED = (
             *_of_face("top"),
             *_of_face("bottom"),
             Quantity("von_mises", "stress", "von Mises stress", ("stress", "von_mises", 0), "stress"),
-            Quantity("von_mises_bottom", "stress", "", ("stress", "von_mises", 1), "stress", False, False),
+            Quantity(
+                "von_mises_bottom",
+                "stress",
+                "von Mises stress at the bottom",
+                ("stress", "von_mises", 1),
+                "stress",
+                False,
+                False,
+            ),
         ),
     ),
     Derived(
@@ -240,43 +248,62 @@ AT_PROBES: tuple[Quantity, ...] = tuple(
     for one in (*LINEAR.values(), PRESSURE, *(one for of in DERIVED for one in of.quantities))
 )
 OF_SUPPORTS = (
-    Quantity("reaction", "reaction"),
-    Quantity("closed", "count", enveloped=False),
-    Quantity("open", "count", enveloped=False),
-    Quantity("closed_part", "part", tabled=False),
+    Quantity("reaction", "reaction", "reaction, total, positive up"),
+    Quantity("closed", "count", "closed, number of points", enveloped=False),
+    Quantity("open", "count", "open, number of points", enveloped=False),
+    Quantity("closed_part", "part", "closed part, 0 to 1", tabled=False),
 )
 OF_AREAS = (
-    Quantity("max_pressure", "pressure"),
-    Quantity("contact_area", "area"),
-    Quantity("max_tension", "pressure", tabled=False, along_paths=False),
+    Quantity("max_pressure", "pressure", "max pressure, positive up"),
+    Quantity("contact_area", "area", "contact area"),
+    Quantity("max_tension", "pressure", "max tension, pressure that pulls down", tabled=False, along_paths=False),
 )
-OF_LINES = tuple(Quantity(f"{side}_per_length", "per_length", along_paths=False) for side in ("max", "min"))
+OF_LINES = tuple(
+    Quantity(f"{side}_per_length", "per_length", f"{side} per length, reaction positive up", along_paths=False)
+    for side in ("max", "min")
+)
 """Quantities of supports along edges, lines and circles."""
 AT_CORNERS = Quantity("reaction", "corner", "concentrated force", (), "", False, False, False)
 """Concentrated forces at their corners and ends."""
-OF_LIMITED_AREAS = (Quantity("yielded_area", "area", tabled=False, along_paths=False),)
-OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
+OF_LIMITED_AREAS = (
+    Quantity("yielded_area", "area", "yielded area, where the limit is reached", tabled=False, along_paths=False),
+)
+OF_POINTS = (
+    Quantity("reaction", "reaction", "reaction, positive up"),
+    Quantity("gap", "deflection", "gap, remaining free travel"),
+)
 OF_TURNING_POINTS = tuple(
-    Quantity(f"moment_{axis}", "couple", "", ("moment", at), "moment") for at, axis in enumerate("xy")
+    Quantity(f"moment_{axis}", "couple", f"moment {axis}, couple on θ{axis} of the plate", ("moment", at), "moment")
+    for at, axis in enumerate("xy")
 )
 OF_POINTS_WITH_LAWS = (Quantity("piece", "count", "piece of the law", (), "", False, False, False),)
 TURNING = tuple(one.name for one in OF_TURNING_POINTS)
 OF_BOLTS = (
-    Quantity("preload", "reaction", enveloped=False, along_paths=False),
-    Quantity("prying", "part", tabled=False, along_paths=False),
+    Quantity("preload", "reaction", "preload, sum over the bolts", enveloped=False, along_paths=False),
+    Quantity("prying", "part", "prying, −Σ reaction / upward load", tabled=False, along_paths=False),
 )
 """Quantities of supports with tightened points."""
 AT_BOLTS = (
-    Quantity("tightened_to", "reaction", enveloped=False, along_paths=False),
-    Quantity("preload", "reaction", enveloped=False, along_paths=False),
-    Quantity("change", "reaction", enveloped=False, along_paths=False),
+    Quantity("tightened_to", "reaction", "tightened to, last tightening force", enveloped=False, along_paths=False),
+    Quantity("preload", "reaction", "preload, force before other loads", enveloped=False, along_paths=False),
+    Quantity("change", "reaction", "change, reaction − preload", enveloped=False, along_paths=False),
 )
 """At their points."""
-THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("shear", "force"))
+THROUGH = (
+    Quantity("moment", "couple", "moment, ∫ mₙₙ ds"),
+    Quantity("twist", "couple", "twist, ∫ mₙₛ ds"),
+    Quantity("shear", "force", "shear, ∫ qₙ ds"),
+)
 """Forces through sections."""
-MEANS = (Quantity("moment", "moment"), Quantity("twist", "moment"), Quantity("shear", "shear"))
+MEANS = (
+    Quantity("moment", "moment", "moment, mean of mₙₙ"),
+    Quantity("twist", "moment", "twist, mean of mₙₛ"),
+    Quantity("shear", "shear", "shear, mean of qₙ"),
+)
 """Their means at the stations of a strip."""
-OF_STRIPS = tuple(Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment"))
+OF_STRIPS = tuple(
+    Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations", tabled=False) for side in ("max", "min")
+)
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
 """Extremes of the means at places where a field has no limit."""
