@@ -1,4 +1,4 @@
-"""Combinations: generated, solved together, and held to what each gives when it is solved by itself."""
+"""Combinations: generated, solved together, and compared with single solves."""
 
 import io
 import os
@@ -274,7 +274,7 @@ def test_so_does_every_row_of_plates_on_areas(tmp_path, support):
     model = Model(**on_areas(support, random_rows(30)))
     results = signorini.solve(model, table=tmp_path / "t.parquet")
     assert len(same_as_alone(model, columns(tmp_path / "t.parquet"))) > 2
-    # Beside points that hold both ways an active set now and then leaves a combination to Lemke's algorithm.
+    # With two-sided points an active set sometimes leaves a combination to Lemke's algorithm.
     assert results.combined.alone <= (10 if "both" in support else 0)
 
 

@@ -1,4 +1,4 @@
-"""Drawings: what is read from DXF, what is left, and the input files made of them."""
+"""Drawings: shapes read from DXF, shapes left out, and the input files made of them."""
 
 import math
 import tomllib
@@ -23,7 +23,7 @@ RECTANGLE = [(0, 0), (12, 0), (12, 7), (0, 7)]
 
 
 class Sheet:
-    """A drawing, in metres if nothing else is said."""
+    """A drawing, in metres by default."""
 
     def __init__(self, directory: Path, unit: int = 6) -> None:
         self.made, self.path = ezdxf.new(), directory / "floor.dxf"
@@ -74,7 +74,7 @@ def written(drawing: Drawing) -> dict[str, Any]:
 
 
 def accepted(drawing: Drawing, directory: Path) -> bool:
-    """Check what is written of a drawing, on soil so that it stands; whether a corner of it is singular."""
+    """Check the model of a drawing, on soil so that it is held; return whether a corner of it is singular."""
     target = directory / "floor.toml"
     target.write_text(drawing_as_toml(drawing, "floor") + "\n[[support]]\narea = 'all'\nstiffness = 1e7\n", "utf-8")
     return bool(check(signorini.load(target)).singular)
@@ -177,7 +177,7 @@ def test_ellipses_and_splines_become_few_arcs_close_to_them_without_corners(tmp_
     sheet.space.add_open_spline([(0, 0), (2, 3), (6, 3), (8, 0)])
     sheet.lines("0", ((8, 0), (0, 0)))
     outline = sheet.read().outline
-    # Of Bézier's cubic: ∫ y dx with y = 9t(1 − t) and dx = (6 + 12t(1 − t)) dt.
+    # Bézier's cubic: ∫ y dx with y = 9t(1 − t) and dx = (6 + 12t(1 − t)) dt.
     assert outline.area == pytest.approx(9 + 108 / 30, rel=1e-4)
     assert 4 < len(outline.corners) < 20
 
@@ -522,7 +522,7 @@ def test_two_lines_as_far_apart_as_the_faces_of_a_wall_are_one(plate: Sheet) -> 
     )
 
 
-# What is left
+# Shapes left out
 
 
 TEE = [(1, 3), (5, 3), (5, 3.2), (3.1, 3.2), (3.1, 5), (2.9, 5), (2.9, 3.2), (1, 3.2)]

@@ -1,4 +1,4 @@
-"""Equilibrium as numbers: the line about which a plate tips, the moment that is short, what would hold it."""
+"""Equilibrium as numbers: the axis about which a plate tips, the missing moment, the support that would hold it."""
 
 import subprocess
 import sys

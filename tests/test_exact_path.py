@@ -1,4 +1,4 @@
-"""Load paths that follow every contact point: events, segments, jumps, and what they are held to."""
+"""Load paths that follow every contact point: events, segments, jumps, and their checks."""
 
 import itertools
 import tomllib
@@ -277,7 +277,7 @@ def test_where_a_coarse_mesh_ends_short_of_an_outline_the_path_says_so(tmp_path:
 
 @pytest.mark.parametrize("stiffness", [1e2, 1e4])
 def test_a_path_from_no_load_does_not_depend_on_how_large_the_load_is(stiffness) -> None:
-    """At t = 0 the plate lies on a soft stop that bears nothing yet; events may be at t = 1e-12."""
+    """At t = 0 the plate lies on a soft stop without force; events may be at t = 1e-12."""
     events = []
     for pressure in (1e6, 1e3, 1.0, 1e-3):
         model = rectangular(
@@ -356,7 +356,7 @@ def test_a_plate_on_a_round_bed_does_not_move_on_its_own():
 
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_stops_far_away_hide_no_events(method) -> None:
-    """Beside a gap of 1e9 m deflections of millimetres were rounding, and the plate went through its prop."""
+    """A gap of 1e9 m must not make deflections of millimetres rounding, so that the plate passes its prop."""
 
     def events(*stops):
         model = rectangular(
@@ -377,7 +377,7 @@ def test_stops_far_away_hide_no_events(method) -> None:
 
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_soil_far_softer_than_the_plate_has_the_events_of_the_deflection_alone(method) -> None:
-    """Beside the reactions of its props those of the soil were rounding, and it had no events."""
+    """The reactions of its props must not make those of the soil rounding, so that it has no events."""
 
     def events(stiffness: float) -> list[float]:
         model = rectangular(

@@ -81,7 +81,7 @@ def test_a_support_takes_the_mean_of_the_deflection_by_any_method(how, footprint
 @pytest.mark.parametrize("others", [[], [{"edge": "left", "fix": "clamped"}]], ids=["alone", "beside an edge"])
 @pytest.mark.parametrize("stiffness", [1e6, 1e9, 1e12, None])
 def test_wide_footprints_that_hold_both_ways_solve_the_equations_of_their_rows(stiffness, others):
-    """[K Gᵀ; G 0] with nothing condensed; K has the rows of elastic ones. Each footprint meets 25 elements."""
+    """[K Gᵀ; G 0] without condensation; K has the rows of elastic ones. Each footprint meets 25 elements."""
     support = {"at": AT, "patch": [0.9, 0.9], **({"fix": "simple"} if stiffness is None else {"stiffness": stiffness})}
     load = [{"force": 20e3, "at": [2.2, 1.7], "patch": [0.3, 0.2]}]
     problem = contact_problem(rectangular(divisions=[24, 24], support=[support, *others], load=load))
@@ -258,7 +258,7 @@ def test_a_footprint_bears_at_its_middle():
 
 
 def test_mean_deflections_over_one_place_may_differ_from_the_points():
-    # A footprint's mean says nothing of its middle: no contradiction, and a plate that bends between them.
+    # A footprint's mean does not fix its middle: no contradiction, and a plate that bends between them.
     support = [{"edge": "left", "fix": "clamped"}, {"at": [2, 2], "radius": 0.5}, {"at": [2, 2], "settlement": 1e-4}]
     result = solve(rectangular(divisions=[8, 8], support=support, load=[{"pressure": 1e3}]))["all"]
     assert result.certificate.passed
@@ -379,7 +379,7 @@ def test_footprints_that_turn_balance_the_load_and_sections_that_cross_them(mesh
     assert of.reaction == pytest.approx(1e4 * 24 + 5e4, rel=1e-12)
     for axis, moment in enumerate((1e4 * 24 * 3 + 5e4 * 4.2, 1e4 * 24 * 2 + 5e4 * 1.3)):
         assert of.reactions @ of.positions[:, axis] - of.moments[:, axis].sum() == pytest.approx(moment, rel=1e-10)
-    # Of the last column a third, about x = 2.1, is on the left.
+    # A third of the last column, about x = 2.1, is on the left.
     forces, couples = of.reactions[[0, 3, 4]] * [1, 1, 1 / 3], of.moments[[0, 3, 4], 0] * [1, 1, 1 / 3]
     levers = 2.2 - np.array([0.5, 0.5, 2.1])
     (cut,) = result.sections

@@ -117,7 +117,7 @@ def message(path):
 
 
 def one_line(path):
-    """What is said of a file in one line, behind its name."""
+    """The message about a file in one line, after its name."""
     said = message(path)
     assert said.startswith("slab.toml:") and len(said.splitlines()) == 1
     return said

@@ -1,4 +1,4 @@
-"""Whatever ends a run leaves the results of the run before, or those of this one, and nothing else."""
+"""An interrupted run leaves either the results of the run before or those of this one, complete."""
 
 import json
 import os
@@ -125,7 +125,7 @@ pathlib.Path.rename = rename
 
 
 def kill_amid_the_exchange(slab: Path, kill_at: int) -> None:
-    """Kill a run that writes other results before it moves so many files."""
+    """Kill a run that writes other results before it moves a given number of files."""
     slab.write_text(SLAB.format(title="second", along=4))
     running = started(slab, STEPPING)
     assert running.stdout is not None and running.stdin is not None
@@ -140,20 +140,20 @@ def kill_amid_the_exchange(slab: Path, kill_at: int) -> None:
 
 @pytest.mark.parametrize("kill_at", [1, 8])
 def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) -> None:
-    """results.json goes first and comes last of the eight, so what is found without it is not taken for results."""
+    """results.json is the first of eight files removed and the last moved: files without it are no results."""
     kill_amid_the_exchange(slab, kill_at)
     results = slab.with_name("slab-results") / "results.json"
     assert results.exists() == (kill_at == 1)
     if kill_at == 1:
         assert json.loads(results.read_text("utf-8"))["title"] == "first"
-    # The next run is not disturbed by what the killed one left, and removes it.
+    # The next run removes the files that the killed one left.
     assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0
     assert whole(results.parent) == "second"
     assert sorted(path.name for path in slab.parent.iterdir()) == ["slab-results", "slab.toml"]
 
 
 def test_what_a_kill_amid_the_exchange_left_is_not_left_beside_other_results(slab: Path) -> None:
-    """Files that no results.json names any more go with the next success, whatever its combinations are called."""
+    """Files that no results.json names are removed by the next successful run."""
     kill_amid_the_exchange(slab, 3)
     results = slab.with_name("slab-results")
     assert (results / "all.vtu").exists() and not (results / "results.json").exists()

@@ -1,4 +1,4 @@
-"""Mesh files: what is read from each format, and what is refused."""
+"""Mesh files: content read from each format, and refusals."""
 
 import json
 
@@ -493,7 +493,7 @@ def test_areas_pass_over_the_holes_of_a_mesh_and_not_beyond_its_outline(tmp_path
     ):
         model = Model(**on_nodes(file, edge, {"pressure": 4.0, "area": area}))
         whole = model.load[0].area.region.area
-        # Of the last the hole in the area lies over that in the mesh, but for what is left of it.
+        # In the last one the hole in the area covers most of that in the mesh.
         over = np.pi * 0.25 if "holes" not in area else np.pi * 0.25 - 0.08
         assert discretise(model).cases["load"].nodal[::3].sum() == pytest.approx(4 * (whole - over), rel=2e-3)
     beyond = {"circle": {"center": [3, 2], "radius": 2.1}}

@@ -1,4 +1,4 @@
-"""What a new user is told who writes something wrong: what was found, what is allowed, what to do, and where."""
+"""Messages for wrong input: value found, allowed values, remedy, and place."""
 
 import re
 
@@ -30,7 +30,7 @@ MODEL = tables(
 
 
 def told(tmp_path, text):
-    """Return what the command line tells of an input file."""
+    """Return the message of the command line about an input file."""
     file = tmp_path / "slab.toml"
     file.write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as caught:

@@ -230,7 +230,7 @@ load = [{ case = "G", pressure = 8 }, { case = "Q", force = 100, at = [3.8, 3.8]
 
 @pytest.fixture(scope="module")
 def bedded(tmp_path_factory: pytest.TempPathFactory):
-    """What a path of a plate on soil prints and writes."""
+    """Output of a path of a plate on soil."""
     file = tmp_path_factory.mktemp("bed") / "bed.toml"
     file.write_text(BED)
     result = run("path", file, "--from", "G", "--add", "Q", "--until", 1.8)

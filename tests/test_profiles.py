@@ -1,4 +1,4 @@
-"""Profiles: what the documents promise of them."""
+"""Profiles: the promises of the documents."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the documents promise of `rigid = true` and `extremes = false`."""
+"""Promises of the documents for `rigid = true` and `extremes = false`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``[mesh] snap`` moves what is drawn a little beside something onto it, and says so; without it nothing moves."""
+"""``[mesh] snap`` moves places onto others near them and reports it; without it no place moves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the terminal shows: it fits, breaks no number, says what governs, and ends quietly."""
+"""Terminal output: it fits, breaks no number, names governing combinations, and ends quietly."""
 
 import io
 import os

@@ -1,4 +1,4 @@
-"""Warnings: what is solved all the same, but seldom meant; and that ordinary models have none."""
+"""Warnings about input that is solved but seldom meant; ordinary models have no warning."""
 
 import json
 import re
@@ -41,7 +41,7 @@ def model(**changes: object) -> signorini.Model:
 def warned(**changes: object) -> tuple[str, ...]:
     """Warnings of the one combination, which are those in results.json; those of the model are those of `check`."""
     given = model(**changes)
-    # What ± says is not of the model.
+    # Warnings of ± are not about the model.
     results = signorini.solve(given.model_copy(update={"mesh": given.mesh.model_copy(update={"error": False})}))
     (result,) = results.values()
     assert results_json(results)["combinations"][0]["warnings"] == list(result.warnings)

@@ -165,7 +165,7 @@ def test_sections_cut_areas_with_arcs():
         support=[{"name": side, "edge": [side]} for side in ("left", "right")],
     )
     (section,) = result.sections
-    # Of the half disc about [4.5, 3] what is to the right of the line.
+    # The part of the half disc about [4.5, 3] to the right of the line.
     segment = np.arccos(0.2) - 0.2 * np.sqrt(1 - 0.04)
     right = result.reactions["right"] - 5e3 * segment
     assert abs(section.shear) == approx(abs(right), rel=1e-9)

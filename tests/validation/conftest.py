@@ -1,4 +1,4 @@
-"""What several validation tests share: a square plate, and a plate solved with prescribed dofs and nothing else."""
+"""Common code of validation tests: a square plate, and a plate solved with prescribed dofs only."""
 
 import numpy as np
 import pytest

@@ -158,7 +158,7 @@ DRAWN = [
     [[0, 0], [0, 15], [0.002, 25], [0.003, 25]],
 ]
 BOTH_WAYS = [
-    *DRAWN[:-1],  # both ways of the last are one row, without compliance
+    *DRAWN[:-1],  # both directions of the last are one row, without compliance
     [[-0.01, -5], [0, 0], [0.001, 20], [0.01, 30]],
     [[-0.002, -30], [-0.001, -30], [0, 0], [0.002, 50]],
 ]

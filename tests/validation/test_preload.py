@@ -206,7 +206,7 @@ def test_a_table_of_factors_is_its_combinations_one_by_one(method: str) -> None:
 
 
 def random_joint(seed: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """What lies under a plate, and bolts of every kind that hold it there."""
+    """Supports under a plate, and bolts of every kind that hold it there."""
     draw = np.random.default_rng(seed)
     under = [{"name": "bed", "area": {"rectangle": [0, 0, 4, 4]}, "resists": "down", "stiffness": 4e6}]
     if seed % 2:
@@ -252,7 +252,7 @@ def test_the_travel_that_tightening_finds_is_a_settlement_that_does_the_same(see
     for one, other in zip(found.supports, wanted.supports, strict=True):
         assert np.abs(one.reactions - other.reactions).max() < 1e-9 * size
         assert one.states == other.states
-    # Without loads every bolt of the last order carries what it was tightened to.
+    # Without loads every bolt of the last order carries its tightening force.
     bare = build(**tables | {"mesh": mesh, "support": [*tables["support"], *made]}, combination=[{"factors": {}}])
     (rest,) = solve(bare).values()
     for bolt, support in zip(made, rest.supports[len(tables["support"]) :], strict=True):
