@@ -433,7 +433,7 @@ def test_results_and_a_load_path_in_one_directory_leave_each_other_alone(
         p.name for p in tmp_path.iterdir()
     }
     named_path = signorini.solve(model(combination=[{"name": "path", "factors": {"G": 1}}]))
-    with pytest.raises(InputError, match=r"path.png is there already"):
+    with pytest.raises(InputError, match=r"path.png exists"):
         write(named_path, tmp_path)
 
 
