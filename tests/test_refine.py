@@ -84,7 +84,7 @@ def test_other_meshes_of_a_refined_one_are_refined_alike() -> None:
     [
         (
             {"size": 0.1},
-            "mesh.refine[1]: found none; exactly one of at, edge, line, circle, area gives the place of the smaller elements.",
+            "mesh.refine[1]: found none; exactly one of at, edge, line, circle, area gives the place",
         ),
         ({"edge": "lef", "size": 0.1}, "mesh.refine[1].edge: Unknown edge 'lef'."),
         ({"at": [1, 1]}, "mesh.refine[1].size"),
