@@ -28,6 +28,7 @@ LAYERS = (
     {"analysis"},
     {"output"},
     {"__init__"},
+    {"importers"},
     {"cli"},
     {"__main__"},
 )
@@ -35,7 +36,7 @@ LAYERS = (
 ALONE = {"shapes": {"errors", "_core"}, "plot": {"base", "errors", "shapes", "_core"}}
 # Packages that only these modules may import.
 ONLY_IN = {
-    "ezdxf": {"formats"},
+    "ezdxf": {"importers"},
     "highspy": {"base"},
     "matplotlib": {"plot"},
     "meshio": {"formats", "mesh"},
