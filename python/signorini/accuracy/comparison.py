@@ -280,7 +280,7 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     if growing:
         warnings.append(
             f"As the mesh is refined these grow and show no limit: {named_numbers(growing, model, probes)}. The "
-            "singularities that are named say why, and what to do."
+            "named singularities give the reason and the remedy."
         )
     return Estimate(result, widths, with_widths(figures(result), by_path), meshes.elements, tuple(warnings))
 

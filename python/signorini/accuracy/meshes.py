@@ -333,8 +333,8 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
         and min(worst[-_TRIED:]) > _GAINED * min(worst[:-_TRIED])
     ):
         return None, (
-            f"{left}, but finer meshes do not bring it much nearer. What acts at a point, or on less than an element, "
-            "needs a footprint or mesh.refine; a shear on a line that supports or loads the plate jumps there."
+            f"{left}, but finer meshes do not bring it much nearer. Loads and supports at points, or on less than "
+            "an element, need a footprint or mesh.refine; the shear jumps on a line that supports or loads the plate."
         )
     shrinking = float(np.clip((reached.worst / asked) ** (1 / ORDER), _LEAST_STEP, _MOST))
     count = math.ceil(reached.elements * shrinking**2)

@@ -242,7 +242,7 @@ def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterat
             yield _resultant(discretisation, freedom, combination)
             continue
         factors = combination.factors or {}
-        resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)
+        resultant = _superposed(of_case, factors, np.zeros(3))
         total = sum(abs(factor) * size[case] for case, factor in factors.items())
         why = unbalanced.get(number)
         yield _of(discretisation, combination, resultant, total, why, limit=None if why is None else why.limit)
@@ -259,7 +259,7 @@ def _unbalanced(
     of_case = {case: work_of(discretisation, freedom, load) for case, load in weighing.items()}
     combinations, nothing = discretisation.model.effective_combinations, np.zeros(freedom.count)
     works = {
-        number: sum((factor * of_case[case] for case, factor in (combination.factors or {}).items()), nothing)
+        number: _superposed(of_case, combination.factors or {}, nothing)
         for number, combination in enumerate(combinations)
         if number >= ASKED
     }
@@ -275,6 +275,11 @@ def _unbalanced(
         else:
             result[number] = why
     return result
+
+
+def _superposed(of_case: Mapping[str, Floats], factors: Mapping[str, float], zero: Floats) -> Floats:
+    """Sum of factor times the vector of each case; ``zero`` without cases."""
+    return sum((factor * of_case[case] for case, factor in factors.items()), zero)
 
 
 def _sums(discretisation: Discretisation, nodal: Floats) -> Floats:

@@ -187,7 +187,7 @@ class PathJudge:
             raise NotCertifiedError
 
     def _doubtful(self, at: list[float], answers: list[Answer]) -> Bools:
-        """Whether between each answer and the one before it more than one may be right."""
+        """Whether the answer may not be unique between each t and the t before it (k,)."""
         chain = [*([] if self._before is None else [self._before]), *zip(at, answers, strict=True)]
         doubts = np.zeros(len(chain), np.bool_)
         apart = [row for row in range(1, len(chain)) if chain[row - 1][0] < chain[row][0]]

@@ -107,7 +107,8 @@ class RowProblem(Brief):
         )
         if answer.status != "solved":
             raise InputError(
-                "rows contradict each other: no displacements satisfy all. Correct a gap, or give a flexibility.",
+                "rows contradict each other: no displacements satisfy all of them. Correct a gap, or give a "
+                "flexibility.",
                 place="G",
             )
         reactions = np.zeros(len(s))

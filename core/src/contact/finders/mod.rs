@@ -1,4 +1,4 @@
-//! Methods that find the contact state of a load.
+//! Methods that find the contact state under a load: Lemke's algorithm and the active set.
 
 mod active_set;
 mod feasibility;

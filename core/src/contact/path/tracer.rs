@@ -45,7 +45,7 @@ impl<'a> PathTracer<'a> {
         problem.solve(&load, &Settings::default(), near, &mut |now| self.goes_on(now))
     }
 
-    /// The line on a contact state; `None` where the state does not hold the plate.
+    /// The solution u₀ + t u₁ on a contact state; `None` if the state leaves the plate a free motion.
     pub fn line(
         &mut self,
         pieces: &[u8],

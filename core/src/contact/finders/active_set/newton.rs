@@ -13,7 +13,8 @@ use crate::contact::tolerances;
 const NEWTON: usize = 2000;
 /// Steps with a changing contact state after which directions are computed accurately.
 const UNSETTLED: usize = 8;
-/// Successive steps with little reduction of the residual that end the iteration: the rest is rounding.
+/// Number of successive steps with little reduction of the residual at which the iteration ends: the residual is
+/// then rounding.
 const STALLS: usize = 3;
 /// Steps on an unchanged contact state without a new least residual that end the iteration.
 const LASTING: usize = 12;
