@@ -41,6 +41,7 @@ ONLY_IN = {
     "matplotlib": {"plot"},
     "meshio": {"formats", "mesh"},
     "pyarrow": {"formats"},
+    "shapely": {"model", "shapes"},
     "typer": {"cli"},
     "rich": {"cli"},
     "pydantic": {"model", "formats", "expression"},

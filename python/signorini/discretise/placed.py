@@ -19,7 +19,6 @@ from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Model, Support
 from signorini.model.where import Acting
 from signorini.shapes import Circle, Whole
-from signorini.shapes.outlines import closed
 from signorini.shapes.regions import inside as within
 from signorini.shapes.regions import overlap
 
@@ -101,7 +100,7 @@ class Footprints:
             if (hole.min(axis=0) > around.max(axis=0)).any() or (hole.max(axis=0) < around.min(axis=0)).any():
                 continue
             common, size = overlap(around, hole), overlap(hole, hole)
-            if common >= (1.0 - _HOLE_SLACK) * size or within(np.array([centre]), closed(hole.tolist()))[0]:
+            if common >= (1.0 - _HOLE_SLACK) * size or within(np.array([centre]), hole)[0]:
                 result += common
         return result
 

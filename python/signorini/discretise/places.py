@@ -33,7 +33,7 @@ from signorini.model.where import Where
 from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring, Rounded
 from signorini.shapes.distances import Targets, distances
 from signorini.shapes.extent import hull
-from signorini.shapes.outlines import Point, along_arc, closed
+from signorini.shapes.outlines import Point, along_arc
 from signorini.shapes.regions import inside, overlap
 
 _SECTOR_SLACK = 1e-3
@@ -95,7 +95,7 @@ def points_in_holes(mesh: Mesh, points: Floats) -> Bools:
     """Whether points (q, 2) are in a hole of the plate."""
     result = np.zeros(len(points), np.bool_)
     for hole in mesh.holes:
-        result |= inside(points, closed(hole.tolist()))
+        result |= inside(points, hole)
     return result
 
 
@@ -268,7 +268,7 @@ def outline(mesh: Mesh, plate: Plate, where: Where) -> Floats:
         points = _of_shape(plate, where.shape)
     else:
         points = np.concatenate([_edge(mesh, plate, name) for name in where.edges or (None,)])
-    return np.asarray(points[hull(points)])
+    return hull(points)
 
 
 def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
