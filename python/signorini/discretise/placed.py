@@ -15,10 +15,10 @@ from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, a
 from signorini.discretise.rows import Floats, Ints, Rows, interpolated
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
-from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Model, Support
 from signorini.model.where import Acting
 from signorini.shapes import Circle, Whole
+from signorini.shapes.boxes import BoxTree
 from signorini.shapes.regions import inside as within
 from signorini.shapes.regions import overlap
 
@@ -203,7 +203,7 @@ def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[L
     positions = np.where((nodes >= 0)[:, None], mesh.points[nodes], sampled.positions)
     if len(taken):
         reach = mesh.near.place * np.array([-1.0, -1.0, 1.0, 1.0])
-        indices, others = BoxTree.build(np.tile(taken, 2) + reach).pairs(positions)
+        indices, others = BoxTree(np.tile(taken, 2) + reach).pairs(positions)
         # Reverse order: the first point in ``taken`` is assigned last and wins.
         for point, other in sorted(zip(indices.tolist(), others.tolist(), strict=True), reverse=True):
             positions[point] = positions[point] if nodes[point] >= 0 else taken[other]

@@ -27,10 +27,10 @@ from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, Problems, length, point, unknown
 from signorini.mesh import Location, Mesh
-from signorini.mesh.isoparametric import BoxTree
 from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Plate
 from signorini.model.where import Where
 from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring, Rounded
+from signorini.shapes.boxes import BoxTree
 from signorini.shapes.distances import Targets, distances
 from signorini.shapes.extent import hull
 from signorini.shapes.outlines import Point, along_arc
@@ -329,7 +329,7 @@ def missing_corners(mesh: Mesh, plate: Plate, where: Where, covered: Bools, reac
     along = np.sort(corners[:, 0])
     beside = np.searchsorted(along, reached[:, 0] - near) < np.searchsorted(along, reached[:, 0] + near, "right")
     if beside.any():
-        reached_corners, _ = BoxTree.build(np.hstack([reached[beside] - near, reached[beside] + near])).pairs(corners)
+        reached_corners, _ = BoxTree(np.hstack([reached[beside] - near, reached[beside] + near])).pairs(corners)
         corners = np.delete(corners, reached_corners, axis=0)
     if not len(corners):
         return OutlinePoints(corners, np.zeros((0, 4), np.int64))
