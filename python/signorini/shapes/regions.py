@@ -310,6 +310,11 @@ def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
     return min(zip(i[apart].tolist(), j[apart].tolist(), strict=True), default=None)
 
 
+def meet(one: Floats, other: Floats, within: float) -> bool:
+    """Whether two sets of segments, (k, 2, 2) and (m, 2, 2), are at most ``within`` apart."""
+    return bool(shapely.dwithin(shapely.MultiLineString([*one]), shapely.MultiLineString([*other]), within))
+
+
 @dataclass(frozen=True)
 class Hollow(outlines.Drawn):
     """A region without its holes.
