@@ -8,7 +8,6 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from signorini import _core
 from signorini.base.arguments import checked
 from signorini.base.remade import Brief
 from signorini.contact.certificate import certified
@@ -121,15 +120,6 @@ class ExactPath(LoadPath):
             tried = answered(self.problem, load, beside=made_of)
             answer, certificate = certified(discretisation, load, tried.answer.somehow or tried.answer, made_of)
             methods = tried.methods
-        if not certificate.passed:
-            answers: list[_core.ContactSolution] = []
-            nodal = self._loads[0].nodal, self._loads[1].nodal
-            self.problem.core.path(
-                *nodal, discretisation.held.values, t, lambda t, points, answer: answers.append(answer)
-            )
-            if answers:
-                answer, certificate = certified(discretisation, load, Answer.of(discretisation, answers[-1]), made_of)
-                methods = (self.problem.method,)
         if not certificate.passed:
             raise NotCertifiedError(refusal(self.load_at(t).name, discretisation, load, answer, certificate))
         elsewhere = partial(self._beside, t) if leading else None
