@@ -15,11 +15,11 @@ from signorini.discretise import Discretisation
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError, point, unknown
 from signorini.model import Support
+from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.contact_field.cells import free_travel, overlap
 from signorini.results.path_stop import PathStop, numbers_at_stops
 from signorini.results.quantities import SMOOTH
 from signorini.results.support_points import Scales, SupportPoints, closed_by_point, in_falling_order
-from signorini.results.support_result import area_at_rest
 
 LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Parts of a line or area that are closed at its events: it begins to open, three quarters, all of it is open."""

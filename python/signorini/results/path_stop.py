@@ -10,16 +10,14 @@ import numpy as np
 
 from signorini.base.on_demand import kept
 from signorini.base.remade import Brief
-from signorini.contact.certificate import imbalances
 from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints, Pieces
 from signorini.results.catalogue import catalogue_of
 from signorini.results.extremes import peak
 from signorini.results.of_plates import places_in_plates
-from signorini.results.quantities import SIDES, TURNING, Catalogue, Home
-from signorini.results.support_points import SupportPoints, closed_part
-from signorini.results.support_result import area_at_rest
+from signorini.results.quantities import SIDES, Catalogue, Home
+from signorini.results.readings import Readings, SupportForces
 
 _MOST_POINTS = 100
 """Largest number of points whose reactions are listed at each stop."""
@@ -191,21 +189,18 @@ def _numbers(
     """The numbers of the catalogue in every answer (k, n); ``beneath`` are other plates' deflections (k, n)."""
     if discretisation.plates:
         return _of_plates(discretisation, catalogue, loads, answers)
-    hi, lo = np.array([answer.hi for answer in answers]), np.array([answer.lo for answer in answers])
-    imbalance = imbalances(discretisation, loads, hi, lo) if imbalance is None else imbalance
-    deflection, pull = (hi + lo)[:, ::3], discretisation.spring_forces(hi, lo)
-    numbers = np.full((len(answers), len(catalogue)), np.nan)
-    _put_supports(discretisation, catalogue, numbers, imbalance, pull, deflection, answers, beneath)
-    values = discretisation.mesh.shape_functions(discretisation.probes.elements, discretisation.probes.xi)
-    at_probes = np.einsum(
-        "qi,kqi->kq", values, deflection[:, discretisation.mesh.elements[discretisation.probes.elements]]
-    )
-    numbers[:, catalogue.at("probe", "deflection")] = at_probes
+    forces = [
+        SupportForces.of(
+            *(discretisation, load.nodal, answer.hi, answer.lo, discretisation.point_rows.T @ answer.shared),
+            imbalance=None if imbalance is None else imbalance[row],
+        )
+        for row, (load, answer) in enumerate(zip(loads, answers, strict=True))
+    ]
+    readings = Readings.of(discretisation, loads, answers, forces, [None] * len(answers), beneath)
+    numbers = readings.numbers(catalogue)
+    deflection = readings.deflections(slice(None))
     ends = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)
     numbers[:, catalogue.at("field", *SIDES)] = ends[:, None]
-    for row, (load, answer) in enumerate(zip(loads, answers, strict=True)):
-        through = discretisation.through(load, answer.hi, answer.lo, answer.shared, pull[row])
-        catalogue.put_through(numbers[row], through)
     return numbers
 
 
@@ -225,45 +220,3 @@ def _of_plates(
         smallest = catalogue.numbers[place].what == "min"
         result[:, place] = np.min(values, axis=0) if smallest else np.max(values, axis=0)
     return result
-
-
-def _put_supports(
-    discretisation: Discretisation,
-    catalogue: Catalogue,
-    numbers: Floats,
-    imbalance: Floats,
-    pull: Floats,
-    deflection: Floats,
-    answers: Sequence[Answer],
-    beneath: Mapping[int, Floats],
-) -> None:
-    """Fill in the numbers of supports and their points in each answer (k, n)."""
-    shared, all_closed = np.array([one.shared for one in answers]), np.array([one.closed for one in answers])
-    gaps = np.array([one.gap for one in answers])
-    held_force = np.where(discretisation.held.dofs, imbalance - (discretisation.point_rows.T @ shared.T).T, 0.0)[:, ::3]
-    of_points: list[tuple[Floats, Floats]] = []
-    moments = [SupportPoints.of(discretisation, i).moments(pull) for i in range(len(discretisation.model.support))]
-    areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
-    for index, support in enumerate(discretisation.model.support):
-        points = SupportPoints.of(discretisation, index)
-        fixed = np.concatenate([held_force[:, points.nodes], pull[:, points.springs]], axis=1)
-        reactions, closed = points.forces(fixed, shared), points.closed(all_closed)
-        contact = np.full(len(answers), np.nan)
-        if support.area is not None:
-            at_rest, above = area_at_rest(discretisation, index), deflection - beneath.get(index, 0.0)
-            contact = at_rest.contact_areas(above, closed)
-            pressures = at_rest.measured(above[:, at_rest.on_nodes], reactions)
-            most = np.fmax.reduce(pressures, axis=1, initial=0.0)
-            at = catalogue.at("support", "contact_area", "max_pressure")[areas.index(index)]
-            numbers[:, at] = np.stack([contact, most], axis=1)
-        parts = [
-            closed_part(discretisation, index, one, area) for one, area in zip(answers, contact.tolist(), strict=True)
-        ]
-        count = closed.sum(axis=1)
-        at = catalogue.at("support", "reaction", "closed", "open", "closed_part")[index]
-        numbers[:, at] = np.stack([reactions.sum(axis=1), count, closed.shape[1] - count, parts], axis=1)
-        if support.place == "at":
-            of_points.append((reactions, points.gaps(gaps)))
-    if len(at := catalogue.at("point", "reaction", "gap")):
-        numbers[:, at] = np.stack([np.concatenate(column, axis=1) for column in zip(*of_points, strict=True)], axis=-1)
-        numbers[:, catalogue.at("point", *TURNING)] = np.concatenate(moments, axis=1)

@@ -24,7 +24,6 @@ from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats
 from signorini.discretise.stressnodes import StressNodes
-from signorini.equilibrium.balance import NO_FORCE
 from signorini.errors import InputError, point
 from signorini.formats.vtk import as_meshio, displacement_vector, write_vtu
 from signorini.mesh import Location, Mesh
@@ -46,24 +45,17 @@ from signorini.results.marks import panel, support_marks
 from signorini.results.notebook import supports_table
 from signorini.results.of_plates import said_of
 from signorini.results.quantities import (
-    AT_BOLTS,
-    AT_CORNERS,
     FIELDS,
     LINEAR,
     MEAN_SIDES,
-    OF_AREAS,
-    OF_BOLTS,
-    OF_LIMITED_AREAS,
-    OF_LINES,
     PEAKING,
     SIDES,
     TOLD,
-    TURNING,
     Catalogue,
-    Home,
     Number,
     derived,
 )
+from signorini.results.readings import Readings, SupportForces
 from signorini.results.support_result import SupportResult, areas_below, support_result
 from signorini.results.warnings import model_warnings, result_warnings, sentences
 from signorini.singularities.named import singularities
@@ -77,7 +69,7 @@ Status = Literal["solved", "no_equilibrium"]
 
 
 @checked
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Result(Remade):
     """One combination. Numbers are NaN where there is no equilibrium.
 
@@ -117,6 +109,8 @@ class Result(Remade):
         At the nodes of stresses, NaN where a stiffness is given in place of a solid section.
     catalogue : Catalogue
         What ``numbers`` are.
+    read : (k,) array
+        The numbers of the catalogue without extremes of fields, which are NaN.
     combination : Combination or None
         The load, by factors of the model's cases; None where it is none of these.
     means : Means or None
@@ -151,6 +145,7 @@ class Result(Remade):
     singular: tuple[Singularity, ...]
     thickness: Floats
     catalogue: Catalogue
+    read: Floats
     combination: Combination | None
     means: Means | None = None
     plates: Mapping[str, Result] = field(default_factory=dict)
@@ -183,59 +178,46 @@ class Result(Remade):
         rotation = discretisation.held.to_global(nodal[:, 1:])
         if stress is None:
             stress, _ = discretisation.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
-        spread = discretisation.point_rows.T @ answer.shared
-        held_force = np.zeros(discretisation.dof_count)
-        if discretisation.held.dofs.any():
-            imbalance = discretisation.plate.residual(discretisation.springs.arrays, load.nodal, hi, lo)
-            held_force = np.where(discretisation.held.dofs, imbalance - spread, 0.0)
-        held_couple = discretisation.held.to_global(held_force.reshape(-1, 3)[:, 1:])
-        pull = discretisation.spring_forces(hi, lo)
+        forces = SupportForces.of(discretisation, load.nodal, hi, lo, discretisation.point_rows.T @ answer.shared)
         points, springs = discretisation.off_areas
-        nodal_reaction = held_force + discretisation.point_rows.T @ (points * answer.shared)
-        nodal_reaction += discretisation.spring_rows.T @ (springs * pull)
-        forces = load.weighing[::3]
-        lift = -float(forces.sum())
-        lift = lift if lift > NO_FORCE * np.abs(forces).sum() else np.nan
-        every = (
-            support_result(
-                *(discretisation, index, held_force[::3], held_couple, pull, answer, lift),
-                *((beneath or {}).get(index, 0.0), index in upon),
-            )
-            for index in range(len(discretisation.model.support))
-        )
-        supports = Listed(every, "support")
+        nodal_reaction = forces.held + discretisation.point_rows.T @ (points * answer.shared)
+        nodal_reaction += discretisation.spring_rows.T @ (springs * forces.springs)
         nodes, thickness = discretisation.stress_nodes, discretisation.node_thickness
         fields = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(rotation), stress])
-        through = discretisation.through(load, hi, lo, answer.shared, pull)
+        on_others = {index: below[None] for index, below in (beneath or {}).items()}
+        readings = Readings.of(discretisation, [load], [answer], [forces], [fields], on_others, upon)
+        supports = Listed(
+            (support_result(readings, index, forces) for index in range(len(discretisation.model.support))), "support"
+        )
+        catalogue, probes = catalogue_of(discretisation, TOLD), discretisation.probe_positions
         return cls(
-            load_of if isinstance(load_of, str) else load_of.name,
-            "solved",
-            "",
-            method,
-            tuple(unsettled),
-            answer.pivots if method == "lemke" else answer.iterations,
-            answer.not_unique,
-            discretisation.mesh,
-            discretisation.model,
-            certificate,
-            nodal[:, 0],
-            rotation,
-            nodes,
-            stress[:, :3],
-            stress[:, 3:],
-            nodal_reaction[::3],
-            supports,
-            tuple(
-                probe_results(fields, nodes, thickness, supports, discretisation.probes, discretisation.probe_positions)
-            ),
-            *section_results(discretisation, through),
-            time.perf_counter() - begun,
-            result_warnings(discretisation, load, nodal[:, 0], supports, answer.not_unique),
-            singularities(discretisation, load.acting),
-            thickness,
-            catalogue_of(discretisation, TOLD),
-            None if isinstance(load_of, str) else load_of,
-            Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting),
+            name=load_of if isinstance(load_of, str) else load_of.name,
+            status="solved",
+            message="",
+            method=method,
+            unsettled=tuple(unsettled),
+            iterations=answer.pivots if method == "lemke" else answer.iterations,
+            not_unique=answer.not_unique,
+            mesh=discretisation.mesh,
+            model=discretisation.model,
+            certificate=certificate,
+            deflection=nodal[:, 0],
+            rotation=rotation,
+            stress_nodes=nodes,
+            moment=stress[:, :3],
+            shear=stress[:, 3:],
+            nodal_reaction=nodal_reaction[::3],
+            supports=supports,
+            probes=probe_results(probes, readings.probes[0], readings.pressures[0], discretisation.probe_thickness),
+            **section_results(discretisation, readings.linear.through[0]),
+            seconds=time.perf_counter() - begun,
+            warnings=result_warnings(discretisation, load, nodal[:, 0], supports, answer.not_unique),
+            singular=singularities(discretisation, load.acting),
+            thickness=thickness,
+            catalogue=catalogue,
+            read=readings.numbers(catalogue)[0],
+            combination=None if isinstance(load_of, str) else load_of,
+            means=Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting),
         )
 
     @classmethod
@@ -272,7 +254,7 @@ class Result(Remade):
         for one in each:
             of = plates[one.name]
             stress[one.stress_nodes] = np.column_stack([of.moment, of.shear])
-        first, alike = plates[each[0].name], list(plates.values())
+        first, alike, catalogue = plates[each[0].name], list(plates.values()), catalogue_of(discretisation, TOLD)
         return replace(
             first,
             not_unique=answer.not_unique,
@@ -292,7 +274,8 @@ class Result(Remade):
             warnings=said_of({name: of.warnings for name, of in plates.items()}) + sentences(answer.not_unique),
             singular=singularities(discretisation, load.acting),
             thickness=discretisation.node_thickness,
-            catalogue=catalogue_of(discretisation, TOLD),
+            catalogue=catalogue,
+            read=np.full(len(catalogue), np.nan),
             plates=plates,
         )
 
@@ -351,8 +334,8 @@ class Result(Remade):
         if self.plates:
             every = {name: own for one in self.plates.values() for name, own in one.profiles.items()}
             return Named({one.name: every[one.name] for one in self.model.profile}, "profile", "This result")
-        profiles = self.model.profile if self.status == "solved" else ()
-        result = profile_results(profiles, self.fields, self.stress_nodes, self.supports) if profiles else ()
+        profiles, areas = self.model.profile if self.status == "solved" else (), areas_below(self.supports)
+        result = profile_results(profiles, self.fields, self.stress_nodes, areas) if profiles else ()
         return Named({one.name: one for one in result}, "profile", "This result")
 
     @cached_property
@@ -389,9 +372,9 @@ class Result(Remade):
     @cached_property
     def numbers(self) -> Floats:
         """Every number (k,) of its ``catalogue``; NaN if missing."""
-        result, at = np.full(len(self.catalogue), np.nan), self.catalogue.at
         if self.status != "solved":
-            return result
+            return self.read
+        result, at = self.read.copy(), self.catalogue.at
         if self.plates:
             each = list(self.plates.values())
             for place, numbers in enumerate(self.catalogue.in_plates):
@@ -399,44 +382,6 @@ class Result(Remade):
                 smallest = self.catalogue.numbers[place].what.startswith("min")
                 result[place] = (np.fmin if smallest else np.fmax).reduce(values)
             return result
-
-        def put(home: Home, owners: Sequence[object], *names: str) -> None:
-            for name in names if owners else ():
-                result[at(home, name)] = [getattr(one, name) for one in owners]
-
-        areas = [one for one in self.supports if one.area is not None]
-        put("support", self.supports, "reaction", "closed_part")
-        put("support", areas, *(one.name for one in OF_AREAS))
-        lines = [one.line for one in self.supports if one.line is not None]
-        put("support", lines, *(one.name for one in OF_LINES))
-        corners = [line.corner_reactions for line in lines]
-        result[at("corner", AT_CORNERS.name)] = np.concatenate([np.zeros(0), *corners])
-        limited = [one for one in areas if one.yielded_area is not None]
-        put("support", limited, *(one.name for one in OF_LIMITED_AREAS))
-        bolts = [one for one in self.supports if one.preloads is not None]
-        put("support", bolts, *(one.name for one in OF_BOLTS))
-        for quantity in AT_BOLTS if bolts else ():
-            result[at("point", quantity.name)] = np.concatenate([bolt.bolt_forces[quantity.name] for bolt in bolts])
-        put("section", self.sections, "moment", "twist", "shear")
-        put("station", [station for strip in self.strips for station in strip.stations], "moment", "twist", "shear")
-        result[at("support", "closed", "open")] = [(one.closed_count, one.open_count) for one in self.supports]
-        points = [one for one in self.supports if one.place == "at"]
-        if len(at("point", "reaction")):
-            result[at("point", "reaction")] = np.concatenate([one.reactions for one in points])
-            result[at("point", "gap")] = np.concatenate([one.gaps for one in points])
-        if lawful := [one.pieces for one in points if one.pieces is not None]:
-            result[at("point", "piece")] = np.concatenate(lawful)
-        if turning := [one.moments for one in points if one.moments is not None]:
-            result[at("point", *TURNING)] = np.concatenate(turning)
-        if self.probes:
-            linear = [(one.deflection, *one.rotation, *one.moment, *one.shear) for one in self.probes]
-            result[at("probe", *LINEAR)] = linear
-            if areas:
-                result[at("probe", "pressure")] = [np.nan if p.pressure is None else p.pressure for p in self.probes]
-            self.catalogue.derive(result, np.array([one.thickness for one in self.probes]))
-        if self.strips:
-            result[at("strip", "max_moment")] = [one.sagging.moment for one in self.strips]
-            result[at("strip", "min_moment")] = [one.hogging.moment for one in self.strips]
         for side in SIDES:
             result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
         for side in MEAN_SIDES:
@@ -452,8 +397,12 @@ class Result(Remade):
             If a point is not on the plate, or none at all.
         """
         positions, where = self._located(points)
-        fields = np.column_stack([self.stress_nodes.spread(self.fields[name]) for name in LINEAR])
-        return probe_results(fields, self.stress_nodes, self.thickness, self.supports, where, positions)
+        nodes = self.stress_nodes
+        sides = nodes.sides(positions, where)
+        fields = np.column_stack([nodes.spread(self.fields[name]) for name in LINEAR])
+        thickness = sides.alike(nodes.at(sides, self.thickness))
+        pressures = total_pressure(areas_below(self.supports), positions)
+        return [*probe_results(positions, sides.larger(nodes.at(sides, fields)), pressures, thickness)]
 
     def pressure(self, points: Points) -> Floats:
         """Contact pressure (q,) of the area supports at points (q, 2) of the plate, positive where they push it up.
@@ -478,7 +427,7 @@ class Result(Remade):
         >>> solve(model)["all"].pressure([(2, 2), (0, 0)]).round(6)
         array([2000., 2000.])
         """
-        return total_pressure(self.supports, self._located(points)[0])
+        return total_pressure(areas_below(self.supports), self._located(points)[0])
 
     def _located(self, points: Points) -> tuple[Floats, Location]:
         self._require_fields()
@@ -698,31 +647,33 @@ def unsolved_result(discretisation: Discretisation, combination: Combination, me
     nan = float("nan")
     count, of_stress = discretisation.mesh.node_count, discretisation.stress_nodes.count
     nothing = np.full(count, nan)
+    catalogue = catalogue_of(discretisation, TOLD)
     return Result(
-        combination.name,
-        "no_equilibrium",
-        message,
-        "equilibrium check",
-        (),
-        0,
-        (),
-        discretisation.mesh,
-        discretisation.model,
-        Certificate(nan, nan, nan, nan, nan),
-        nothing,
-        np.full((count, 2), nan),
-        discretisation.stress_nodes,
-        np.full((of_stress, 3), nan),
-        np.full((of_stress, 2), nan),
-        nothing,
-        Listed((), "support"),
-        (),
-        Listed((), "section"),
-        Listed((), "strip"),
-        0.0,
-        model_warnings(discretisation, combination.acting),
-        (),
-        discretisation.node_thickness,
-        catalogue_of(discretisation, TOLD),
-        combination,
+        name=combination.name,
+        status="no_equilibrium",
+        message=message,
+        method="equilibrium check",
+        unsettled=(),
+        iterations=0,
+        not_unique=(),
+        mesh=discretisation.mesh,
+        model=discretisation.model,
+        certificate=Certificate(nan, nan, nan, nan, nan),
+        deflection=nothing,
+        rotation=np.full((count, 2), nan),
+        stress_nodes=discretisation.stress_nodes,
+        moment=np.full((of_stress, 3), nan),
+        shear=np.full((of_stress, 2), nan),
+        nodal_reaction=nothing,
+        supports=Listed((), "support"),
+        probes=(),
+        sections=Listed((), "section"),
+        strips=Listed((), "strip"),
+        seconds=0.0,
+        warnings=model_warnings(discretisation, combination.acting),
+        singular=(),
+        thickness=discretisation.node_thickness,
+        catalogue=catalogue,
+        read=np.full(len(catalogue), nan),
+        combination=combination,
     )

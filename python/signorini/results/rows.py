@@ -18,11 +18,12 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
 from signorini.results.catalogue import catalogue_of
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
+from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.line_reactions import Line, lines_of
 from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, Catalogue
+from signorini.results.readings import Readings, nodes_around
 from signorini.results.result import Result
 from signorini.results.support_points import SupportPoints
-from signorini.results.support_result import area_at_rest
 from signorini.singularities.beside import Beside, beside_of
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
@@ -126,7 +127,6 @@ class Layout:
     lines: Mapping[int, Line]  # likewise
     fields: tuple[str, ...]  # those that envelopes are sought of
     probes: Floats  # (q, 2)
-    probe_thickness: Floats  # (q,)
     nodes: Floats  # (s, 2): positions of the nodes of stresses; the first are those of the mesh
     hidden: Mapping[str, Hidden]  # of every field its nodes at which it has no limit
     beside: Beside  # the places at which moments or shears have none
@@ -146,13 +146,12 @@ class Layout:
         by_number = {number: Hidden.of(discretisation, number) for number in set(number_of.values())}
         hidden = {name: by_number[number] for name, number in number_of.items()}
         catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
-        at = [at for probe in discretisation.model.probe for at in probe.at]
-        probes = np.array(at).reshape(-1, 2), discretisation.probe_thickness
+        probes = np.array([at for probe in discretisation.model.probe for at in probe.at]).reshape(-1, 2)
         lines, beside = lines_of(discretisation), beside_of(discretisation)
         rest_of_all = np.concatenate([np.zeros(0), *(one.rest(discretisation) for one in points)])
         return cls(
             *(discretisation.model, catalogue, points, at_rest, lines, fields),
-            *(*probes, nodes, hidden, beside, rest_of_all),
+            *(probes, nodes, hidden, beside, rest_of_all),
         )
 
     @cached_property
@@ -174,9 +173,7 @@ class Layout:
     @cached_property
     def around_areas(self) -> Ints:
         """Nodes (k,) of the elements of elastic areas, whose deflections give pressures and contact areas."""
-        elastic = [area for area in self.at_rest.values() if area.support.modulus is not None]
-        nodes = [area.mesh.elements[area.covered > 0].ravel() for area in elastic]
-        return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
+        return nodes_around(self.at_rest.values())
 
     @cached_property
     def bearings(self) -> tuple[Bearing, ...]:
@@ -289,36 +286,15 @@ class Block:
         for at, ends in enumerate(each):
             self.places[row, at] = [getattr(ends, f"{end}_at") for end in ENDS]
 
-    def put_supports(
-        self, rows: Ints, layout: Layout, reaction: Floats, gap: Floats, closed: Bools, bolts: Mapping[str, Floats]
-    ) -> None:
-        """Fill rows (r,) with values at all points (r, p); ``bolts`` are ``tightened_to`` and ``preload`` (p,)."""
-        self.reaction[rows], self.closed[rows] = reaction, closed
-        self.lifted[rows] = ~closed & (gap > _MOVED * layout.rest)
-        at, values = layout.catalogue.at, self.values
-        for column, where in zip(at("support", "reaction", "closed", "open"), layout.slices, strict=True):
-            closed_count = closed[:, where].sum(axis=1)
-            totals = (reaction[:, where].sum(axis=1), closed_count, closed[:, where].shape[1] - closed_count)
-            values[np.ix_(rows, column)] = np.stack(totals, axis=1)
-        for column in at("support", "preload"):
-            values[rows, column] = bolts["preload"][layout.slices[layout.catalogue.numbers[column].owner]].sum()
-        told = {name: np.broadcast_to(force, reaction.shape) for name, force in bolts.items()}
-        told |= {"reaction": reaction, "gap": gap, "change": reaction - bolts["preload"]}
-        for what, of_points in told.items():
-            numbers = [layout.catalogue.numbers[place] for place in at("point", what)]
-            every = [layout.slices[one.owner].start + one.part for one in numbers]
-            values[np.ix_(rows, at("point", what))] = of_points[:, every]
-
-    def put_lines(self, rows: Ints, layout: Layout, couples: Floats) -> None:
-        """Fill rows (r,) with the reactions per length, given contributions of couples (r, v) at vertices of lines."""
-        first = 0
-        at = dict(zip(layout.lines, layout.catalogue.at("support", *(one.name for one in OF_LINES)), strict=True))
-        for index, line in layout.lines.items():
-            own = None if line.couples is None else couples[:, first : (first := first + line.couples.shape[0])]
-            per_length, corners = line.read(self.reaction[rows, layout.slices[index]], own)
-            self.on_lines[rows, layout.on_lines[index]] = np.concatenate([per_length, corners], axis=1)
-            ends = per_length.max(axis=1), per_length.min(axis=1)
-            self.values[np.ix_(rows, at[index])] = np.stack(ends, axis=1)
+    def put_sums(self, rows: Ints, layout: Layout, readings: Readings) -> None:
+        """Fill rows (r,) with sums, without extremes of fields."""
+        self.values[rows] = readings.numbers(layout.catalogue)
+        self.on_areas[rows] = readings.linear.on_areas
+        for index, (where, of) in enumerate(zip(layout.slices, readings.supports, strict=True)):
+            self.reaction[rows, where], self.closed[rows, where] = of.reactions, of.touching
+            self.lifted[rows, where] = ~of.touching & (of.gaps > _MOVED * layout.rest[where])
+            if index in layout.on_lines:
+                self.on_lines[rows, layout.on_lines[index]] = np.concatenate(of.per_length, axis=1)
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
         """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""

@@ -23,7 +23,8 @@ from signorini.mesh import Mesh
 from signorini.model import Combination, Combinations, Model
 from signorini.results.envelope import Envelope, Extremes
 from signorini.results.extremes import mean_ends
-from signorini.results.quantities import LINEAR, MEAN_SIDES, PEAKING, SIDES, TURNING, derived
+from signorini.results.quantities import MEAN_SIDES, PEAKING, SIDES, derived
+from signorini.results.readings import Reader, Readings
 from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Hidden, Layout, together
 
@@ -163,7 +164,7 @@ class _Run:
             not discretisation.plates and not len(discretisation.repeated) and len(discretisation.contacts) <= most
         )
         if self.several is not None and self.problem.method == "lemke" and worth_while:
-            self.terms = terms_of(self.problem, cases, layout.fields, layout.around_areas)
+            self.terms = terms_of(self.problem, cases, layout.fields)
         self.envelopes: dict[str, Envelope] = {}
         self.solved = self.alone = self.not_unique = 0
         self.worst = np.zeros(len(FIGURES))
@@ -218,18 +219,9 @@ class _Run:
         here = places[rows]
         block.solved[here] = True
         block.certificate[here] = figures[certain]
-        at, sides = self.layout.catalogue.at, self.problem.discretisation.probe_sides
-        at_sides = _core.superpose(coefficients, terms.probes).reshape(len(rows), len(sides.point), len(LINEAR))
-        values = np.full((len(rows), len(self.layout.catalogue)), np.nan)
-        values[:, at("probe", *LINEAR)] = sides.larger(at_sides)
-        self.layout.catalogue.derive(values, self.layout.probe_thickness)
-        self.layout.catalogue.put_through(values, _core.superpose(coefficients, terms.through))
-        values[:, at("point", *TURNING).ravel()] = _core.superpose(coefficients, terms.moments)
-        block.values[here] = values
-        block.on_areas[here] = _core.superpose(coefficients, terms.on_areas)
-        fixed = _core.superpose(coefficients, terms.fixed)
-        self._put_supports(block, here, fixed, reaction[rows], gap[rows], closed[rows])
-        block.put_lines(here, self.layout, _core.superpose(coefficients, terms.on_lines))
+        at, reader = self.layout.catalogue.at, Reader.of(self.problem.discretisation)
+        states = reaction[rows], np.where(closed[rows], 0.0, gap[rows]), closed[rows]
+        block.put_sums(here, self.layout, Readings(reader, terms.linear.sums(coefficients), *states))
         for group, own in _by_group(groups, rows):
             shares = np.ascontiguousarray(coefficients[np.searchsorted(rows, own)])
             for name, extremes in self._envelope(group).fields.items():
@@ -245,7 +237,6 @@ class _Run:
                     block.values[np.ix_(places[own], ends)] = peaks
                     block.places[places[own], place, : len(SIDES)] = self.layout.nodes[at_nodes]
         self._put_means(block, here, coefficients, factors[rows] != 0, terms)
-        self._put_areas(block, here)
         block.iterations[places] = pivots
         for row in here:
             block.method[row], block.not_unique[row] = "lemke", self._always
@@ -278,29 +269,6 @@ class _Run:
                 places[some, side] = (shown == peaks[some, side, None]).argmax(axis=1)
         return peaks, places
 
-    def _put_supports(
-        self, block: Block, rows: Ints, fixed: Floats, reaction: Floats, gap: Floats, closed: Bools
-    ) -> None:
-        first, of_points = 0, list[tuple[Floats, Floats, Bools]]()
-        for points in self.layout.supports:
-            held = fixed[:, first : first + points.fixed]
-            first += points.fixed
-            of_points.append(
-                (
-                    points.forces(held, reaction),
-                    points.gaps(np.where(closed, 0.0, gap)),
-                    points.closed(closed),
-                )
-            )
-        if of_points:
-            all_forces, gaps, all_closed = (np.concatenate(column, axis=1) for column in zip(*of_points, strict=True))
-            of, supports = self.problem.discretisation, self.layout.supports
-            bolts = {
-                "tightened_to": np.concatenate([points.tightened_to(of) for points in supports]),
-                "preload": np.concatenate([points.preloads(of) for points in supports]),
-            }
-            block.put_supports(rows, self.layout, all_forces, gaps, all_closed, bolts)
-
     def _put_means(self, block: Block, rows: Ints, coefficients: Floats, cases: Bools, terms: Terms) -> None:
         """Extremes of the means at places without a limit, of rows (r,) in which load cases (r, c) act."""
         layout, beside = self.layout, self.layout.beside
@@ -321,20 +289,6 @@ class _Run:
                 block.values[np.ix_(rows[some], columns)] = values
                 where = np.where(np.isnan(values)[..., None], np.nan, beside.places[at])
                 block.places[rows[some], place, len(SIDES) :] = where
-
-    def _put_areas(self, block: Block, rows: Ints) -> None:
-        """Largest pressures and areas in contact of rows of which the deflections around areas are known."""
-        result, layout = self.problem.discretisation, self.layout
-        for at, (index, at_rest) in enumerate(layout.at_rest.items()):
-            where = layout.slices[index]
-            most, area = layout.catalogue.at("support", "max_pressure", "contact_area")[at]
-            pressures = at_rest.measured(block.around(at_rest, layout, rows), block.reaction[rows, where])
-            block.values[rows, most] = pressures.max(axis=1, initial=0.0)
-            step = max(1, _DEFLECTIONS // result.mesh.node_count)
-            for some in (rows[first : first + step] for first in range(0, len(rows), step)):
-                deflection = np.zeros((len(some), result.mesh.node_count))
-                deflection[:, layout.around_areas] = block.on_areas[some]
-                block.values[some, area] = at_rest.contact_areas(deflection, block.closed[some, where])
 
     def _unbalanced(self, name: str, message: str) -> None:
         self._without_equilibrium += 1

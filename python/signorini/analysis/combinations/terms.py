@@ -13,9 +13,8 @@ from signorini.contact.certificate import FIGURES, off_laws
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
-from signorini.results.line_reactions import lines_of
 from signorini.results.quantities import LINEAR, PEAKING
-from signorini.results.support_points import SupportPoints
+from signorini.results.readings import Linear, Reader, SupportForces
 from signorini.singularities.beside import means_of
 
 _WATCHED = 64
@@ -170,33 +169,22 @@ class Terms:
     """The contact problem condensed for all of them."""
     fields: dict[str, Floats]
     """Those that envelopes are sought of, "reaction" among them."""
-    on_areas: Floats
-    """(b, k): deflection of the nodes around elastic areas."""
-    probes: Floats
-    """(b, 8q): every field at every probe."""
-    through: Floats
-    """(b, 3s): moment, twist and shear of every section, and their means at every station of a strip."""
-    fixed: Floats
-    """(b, f): upward force of held nodes and springs, support by support."""
-    on_lines: Floats
-    """(b, v): contribution of twisting couples of edges at the vertices of their lines, line by line."""
-    moments: Floats
-    """(b, 2t): couples on θx and θy of points that turn, support by support."""
+    linear: Linear
+    """(b, ...): readings."""
     means: Floats
     """(b, 10k): means at the places of `Beside`."""
     proof: Proof
     """Data of the certificates."""
 
 
-def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str], nodes: Ints) -> Terms:
+def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str]) -> Terms:
     """Solve for every term.
 
-    The load cases are those that occur in some combination; ``enveloped`` fields have envelopes; the nodes (k,) are
-    around elastic areas.
+    The load cases are those that occur in some combination; ``enveloped`` fields have envelopes.
     """
     result, core = problem.discretisation, problem.core
     names = summed(enveloped)
-    reader = _Reader(result, names, Watch.of(result, cases), nodes)
+    reader = _Terms(result, names, Watch.of(result, cases))
     rest = _core.rest_response(core, result.held.values)
     terms = reader.read([rest], None, at_rest=True)
     responses: list[_core.Response] = []
@@ -211,12 +199,9 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         terms += reader.read(solved, None)
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
-    fields, on_areas, probes, through, fixed, on_lines, moments, means, sizes = zip(*terms, strict=True)
+    fields, linear, means, sizes = zip(*terms, strict=True)
     by_name = dict(zip([*names, "reaction"] if names else [], map(np.array, zip(*fields, strict=True)), strict=True))
-    at_areas, at_probes, cut, held = (np.array(column) for column in (on_areas, probes, through, fixed))
-    lines, turned = np.array(on_lines), np.array(moments)
-    proof = Proof.of(result, sizes)
-    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, lines, turned, np.array(means), proof)
+    return Terms(tuple(cases), shared, by_name, Linear.stacked(linear), np.array(means), Proof.of(result, sizes))
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
@@ -225,22 +210,19 @@ def summed(enveloped: Sequence[str]) -> list[str]:
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
 
-_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, Floats, Floats, Sizes]
-"""Fields of a term, then the arrays of `Terms` for it."""
+_Term: TypeAlias = tuple[list[Floats], Linear, Floats, Sizes]
+"""Fields of a term, its readings, its means, and what certificates need."""
 
 
-class _Reader:
-    """Reads the numbers of terms, so that displacements need not stay in memory."""
+class _Terms:
+    """Reads terms, so that displacements need not stay in memory."""
 
-    def __init__(self, discretisation: Discretisation, names: list[str], watch: Watch, nodes: Ints) -> None:
-        self._found, self._names, self._watch, self._nodes = discretisation, names, watch, nodes
+    def __init__(self, discretisation: Discretisation, names: list[str], watch: Watch) -> None:
+        self._found, self._names, self._watch = discretisation, names, watch
         self._springs = discretisation.springs.arrays
         elements, rows, further, stiffness, base = self._springs
         self._still = (elements, rows, further, stiffness, np.zeros_like(base))
-        self._supports = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
-        self._lines = lines_of(discretisation)
-        self._at = discretisation.probe_sides.where
-        self._values: Floats = discretisation.mesh.shape_functions(self._at.elements, self._at.xi)
+        self._reader = Reader.of(discretisation)
 
     def read(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> list[_Term]:
         """Read some terms, without loads those of no load."""
@@ -249,7 +231,7 @@ class _Reader:
             nothing = CaseLoad.none(result.mesh.node_count, len(result.mesh.elements))
             loads = [nothing] * len(responses)
         stresses = np.zeros((len(responses), result.stress_nodes.count, 5))
-        if len(self._values) or set(self._names) - {"deflection"}:
+        if len(result.probe_positions) or set(self._names) - {"deflection"}:
             curvatures, couples = (
                 np.array([getattr(load, part) for load in loads]) for part in ("curvature", "couples")
             )
@@ -263,10 +245,8 @@ class _Reader:
         nodes = result.stress_nodes
         every = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(result.held.to_global(nodal[:, 1:])), stress])
         spread = result.contact_rows.T @ reaction
-        imbalance = result.plate.residual(springs, load.nodal, hi, lo) - spread
-        at_holds = np.where(result.held.dofs, imbalance, 0.0)
-        pull = result.spring_forces(hi, lo, springs[4])
-        on_plate = at_holds + spread + result.spring_rows.T @ pull
+        forces = SupportForces.of(result, load.nodal, hi, lo, spread, springs)
+        on_plate = forces.held + spread + result.spring_rows.T @ forces.springs
         kept = [
             every[: nodes.count if name in PEAKING else len(nodal), place]
             for place, name in enumerate(LINEAR)
@@ -274,17 +254,9 @@ class _Reader:
         ]
         if self._names:
             points, off = result.off_areas
-            at_nodes = at_holds + result.contact_rows.T @ (points[: len(reaction)] * reaction)
-            kept.append((at_nodes + result.spring_rows.T @ (off * pull))[::3])
-        at_probes = np.einsum("qi,qif->qf", self._values, every[nodes.elements[self._at.elements]]).ravel()
-        forces = [np.concatenate([at_holds[::3][points.nodes], pull[points.springs]]) for points in self._supports]
-        fixed = np.concatenate([np.zeros(0), *forces])
-        couples = result.held.to_global(at_holds.reshape(-1, 3)[:, 1:]).ravel()
-        turned = [line.couples @ couples for line in self._lines.values() if line.couples is not None]
-        on_lines = np.concatenate([np.zeros(0), *turned])
-        moments = np.concatenate([np.zeros(0), *(points.moments(pull).ravel() for points in self._supports)])
-        sizes = Sizes.of(result, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest)
-        through = result.through(load, hi, lo, reaction, pull)
+            at_nodes = forces.held + result.contact_rows.T @ (points[: len(reaction)] * reaction)
+            kept.append((at_nodes + result.spring_rows.T @ (off * forces.springs))[::3])
+        sizes = Sizes.of(result, self._watch, load, hi, lo, reaction, forces.imbalance, on_plate, at_rest)
         # Fields are sought that have means, or none are read.
         means = means_of(result, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
-        return kept, nodal[self._nodes, 0], at_probes, through, fixed, on_lines, moments, means, sizes
+        return kept, self._reader.read(load, hi, lo, reaction, forces, every), means, sizes

@@ -1,0 +1,500 @@
+"""Readings of solutions, and the numbers that follow from them.
+
+A reading is linear in the solution on one contact state. A result reads one answer and a load path several. A row of a
+table is a sum of the readings of load cases and contact points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from signorini import _core
+from signorini.base.on_demand import kept
+from signorini.contact.selection import Answer
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.equilibrium.balance import NO_FORCE
+from signorini.model import Support
+from signorini.results.contact_field.area_contact import AreaContact
+from signorini.results.contact_field.areas import area_at_rest, area_contact
+from signorini.results.line_reactions import Line, lines_of
+from signorini.results.local_results import total_pressure
+from signorini.results.quantities import EXTREMES, LINEAR, THROUGH, Catalogue, Home, derived
+from signorini.results.support_points import SupportPoints, closed_part
+
+_TOGETHER = 500_000
+"""Deflections of all nodes, 4 MB of them, of the solutions whose contact areas are found together."""
+_THROUGH = tuple(one.name for one in THROUGH)
+
+
+class SupportForces(NamedTuple):
+    """Nodal forces of one solution: residual F − Ku (3n,), forces of held dofs (3n,), upward forces of springs (s,)."""
+
+    imbalance: Floats
+    held: Floats
+    springs: Floats
+
+    @classmethod
+    def of(
+        cls,
+        discretisation: Discretisation,
+        nodal: Floats,
+        hi: Floats,
+        lo: Floats,
+        spread: Floats,
+        springs: tuple[Ints, Floats, Ints, Floats, Floats] | None = None,
+        imbalance: Floats | None = None,
+    ) -> Self:
+        """Read u = hi + lo (3n,) under nodal loads (3n,) and reactions ``spread`` over the nodes (3n,).
+
+        ``springs`` replace those of the model. ``imbalance`` is the residual without reactions, if known.
+        """
+        arrays = discretisation.springs.arrays if springs is None else springs
+        residual = discretisation.plate.residual(arrays, nodal, hi, lo) if imbalance is None else imbalance
+        residual = residual - spread
+        held = np.where(discretisation.held.dofs, residual, 0.0)
+        return cls(residual, held, discretisation.spring_forces(hi, lo, arrays[4]))
+
+
+class Linear(NamedTuple):
+    """Readings, each with an axis of k solutions in front."""
+
+    probes: Floats
+    """(k, q', 8): fields on every side of every probe, as `LINEAR` orders them."""
+    through: Floats
+    """(k, 3c): moment, twist and shear of every section and, as means, of every station of a strip."""
+    forces: Floats
+    """(k, h + s): upward forces of held nodes and springs, support by support."""
+    couples: Floats
+    """(k, 2t): couples on θx and θy of points that turn, support by support."""
+    on_lines: Floats
+    """(k, v): contribution of twisting couples of edges at the vertices of their lines, line by line."""
+    on_areas: Floats
+    """(k, a): deflections of the nodes around elastic areas."""
+
+    @classmethod
+    def stacked(cls, each: Iterable[Linear]) -> Linear:
+        """Put readings of single solutions together."""
+        return cls(*map(np.array, zip(*each, strict=True)))
+
+    def sums(self, coefficients: Floats) -> Linear:
+        """Sums (k, ...) of these readings (b, ...) with coefficients (k, b)."""
+        return Linear(
+            *(
+                _core.superpose(coefficients, one.reshape(len(one), -1)).reshape(len(coefficients), *one.shape[1:])
+                for one in self
+            )
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Reader:
+    """Reads solutions of one plate."""
+
+    discretisation: Discretisation
+    points: tuple[SupportPoints, ...]
+    lines: Mapping[int, Line]
+    around_areas: Ints  # (a,): nodes around elastic areas
+
+    @staticmethod
+    @kept
+    def of(discretisation: Discretisation) -> Reader:
+        """The reader of a plate, made once."""
+        supports = discretisation.model.support
+        points = tuple(SupportPoints.of(discretisation, index) for index in range(len(supports)))
+        areas = [area_at_rest(discretisation, index) for index, one in enumerate(supports) if one.area is not None]
+        return Reader(discretisation, points, lines_of(discretisation), nodes_around(areas))
+
+    @cached_property
+    def forces_of(self) -> list[slice]:
+        """Forces of held nodes and springs that belong to each support."""
+        return _slices(points.fixed for points in self.points)
+
+    @cached_property
+    def couples_of(self) -> list[slice]:
+        """Couples that belong to each support."""
+        return _slices(points.turning.size for points in self.points)
+
+    @cached_property
+    def vertices_of(self) -> Mapping[int, slice]:
+        """Contributions of couples that belong to each line that holds the twist."""
+        lines = {index: line.couples for index, line in self.lines.items() if line.couples is not None}
+        return dict(zip(lines, _slices(couples.shape[0] for couples in lines.values()), strict=True))
+
+    def read(
+        self, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats, forces: SupportForces, fields: Floats | None
+    ) -> Linear:
+        """Read u = hi + lo (3n,) with reactions of contact points, forces of supports, and fields (s, 8).
+
+        Without fields the deflections are the only ones read at probes; the others are NaN.
+        """
+        found, sides = self.discretisation, self.discretisation.probe_sides
+        deflection = (hi + lo)[::3]
+        if fields is None:
+            fields = np.full((found.stress_nodes.count, len(LINEAR)) if len(sides.point) else (0, 0), np.nan)
+            fields[:, :1] = found.stress_nodes.spread(deflection)[: len(fields), None]
+        at_probes = found.stress_nodes.at(sides, fields) if len(sides.point) else np.zeros((0, len(LINEAR)))
+        held, nothing = forces.held[::3], list[Floats]([np.zeros(0)])
+        of_supports = [np.concatenate([held[one.nodes], forces.springs[one.springs]]) for one in self.points]
+        couples = [one.moments(forces.springs).ravel() for one in self.points]
+        on_lines = nothing
+        if self.vertices_of:
+            turned = found.held.to_global(forces.held.reshape(-1, 3)[:, 1:]).ravel()
+            on_lines = [line.couples @ turned for line in self.lines.values() if line.couples is not None]
+        return Linear(
+            at_probes,
+            found.through(load, hi, lo, reaction, forces.springs),
+            np.concatenate(nothing + of_supports),
+            np.concatenate(nothing + couples),
+            np.concatenate(on_lines),
+            deflection[self.around_areas],
+        )
+
+
+def nodes_around(areas: Iterable[AreaContact]) -> Ints:
+    """Nodes (a,) of the elements of elastic areas: their deflections give pressures and contact areas."""
+    nodes = [area.mesh.elements[area.covered > 0].ravel() for area in areas if area.support.modulus is not None]
+    return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
+
+
+def _slices(counts: Iterable[int]) -> list[slice]:
+    ends = np.cumsum([0, *counts]).tolist()
+    return [slice(begin, end) for begin, end in pairwise(ends)]
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """k solutions of one plate as they are read, and the numbers of each.
+
+    ``shared`` (k, m + r) are reactions of all points, ``gap`` (k, m) and ``closed`` (k, m) the states of contact
+    points. Sums have no ``answers``, ``loads`` and deflections.
+    """
+
+    reader: Reader
+    linear: Linear
+    shared: Floats
+    gap: Floats
+    closed: Bools
+    answers: Sequence[Answer] = ()
+    loads: Sequence[CaseLoad] = ()
+    beneath: Mapping[int, Floats] = field(default_factory=dict)
+    """Deflections (k, n) of the other plate, by the number of the support between."""
+    upon: Collection[int] = ()
+    """Supports by which another plate lies on this one."""
+
+    @classmethod
+    def of(
+        cls,
+        discretisation: Discretisation,
+        loads: Sequence[CaseLoad],
+        answers: Sequence[Answer],
+        forces: Sequence[SupportForces],
+        fields: Sequence[Floats | None],
+        beneath: Mapping[int, Floats],
+        upon: Collection[int] = (),
+    ) -> Self:
+        """Read answers (k,) to loads (k,) with their forces of supports and, where known, fields (s, 8)."""
+        reader = Reader.of(discretisation)
+        linear = Linear.stacked(
+            reader.read(load, answer.hi, answer.lo, answer.shared, of, own)
+            for load, answer, of, own in zip(loads, answers, forces, fields, strict=True)
+        )
+        shared, gap, closed = (np.array([getattr(one, key) for one in answers]) for key in ("shared", "gap", "closed"))
+        return cls(reader, linear, shared, gap, closed, answers, loads, beneath, upon)
+
+    def numbers(self, catalogue: Catalogue) -> Floats:
+        """Numbers (k, n) of a catalogue; NaN for extremes of fields, which are no readings."""
+        result = np.full((len(self.shared), len(catalogue)), np.nan)
+        for (home, owner, what), places in catalogue.groups.items():
+            if home not in EXTREMES:
+                values = self.read(home, owner, what)
+                result[:, places] = values[:, None] if home == "support" else values
+        return result
+
+    def read(self, home: Home, owner: int, what: str) -> Floats:
+        """Values (k,) or (k, ...) of a quantity of a support or its points, or of all owners of another home."""
+        match home:
+            case "support":
+                return np.asarray(getattr(self.supports[owner], what), np.float64)
+            case "point":
+                return np.asarray(getattr(self.supports[owner].at_points, what), np.float64)
+            case "corner":
+                return self.supports[owner].per_length[1]
+            case "probe":
+                return self._at_probes(what)
+            case "section" | "station":
+                return self._through(home, what)
+            case _:
+                return self._of_strips(what)
+
+    @cached_property
+    def supports(self) -> tuple[SupportReading, ...]:
+        """Every support."""
+        return tuple(SupportReading(self, index) for index in range(len(self.reader.points)))
+
+    @cached_property
+    def probes(self) -> Floats:
+        """Fields (k, q, 8) at probes; where they jump, those of the side of larger size."""
+        return self.reader.discretisation.probe_sides.larger(self.linear.probes)
+
+    @cached_property
+    def pressures(self) -> Floats:
+        """Pressures (k, q) at probes; NaN where no area is."""
+        found = self.reader.discretisation
+        areas = [one.areas for one in self.supports if one.support.area is not None and one.index not in self.upon]
+        of_each = zip(*areas, strict=True) if areas else [()] * len(self.shared)
+        return np.array([total_pressure(of_one, found.probe_positions) for of_one in of_each])
+
+    @cached_property
+    def lift(self) -> Floats:
+        """Resultant (k,) with which the loads lift the plate; NaN where they do not."""
+        forces = np.array([load.weighing[::3] for load in self.loads])
+        lift = -forces.sum(axis=1)
+        return np.where(lift > NO_FORCE * np.abs(forces).sum(axis=1), lift, np.nan)
+
+    def deflections(self, some: slice) -> Floats:
+        """Deflections (k', n) of some solutions; of sums those around areas, 0 elsewhere."""
+        if self.answers:
+            return np.array([(answer.hi + answer.lo)[::3] for answer in self.answers[some]])
+        around = self.linear.on_areas[some]
+        result = np.zeros((len(around), self.reader.discretisation.mesh.node_count))
+        result[:, self.reader.around_areas] = around
+        return result
+
+    def _at_probes(self, what: str) -> Floats:
+        if what == "pressure":
+            return self.pressures
+        if what in LINEAR:
+            return self.probes[..., list(LINEAR).index(what)]
+        moment, shear = self.probes[..., 3:6], self.probes[..., 6:]
+        return derived([what], moment, shear, self.reader.discretisation.probe_thickness)[..., 0]
+
+    def _through(self, home: Home, what: str) -> Floats:
+        values = self.linear.through.reshape(len(self.shared), -1, len(_THROUGH))[..., _THROUGH.index(what)]
+        count = len(self.reader.discretisation.model.section)
+        return values[:, :count] if home == "section" else values[:, count:]
+
+    def _of_strips(self, what: str) -> Floats:
+        moments, strips = self._through("station", "moment"), self.reader.discretisation.model.strip
+        most = np.max if what == "max_moment" else np.min
+        return np.stack([most(moments[:, one], axis=1) for one in _slices(strip.stations for strip in strips)], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class SupportReading:
+    """One support in k solutions: every property is a quantity of supports by its name in the registry, or (k, p)."""
+
+    of: Readings
+    index: int
+
+    @property
+    def support(self) -> Support:
+        """The support in the model."""
+        return self.discretisation.model.support[self.index]
+
+    @property
+    def discretisation(self) -> Discretisation:
+        """The plate."""
+        return self.of.reader.discretisation
+
+    @property
+    def points(self) -> SupportPoints:
+        """Where it acts."""
+        return self.of.reader.points[self.index]
+
+    @cached_property
+    def reactions(self) -> Floats:
+        """Upward force of every point."""
+        return self.points.forces(self.of.linear.forces[:, self.of.reader.forces_of[self.index]], self.of.shared)
+
+    @cached_property
+    def gaps(self) -> Floats:
+        """Remaining free travel of every point."""
+        return self.points.gaps(self.of.gap)
+
+    @cached_property
+    def touching(self) -> Bools:
+        """Whether every point is closed."""
+        return self.points.closed(self.of.closed)
+
+    @cached_property
+    def yielded(self) -> Bools:
+        """Whether every point gives all that it can."""
+        return np.array([self.points.yielded(self.discretisation, one) for one in self.of.shared])
+
+    @property
+    def at_points(self) -> PointsReading:
+        """Its points."""
+        return PointsReading(self)
+
+    @property
+    def reaction(self) -> Floats:
+        """Total force."""
+        return np.asarray(self.reactions.sum(axis=1))
+
+    @property
+    def closed(self) -> Floats:
+        """Number of closed points."""
+        return self.touching.sum(axis=1).astype(np.float64)
+
+    @property
+    def open(self) -> Floats:
+        """Number of open points."""
+        return self.touching.shape[1] - self.closed
+
+    @cached_property
+    def closed_part(self) -> Floats:
+        """Closed part: of points as many, of lines by length, of areas by contact area."""
+        areas = self.contact_area if self.support.area is not None else np.full(len(self.of.answers), np.nan)
+        pairs = zip(self.of.answers, areas.tolist(), strict=True)
+        return np.array([closed_part(self.discretisation, self.index, answer, area) for answer, area in pairs])
+
+    @cached_property
+    def at_rest(self) -> AreaContact:
+        """Contact of the area without load."""
+        return area_at_rest(self.discretisation, self.index)
+
+    def above(self, some: slice) -> Floats:
+        """Deflections (k', n) of the plate relative to the plate beneath, if any."""
+        deflection = self.of.deflections(some)
+        return deflection - self.of.beneath[self.index][some] if self.index in self.of.beneath else deflection
+
+    @cached_property
+    def areas(self) -> tuple[AreaContact, ...]:
+        """Contact of the area in every answer."""
+        columns = zip(self.above(slice(None)), self.of.answers, self.touching, self.reactions, strict=True)
+        return tuple(
+            area_contact(
+                *(self.discretisation, self.index, above),
+                *(self.points.centres(self.discretisation, answer.shared), touching, reactions),
+            )
+            for above, answer, touching, reactions in columns
+        )
+
+    @cached_property
+    def pressures(self) -> Floats:
+        """Pressures where `AreaContact.pressure_places` are."""
+        around = self.of.reader.around_areas
+        if self.support.modulus is None:
+            return self.at_rest.measured(np.zeros((len(self.reactions), 0)), self.reactions)
+        on = np.flatnonzero(self.at_rest.on_nodes)
+        deflection = self.of.linear.on_areas[:, np.searchsorted(around, on)]
+        if self.index in self.of.beneath:
+            deflection = deflection - self.of.beneath[self.index][:, on]
+        return self.at_rest.measured(deflection, self.reactions)
+
+    @property
+    def max_pressure(self) -> Floats:
+        """Largest pressure; 0 if it only holds down."""
+        return np.asarray(np.fmax.reduce(self.pressures, axis=1, initial=0.0))
+
+    @property
+    def max_tension(self) -> Floats:
+        """Largest pressure that pulls the plate down."""
+        return np.asarray(np.fmax.reduce(-self.pressures, axis=1, initial=0.0))
+
+    @cached_property
+    def contact_area(self) -> Floats:
+        """Area in contact."""
+        step, result = max(1, _TOGETHER // self.discretisation.mesh.node_count), [np.zeros(0)]
+        for first in range(0, len(self.touching), step):
+            some = slice(first, first + step)
+            result.append(self.at_rest.contact_areas(self.above(some), self.touching[some]))
+        return np.concatenate(result)
+
+    @property
+    def yielded_area(self) -> Floats:
+        """Area at its limit; NaN without limit."""
+        return np.array(
+            [area.yielding(yielded) for area, yielded in zip(self.areas, self.yielded, strict=True)], np.float64
+        )
+
+    @cached_property
+    def per_length(self) -> tuple[Floats, Floats]:
+        """Reactions per length (k, s) at the stations of its line, and concentrated forces (k, c)."""
+        line, where = self.of.reader.lines[self.index], self.of.reader.vertices_of.get(self.index)
+        return line.read(self.reactions, None if where is None else self.of.linear.on_lines[:, where])
+
+    @property
+    def max_per_length(self) -> Floats:
+        """Largest reaction per length."""
+        return np.asarray(self.per_length[0].max(axis=1))
+
+    @property
+    def min_per_length(self) -> Floats:
+        """Smallest reaction per length."""
+        return np.asarray(self.per_length[0].min(axis=1))
+
+    @property
+    def preload(self) -> Floats:
+        """Sum of the preloads of bolts."""
+        return np.full(len(self.reactions), self.at_points.preload.sum())
+
+    @property
+    def prying(self) -> Floats:
+        """Force of the bolts over the pull of the loads; NaN without pull."""
+        return -self.reaction / self.of.lift
+
+
+@dataclass(frozen=True, eq=False)
+class PointsReading:
+    """The p points of one support in k solutions: every property is a quantity of points by its name in the registry.
+
+    Each is (k, p), or (p,) where it is the same in every solution.
+    """
+
+    of: SupportReading
+
+    @property
+    def reaction(self) -> Floats:
+        """Upward force."""
+        return self.of.reactions
+
+    @property
+    def gap(self) -> Floats:
+        """Remaining free travel."""
+        return self.of.gaps
+
+    @property
+    def moments(self) -> Floats:
+        """Couples (k, p, 2) on θx and θy."""
+        readings, points = self.of.of, self.of.points
+        couples = readings.linear.couples[:, readings.reader.couples_of[self.of.index]]
+        return np.asarray(couples.reshape(-1, *points.turning.shape))
+
+    @property
+    def moment_x(self) -> Floats:
+        """Couple on θx."""
+        return np.asarray(self.moments[..., 0])
+
+    @property
+    def moment_y(self) -> Floats:
+        """Couple on θy."""
+        return np.asarray(self.moments[..., 1])
+
+    @property
+    def piece(self) -> Ints:
+        """Piece of the law."""
+        readings = self.of.of
+        return np.array([self.of.points.pieces(self.of.discretisation, one.piece) for one in readings.answers])
+
+    @property
+    def tightened_to(self) -> Floats:
+        """Force to which bolts were last tightened."""
+        return self.of.points.tightened_to(self.of.discretisation)
+
+    @property
+    def preload(self) -> Floats:
+        """Force when all bolts are tightened, before other loads act."""
+        return self.of.points.preloads(self.of.discretisation)
+
+    @property
+    def change(self) -> Floats:
+        """Force less the preload."""
+        return self.of.reactions - self.preload
