@@ -277,7 +277,6 @@ OF_TURNING_POINTS = tuple(
     for at, axis in enumerate("xy")
 )
 OF_POINTS_WITH_LAWS = (Quantity("piece", "count", "piece of the law", (), "", False, False, False),)
-TURNING = tuple(one.name for one in OF_TURNING_POINTS)
 OF_BOLTS = (
     Quantity("preload", "reaction", "preload, sum over the bolts", enveloped=False, along_paths=False),
     Quantity("prying", "part", "prying, −Σ reaction / upward load", tabled=False, along_paths=False),
@@ -310,8 +309,8 @@ MEAN_SIDES = ("max_mean", "min_mean")
 ENDS = (*SIDES, *MEAN_SIDES)
 EXTREMES: tuple[Home, ...] = ("field", "mean")
 """Homes of extremes of fields."""
-_OF_ONE_SUPPORT: tuple[Home, ...] = ("support", "point", "corner")
-"""Homes whose numbers are read support by support."""
+_OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
+"""Homes whose numbers are read owner by owner."""
 SMOOTH = frozenset(
     ("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment", "max_per_length", "min_per_length")
 )
@@ -514,10 +513,10 @@ class Catalogue:
 
     @cached_property
     def groups(self) -> Mapping[tuple[Home, int, str], Ints]:
-        """Numbers by home, support (0 for other homes) and name, which are read together."""
+        """Places of numbers that are read together, by home, owner and name; probes and stations have one owner 0."""
         groups: dict[tuple[Home, int, str], list[int]] = {}
         for place, one in enumerate(self.numbers):
-            owner = one.owner if one.home in _OF_ONE_SUPPORT else 0
+            owner = one.owner if one.home in _OF_ONE else 0
             groups.setdefault((one.home, owner, one.what), []).append(place)
         return {key: np.array(of, np.int64) for key, of in groups.items()}
 

@@ -6,7 +6,7 @@ table is a sum of the readings of load cases and contact points.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -25,12 +25,11 @@ from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.areas import area_at_rest, area_contact
 from signorini.results.line_reactions import Line, lines_of
 from signorini.results.local_results import total_pressure
-from signorini.results.quantities import EXTREMES, LINEAR, THROUGH, Catalogue, Home, derived
+from signorini.results.quantities import EXTREMES, LINEAR, Catalogue, Home, derived
 from signorini.results.support_points import SupportPoints, closed_part
 
 _TOGETHER = 500_000
 """Deflections of all nodes, 4 MB of them, of the solutions whose contact areas are found together."""
-_THROUGH = tuple(one.name for one in THROUGH)
 
 
 class SupportForces(NamedTuple):
@@ -213,57 +212,54 @@ class Readings:
         result = np.full((len(self.shared), len(catalogue)), np.nan)
         for (home, owner, what), places in catalogue.groups.items():
             if home not in EXTREMES:
-                values = self.read(home, owner, what)
-                result[:, places] = values[:, None] if home == "support" else values
+                result[:, places] = self.read(home, owner, what)
         return result
 
     def read(self, home: Home, owner: int, what: str) -> Floats:
-        """Values (k,) or (k, ...) of a quantity of a support or its points, or of all owners of another home."""
+        """Values (k, 1) of a quantity of a support or strip; or (k, ...) of all points of one, probes, or stations."""
         match home:
-            case "support":
-                return np.asarray(getattr(self.supports[owner], what), np.float64)
-            case "point":
-                return np.asarray(getattr(self.supports[owner].at_points, what), np.float64)
-            case "corner":
-                return self.supports[owner].per_length[1]
             case "probe":
                 return self._at_probes(what)
-            case "section" | "station":
-                return self._through(home, what)
+            case "section":
+                return _THROUGH[what](self._through[:, : self._sections])
+            case "station":
+                return _THROUGH[what](self._through[:, self._sections :])
+            case "strip":
+                return _OF_STRIPS[what](self._through[:, self._sections :][:, self._stations[owner]])[:, None]
+            case "support":
+                return _OF_SUPPORTS[what](self.supports[owner])[:, None]
             case _:
-                return self._of_strips(what)
+                return _OF_POINTS[home, what](self.supports[owner])
 
     @cached_property
     def supports(self) -> tuple[SupportReading, ...]:
         """Every support."""
         return tuple(SupportReading(self, index) for index in range(len(self.reader.points)))
 
+    @property
+    def discretisation(self) -> Discretisation:
+        """The plate."""
+        return self.reader.discretisation
+
     @cached_property
     def probes(self) -> Floats:
         """Fields (k, q, 8) at probes; where they jump, those of the side of larger size."""
-        return self.reader.discretisation.probe_sides.larger(self.linear.probes)
+        return self.discretisation.probe_sides.larger(self.linear.probes)
 
     @cached_property
     def pressures(self) -> Floats:
         """Pressures (k, q) at probes; NaN where no area is."""
-        found = self.reader.discretisation
+        found = self.discretisation
         areas = [one.areas for one in self.supports if one.support.area is not None and one.index not in self.upon]
         of_each = zip(*areas, strict=True) if areas else [()] * len(self.shared)
         return np.array([total_pressure(of_one, found.probe_positions) for of_one in of_each])
-
-    @cached_property
-    def lift(self) -> Floats:
-        """Resultant (k,) with which the loads lift the plate; NaN where they do not."""
-        forces = np.array([load.weighing[::3] for load in self.loads])
-        lift = -forces.sum(axis=1)
-        return np.where(lift > NO_FORCE * np.abs(forces).sum(axis=1), lift, np.nan)
 
     def deflections(self, some: slice) -> Floats:
         """Deflections (k', n) of some solutions; of sums those around areas, 0 elsewhere."""
         if self.answers:
             return np.array([(answer.hi + answer.lo)[::3] for answer in self.answers[some]])
         around = self.linear.on_areas[some]
-        result = np.zeros((len(around), self.reader.discretisation.mesh.node_count))
+        result = np.zeros((len(around), self.discretisation.mesh.node_count))
         result[:, self.reader.around_areas] = around
         return result
 
@@ -273,22 +269,24 @@ class Readings:
         if what in LINEAR:
             return self.probes[..., list(LINEAR).index(what)]
         moment, shear = self.probes[..., 3:6], self.probes[..., 6:]
-        return derived([what], moment, shear, self.reader.discretisation.probe_thickness)[..., 0]
+        return derived([what], moment, shear, self.discretisation.probe_thickness)[..., 0]
 
-    def _through(self, home: Home, what: str) -> Floats:
-        values = self.linear.through.reshape(len(self.shared), -1, len(_THROUGH))[..., _THROUGH.index(what)]
-        count = len(self.reader.discretisation.model.section)
-        return values[:, :count] if home == "section" else values[:, count:]
+    @property
+    def _through(self) -> Floats:
+        return self.linear.through.reshape(len(self.shared), -1, 3)
 
-    def _of_strips(self, what: str) -> Floats:
-        moments, strips = self._through("station", "moment"), self.reader.discretisation.model.strip
-        most = np.max if what == "max_moment" else np.min
-        return np.stack([most(moments[:, one], axis=1) for one in _slices(strip.stations for strip in strips)], axis=1)
+    @property
+    def _sections(self) -> int:
+        return len(self.discretisation.model.section)
+
+    @cached_property
+    def _stations(self) -> list[slice]:
+        return _slices(strip.stations for strip in self.discretisation.model.strip)
 
 
 @dataclass(frozen=True, eq=False)
 class SupportReading:
-    """One support in k solutions: every property is a quantity of supports by its name in the registry, or (k, p)."""
+    """One support with p points in k solutions, from which the registry's formulas are computed."""
 
     of: Readings
     index: int
@@ -296,12 +294,7 @@ class SupportReading:
     @property
     def support(self) -> Support:
         """The support in the model."""
-        return self.discretisation.model.support[self.index]
-
-    @property
-    def discretisation(self) -> Discretisation:
-        """The plate."""
-        return self.of.reader.discretisation
+        return self.of.discretisation.model.support[self.index]
 
     @property
     def points(self) -> SupportPoints:
@@ -310,55 +303,63 @@ class SupportReading:
 
     @cached_property
     def reactions(self) -> Floats:
-        """Upward force of every point."""
+        """Upward forces (k, p)."""
         return self.points.forces(self.of.linear.forces[:, self.of.reader.forces_of[self.index]], self.of.shared)
 
     @cached_property
     def gaps(self) -> Floats:
-        """Remaining free travel of every point."""
+        """Remaining free travels (k, p)."""
         return self.points.gaps(self.of.gap)
 
     @cached_property
-    def touching(self) -> Bools:
-        """Whether every point is closed."""
+    def closed(self) -> Bools:
+        """Whether points are closed (k, p)."""
         return self.points.closed(self.of.closed)
 
     @cached_property
     def yielded(self) -> Bools:
-        """Whether every point gives all that it can."""
-        return np.array([self.points.yielded(self.discretisation, one) for one in self.of.shared])
+        """Whether points give all that they can (k, p)."""
+        return np.array([self.points.yielded(self.of.discretisation, one) for one in self.of.shared])
 
     @property
-    def at_points(self) -> PointsReading:
-        """Its points."""
-        return PointsReading(self)
+    def couples(self) -> Floats:
+        """Couples (k, p, 2) on θx and θy."""
+        own = self.of.linear.couples[:, self.of.reader.couples_of[self.index]]
+        return np.asarray(own.reshape(-1, *self.points.turning.shape))
 
     @property
-    def reaction(self) -> Floats:
-        """Total force."""
-        return np.asarray(self.reactions.sum(axis=1))
+    def pieces(self) -> Ints:
+        """Pieces (k, p) of the law."""
+        return np.array([self.points.pieces(self.of.discretisation, one.piece) for one in self.of.answers])
 
     @property
-    def closed(self) -> Floats:
-        """Number of closed points."""
-        return self.touching.sum(axis=1).astype(np.float64)
+    def tightened_to(self) -> Floats:
+        """Forces (p,) to which bolts were last tightened."""
+        return self.points.tightened_to(self.of.discretisation)
 
     @property
-    def open(self) -> Floats:
-        """Number of open points."""
-        return self.touching.shape[1] - self.closed
+    def preloads(self) -> Floats:
+        """Forces (p,) when all bolts are tightened, before other loads act."""
+        return self.points.preloads(self.of.discretisation)
 
-    @cached_property
+    @property
+    def lift(self) -> Floats:
+        """Resultant (k,) with which the loads lift the plate; NaN where they do not."""
+        forces = np.array([load.weighing[::3] for load in self.of.loads])
+        lift = -forces.sum(axis=1)
+        return np.where(lift > NO_FORCE * np.abs(forces).sum(axis=1), lift, np.nan)
+
+    @property
     def closed_part(self) -> Floats:
-        """Closed part: of points as many, of lines by length, of areas by contact area."""
+        """Closed part (k,): of points as many, of lines by length, of areas by contact area."""
         areas = self.contact_area if self.support.area is not None else np.full(len(self.of.answers), np.nan)
         pairs = zip(self.of.answers, areas.tolist(), strict=True)
-        return np.array([closed_part(self.discretisation, self.index, answer, area) for answer, area in pairs])
+        return np.array([closed_part(self.of.discretisation, self.index, answer, area) for answer, area in pairs])
 
     @cached_property
     def at_rest(self) -> AreaContact:
         """Contact of the area without load."""
-        return area_at_rest(self.discretisation, self.index)
+        return area_at_rest(self.of.discretisation, self.index)
 
     def above(self, some: slice) -> Floats:
         """Deflections (k', n) of the plate relative to the plate beneath, if any."""
@@ -368,133 +369,82 @@ class SupportReading:
     @cached_property
     def areas(self) -> tuple[AreaContact, ...]:
         """Contact of the area in every answer."""
-        columns = zip(self.above(slice(None)), self.of.answers, self.touching, self.reactions, strict=True)
+        columns = zip(self.above(slice(None)), self.of.answers, self.closed, self.reactions, strict=True)
         return tuple(
             area_contact(
-                *(self.discretisation, self.index, above),
-                *(self.points.centres(self.discretisation, answer.shared), touching, reactions),
+                *(self.of.discretisation, self.index, above),
+                *(self.points.centres(self.of.discretisation, answer.shared), closed, reactions),
             )
-            for above, answer, touching, reactions in columns
+            for above, answer, closed, reactions in columns
         )
 
     @cached_property
     def pressures(self) -> Floats:
-        """Pressures where `AreaContact.pressure_places` are."""
-        around = self.of.reader.around_areas
+        """Pressures (k, q) where `AreaContact.pressure_places` are."""
         if self.support.modulus is None:
             return self.at_rest.measured(np.zeros((len(self.reactions), 0)), self.reactions)
         on = np.flatnonzero(self.at_rest.on_nodes)
-        deflection = self.of.linear.on_areas[:, np.searchsorted(around, on)]
+        deflection = self.of.linear.on_areas[:, np.searchsorted(self.of.reader.around_areas, on)]
         if self.index in self.of.beneath:
             deflection = deflection - self.of.beneath[self.index][:, on]
         return self.at_rest.measured(deflection, self.reactions)
 
-    @property
-    def max_pressure(self) -> Floats:
-        """Largest pressure; 0 if it only holds down."""
-        return np.asarray(np.fmax.reduce(self.pressures, axis=1, initial=0.0))
-
-    @property
-    def max_tension(self) -> Floats:
-        """Largest pressure that pulls the plate down."""
-        return np.asarray(np.fmax.reduce(-self.pressures, axis=1, initial=0.0))
-
     @cached_property
     def contact_area(self) -> Floats:
-        """Area in contact."""
-        step, result = max(1, _TOGETHER // self.discretisation.mesh.node_count), [np.zeros(0)]
-        for first in range(0, len(self.touching), step):
+        """Areas (k,) in contact."""
+        step, result = max(1, _TOGETHER // self.of.discretisation.mesh.node_count), [np.zeros(0)]
+        for first in range(0, len(self.closed), step):
             some = slice(first, first + step)
-            result.append(self.at_rest.contact_areas(self.above(some), self.touching[some]))
+            result.append(self.at_rest.contact_areas(self.above(some), self.closed[some]))
         return np.concatenate(result)
 
     @property
     def yielded_area(self) -> Floats:
-        """Area at its limit; NaN without limit."""
-        return np.array(
-            [area.yielding(yielded) for area, yielded in zip(self.areas, self.yielded, strict=True)], np.float64
-        )
+        """Areas (k,) at the limit."""
+        return np.array([area.yielding(own) for area, own in zip(self.areas, self.yielded, strict=True)], np.float64)
 
     @cached_property
     def per_length(self) -> tuple[Floats, Floats]:
-        """Reactions per length (k, s) at the stations of its line, and concentrated forces (k, c)."""
+        """Reactions per length (k, s) at the stations of the line, and concentrated forces (k, c)."""
         line, where = self.of.reader.lines[self.index], self.of.reader.vertices_of.get(self.index)
         return line.read(self.reactions, None if where is None else self.of.linear.on_lines[:, where])
 
-    @property
-    def max_per_length(self) -> Floats:
-        """Largest reaction per length."""
-        return np.asarray(self.per_length[0].max(axis=1))
 
-    @property
-    def min_per_length(self) -> Floats:
-        """Smallest reaction per length."""
-        return np.asarray(self.per_length[0].min(axis=1))
-
-    @property
-    def preload(self) -> Floats:
-        """Sum of the preloads of bolts."""
-        return np.full(len(self.reactions), self.at_points.preload.sum())
-
-    @property
-    def prying(self) -> Floats:
-        """Force of the bolts over the pull of the loads; NaN without pull."""
-        return -self.reaction / self.of.lift
-
-
-@dataclass(frozen=True, eq=False)
-class PointsReading:
-    """The p points of one support in k solutions: every property is a quantity of points by its name in the registry.
-
-    Each is (k, p), or (p,) where it is the same in every solution.
-    """
-
-    of: SupportReading
-
-    @property
-    def reaction(self) -> Floats:
-        """Upward force."""
-        return self.of.reactions
-
-    @property
-    def gap(self) -> Floats:
-        """Remaining free travel."""
-        return self.of.gaps
-
-    @property
-    def moments(self) -> Floats:
-        """Couples (k, p, 2) on θx and θy."""
-        readings, points = self.of.of, self.of.points
-        couples = readings.linear.couples[:, readings.reader.couples_of[self.of.index]]
-        return np.asarray(couples.reshape(-1, *points.turning.shape))
-
-    @property
-    def moment_x(self) -> Floats:
-        """Couple on θx."""
-        return np.asarray(self.moments[..., 0])
-
-    @property
-    def moment_y(self) -> Floats:
-        """Couple on θy."""
-        return np.asarray(self.moments[..., 1])
-
-    @property
-    def piece(self) -> Ints:
-        """Piece of the law."""
-        readings = self.of.of
-        return np.array([self.of.points.pieces(self.of.discretisation, one.piece) for one in readings.answers])
-
-    @property
-    def tightened_to(self) -> Floats:
-        """Force to which bolts were last tightened."""
-        return self.of.points.tightened_to(self.of.discretisation)
-
-    @property
-    def preload(self) -> Floats:
-        """Force when all bolts are tightened, before other loads act."""
-        return self.of.points.preloads(self.of.discretisation)
-
-    @property
-    def change(self) -> Floats:
-        """Force less the preload."""
-        return self.of.reactions - self.preload
+_OF_SUPPORTS: Mapping[str, Callable[[SupportReading], Floats]] = {
+    "reaction": lambda of: of.reactions.sum(axis=1),
+    "closed": lambda of: of.closed.sum(axis=1),
+    "open": lambda of: (~of.closed).sum(axis=1),
+    "closed_part": lambda of: of.closed_part,
+    "max_pressure": lambda of: np.fmax.reduce(of.pressures, axis=1, initial=0.0),
+    "max_tension": lambda of: np.fmax.reduce(-of.pressures, axis=1, initial=0.0),
+    "contact_area": lambda of: of.contact_area,
+    "yielded_area": lambda of: of.yielded_area,
+    "max_per_length": lambda of: of.per_length[0].max(axis=1),
+    "min_per_length": lambda of: of.per_length[0].min(axis=1),
+    "preload": lambda of: np.full(len(of.reactions), of.preloads.sum()),
+    "prying": lambda of: -of.reactions.sum(axis=1) / of.lift,
+}
+"""Formulas (k,) of quantities of supports, by their names in the registry."""
+_OF_POINTS: Mapping[tuple[Home, str], Callable[[SupportReading], Floats]] = {
+    ("point", "reaction"): lambda of: of.reactions,
+    ("point", "gap"): lambda of: of.gaps,
+    ("point", "moment_x"): lambda of: of.couples[..., 0],
+    ("point", "moment_y"): lambda of: of.couples[..., 1],
+    ("point", "piece"): lambda of: of.pieces.astype(np.float64),
+    ("point", "tightened_to"): lambda of: of.tightened_to,
+    ("point", "preload"): lambda of: of.preloads,
+    ("point", "change"): lambda of: of.reactions - of.preloads,
+    ("corner", "reaction"): lambda of: of.per_length[1],
+}
+"""Formulas (k, p) or (p,) of quantities of their points and corners."""
+_THROUGH: Mapping[str, Callable[[Floats], Floats]] = {
+    "moment": lambda through: through[..., 0],
+    "twist": lambda through: through[..., 1],
+    "shear": lambda through: through[..., 2],
+}
+"""Formulas (k, c) of forces through sections and stations (k, c, 3)."""
+_OF_STRIPS: Mapping[str, Callable[[Floats], Floats]] = {
+    "max_moment": lambda through: through[..., 0].max(axis=1),
+    "min_moment": lambda through: through[..., 0].min(axis=1),
+}
+"""Formulas (k,) of a strip from its stations (k, c, 3)."""

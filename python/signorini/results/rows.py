@@ -291,8 +291,8 @@ class Block:
         self.values[rows] = readings.numbers(layout.catalogue)
         self.on_areas[rows] = readings.linear.on_areas
         for index, (where, of) in enumerate(zip(layout.slices, readings.supports, strict=True)):
-            self.reaction[rows, where], self.closed[rows, where] = of.reactions, of.touching
-            self.lifted[rows, where] = ~of.touching & (of.gaps > _MOVED * layout.rest[where])
+            self.reaction[rows, where], self.closed[rows, where] = of.reactions, of.closed
+            self.lifted[rows, where] = ~of.closed & (of.gaps > _MOVED * layout.rest[where])
             if index in layout.on_lines:
                 self.on_lines[rows, layout.on_lines[index]] = np.concatenate(of.per_length, axis=1)
 

@@ -270,8 +270,17 @@ class SupportResult(Remade):
 def support_result(readings: Readings, index: int, forces: SupportForces) -> SupportResult:
     """Result of a support in the only solution of some readings, with the forces of all supports."""
     reading = readings.supports[index]
-    discretisation, support, points = reading.discretisation, reading.support, reading.points
-    (answer,), (reactions,) = readings.answers, reading.reactions
+    discretisation, support, points = readings.discretisation, reading.support, reading.points
+    (answer,), area = readings.answers, None
+    positions, closed, reactions = (
+        points.centres(discretisation, answer.shared),
+        reading.closed[0],
+        reading.reactions[0],
+    )
+    if support.area is not None:
+        # Its arrays are those of the area, so that a pickle has them once.
+        (area,) = reading.areas
+        positions, closed, reactions = area.positions, area.closed, area.reactions
     edge, springs = None, discretisation.springs
     (turning,) = np.nonzero(springs.slope & (springs.support == index))
     if support.edge is not None and len(turning):
@@ -290,20 +299,20 @@ def support_result(readings: Readings, index: int, forces: SupportForces) -> Sup
         name=support.name,
         kind=describe(support),
         place=support.place,
-        numbers={name: float(readings.read("support", index, name)[0]) for name in names},
-        positions=points.centres(discretisation, answer.shared),
+        numbers={name: float(readings.read("support", index, name)[0, 0]) for name in names},
+        positions=positions,
         reactions=reactions,
         gaps=reading.gaps[0],
-        closed=reading.touching[0],
+        closed=closed,
         weights=points.weights,
-        area=reading.areas[0] if support.area is not None else None,
+        area=area,
         edge=edge,
         line=line,
         yielded=reading.yielded[0],
-        pieces=reading.at_points.piece[0] if support.place == "at" and support.has_pieces else None,
-        moments=reading.at_points.moments[0] if len(points.turning) else None,
-        tightened_to=reading.at_points.tightened_to if support.is_bolt else None,
-        preloads=reading.at_points.preload if support.is_bolt else None,
+        pieces=reading.pieces[0] if support.place == "at" and support.has_pieces else None,
+        moments=reading.couples[0] if len(points.turning) else None,
+        tightened_to=reading.tightened_to if support.is_bolt else None,
+        preloads=reading.preloads if support.is_bolt else None,
         upon=index in readings.upon,
     )
 
