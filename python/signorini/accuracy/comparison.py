@@ -33,9 +33,10 @@ from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
+from signorini.results.notebook import in_notebook
 from signorini.results.of_plates import said_of
 from signorini.results.quantities import SIDES, Number, Path, place_of
-from signorini.results.result import Result, in_notebook
+from signorini.results.result import Result
 from signorini.shapes.distances import Targets
 from signorini.singularities.singularity import Singularity
 

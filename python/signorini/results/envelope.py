@@ -20,8 +20,8 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.results.quantities import ENDS, PEAKING, SIDES, Home
-from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Layout
+from signorini.results.state import ResultState
 
 _SIGNS = (1.0, -1.0)
 """By which values are multiplied so that the largest, and the smallest, are largest."""
@@ -207,7 +207,7 @@ class Envelope:
         at = {name: plate.stress_nodes if name in PEAKING else nodes for name in self.fields}
         return replace(self, fields={name: one.pick(at[name]) for name, one in self.fields.items()})
 
-    def take_fields(self, result: Result, who: Ints) -> None:
+    def take_fields(self, result: ResultState, who: Ints) -> None:
         """Meet the fields of one result (1,)."""
         for name, extremes in self.fields.items():
             extremes.take((result.nodal_reaction if name == "reaction" else result.fields[name])[None], who)

@@ -6,12 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from signorini.base.on_demand import Named
-from signorini.base.packages import package
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.discretise.rows import Bools, Floats, Ints
@@ -22,7 +20,7 @@ from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.line_reactions import Line, lines_of
 from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, Catalogue
 from signorini.results.readings import Readings, nodes_around
-from signorini.results.result import Result
+from signorini.results.state import ResultState
 from signorini.results.support_points import SupportPoints
 from signorini.singularities.beside import Beside, beside_of
 from signorini.singularities.named import singularities_of
@@ -262,7 +260,7 @@ class Block:
         """Numbers (k,) of these among all."""
         return self.first + np.arange(len(self.solved))
 
-    def put(self, row: int, layout: Layout, result: Result) -> None:
+    def put(self, row: int, layout: Layout, result: ResultState) -> None:
         """Fill a row with a result that has every field."""
         self.solved[row] = result.status == "solved"
         self.method[row] = result.method
@@ -282,7 +280,7 @@ class Block:
         self.on_areas[row] = result.deflection[layout.around_areas]
         by_path = result.catalogue.by_path
         self.values[row] = result.numbers[[by_path[one.path] for one in layout.catalogue]]
-        each = [one.extremes[name] for one in (result, *result.plates.values()) for name in layout.fields]
+        each = [one.extremes[name] for one in [result, *result.plates.values()] for name in layout.fields]
         for at, ends in enumerate(each):
             self.places[row, at] = [getattr(ends, f"{end}_at") for end in ENDS]
 
@@ -338,34 +336,3 @@ def _joined(parts: Sequence[Column]) -> Column:
     whole = np.concatenate(parts)
     whole.flags.writeable = False
     return whole
-
-
-def dataframe(table: Mapping[str, Column], key: str) -> Any:
-    """Give a table as a `pandas.DataFrame`, its rows by one of its columns."""
-    return package("pandas").DataFrame({name: np.asarray(values) for name, values in table.items()}).set_index(key)
-
-
-def dataset(results: Mapping[str, Result]) -> Any:
-    """Return fields and reactions of results on one mesh as an `xarray.Dataset`.
-
-    Fields are by combination and stress node, with coordinates x and y; reactions by combination and support. Every
-    variable has its description (``long_name``) and unit (``units``).
-    """
-    first = next(iter(results.values()))
-    units, nodes = first.model.units, first.stress_nodes
-    variables: dict[str, Any] = {}
-    for name, quantity in FIELDS.items():
-        values = np.stack([nodes.spread(one.fields[name]) for one in results.values()])
-        variables[name] = (
-            ("combination", "node"),
-            values,
-            {"long_name": quantity.words, "units": quantity.unit(units)},
-        )
-    places = {axis: ("node", at, {"units": units.length}) for axis, at in zip("xy", nodes.points.T, strict=True)}
-    names = [support.name for support in first.model.support]
-    nothing = [np.nan] * len(names)
-    reactions = [[support.reaction for support in one.supports] or nothing for one in results.values()]
-    what = {"long_name": "reaction, positive up", "units": units.force}
-    variables["reaction"] = (("combination", "support"), np.array(reactions).reshape(len(results), -1), what)
-    coordinates = {"combination": list(results), "support": names, **places}
-    return package("xarray").Dataset(variables, coordinates, {"title": first.model.title})
