@@ -65,6 +65,7 @@ def shear_stresses(shear: Floats, thickness: Floats) -> Floats:
 Path = tuple[str | int, ...]
 """Keys and indices that lead to a number in results.json."""
 Home = Literal["field", "mean", "support", "point", "corner", "probe", "section", "strip", "station"]
+Key = tuple[Home, int | str, str]
 
 
 @dataclass(frozen=True)
@@ -117,6 +118,7 @@ class Quantity:
     tabled: bool = True  # whether tables have it
     enveloped: bool = True  # whether extremes of it are sought
     along_paths: bool = True  # whether load paths tell it at every stop
+    parents: tuple[str, ...] = ()  # fields that its formula is of
 
     @property
     def path(self) -> Path:
@@ -184,8 +186,13 @@ DERIVED = (
     Derived(
         lambda moment, shear, thickness: principal_moments(moment),
         (
-            Quantity("m1", "moment", "principal moment m1", ("principal_moment", 0), "principal_moment"),
-            Quantity("m2", "moment", "principal moment m2", ("principal_moment", 1), "principal_moment"),
+            *(
+                Quantity(
+                    *(name, "moment", f"principal moment {name}", ("principal_moment", place), "principal_moment"),
+                    parents=("mx", "my", "mxy"),
+                )
+                for place, name in enumerate(("m1", "m2"))
+            ),
             Quantity("m_angle", "angle", "angle of m1", ("principal_moment", 2), tabled=False, enveloped=False),
         ),
     ),
@@ -198,6 +205,7 @@ DERIVED = (
                 f"design moment along {axis} at the {face}",
                 ("design_moment", face, place),
                 f"design_moment {face}",
+                parents=(f"m{axis}", "mxy"),
             )
             for face in ("bottom", "top")
             for place, axis in enumerate("xy")
@@ -230,6 +238,10 @@ DERIVED = (
 )
 """Fields that follow from those."""
 
+DESIGN_MOMENTS: Mapping[str, float] = MappingProxyType(
+    {one.name: -1.0 if one.name.endswith("top") else 1.0 for one in DERIVED[1].quantities}
+)
+"""Sign of every design moment: that of the moments it resists."""
 FIELDS: Mapping[str, Quantity] = _by_name(
     [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
 )
@@ -358,6 +370,11 @@ class Number:
     def what(self) -> str:
         """The quantity, of extremes of a field which of them."""
         return str(self.path[-1]) if self.home in EXTREMES else self.quantity.name
+
+    @property
+    def key(self) -> Key:
+        """Home, place within it, and field, by which related numbers at one place or of one extreme are found."""
+        return self.home, self.what if self.home in EXTREMES else self.owner, self.quantity.name
 
     @property
     def over_plates(self) -> bool:

@@ -280,7 +280,8 @@ class Block:
         self.on_areas[row] = result.deflection[layout.around_areas]
         by_path = result.catalogue.by_path
         self.values[row] = result.numbers[[by_path[one.path] for one in layout.catalogue]]
-        each = [one.extremes[name] for one in [result, *result.plates.values()] for name in layout.fields]
+        every: list[ResultState] = [result, *result.plates.values()]
+        each = [one.extremes[name] for one in every for name in layout.fields]
         for at, ends in enumerate(each):
             self.places[row, at] = [getattr(ends, f"{end}_at") for end in ENDS]
 
