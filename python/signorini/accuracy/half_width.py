@@ -186,10 +186,11 @@ def away(points: Floats, singularity: Singularity) -> Floats:
 
 def largest_of(result: Result) -> Mapping[str, float]:
     """The largest number of every kind: at the nodes, of reactions the sum of all, of areas the largest pressure."""
-    if result.plates:
-        each = [largest_of(plate) for plate in result.plates.values()]
-        return {kind: max(of[kind] for of in each) for kind in each[0]}
+    each = [_largest_of_plate(plate) for plate in result.members.values()]
+    return {kind: max(of[kind] for of in each) for kind in each[0]}
 
+
+def _largest_of_plate(result: Result) -> Mapping[str, float]:
     def size(values: Floats) -> float:
         return float(np.abs(values).max(initial=0.0))
 

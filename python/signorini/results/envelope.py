@@ -199,10 +199,8 @@ class Envelope:
         places: Floats = self.places[catalogue.numbers[catalogue.by_column[f"max:{name}"]].owner]
         return places
 
-    def on(self, plate: OfWhole | None) -> Envelope:
-        """Those at the nodes of one of several plates; all of them where there is one alone."""
-        if plate is None:
-            return self
+    def on(self, plate: OfWhole) -> Envelope:
+        """Those at the nodes of one of several plates."""
         nodes = np.arange(plate.nodes.start, plate.nodes.stop)
         at = {name: plate.stress_nodes if name in PEAKING else nodes for name in self.fields}
         return replace(self, fields={name: one.pick(at[name]) for name, one in self.fields.items()})

@@ -231,11 +231,10 @@ class Line:
 def lines_of(discretisation: Discretisation) -> dict[int, Line]:
     """Lines of the supports by their place in the model; between two plates on the upper one."""
     result = {}
-    for plate in discretisation.plates or (None,):
-        own = discretisation if plate is None else plate.own
-        for index, support in enumerate(own.model.support):
-            if support.along_line and (plate is None or index not in plate.upon):
-                result[index if plate is None else plate.numbers["support"][index]] = Line.of(own, index)
+    for plate in discretisation.members:
+        for index, support in enumerate(plate.own.model.support):
+            if support.along_line and index not in plate.upon:
+                result[plate.numbers["support"][index]] = Line.of(plate.own, index)
     return dict(sorted(result.items()))
 
 

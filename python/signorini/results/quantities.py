@@ -239,9 +239,9 @@ DERIVED = (
 """Fields that follow from those."""
 
 DESIGN_MOMENTS: Mapping[str, float] = MappingProxyType(
-    {one.name: -1.0 if one.name.endswith("top") else 1.0 for one in DERIVED[1].quantities}
+    {f"m{axis}_{face}": sign for face, sign in (("bottom", 1.0), ("top", -1.0)) for axis in "xy"}
 )
-"""Sign of every design moment: that of the moments it resists."""
+"""Signs of the moments that design moments resist."""
 FIELDS: Mapping[str, Quantity] = _by_name(
     [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
 )
