@@ -129,7 +129,7 @@ class Ends:
     min_by: int
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Envelope:
     """Extremes over all results with an equilibrium."""
 
@@ -165,16 +165,18 @@ class Envelope:
             elif support.place != "at" and support.area is None:
                 along[index] = Extremes.none(len(points.positions))
         return cls(
-            layout,
-            Extremes.none(len(layout.catalogue)),
-            np.full((len(layout.catalogue.at("field", "max")), len(ENDS), 2), np.nan),
-            np.full((2, len(layout.governed), len(layout.bearings)), np.nan),
-            {name: Extremes.none(len(layout.nodes if name in PEAKING else mesh.points)) for name in names},
-            {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
-            along,
-            Extremes.none(max((where.stop for where in layout.on_lines.values()), default=0)),
-            tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
-            tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
+            layout=layout,
+            values=Extremes.none(len(layout.catalogue)),
+            places=np.full((len(layout.catalogue.at("field", "max")), len(ENDS), 2), np.nan),
+            beside=np.full((2, len(layout.governed), len(layout.bearings)), np.nan),
+            fields={name: Extremes.none(len(layout.nodes if name in PEAKING else mesh.points)) for name in names},
+            pressures={
+                name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names
+            },
+            along=along,
+            on_lines=Extremes.none(max((where.stop for where in layout.on_lines.values()), default=0)),
+            open_in=tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
+            lifted_in=tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
         )
 
     def __getitem__(self, column: str) -> Ends:

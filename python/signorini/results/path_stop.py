@@ -42,7 +42,7 @@ class Switch:
         return self.change in ("opens", "yields")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class PathStop(Brief):
     """The path at one t. Between two stops all numbers are linear in t, except extremes and work."""
 
@@ -162,17 +162,17 @@ def path_stops(
         most, least = [(float(x), float(y)) for x, y in discretisation.mesh.points[extremes]]
         stops.append(
             PathStop(
-                t,
-                switched[row].as_switches(discretisation, answer),
-                points[row],
-                answer.piece[points[row]],
-                catalogue,
-                numbers[row],
-                most,
-                least,
-                float(works[row].sum()),
-                float(np.abs(works[row]).sum()),
-                answer.not_unique,
+                t=t,
+                switched=switched[row].as_switches(discretisation, answer),
+                points=points[row],
+                pieces=answer.piece[points[row]],
+                catalogue=catalogue,
+                values=numbers[row],
+                largest_at=most,
+                smallest_at=least,
+                work=float(works[row].sum()),
+                work_size=float(np.abs(works[row]).sum()),
+                not_unique=answer.not_unique,
             )
         )
     return stops

@@ -114,7 +114,7 @@ class Hidden:
         return np.asarray(result & (~result & present).any(axis=1, keepdims=True))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Layout:
     """Which numbers a model's rows have."""
 
@@ -148,8 +148,17 @@ class Layout:
         lines, beside = lines_of(discretisation), beside_of(discretisation)
         rest_of_all = np.concatenate([np.zeros(0), *(one.rest(discretisation) for one in points)])
         return cls(
-            *(discretisation.model, catalogue, points, at_rest, lines, fields),
-            *(probes, nodes, hidden, beside, rest_of_all),
+            model=discretisation.model,
+            catalogue=catalogue,
+            supports=points,
+            at_rest=at_rest,
+            lines=lines,
+            fields=fields,
+            probes=probes,
+            nodes=nodes,
+            hidden=hidden,
+            beside=beside,
+            rest=rest_of_all,
         )
 
     @cached_property
@@ -211,7 +220,7 @@ class Layout:
         return [slice(a, b) for a, b in pairwise(ends)]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Block:
     """Consecutive results (k,); NaN and 0 where there is no equilibrium."""
 
@@ -240,19 +249,19 @@ class Block:
         values = nan(len(layout.catalogue))
         values[:, layout.catalogue.at("support", "closed", "open")] = 0.0
         return cls(
-            first,
-            np.zeros(count, np.bool_),
-            ["equilibrium check"] * count,
-            [""] * count,
-            np.zeros(count, np.int64),
-            nan(len(FIGURES)),
-            values,
-            nan(layout.point_count),
-            np.zeros((count, layout.point_count), np.bool_),
-            np.zeros((count, layout.point_count), np.bool_),
-            nan(max((where.stop for where in layout.on_lines.values()), default=0)),
-            nan(len(layout.around_areas)),
-            nan(len(layout.catalogue.at("field", "max")), len(ENDS), 2),
+            first=first,
+            solved=np.zeros(count, np.bool_),
+            method=["equilibrium check"] * count,
+            not_unique=[""] * count,
+            iterations=np.zeros(count, np.int64),
+            certificate=nan(len(FIGURES)),
+            values=values,
+            reaction=nan(layout.point_count),
+            closed=np.zeros((count, layout.point_count), np.bool_),
+            lifted=np.zeros((count, layout.point_count), np.bool_),
+            on_lines=nan(max((where.stop for where in layout.on_lines.values()), default=0)),
+            on_areas=nan(len(layout.around_areas)),
+            places=nan(len(layout.catalogue.at("field", "max")), len(ENDS), 2),
         )
 
     @property

@@ -60,7 +60,7 @@ class Ways(NamedTuple):
     several: Several | None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Combined(Brief):
     """Results of all combinations: rows, envelopes, counts and the worst certificate figures."""
 
@@ -135,10 +135,18 @@ def combine(
     envelopes = {name: [run.envelopes[name] for run in every if name in run.envelopes] for name in combinations.groups}
     groups = {name: _over(layout, discretisation.mesh, parts) for name, parts in envelopes.items() if parts}
     envelope = _over(layout, discretisation.mesh, [part for run in every for part in run.envelopes.values()])
-    counts = sum(run.solved for run in every), sum(run.alone for run in every), sum(run.not_unique for run in every)
-    unbalanced = {name: why for run in every for name, why in run.unbalanced.items()}
-    rows_kept = together(kept) if few else None
-    return Combined(combinations, layout, envelope, groups, *counts, worst, unbalanced, rows_kept)
+    return Combined(
+        combinations=combinations,
+        layout=layout,
+        envelope=envelope,
+        groups=groups,
+        solved=sum(run.solved for run in every),
+        alone=sum(run.alone for run in every),
+        not_unique=sum(run.not_unique for run in every),
+        certificate=worst,
+        unbalanced={name: why for run in every for name, why in run.unbalanced.items()},
+        rows=together(kept) if few else None,
+    )
 
 
 def _over(layout: Layout, mesh: Mesh, envelopes: Sequence[Envelope]) -> Envelope:
