@@ -95,9 +95,14 @@ class Extremes:
             result.append(better)
         return result
 
-    def pick(self, which: Ints) -> Extremes:
+    def pick(self, which: Ints | slice) -> Extremes:
         """Those of some of the numbers."""
         return Extremes(*(getattr(self, one.name)[which] for one in fields(self)))
+
+    def put(self, which: Ints | slice, some: Extremes) -> None:
+        """Replace some of the numbers."""
+        for one in fields(self):
+            getattr(self, one.name)[which] = getattr(some, one.name)
 
     @property
     def ends(self) -> tuple[int, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -153,7 +153,7 @@ def path_stops(
     ``imbalance`` (k, 3n) are their residuals, of plate and springs alone, if known.
     """
     catalogue = numbers_at_stops(discretisation)
-    numbers = _numbers(discretisation, catalogue, loads, answers, imbalance, {})
+    numbers = _numbers(discretisation, catalogue, loads, answers, imbalance)
     deflection = np.array([(answer.hi + answer.lo)[::3] for answer in answers])
     works = np.array([load.nodal * (answer.hi + answer.lo) for load, answer in zip(loads, answers, strict=True)])
     stops = []
@@ -184,39 +184,25 @@ def _numbers(
     loads: Sequence[CaseLoad],
     answers: Sequence[Answer],
     imbalance: Floats | None,
-    beneath: Mapping[int, Floats],
 ) -> Floats:
-    """The numbers of the catalogue in every answer (k, n); ``beneath`` are other plates' deflections (k, n)."""
-    if discretisation.plates:
-        return _of_plates(discretisation, catalogue, loads, answers)
-    forces = [
-        SupportForces.of(
-            *(discretisation, load.nodal, answer.hi, answer.lo, discretisation.point_rows.T @ answer.shared),
-            imbalance=None if imbalance is None else imbalance[row],
-        )
-        for row, (load, answer) in enumerate(zip(loads, answers, strict=True))
-    ]
-    readings = Readings.of(discretisation, loads, answers, forces, [None] * len(answers), beneath)
-    numbers = readings.numbers(catalogue)
-    deflection = readings.deflections(slice(None))
-    ends = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)
-    numbers[:, catalogue.at("field", *SIDES)] = ends[:, None]
-    return numbers
-
-
-def _of_plates(
-    discretisation: Discretisation, catalogue: Catalogue, loads: Sequence[CaseLoad], answers: Sequence[Answer]
-) -> Floats:
-    """Those of several plates, from each of them."""
-    own, each = [catalogue_of(one, ("deflection",)).along_paths for one in discretisation.each], list[Floats]()
-    deflections = [np.array([(one.hi + one.lo)[plate.dofs][::3] for one in answers]) for plate in discretisation.plates]
-    for at, plate in enumerate(discretisation.plates):
-        beneath = {which: (matrix @ deflections[other].T).T for which, (other, matrix) in plate.beneath.items()}
-        on = [load.plates[at] for load in loads], [answer.on(plate) for answer in answers]
-        each.append(_numbers(plate.own, own[at], *on, None, beneath))
-    result = np.empty((len(answers), len(catalogue)))
-    for place, of in enumerate(catalogue.in_plates):
-        values = [each[plate][:, number] for plate, number in of]
-        smallest = catalogue.numbers[place].what == "min"
-        result[:, place] = np.min(values, axis=0) if smallest else np.max(values, axis=0)
-    return result
+    """The numbers of the catalogue in every answer (k, n)."""
+    each = []
+    for at, plate in enumerate(discretisation.members):
+        own = plate.own
+        own_loads, own_answers = [load.on(at) for load in loads], [answer.on(plate) for answer in answers]
+        forces = [
+            SupportForces.of(
+                *(own, load.nodal, answer.hi, answer.lo, own.point_rows.T @ answer.shared),
+                imbalance=None if imbalance is None else imbalance[row, plate.dofs],
+            )
+            for row, (load, answer) in enumerate(zip(own_loads, own_answers, strict=True))
+        ]
+        beneath = [plate.deflections_beneath((answer.hi + answer.lo)[::3]) for answer in answers]
+        nothing = [None] * len(answers)
+        readings = Readings.of(own, own_loads, own_answers, forces, nothing, beneath)
+        told = catalogue_of(own, ("deflection",)).along_paths if discretisation.plates else catalogue
+        numbers, deflection = readings.numbers(told), readings.deflections(slice(None))
+        ends = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)
+        numbers[:, told.at("field", *SIDES)] = ends[:, None]
+        each.append(numbers)
+    return catalogue.of_members(each)

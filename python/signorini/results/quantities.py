@@ -537,6 +537,17 @@ class Catalogue:
             groups.setdefault((one.home, owner, one.what), []).append(place)
         return {key: np.array(of, np.int64) for key, of in groups.items()}
 
+    def of_members(self, each: Sequence[Floats]) -> Floats:
+        """Numbers (..., n) from those of every plate's own catalogue; extremes over all plates are of all."""
+        if not self.in_plates:
+            return each[0]
+        result = np.empty((*each[0].shape[:-1], len(self)))
+        for place, of in enumerate(self.in_plates):
+            values = [each[plate][..., number] for plate, number in of]
+            smallest = self.numbers[place].what.startswith("min")
+            result[..., place] = (np.fmin if smallest else np.fmax).reduce(values)
+        return result
+
     @cached_property
     def along_paths(self) -> Catalogue:
         """Those that load paths tell at every stop."""

@@ -7,7 +7,7 @@ table is a sum of the readings of load cases and contact points.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple, Self
@@ -18,6 +18,7 @@ from signorini import _core
 from signorini.base.on_demand import kept
 from signorini.contact.selection import Answer
 from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.model import Support
@@ -60,6 +61,10 @@ class SupportForces(NamedTuple):
         held = np.where(discretisation.held.dofs, residual, 0.0)
         return cls(residual, held, discretisation.spring_forces(hi, lo, arrays[4]))
 
+    def on(self, plate: OfWhole) -> SupportForces:
+        """Those on one of several plates."""
+        return SupportForces(self.imbalance[plate.dofs], self.held[plate.dofs], self.springs[plate.springs])
+
 
 class Linear(NamedTuple):
     """Readings, each with an axis of k solutions in front."""
@@ -76,6 +81,8 @@ class Linear(NamedTuple):
     """(k, v): contribution of twisting couples of edges at the vertices of their lines, line by line."""
     on_areas: Floats
     """(k, a): deflections of the nodes around elastic areas."""
+    beneath: Floats
+    """(k, b, a): deflections there of b other plates, support by support."""
 
     @classmethod
     def stacked(cls, each: Iterable[Linear]) -> Linear:
@@ -127,9 +134,18 @@ class Reader:
         return dict(zip(lines, _slices(couples.shape[0] for couples in lines.values()), strict=True))
 
     def read(
-        self, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats, forces: SupportForces, fields: Floats | None
+        self,
+        load: CaseLoad,
+        hi: Floats,
+        lo: Floats,
+        reaction: Floats,
+        forces: SupportForces,
+        fields: Floats | None,
+        beneath: Mapping[int, Floats],
     ) -> Linear:
         """Read u = hi + lo (3n,) with reactions of contact points, forces of supports, and fields (s, 8).
+
+        ``beneath`` are deflections (n,) of other plates at the own nodes, by the own support between.
 
         Without fields the deflections are the only ones read at probes; the others are NaN.
         """
@@ -153,6 +169,9 @@ class Reader:
             np.concatenate(nothing + couples),
             np.concatenate(on_lines),
             deflection[self.around_areas],
+            np.array([other[self.around_areas] for other in beneath.values()]).reshape(
+                len(beneath), len(self.around_areas)
+            ),
         )
 
 
@@ -182,8 +201,8 @@ class Readings:
     closed: Bools
     answers: Sequence[Answer] = ()
     loads: Sequence[CaseLoad] = ()
-    beneath: Mapping[int, Floats] = field(default_factory=dict)
-    """Deflections (k, n) of the other plate, by the number of the support between."""
+    between: Sequence[int] = ()
+    """Supports whose plates beneath are read."""
     upon: Collection[int] = ()
     """Supports by which another plate lies on this one."""
 
@@ -195,17 +214,17 @@ class Readings:
         answers: Sequence[Answer],
         forces: Sequence[SupportForces],
         fields: Sequence[Floats | None],
-        beneath: Mapping[int, Floats],
+        beneath: Sequence[Mapping[int, Floats]],
         upon: Collection[int] = (),
     ) -> Self:
-        """Read answers (k,) to loads (k,) with their forces of supports and, where known, fields (s, 8)."""
+        """Read answers (k,) to loads (k,); `Reader.read` describes the arguments."""
         reader = Reader.of(discretisation)
         linear = Linear.stacked(
-            reader.read(load, answer.hi, answer.lo, answer.shared, of, own)
-            for load, answer, of, own in zip(loads, answers, forces, fields, strict=True)
+            reader.read(load, answer.hi, answer.lo, answer.shared, of, own, below)
+            for load, answer, of, own, below in zip(loads, answers, forces, fields, beneath, strict=True)
         )
         shared, gap, closed = (np.array([getattr(one, key) for one in answers]) for key in ("shared", "gap", "closed"))
-        return cls(reader, linear, shared, gap, closed, answers, loads, beneath, upon)
+        return cls(reader, linear, shared, gap, closed, answers, loads, tuple(beneath[0]), upon)
 
     def numbers(self, catalogue: Catalogue) -> Floats:
         """Numbers (k, n) of a catalogue; NaN for extremes of fields, which are no readings."""
@@ -362,9 +381,16 @@ class SupportReading:
         return area_at_rest(self.of.discretisation, self.index)
 
     def above(self, some: slice) -> Floats:
-        """Deflections (k', n) of the plate relative to the plate beneath, if any."""
+        """Deflections (k', n) of the plate, around areas relative to the plate beneath, if any."""
         deflection = self.of.deflections(some)
-        return deflection - self.of.beneath[self.index][some] if self.index in self.of.beneath else deflection
+        if (beneath := self.beneath) is not None:
+            deflection[:, self.of.reader.around_areas] -= beneath[some]
+        return deflection
+
+    @property
+    def beneath(self) -> Floats | None:
+        """Deflections (k, a) of the plate beneath, around areas."""
+        return self.of.linear.beneath[:, self.of.between.index(self.index)] if self.index in self.of.between else None
 
     @cached_property
     def areas(self) -> tuple[AreaContact, ...]:
@@ -384,9 +410,8 @@ class SupportReading:
         if self.support.modulus is None:
             return self.at_rest.measured(np.zeros((len(self.reactions), 0)), self.reactions)
         on = np.flatnonzero(self.at_rest.on_nodes)
-        deflection = self.of.linear.on_areas[:, np.searchsorted(self.of.reader.around_areas, on)]
-        if self.index in self.of.beneath:
-            deflection = deflection - self.of.beneath[self.index][:, on]
+        around = self.of.linear.on_areas if (beneath := self.beneath) is None else self.of.linear.on_areas - beneath
+        deflection = around[:, np.searchsorted(self.of.reader.around_areas, on)]
         return self.at_rest.measured(deflection, self.reactions)
 
     @cached_property

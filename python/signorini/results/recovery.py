@@ -60,8 +60,7 @@ def recovered(
     nodal_reaction += discretisation.spring_rows.T @ (springs * forces.springs)
     nodes, thickness = discretisation.stress_nodes, discretisation.node_thickness
     fields = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(rotation), stress])
-    on_others = {index: below[None] for index, below in (beneath or {}).items()}
-    readings = Readings.of(discretisation, [load], [answer], [forces], [fields], on_others, upon)
+    readings = Readings.of(discretisation, [load], [answer], [forces], [fields], [beneath or {}], upon)
     supports = Listed(
         (support_result(readings, index, forces) for index in range(len(discretisation.model.support))), "support"
     )
@@ -110,7 +109,7 @@ def _of_plates(
     deflections = [(answer.hi + answer.lo)[one.dofs][::3] for one in each]
     plates: dict[str, Result] = {}
     for one, own in zip(each, load.plates, strict=True):
-        beneath = {number: matrix @ deflections[other] for number, (other, matrix) in one.beneath.items()}
+        beneath = one.deflections_beneath(np.concatenate(deflections))
         part = answer.on(one), certificate, None
         plates[one.name] = recovered(one.own, load_of, methods, own, *part, beneath, one.upon)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -12,13 +12,15 @@ import numpy as np
 from signorini.base.on_demand import Named
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
+from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
 from signorini.results.catalogue import catalogue_of
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
 from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.line_reactions import Line, lines_of
-from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, Catalogue
+from signorini.results.of_plates import places_in_plates
+from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Home
 from signorini.results.readings import Readings, nodes_around
 from signorini.results.state import ResultState
 from signorini.results.support_points import SupportPoints
@@ -68,8 +70,6 @@ class Hidden:
     @classmethod
     def of(cls, discretisation: Discretisation, number: str) -> Hidden:
         """Look for the nodes of the fields that singularities call so; none if it is empty."""
-        if discretisation.plates:
-            return cls.of_plates(discretisation, number)
         places: dict[str | None, Ints] = {}
         for case in (None, *discretisation.cases) if number else ():
             at = np.flatnonzero(at_peaks(discretisation.mesh, singularities_of(discretisation, case), number))
@@ -89,21 +89,6 @@ class Hidden:
         by_case = {case: row for case, row in hides.items() if case is not None}
         return cls(np.where(left_out, len(always) - 1, classes[of_mesh]), always, by_case)
 
-    @classmethod
-    def of_plates(cls, discretisation: Discretisation, number: str) -> Hidden:
-        """The same of several plates, each with classes of its own."""
-        each, plates = [cls.of(plate.own, number) for plate in discretisation.plates], discretisation.plates
-        firsts = np.cumsum([0, *(len(one.always) for one in each)])
-        count = discretisation.stress_nodes.count if number else discretisation.mesh.node_count
-        classes = np.zeros(count, np.int64)
-        for plate, one, first in zip(plates, each, firsts, strict=False):
-            classes[plate.stress_nodes if number else plate.nodes] = first + one.classes
-        by_case = {
-            case: np.concatenate([one.by_case.get(case, np.zeros(len(one.always), np.bool_)) for one in each])
-            for case in dict.fromkeys(case for one in each for case in one.by_case)
-        }
-        return cls(classes, np.concatenate([one.always for one in each]), by_case)
-
     def under(self, acting: Bools, cases: Sequence[str]) -> Bools:
         """Which classes (k, c) are hidden where load cases act (k, a); where no node would be left, none."""
         result = np.tile(self.always, (len(acting), 1))
@@ -112,6 +97,32 @@ class Hidden:
                 result |= acting[:, column, None] & self.by_case[case]
         present = np.bincount(self.classes, minlength=result.shape[1]) > 0
         return np.asarray(result & (~result & present).any(axis=1, keepdims=True))
+
+
+@dataclass(frozen=True, eq=False)
+class PlateLayout:
+    """Part of one plate in the rows."""
+
+    plate: OfWhole
+    catalogue: Catalogue  # its own numbers
+    hidden: Mapping[str, Hidden]  # of every field its nodes at which it has no limit
+
+    @classmethod
+    def of(cls, plate: OfWhole, fields: tuple[str, ...]) -> PlateLayout:
+        """Lay out a plate, with extremes of some fields."""
+        number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
+        by_number = {number: Hidden.of(plate.own, number) for number in set(number_of.values())}
+        hidden = {name: by_number[number] for name, number in number_of.items()}
+        return cls(plate, catalogue_of(plate.own, fields).in_tables, hidden)
+
+    @property
+    def beside(self) -> Beside:
+        """Places at which moments or shears have no limit."""
+        return beside_of(self.plate.own)
+
+    def nodes_of(self, field: str) -> slice | Ints:
+        """Nodes of a field of this plate, among those of all plates."""
+        return self.plate.stress_nodes if field in PEAKING else self.plate.nodes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -126,8 +137,7 @@ class Layout:
     fields: tuple[str, ...]  # those that envelopes are sought of
     probes: Floats  # (q, 2)
     nodes: Floats  # (s, 2): positions of the nodes of stresses; the first are those of the mesh
-    hidden: Mapping[str, Hidden]  # of every field its nodes at which it has no limit
-    beside: Beside  # the places at which moments or shears have none
+    members: tuple[PlateLayout, ...]
     rest: Floats  # (p,): of every point of every support its travel in a plate at rest, infinite where it is apart
 
     @classmethod
@@ -140,24 +150,24 @@ class Layout:
         # Areas of several plates are in the results of each plate.
         areas = [] if discretisation.plates else areas
         at_rest = {index: area_at_rest(discretisation, index) for index in areas}
-        number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
-        by_number = {number: Hidden.of(discretisation, number) for number in set(number_of.values())}
-        hidden = {name: by_number[number] for name, number in number_of.items()}
+        members = tuple(PlateLayout.of(plate, fields) for plate in discretisation.members)
         catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
+        if discretisation.plates:
+            own = [one.catalogue for one in members]
+            in_plates = places_in_plates(discretisation.model, catalogue.numbers, own)
+            catalogue = replace(catalogue, in_plates=in_plates)
         probes = np.array([at for probe in discretisation.model.probe for at in probe.at]).reshape(-1, 2)
-        lines, beside = lines_of(discretisation), beside_of(discretisation)
         rest_of_all = np.concatenate([np.zeros(0), *(one.rest(discretisation) for one in points)])
         return cls(
             model=discretisation.model,
             catalogue=catalogue,
             supports=points,
             at_rest=at_rest,
-            lines=lines,
+            lines=lines_of(discretisation),
             fields=fields,
             probes=probes,
             nodes=nodes,
-            hidden=hidden,
-            beside=beside,
+            members=members,
             rest=rest_of_all,
         )
 
@@ -294,15 +304,39 @@ class Block:
         for at, ends in enumerate(each):
             self.places[row, at] = [getattr(ends, f"{end}_at") for end in ENDS]
 
-    def put_sums(self, rows: Ints, layout: Layout, readings: Readings) -> None:
-        """Fill rows (r,) with sums, without extremes of fields."""
-        self.values[rows] = readings.numbers(layout.catalogue)
-        self.on_areas[rows] = readings.linear.on_areas
-        for index, (where, of) in enumerate(zip(layout.slices, readings.supports, strict=True)):
+    def put_supports(self, rows: Ints, layout: Layout, member: PlateLayout, readings: Readings) -> None:
+        """Fill rows (r,) with the supports of one plate in sums."""
+        if layout.at_rest:
+            self.on_areas[rows] = readings.linear.on_areas
+        for index, of in zip(member.plate.numbers["support"], readings.supports, strict=True):
+            if of.index in member.plate.upon:
+                continue
+            where = layout.slices[index]
             self.reaction[rows, where], self.closed[rows, where] = of.reactions, of.closed
             self.lifted[rows, where] = ~of.closed & (of.gaps > _MOVED * layout.rest[where])
             if index in layout.on_lines:
                 self.on_lines[rows, layout.on_lines[index]] = np.concatenate(of.per_length, axis=1)
+
+    def put_numbers(self, rows: Ints, layout: Layout, each: Sequence[Floats], places: Sequence[Floats]) -> None:
+        """Fill rows (r,) with the numbers (r, n) of every plate and the places (r, f, 4, 2) of its extremes."""
+        self.values[rows] = layout.catalogue.of_members(each)
+        count = len(layout.fields)
+        if len(each) == 1:
+            self.places[rows] = places[0]
+            return
+        for plate, of_plate in enumerate(places, start=1):
+            self.places[rows, plate * count : (plate + 1) * count] = of_plate
+        first, every = layout.members[0].catalogue, np.stack(places)
+        for end, name in enumerate(ENDS):
+            home: Home = "field" if name in SIDES else "mean"
+            fields = [first.numbers[place].owner for place in first.at(home, name)]
+            sign = 1.0 if name.startswith("max") else -1.0
+            signed = [
+                sign * own[:, one.catalogue.at(home, name)] for own, one in zip(each, layout.members, strict=True)
+            ]
+            which = np.nan_to_num(np.stack(signed), nan=-np.inf).argmax(axis=0)
+            chosen = np.take_along_axis(every[:, :, fields, end], which[None, ..., None], axis=0)[0]
+            self.places[rows[:, None], fields, end] = chosen
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
         """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal, Self
 
-import numpy as np
-
 from signorini.base.on_demand import Listed, Named, OnDemand
 from signorini.base.remade import Remade
 from signorini.contact.certificate import Certificate
@@ -210,14 +208,9 @@ class ResultState(Remade):
         """Every number (k,) of its ``catalogue``; NaN if missing."""
         if self.status != "solved":
             return self._read
-        result, at = self._read.copy(), self.catalogue.at
         if self.plates:
-            each = list(self.plates.values())
-            for place, numbers in enumerate(self.catalogue.in_plates):
-                values = [each[plate].numbers[number] for plate, number in numbers]
-                smallest = self.catalogue.numbers[place].what.startswith("min")
-                result[place] = (np.fmin if smallest else np.fmax).reduce(values)
-            return result
+            return self.catalogue.of_members([one.numbers for one in self.plates.values()])
+        result, at = self._read.copy(), self.catalogue.at
         for side in SIDES:
             result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
         for side in MEAN_SIDES:

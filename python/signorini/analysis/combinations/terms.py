@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
@@ -49,9 +49,9 @@ class Sizes(NamedTuple):
     """(2,): largest nodal force out of balance, couples by the force they are at an element's size apart; and largest
     violation of a held deflection, slopes times the plate's size."""
     balance: Floats
-    """(3,): the resultants that supports do not balance."""
+    """(3p,): the resultants that supports do not balance, of p plates."""
     resultant: Floats
-    """(3,): resultants of the load, excluding parts that balance themselves."""
+    """(3p,): resultants of the load, excluding parts that balance themselves."""
     deflection: Floats
     """Deflections of the watched nodes."""
     load: Floats
@@ -79,7 +79,7 @@ class Sizes(NamedTuple):
         values = held.values if at_rest else np.zeros_like(held.values)
         lengths = np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
         slip = np.abs(np.where(held.dofs, hi + lo - values, 0.0)).reshape(-1, 3) * lengths
-        motions = discretisation.rigid_motions / lengths
+        motions = discretisation.scaled_motions
         return cls(
             moved.astype(np.float64),
             reaction,
@@ -111,7 +111,7 @@ class Proof:
         """Put the terms together."""
         rows = abs(discretisation.contact_rows)
         rows.data /= _units(discretisation)[rows.indices % 3]
-        motions = discretisation.rigid_motions / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
+        motions = discretisation.scaled_motions
         return cls(
             discretisation,
             Sizes(*map(np.array, zip(*sizes, strict=True))),
@@ -159,6 +159,32 @@ _TOGETHER = 32
 """Load cases whose displacements are in memory at once."""
 
 
+_OfPlate: TypeAlias = tuple[list[Floats], Linear, Floats]
+"""Fields of a plate in one term, its readings, its means."""
+_Term: TypeAlias = tuple[list[_OfPlate], Sizes]
+"""Every plate in one term, and what certificates need."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlateTerms:
+    """One plate in all terms (b,)."""
+
+    fields: dict[str, Floats]
+    """(b, n) or (b, s): those that envelopes are sought of, "reaction" among them."""
+    linear: Linear
+    """(b, ...): readings."""
+    means: Floats
+    """(b, 10k): means at the places of `Beside`."""
+
+    @classmethod
+    def stacked(cls, names: Sequence[str], each: Sequence[_OfPlate]) -> PlateTerms:
+        """Put terms together."""
+        fields, linear, means = zip(*each, strict=True)
+        every = [*names, "reaction"] if names else []
+        by_name = dict(zip(every, map(np.array, zip(*fields, strict=True)), strict=True))
+        return cls(by_name, Linear.stacked(linear), np.array(means))
+
+
 @dataclass(frozen=True, eq=False)
 class Terms:
     """The terms (b,) of the sum: one at rest, one a load case, one a contact point."""
@@ -167,12 +193,8 @@ class Terms:
     """The load cases, in the order of the terms."""
     shared: _core.CombinedCases
     """The contact problem condensed for all of them."""
-    fields: dict[str, Floats]
-    """Those that envelopes are sought of, "reaction" among them."""
-    linear: Linear
-    """(b, ...): readings."""
-    means: Floats
-    """(b, 10k): means at the places of `Beside`."""
+    plates: tuple[PlateTerms, ...]
+    """Those of every plate."""
     proof: Proof
     """Data of the certificates."""
 
@@ -199,19 +221,15 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         terms += reader.read(solved, None)
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
-    fields, linear, means, sizes = zip(*terms, strict=True)
-    by_name = dict(zip([*names, "reaction"] if names else [], map(np.array, zip(*fields, strict=True)), strict=True))
-    return Terms(tuple(cases), shared, by_name, Linear.stacked(linear), np.array(means), Proof.of(result, sizes))
+    of_plates, sizes = zip(*terms, strict=True)
+    plates = tuple(PlateTerms.stacked(names, each) for each in zip(*of_plates, strict=True))
+    return Terms(tuple(cases), shared, plates, Proof.of(result, sizes))
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
     """Fields that are summed for the enveloped fields: these, and moments and shears of derived fields."""
     derived = any(name not in LINEAR for name in enveloped)
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
-
-
-_Term: TypeAlias = tuple[list[Floats], Linear, Floats, Sizes]
-"""Fields of a term, its readings, its means, and what certificates need."""
 
 
 class _Terms:
@@ -222,41 +240,52 @@ class _Terms:
         self._springs = discretisation.springs.arrays
         elements, rows, further, stiffness, base = self._springs
         self._still = (elements, rows, further, stiffness, np.zeros_like(base))
-        self._reader = Reader.of(discretisation)
 
     def read(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> list[_Term]:
         """Read some terms, without loads those of no load."""
-        result = self._found
         if loads is None:
-            nothing = CaseLoad.none(result.mesh.node_count, len(result.mesh.elements))
-            loads = [nothing] * len(responses)
-        stresses = np.zeros((len(responses), result.stress_nodes.count, 5))
-        if len(result.probe_positions) or set(self._names) - {"deflection"}:
-            curvatures, couples = (
-                np.array([getattr(load, part) for load in loads]) for part in ("curvature", "couples")
-            )
-            stresses = _core.response_stresses(result.plate, responses, curvatures, couples)
-        return [self._term(*one, at_rest) for one in zip(responses, loads, stresses, strict=True)]
+            loads = [self._found.no_load] * len(responses)
+        return [self._term(*one, at_rest) for one in zip(responses, loads, strict=True)]
 
-    def _term(self, response: _core.Response, load: CaseLoad, stress: Floats, at_rest: bool) -> _Term:
+    def _term(self, response: _core.Response, load: CaseLoad, at_rest: bool) -> _Term:
         result, hi, lo, reaction = self._found, response.hi, response.lo, response.reaction
         springs = self._springs if at_rest else self._still
-        nodal = (hi + lo).reshape(-1, 3)
-        nodes = result.stress_nodes
-        every = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(result.held.to_global(nodal[:, 1:])), stress])
         spread = result.contact_rows.T @ reaction
         forces = SupportForces.of(result, load.nodal, hi, lo, spread, springs)
         on_plate = forces.held + spread + result.spring_rows.T @ forces.springs
+        points, off = result.off_areas
+        at_nodes = forces.held + result.contact_rows.T @ (points[: len(reaction)] * reaction)
+        at_nodes = (at_nodes + result.spring_rows.T @ (off * forces.springs))[::3]
+        every = []
+        for number, plate in enumerate(result.members):
+            own, of_load = forces.on(plate), load.on(number)
+            beneath = plate.deflections_beneath((hi + lo)[::3])
+            state = of_load, hi[plate.dofs], lo[plate.dofs], reaction[plate.points], own
+            every.append(self._of_plate(plate.own, *state, at_nodes[plate.nodes], beneath))
+        return every, Sizes.of(result, self._watch, load, hi, lo, reaction, forces.imbalance, on_plate, at_rest)
+
+    def _of_plate(
+        self,
+        plate: Discretisation,
+        load: CaseLoad,
+        hi: Floats,
+        lo: Floats,
+        reaction: Floats,
+        forces: SupportForces,
+        at_nodes: Floats,
+        beneath: Mapping[int, Floats],
+    ) -> _OfPlate:
+        nodal, nodes = (hi + lo).reshape(-1, 3), plate.stress_nodes
+        stress = np.zeros((nodes.count, 5))
+        if len(plate.probe_positions) or set(self._names) - {"deflection"}:
+            stress, _ = plate.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
+        every = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(plate.held.to_global(nodal[:, 1:])), stress])
         kept = [
             every[: nodes.count if name in PEAKING else len(nodal), place]
             for place, name in enumerate(LINEAR)
             if name in self._names
         ]
-        if self._names:
-            points, off = result.off_areas
-            at_nodes = forces.held + result.contact_rows.T @ (points[: len(reaction)] * reaction)
-            kept.append((at_nodes + result.spring_rows.T @ (off * forces.springs))[::3])
-        sizes = Sizes.of(result, self._watch, load, hi, lo, reaction, forces.imbalance, on_plate, at_rest)
         # Fields are sought that have means, or none are read.
-        means = means_of(result, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
-        return kept, self._reader.read(load, hi, lo, reaction, forces, every), means, sizes
+        means = means_of(plate, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
+        linear = Reader.of(plate).read(load, hi, lo, reaction, forces, every, beneath)
+        return [*kept, at_nodes] if self._names else kept, linear, means
