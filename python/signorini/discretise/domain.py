@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini.discretise.held import Held, rounding_of
-from signorini.discretise.laws import levels_of
+from signorini.discretise.laws import levels_of, stiffness_place
 from signorini.discretise.points import ContactPoints, Springs
 from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
@@ -188,7 +188,7 @@ def _require_no_softer(model: Model, total: Floats) -> None:
             f"{model.support[i].name} is as soft as a bed under all of the plate with kL⁴/D = {total[i]:.2g}; it must "
             f"be {SOFTEST:g} or more. Leave it out, since it carries no load, or give {SOFTEST / total[i]:.2g} times "
             "the stiffness.",
-            place=("support", i, "stiffness" if model.support[i].law is None else "law"),
+            place=stiffness_place(model.support[i], ("support", i)),
         )
 
 
@@ -221,7 +221,7 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
         f"The stiffness of {names} alone holds {held_part}, as stiffly as a bed under all of it with kL⁴/D = "
         f"{result:.2g}; it must be {least:g} or more. Give {least / result:.2g} times the stiffness, or hold the plate "
         "rigidly.",
-        place=("support", which[0], "stiffness"),
+        place=stiffness_place(model.support[which[0]], ("support", which[0])),
     )
 
 
@@ -289,7 +289,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
     for index in np.unique(contacts.support).tolist():
         floor, of_floor = model.support[index], support_of == index
         up = bool(pushes[of_floor].any())
-        if floor.area is None or up == bool(holds[of_floor].any()) or up != (floor.resists == "down"):
+        if floor.area is None or up == bool(holds[of_floor].any()) or up != (floor.direction == "down"):
             continue
         others = np.flatnonzero(
             (holds if up else pushes) & ~of_floor & _against(model, mesh, floor, positions, support_of)

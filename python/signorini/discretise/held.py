@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 
 from signorini.base.components import components
 from signorini.base.remade import Brief
-from signorini.discretise.laws import holds_deflection
+from signorini.discretise.laws import holds_deflection, settlement_at, slopes_at
 from signorini.discretise.meshing import room_beside, sharp_corner, to_follow
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
@@ -118,7 +118,7 @@ class Holds:
 
     def deflections(self, mesh: Mesh, placed: Placed, nodes: Ints, numbers: Ints) -> None:
         """Hold the deflections of nodes; ``numbers`` are those of the support's points."""
-        settlement = placed.support.settlement(*mesh.points[nodes].T, place=(*placed.place, "settlement"))
+        settlement = settlement_at(placed.support, mesh.points[nodes], placed.place)
         for node, value, number in zip(nodes.tolist(), settlement.tolist(), numbers.tolist(), strict=True):
             if not self.bodies.inside[node]:
                 self.by.setdefault(node, {}).setdefault(placed.index, (number, value))
@@ -273,14 +273,6 @@ def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Probl
     return Holds(bodies).settle()
 
 
-def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:
-    """Slopes θx, θy (q, 2) that a support prescribes at positions (q, 2)."""
-    rotation = placed.support.rotation
-    if rotation is None:
-        return np.zeros((len(positions), 2))
-    return np.column_stack([component(*positions.T, place=(*placed.place, "rotation")) for component in rotation])
-
-
 def sides_that_hold_turns(model: Model, mesh: Mesh) -> Ints:
     """Sides (k, 3) of the edges along which supports hold a slope or a twist, support by support."""
     held = [mesh.edges[name] for support in model.support if support.holds_rotation for name in support.edge or ()]
@@ -303,7 +295,7 @@ def _collect(mesh: Mesh, holds: Holds, placed: Placed) -> None:
             tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
     if holds_deflection(support):
         holds.deflections(mesh, placed, nodes, numbers)
-    rotations = prescribed_rotations(placed, mesh.points[list(tangents)])
+    rotations = slopes_at(support, mesh.points[list(tangents)], placed.place)
     for (node, directions), rotation in zip(tangents.items(), rotations, strict=True):
         for tx, ty in directions:
             if "slope" in support.fixed:

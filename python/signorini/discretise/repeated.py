@@ -9,6 +9,7 @@ from scipy.sparse import csr_array, vstack
 
 from signorini.base.components import components
 from signorini.discretise.held import Held, contradiction, rounding_of
+from signorini.discretise.laws import levels_of
 from signorini.discretise.points import ContactPoints
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.errors import InputError
@@ -324,14 +325,13 @@ def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: 
     below = np.concatenate([np.ones(len(nodes), np.bool_), points.two_sided | (points.direction < 0)])
     rounding = float(_rounding(mesh, held, contacts).max(initial=0.0))
     for index in np.unique(rigid.support).tolist():
-        support, place = model.support[index], ("support", index)
+        support = model.support[index]
         if support.area is None:
             continue
         (inside,) = np.nonzero(support.where.covers(at))
-        settlement = support.settlement(*at[inside].T, place=(*place, "settlement"))
-        gap = support.gap(*at[inside].T, at_least=0.0, place=(*place, "gap"))
-        most = np.where(support.resists == "up", np.inf, settlement + gap)
-        least = np.where(support.resists == "down", -np.inf, settlement - gap)
+        pushed_from, held_from = levels_of(support, at[inside], ("support", index))
+        most = np.where(support.direction == "up", np.inf, pushed_from)
+        least = np.where(support.direction == "down", -np.inf, held_from)
         too_low = np.where(above[inside], least - value[inside], -np.inf)
         beyond = np.maximum(too_low, np.where(below[inside], value[inside] - most, -np.inf))
         if (beyond > rounding).any():

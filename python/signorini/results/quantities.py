@@ -422,7 +422,7 @@ class Catalogue:
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
             for point in range(count if support.place == "at" else 0):
                 every = OF_POINTS + AT_BOLTS * support.is_bolt
-                every += OF_TURNING_POINTS * (support.rotational_stiffness is not None)
+                every += OF_TURNING_POINTS * bool(support.rotational)
                 for one in every + OF_POINTS_WITH_LAWS * support.has_pieces:
                     path = (*place_of(model, index), "points", point, *one.path)
                     tabled, told = one.tabled and (opens or one.name != "gap"), one.kind != "count"

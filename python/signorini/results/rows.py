@@ -174,7 +174,7 @@ class Layout:
     @cached_property
     def around_areas(self) -> Ints:
         """Nodes (k,) of the elements of elastic areas, whose deflections give pressures and contact areas."""
-        elastic = [area for area in self.at_rest.values() if area.support.modulus is not None]
+        elastic = [area for area in self.at_rest.values() if area.support.is_elastic]
         nodes = [area.mesh.elements[area.covered > 0].ravel() for area in elastic]
         return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
 
@@ -322,7 +322,7 @@ class Block:
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
         """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""
-        if area.support.modulus is None:
+        if not area.support.is_elastic:
             return np.zeros((len(rows), 0))
         own = np.searchsorted(layout.around_areas, np.flatnonzero(area.on_nodes))
         return self.on_areas[np.ix_(rows, own)]
