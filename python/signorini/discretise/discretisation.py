@@ -21,7 +21,7 @@ from signorini.discretise.loads import CaseLoad, Cases, case_loads, loaded_sides
 from signorini.discretise.meshing import mesh_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located, sides_beside
-from signorini.discretise.points import ContactPoints, Parts, Springs, parts_of
+from signorini.discretise.points import ContactPoints, Parts, parts_of
 from signorini.discretise.preloads import require_preloads
 from signorini.discretise.repeated import (
     Repeated,
@@ -46,7 +46,7 @@ from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
 from signorini.model.parts import ON_PLATES
 
-__all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows", "Springs"]
+__all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,7 +66,7 @@ class Discretisation(Remade):
     stress_nodes: StressNodes
     plate_stiffness: PlateStiffness
     held: Held
-    springs: Springs
+    springs: ContactPoints
     contacts: ContactPoints
     repeated: Repeated
     sections: Sections
@@ -203,7 +203,7 @@ class Discretisation(Remade):
         springs = self.springs
         if hi.ndim > 1:
             return np.array([self.spring_forces(*displacement, base) for displacement in zip(hi, lo, strict=True)])
-        at_rest = springs.base if base is None else base
+        at_rest = springs.distance if base is None else base
         return -springs.stiffness * self.plate.openings(*springs.rows.arrays, at_rest, hi, lo)
 
     def through(self, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats, pull: Floats) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 
 from signorini.discretise.held import Held, rounding_of
 from signorini.discretise.laws import levels_of, stiffness_place
-from signorini.discretise.points import ContactPoints, Springs
+from signorini.discretise.points import ContactPoints
 from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.thickness import Thickness
@@ -77,7 +77,7 @@ def require_domain(
     zones: Zones,
     thickness: Thickness,
     held: Held,
-    springs: Springs,
+    springs: ContactPoints,
     contacts: ContactPoints,
     problems: Problems,
 ) -> None:
@@ -156,7 +156,7 @@ def _require_short_elements(mesh: Mesh, thickness: Thickness) -> None:
     )
 
 
-def _hold(mesh: Mesh, held: Held, springs: Springs, contacts: ContactPoints) -> _Hold:
+def _hold(mesh: Mesh, held: Held, springs: ContactPoints, contacts: ContactPoints) -> _Hold:
     size = np.array([1.0, mesh.size, mesh.size])
     at_nodes = held.rigid_motions(mesh.points, mesh.middle)[held.dofs] / size
     # A slope times the plate's size L is compared with deflections.

@@ -34,7 +34,7 @@ from signorini.discretise.places import (
     missing_corners,
     outline_points,
 )
-from signorini.discretise.points import ContactPoints, Springs, partition
+from signorini.discretise.points import ContactPoints, partition
 from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Floats, Ints, Rows, Table, interpolated
@@ -137,7 +137,7 @@ def springs_and_contacts(
     stiffness: PlateStiffness,
     supports: Sequence[Placed],
     problems: Problems,
-) -> tuple[Springs, ContactPoints]:
+) -> tuple[ContactPoints, ContactPoints]:
     """Partition the points of all supports into springs and contact points; held dofs are in ``held``."""
     tightened = [placed.index for placed in supports if placed.support.is_bolt]
     points = points_of(SupportedPlate(shape, mesh, plate, held, stiffness), supports, problems)

@@ -74,7 +74,7 @@ def _of_lengths(discretisation: Discretisation) -> Iterator[str]:
     for support, parts in zip(model.support, discretisation.parts, strict=True):
         rows = parts.rows.ravel()
         settled = points.settlement[rows]
-        moved = discretisation.held.values[3 * parts.nodes], discretisation.springs.base[parts.springs], settled
+        moved = discretisation.held.values[3 * parts.nodes], discretisation.springs.distance[parts.springs], settled
         base = "stretch by the preload" if support.is_bolt else "settlement"
         travels = {"gap": points.distance[rows] - settled, base: np.abs(np.concatenate(moved))}
         for what, values in travels.items():

@@ -222,7 +222,7 @@ def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Seque
 
 def _some_base_moves(discretisation: Discretisation, load: CaseLoad) -> bool:
     """Whether supports move the plate beside a load: they settle, or bolts are tightened."""
-    settles = discretisation.held.values, discretisation.springs.base, discretisation.points.settlement
+    settles = discretisation.held.values, discretisation.springs.distance, discretisation.points.settlement
     tightened = (one.case in (None, *load.acting) for one in discretisation.model.rounds)
     return any(values.any() for values in settles) or any(tightened)
 
