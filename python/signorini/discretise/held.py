@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 
 from signorini.base.components import components
 from signorini.base.remade import Brief
-from signorini.discretise.laws import holds_deflection, settlement_at, slopes_at
+from signorini.discretise.laws import can_let_go, partition, settlement_at, slopes_at
 from signorini.discretise.meshing import room_beside, sharp_corner, to_follow
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
@@ -120,13 +120,11 @@ class Holds:
         """Hold the deflections of nodes; ``numbers`` are those of the support's points."""
         settlement = settlement_at(placed.support, mesh.points[nodes], placed.place)
         for node, value, number in zip(nodes.tolist(), settlement.tolist(), numbers.tolist(), strict=True):
-            if not self.bodies.inside[node]:
-                self.by.setdefault(node, {}).setdefault(placed.index, (number, value))
+            self.by.setdefault(node, {}).setdefault(placed.index, (number, value))
 
     def slope(self, node: int, direction: tuple[float, float], rotation: Floats, support: int) -> None:
         """Hold a node's slope along a unit direction at that of a rotation (2,)."""
-        if not self.bodies.inside[node]:
-            self.slopes.setdefault(node, []).append(_Slope(np.array(direction), rotation, support))
+        self.slopes.setdefault(node, []).append(_Slope(np.array(direction), rotation, support))
 
     def settle(self) -> Held:
         """Return the held dofs, values and frames; refuse nodes held at different values."""
@@ -279,22 +277,30 @@ def sides_that_hold_turns(model: Model, mesh: Mesh) -> Ints:
     return np.concatenate([np.zeros((0, 3), np.int64), *held])
 
 
+def held_at(placed: Placed, nodes: Ints, bodies: Bodies) -> Bools:
+    """Whether the points of a support at nodes (k,), −1 between nodes, are held dofs; slaves have no own dofs."""
+    support = placed.support
+    at_dofs = (nodes >= 0) & ~bodies.inside[nodes] & (support.between is None)
+    straight, compliant, tightened = np.array([not can_let_go(support), support.is_elastic, support.is_bolt])
+    return partition(straight, compliant, at_dofs, tightened)[0]
+
+
 def _collect(mesh: Mesh, holds: Holds, placed: Placed) -> None:
     """Hold deflections and slopes at nodes of a support's edge or line, or at the nodes of its points."""
     support, tangents = placed.support, dict[int, list[tuple[float, float]]]()
-    if placed.sides is not None:
-        nodes, _ = edge_nodes(mesh, placed.sides)
-        numbers = np.zeros_like(nodes)
-        if support.holds_rotation:
-            tangents = tangents_at_nodes(mesh, placed.sides)
-    else:
-        (numbers,) = np.nonzero(placed.nodes >= 0)
-        nodes = placed.nodes[numbers]
-        if "slope" in support.fixed:
-            # The normals of these two directions are both axes.
-            tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
-    if holds_deflection(support):
-        holds.deflections(mesh, placed, nodes, numbers)
+    nodes = placed.nodes if placed.sides is None else edge_nodes(mesh, placed.sides)[0]
+    (numbers,) = np.nonzero(held_at(placed, nodes, holds.bodies))
+    if not len(numbers):
+        return
+    nodes = nodes[numbers]
+    if placed.sides is None and "slope" in support.fixed:
+        # The normals of these two directions are both axes.
+        tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
+    elif placed.sides is not None and support.holds_rotation:
+        along, at = tangents_at_nodes(mesh, placed.sides), set(nodes.tolist())
+        tangents = {node: directions for node, directions in along.items() if node in at}
+    if support.holds_w:
+        holds.deflections(mesh, placed, nodes, numbers if placed.sides is None else np.zeros_like(numbers))
     rotations = slopes_at(support, mesh.points[list(tangents)], placed.place)
     for (node, directions), rotation in zip(tangents.items(), rotations, strict=True):
         for tx, ty in directions:

@@ -242,9 +242,15 @@ def can_let_go(support: Support) -> bool:
     return support.law is not None and not Law.drawn(support.law, both=True).straight
 
 
-def holds_deflection(support: Support) -> bool:
-    """Whether a support prescribes the deflection: rigid, two-sided, without a gap, no bolt."""
-    return support.is_rigid and not support.is_bolt and not can_let_go(support)
+def partition(straight: Bools, compliant: Bools, at_dofs: Bools, tightened: Bools) -> tuple[Bools, Bools, Bools]:
+    """Divide points (m,) into held dofs, springs and contact points: three masks.
+
+    A straight law makes a spring where it is compliant, C > 0, and a held dof where it is rigid at a dof of the plate.
+    All other points are contact points, and so are those of ``tightened`` bolts, whose distances change.
+    """
+    linear = straight & ~tightened
+    held, springs = linear & ~compliant & at_dofs, linear & compliant
+    return held, springs, ~held & ~springs
 
 
 def is_unyielding(support: Support) -> bool:

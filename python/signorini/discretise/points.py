@@ -1,4 +1,4 @@
-"""The table of points of supports, its partition into springs and contact points, and their grouping by support."""
+"""The table of points of supports, and their grouping by support."""
 
 from __future__ import annotations
 
@@ -187,16 +187,6 @@ class ContactPoints(Table, Brief):
     def averaged(self) -> Bools:
         """Whether points (m,) belong to areas that act on means of elements and at outline points."""
         return self.shared[:, 0] >= 0
-
-
-def partition(points: ContactPoints, tightened: Ints) -> tuple[ContactPoints, ContactPoints]:
-    """Split points into springs, with a straight law of compliance C > 0, and contact points, all others.
-
-    Tightening changes the distances of the supports ``tightened`` (t,), by index: their points remain contact points,
-    except slopes.
-    """
-    linear = points.two_sided & ~points.equations & (points.slope | ~np.isin(points.support, tightened))
-    return points.pick(linear), points.pick(~linear)
 
 
 @dataclass(frozen=True, eq=False)

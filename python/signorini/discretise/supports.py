@@ -8,17 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.held import Held, tangents_at_nodes
+from signorini.discretise.held import Held, held_at, tangents_at_nodes
 from signorini.discretise.laws import (
     Graphs,
     acts_both_ways,
     can_let_go,
     field_of,
     graphs_of,
-    holds_deflection,
     jumps_of,
     modulus_at,
     on_soil,
+    partition,
     slopes_at,
     steps_of,
     stiffness_place,
@@ -34,7 +34,7 @@ from signorini.discretise.places import (
     missing_corners,
     outline_points,
 )
-from signorini.discretise.points import ContactPoints, partition
+from signorini.discretise.points import ContactPoints
 from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Floats, Ints, Rows, Table, interpolated
@@ -141,7 +141,9 @@ def springs_and_contacts(
     """Partition the points of all supports into springs and contact points; held dofs are in ``held``."""
     tightened = [placed.index for placed in supports if placed.support.is_bolt]
     points = points_of(SupportedPlate(shape, mesh, plate, held, stiffness), supports, problems)
-    return partition(points, np.array(tightened, np.int64))
+    moved = ~points.slope & np.isin(points.support, np.array(tightened, np.int64))
+    _, springs, rest = partition(points.two_sided, points.compliance > 0.0, np.zeros(len(points), np.bool_), moved)
+    return points.pick(springs), points.pick(rest)
 
 
 def points_of(plate: SupportedPlate, supports: Sequence[Placed], problems: Problems) -> ContactPoints:
@@ -226,9 +228,7 @@ def _on_soil(placed: Placed, acting: _SupportPoints) -> _SupportPoints:
 
 def _at_points(plate: SupportedPlate, placed: Placed, points: LineQuadrature) -> list[_SupportPoints]:
     support, deflection = placed.support, placed.support.holds_w
-    at_nodes = (placed.nodes >= 0) & ~plate.held.bodies.inside[placed.nodes]
-    at_nodes &= holds_deflection(support) or not deflection
-    (numbers,) = np.nonzero(~at_nodes)
+    (numbers,) = np.nonzero(~held_at(placed, placed.nodes, plate.held.bodies))
     points = points.pick(numbers)
     rows = plate.means(placed) if placed.footprints else plate.rows(points, 0)
     result = [_SupportPoints.of(rows, points, numbers=numbers)] if deflection else []
@@ -254,9 +254,7 @@ def _along_line(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
         in_means = not can_let_go(support) and len(np.unique(points.elements)) >= _ROW
     else:
         nodes, lengths = edge_nodes(mesh, placed.sides)
-        # Held dofs do not act between plates.
-        held_there = plate.beneath is None and (bool(support.fixed) or holds_deflection(support))
-        free = np.flatnonzero(plate.held.bodies.inside[nodes] | (not held_there))
+        free = np.flatnonzero(~held_at(placed, nodes, plate.held.bodies))
         if not len(free):
             return []
         positions = mesh.points[nodes[free]]
