@@ -104,7 +104,7 @@ class Discretisation(Remade):
     @cached_property
     def parts(self) -> tuple[Parts, ...]:
         """Held nodes, springs and ``points`` of each support."""
-        return parts_of(len(self.model.support), self.held, self.springs, self.points)
+        return parts_of(len(self.model.support), self.held.nodes, self.held.points, self.springs, self.points)
 
     def made(self) -> _core.Plate:
         """The plate for the core; several plates share one table of elements."""
@@ -153,7 +153,7 @@ class Discretisation(Remade):
 
         Two lines that only share a corner node are no set: each carries half of the corner.
         """
-        nodes, holders = self.held.holders.T
+        nodes, holders = self.held.nodes, self.held.points.support
         _, first, count = np.unique(nodes, return_index=True, return_counts=True)
         middles = np.zeros(self.mesh.node_count, np.bool_)
         middles[self.mesh.unique_sides[:, 1]] = True

@@ -277,13 +277,9 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
     With w ≤ g on the area and w ≥ g at the support, the moment arm is the distance to the next point of the area. So
     reactions grow without limit as the mesh is refined.
     """
-    nodes, holders = held.holders.T
-    positions, support_of = (
-        np.concatenate([mesh.points[nodes], contacts.positions]),
-        np.append(holders, contacts.support),
-    )
-    value = np.append(held.values[3 * nodes], contacts.direction * contacts.distance)
-    pushes, holds = (np.append(np.ones(len(nodes), np.bool_), flags & ~contacts.slope) for flags in contacts.rigid_ways)
+    every = ContactPoints.join([held.points, contacts])
+    positions, support_of, value = every.positions, every.support, every.direction * every.distance
+    pushes, holds = (flags & ~every.slope for flags in every.rigid_ways)
     reported = set[frozenset[int]]()
     rounding = rounding_of(float(np.abs(value).max(initial=0.0)), mesh.points)
     for index in np.unique(contacts.support).tolist():
@@ -305,7 +301,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
         ):
             # w = g on all of the area: the plate does not turn there.
             continue
-        others = others[_can_turn(model, mesh, held, contacts, least, others)]
+        others = others[_can_turn(model, mesh, held, every.pick(others), least)]
         for other in np.unique(support_of[others]).tolist():
             if frozenset((index, other)) in reported:
                 continue
@@ -341,26 +337,23 @@ def _against(model: Model, mesh: Mesh, floor: Support, positions: Floats, suppor
     )
 
 
-def _can_turn(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, least: Floats, which: Ints) -> Bools:
-    """Whether the plate bends on both sides of held nodes and, numbered after these, contact points: (k,).
+def _can_turn(model: Model, mesh: Mesh, held: Held, points: ContactPoints, least: Floats) -> Bools:
+    """Whether the plate bends on both sides of points (k,).
 
     It does not within a rigid zone, at a corner of the plate, nor, for a line, on the plate's edge.
     """
-    nodes, holders = held.holders.T
-    support_of = np.append(holders, contacts.support)[which]
-    spread = np.array([not support.on_nodes for support in model.support], np.bool_)[support_of]
-    rows = contacts.rows
+    spread = np.array([not support.on_nodes for support in model.support], np.bool_)[points.support]
+    rows = points.rows
     bends = (held.bodies.rigid[rows.elements] == 0).astype(np.int64)
     np.add.at(bends, rows.further.owners, ~held.bodies.rigid[rows.further.elements])
-    result = np.append(np.zeros(len(nodes), np.bool_), bends > 0)[which]
-    alone = np.flatnonzero(~spread)
-    middle = mesh.nearest(np.concatenate([mesh.points[nodes], contacts.positions])[which[alone]])
+    result, alone = np.asarray(bends > 0), np.flatnonzero(~spread)
+    middle = mesh.nearest(points.positions[alone])
     turn = 2.0 * np.pi / _AROUND * (0.5 + np.arange(_AROUND))
     arms = least[middle.elements][:, None, None] * np.column_stack([np.cos(turn), np.sin(turn)])
     where = mesh.locate((mesh.map(middle.elements, middle.xi)[:, None] + arms).reshape(-1, 2))
     inside, rigid = where.inside.reshape(-1, _AROUND), held.bodies.rigid[where.elements].reshape(-1, _AROUND)
-    points = np.array([support.at is not None for support in model.support], np.bool_)[support_of[alone]]
-    around = inside.sum(axis=1) >= np.where(points, _HALF_AT_POINT, _HALF_ON_LINE) * _AROUND
+    at_points = np.array([support.at is not None for support in model.support], np.bool_)[points.support[alone]]
+    around = inside.sum(axis=1) >= np.where(at_points, _HALF_AT_POINT, _HALF_ON_LINE) * _AROUND
     result[alone] = around & (inside & ~rigid).any(axis=1)
     return result
 

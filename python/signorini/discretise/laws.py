@@ -210,8 +210,6 @@ LAWS += tuple(Law(ends=(slope, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(((0.0, 0.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 LAWS += tuple(Law(((-travel, -1.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 """Unit laws, each with slope 1 and rigid: one-sided, two-sided, one-sided with limit 1, two-sided with limit 1."""
-_TWO_SIDED = LAWS[2]
-"""The two-sided unit law with slope 1."""
 
 
 def acts_both_ways(support: Support) -> bool:
@@ -362,7 +360,13 @@ class Graphs(NamedTuple):
     def linear(cls, stiffness: Floats, base: Floats) -> Graphs:
         """Springs with force ``stiffness`` (row·u − ``base``)."""
         law, unit = np.zeros(len(base), np.int64), np.ones(len(base))
-        return cls(1.0, 0.0 + base, base, law, stiffness, unit, (_TWO_SIDED,))
+        return cls(1.0, 0.0 + base, base, law, stiffness, unit, LAWS[2:3])
+
+    @classmethod
+    def rigid(cls, base: Floats) -> Graphs:
+        """Constraints row·u = ``base``."""
+        law, ones = np.zeros(len(base), np.int64), np.ones(len(base))
+        return cls(1.0, base, base, law, ones, ones, LAWS[3:4])
 
 
 def graphs_of(

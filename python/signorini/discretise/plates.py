@@ -115,7 +115,7 @@ def _joined(
     springs = [_offset(plate.springs, first, indices) for plate, first, indices in offsets]
     contacts_of_plates = [_offset(plate.contacts, first, indices) for plate, first, indices in offsets]
     repeated = [_offset(plate.repeated.points, first, indices) for plate, first, indices in offsets]
-    held = _held([plate.held for plate in each], nodes, supports, mesh)
+    held = _held([plate.held for plate in each], nodes, elements, supports, mesh)
     between = [_over_both(joint, elements) for joint in joints]
     free = [not_held(mesh, held, points) for points in between]
     between = [points.pick(kept) for points, kept in zip(between, free, strict=True)]
@@ -193,15 +193,14 @@ def _over_both(joint: _Joint, first: Ints) -> ContactPoints:
     return _offset_shared(replace(points, rows=rows.extended(lower, int(first[joint.lower]))), int(first[joint.upper]))
 
 
-def _held(each: Sequence[Held], nodes: Ints, supports: Sequence[Ints], mesh: Mesh) -> Held:
+def _held(each: Sequence[Held], nodes: Ints, elements: Ints, supports: Sequence[Ints], mesh: Mesh) -> Held:
     frames = None
     if any(held.frames is not None for held in each):
         frames = np.concatenate(
             [np.tile([1.0, 0.0], (len(held.bodies.points), 1)) if held.frames is None else held.frames for held in each]
         )
-    holders = [
-        np.column_stack([held.holders[:, 0] + first, indices[held.holders[:, 1]]])
-        for held, first, indices in zip(each, nodes, supports, strict=False)
+    of_nodes = [
+        _offset(held.points, first, indices) for held, first, indices in zip(each, elements, supports, strict=False)
     ]
     support = [np.append(indices, -1)[held.support] for held, indices in zip(each, supports, strict=True)]
     leaders = [held.bodies.leaders + first for held, first in zip(each, nodes, strict=False)]
@@ -211,10 +210,9 @@ def _held(each: Sequence[Held], nodes: Ints, supports: Sequence[Ints], mesh: Mes
         np.concatenate([held.bodies.inside for held in each]),
         np.concatenate([held.bodies.rigid for held in each]),
     )
-    dofs, values, numbers = (
-        np.concatenate([getattr(held, key) for held in each]) for key in ("dofs", "values", "numbers")
-    )
-    return Held(dofs, values, np.concatenate(support), np.concatenate(holders), numbers, frames, bodies)
+    dofs, values = (np.concatenate([getattr(held, key) for held in each]) for key in ("dofs", "values"))
+    at = np.concatenate([held.nodes + first for held, first in zip(each, nodes, strict=False)])
+    return Held(dofs, values, np.concatenate(support), at, ContactPoints.join(of_nodes), frames, bodies)
 
 
 def _stress_nodes(mesh: Mesh, each: Sequence[StressNodes], nodes: Ints, elements: Ints) -> StressNodes:

@@ -10,8 +10,7 @@ from typing import Self
 import numpy as np
 
 from signorini.base.remade import Brief
-from signorini.discretise.held import Held
-from signorini.discretise.laws import LAWS, Law
+from signorini.discretise.laws import LAWS, Graphs, Law
 from signorini.discretise.rows import Bools, Floats, Ints, Pieces, Rows, Table
 
 
@@ -57,6 +56,24 @@ class ContactPoints(Table, Brief):
         shared = np.zeros((0, 4), np.int64)
         columns = zeros, zeros, zeros, zeros, ids, zeros, zeros, zeros, flags, place, zeros, ids, shared, ids
         return cls(Rows.join([]), *columns, LAWS)
+
+    @classmethod
+    def of(
+        cls,
+        graphs: Graphs,
+        rows: Rows,
+        slope: Bools,
+        positions: Floats,
+        weights: Floats,
+        support: Ints,
+        shared: Ints,
+        numbers: Ints,
+    ) -> Self:
+        """Points with given laws, not tightened."""
+        direction, distance, settlement, law, scale, unit, laws = graphs
+        none, ways = np.zeros(len(rows)), np.full(len(rows), direction)
+        of_law = distance, settlement, none, none, law, scale, unit, ways
+        return cls(rows if direction > 0 else -rows, *of_law, slope, positions, weights, support, shared, numbers, laws)
 
     @classmethod
     def join(cls, parts: Sequence[Self]) -> Self:
@@ -204,10 +221,12 @@ class Parts:
     order: Ints
 
 
-def parts_of(count: int, held: Held, springs: ContactPoints, points: ContactPoints) -> tuple[Parts, ...]:
-    """Group held nodes, springs and contact points by support; ``count`` is the number of supports."""
+def parts_of(
+    count: int, nodes: Ints, held: ContactPoints, springs: ContactPoints, points: ContactPoints
+) -> tuple[Parts, ...]:
+    """Group ``held`` points (k,) at ``nodes`` (k,), springs and contact points by one of ``count`` supports."""
     columns = zip(
-        _grouped(held.holders[:, 1], count),
+        _grouped(held.support, count),
         _grouped(np.where(springs.slope, count, springs.support), count),
         _grouped(np.where(points.slope, count, points.support), count),
         strict=True,
@@ -218,7 +237,7 @@ def parts_of(count: int, held: Held, springs: ContactPoints, points: ContactPoin
         both = up.any() and not up.all()
         rows = np.stack([point_indices[up], point_indices[~up]]) if both else point_indices.reshape(1, -1)
         numbers = np.concatenate([held.numbers[holding], springs.numbers[spring_indices], points.numbers[rows[0]]])
-        result.append(Parts(held.holders[holding, 0], spring_indices, rows, np.argsort(numbers, kind="stable")))
+        result.append(Parts(nodes[holding], spring_indices, rows, np.argsort(numbers, kind="stable")))
     return tuple(result)
 
 

@@ -316,13 +316,9 @@ def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: 
     """Refuse rigid points and lines within a rigid area that ask for another deflection there than the area does."""
     on_nodes = np.array([support.on_nodes for support in model.support], np.bool_)
     rigid = contacts.pick((contacts.compliance == 0) & ~contacts.slope)
-    points = rigid.pick(on_nodes[rigid.support])
-    nodes, holders = held.holders.T
-    at = np.concatenate([mesh.points[nodes], points.positions])
-    who = np.concatenate([holders, points.support])
-    value = np.concatenate([held.values[3 * nodes], points.direction * points.distance])
-    above = np.concatenate([np.ones(len(nodes), np.bool_), points.two_sided | (points.direction > 0)])
-    below = np.concatenate([np.ones(len(nodes), np.bool_), points.two_sided | (points.direction < 0)])
+    points = ContactPoints.join([held.points, rigid.pick(on_nodes[rigid.support])])
+    at, value = points.positions, points.direction * points.distance
+    above, below = points.two_sided | (points.direction > 0), points.two_sided | (points.direction < 0)
     rounding = float(_rounding(mesh, held, contacts).max(initial=0.0))
     for index in np.unique(rigid.support).tolist():
         support = model.support[index]
@@ -336,5 +332,5 @@ def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: 
         beyond = np.maximum(too_low, np.where(below[inside], value[inside] - most, -np.inf))
         if (beyond > rounding).any():
             first = int(np.argmax(beyond))
-            one, other = sorted((index, int(who[inside[first]])))
+            one, other = sorted((index, int(points.support[inside[first]])))
             raise contradiction(at[inside[first]], mesh.size, one, other, float(beyond[first]))

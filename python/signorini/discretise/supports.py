@@ -348,27 +348,9 @@ def _turning(plate: SupportedPlate, placed: Placed) -> list[ContactPoints]:
 
 
 def _points(placed: Placed, acting: _SupportPoints, graphs: Graphs) -> ContactPoints:
-    """Contact points with given laws, not tightened."""
-    direction, distance, settlement, law, scale, unit, laws = graphs
-    count = len(acting)
-    return ContactPoints(
-        acting.rows if direction > 0 else -acting.rows,
-        distance,
-        settlement,
-        np.zeros(count),
-        np.zeros(count),
-        law,
-        scale,
-        unit,
-        np.full(count, direction),
-        ~np.isnan(acting.slope),
-        acting.positions,
-        acting.weights,
-        np.full(count, placed.index, np.int64),
-        acting.shared,
-        acting.numbers,
-        laws,
-    )
+    """Points of a support with given laws."""
+    where = ~np.isnan(acting.slope), acting.positions, acting.weights, np.full(len(acting), placed.index, np.int64)
+    return ContactPoints.of(graphs, acting.rows, *where, acting.shared, acting.numbers)
 
 
 def _means(plate: SupportedPlate, through: _SupportPoints) -> _SupportPoints:
