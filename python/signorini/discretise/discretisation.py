@@ -38,7 +38,7 @@ from signorini.discretise.rows import Bools, Floats, Ints, Rows
 from signorini.discretise.sections import Sections
 from signorini.discretise.snapping import Snapped
 from signorini.discretise.stressnodes import Sides, StressNodes, solid_thickness, stress_nodes_of
-from signorini.discretise.supports import springs_and_contacts
+from signorini.discretise.supports import SupportedPlate, springs_and_contacts
 from signorini.discretise.thickness import PlateStiffness, Thickness, thickness_of
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems
@@ -353,7 +353,8 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
         thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along, areas, bodies.rigid)
     plate = plate_of(mesh, zones, thickness, stress_nodes, held)
     stiffness = PlateStiffness.of(mesh, zones, thickness.at_points)
-    springs, contacts = springs_and_contacts(model.plate, mesh, plate, held, stiffness, supports, problems)
+    supported = SupportedPlate(model.plate, mesh, plate, held, stiffness)
+    springs, contacts = springs_and_contacts(supported, supports, problems)
     sections = Sections.of(model, mesh, plate, held, problems)
     static = case_loads(zones, mesh, plate, held, sections, loaded, problems)
     probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]

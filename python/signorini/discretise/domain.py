@@ -157,28 +157,20 @@ def _require_short_elements(mesh: Mesh, thickness: Thickness) -> None:
 
 
 def _hold(mesh: Mesh, held: Held, springs: ContactPoints, contacts: ContactPoints) -> _Hold:
-    size = np.array([1.0, mesh.size, mesh.size])
-    at_nodes = held.rigid_motions(mesh.points, mesh.middle)[held.dofs] / size
+    size, modes = np.array([1.0, mesh.size, mesh.size]), held.rigid_motions(mesh.points, mesh.middle)
     # A slope times the plate's size L is compared with deflections.
-    at_nodes *= np.tile(size, mesh.node_count)[held.dofs, None]
+    at_nodes = modes[held.dofs] / size * np.tile(size, mesh.node_count)[held.dofs, None]
 
-    def motions(positions: Floats) -> Floats:
-        return np.column_stack([np.ones(len(positions)), (positions - mesh.middle) / mesh.size])
+    def motions(points: ContactPoints) -> Floats:
+        result = np.column_stack([np.ones(len(points)), (points.positions - mesh.middle) / mesh.size])
+        result[points.slope] = points.rows[points.slope].matrix(mesh.elements, len(modes)) @ modes
+        return result
 
-    slopes = contacts.pick(contacts.slope)
-    of_slopes = slopes.rows.matrix(mesh.elements, 3 * mesh.node_count) @ held.rigid_motions(mesh.points, mesh.middle)
     soft = contacts.compliance > 0
-    rigid = np.concatenate([at_nodes, of_slopes, motions(contacts.positions[~soft & ~contacts.slope])])
-    turning = springs.rows.matrix(mesh.elements, 3 * mesh.node_count) @ held.rigid_motions(mesh.points, mesh.middle)
-    of_springs = np.where(springs.slope[:, None], turning, motions(springs.positions))
-    return _Hold(
-        rigid,
-        np.concatenate([of_springs, motions(contacts.positions[soft])]),
-        np.concatenate(
-            [springs.stiffness / np.where(springs.slope, mesh.size, 1.0) ** 2, 1.0 / contacts.compliance[soft]]
-        ),
-        np.concatenate([springs.support, contacts.support[soft]]),
-    )
+    elastic = ContactPoints.join([springs, contacts.pick(soft)])
+    stiffness = elastic.stiffness / np.where(elastic.slope, mesh.size, 1.0) ** 2
+    rigid = np.concatenate([at_nodes, motions(contacts.pick(~soft))])
+    return _Hold(rigid, motions(elastic), stiffness, elastic.support)
 
 
 def _require_no_softer(model: Model, total: Floats) -> None:

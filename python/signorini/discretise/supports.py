@@ -130,20 +130,14 @@ class SupportedPlate:
 
 
 def springs_and_contacts(
-    shape: Plate,
-    mesh: Mesh,
-    plate: _core.Plate,
-    held: Held,
-    stiffness: PlateStiffness,
-    supports: Sequence[Placed],
-    problems: Problems,
+    plate: SupportedPlate, supports: Sequence[Placed], problems: Problems
 ) -> tuple[ContactPoints, ContactPoints]:
-    """Partition the points of all supports into springs and contact points; held dofs are in ``held``."""
-    tightened = [placed.index for placed in supports if placed.support.is_bolt]
-    points = points_of(SupportedPlate(shape, mesh, plate, held, stiffness), supports, problems)
-    moved = ~points.slope & np.isin(points.support, np.array(tightened, np.int64))
-    _, springs, rest = partition(points.two_sided, points.compliance > 0.0, np.zeros(len(points), np.bool_), moved)
-    return points.pick(springs), points.pick(rest)
+    """Partition the points of all supports into springs and contact points; held dofs are in ``plate.held``."""
+    points = points_of(plate, supports, problems)
+    bolts = [placed.index for placed in supports if placed.support.is_bolt]
+    moved = ~points.slope & np.isin(points.support, np.array(bolts, np.int64))
+    _, springs, contacts = partition(points.two_sided, points.compliance > 0.0, np.zeros_like(moved), moved)
+    return points.pick(springs), points.pick(contacts)
 
 
 def points_of(plate: SupportedPlate, supports: Sequence[Placed], problems: Problems) -> ContactPoints:
