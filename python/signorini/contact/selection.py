@@ -207,7 +207,7 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
     low, high = points.limits_at_rest
     touching = (np.abs(gap) <= _NIL * np.maximum(largest, np.abs(points.distance))) & (low - nothing <= reaction)
     touching = points.two_sided | (touching & (reaction <= high + nothing))
-    nodes, holders = np.unique(discretisation.held.holders[:, 0], return_counts=True)
+    nodes, holders = np.unique(discretisation.held.nodes, return_counts=True)
     for shared in discretisation.shared:
         meet = touching[shared.points]
         mine = shared.points[meet]

@@ -9,6 +9,7 @@ from scipy.sparse import csr_array, vstack
 
 from signorini.base.components import components
 from signorini.discretise.held import Held, contradiction, rounding_of
+from signorini.discretise.laws import levels_of
 from signorini.discretise.points import ContactPoints
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.errors import InputError
@@ -315,26 +316,21 @@ def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: 
     """Refuse rigid points and lines within a rigid area that ask for another deflection there than the area does."""
     on_nodes = np.array([support.on_nodes for support in model.support], np.bool_)
     rigid = contacts.pick((contacts.compliance == 0) & ~contacts.slope)
-    points = rigid.pick(on_nodes[rigid.support])
-    nodes, holders = held.holders.T
-    at = np.concatenate([mesh.points[nodes], points.positions])
-    who = np.concatenate([holders, points.support])
-    value = np.concatenate([held.values[3 * nodes], points.direction * points.distance])
-    above = np.concatenate([np.ones(len(nodes), np.bool_), points.two_sided | (points.direction > 0)])
-    below = np.concatenate([np.ones(len(nodes), np.bool_), points.two_sided | (points.direction < 0)])
+    points = ContactPoints.join([held.points, rigid.pick(on_nodes[rigid.support])])
+    at, value = points.positions, points.direction * points.distance
+    above, below = points.two_sided | (points.direction > 0), points.two_sided | (points.direction < 0)
     rounding = float(_rounding(mesh, held, contacts).max(initial=0.0))
     for index in np.unique(rigid.support).tolist():
-        support, place = model.support[index], ("support", index)
+        support = model.support[index]
         if support.area is None:
             continue
         (inside,) = np.nonzero(support.where.covers(at))
-        settlement = support.settlement(*at[inside].T, place=(*place, "settlement"))
-        gap = support.gap(*at[inside].T, at_least=0.0, place=(*place, "gap"))
-        most = np.where(support.resists == "up", np.inf, settlement + gap)
-        least = np.where(support.resists == "down", -np.inf, settlement - gap)
+        pushed_from, held_from = levels_of(support, at[inside], ("support", index))
+        most = np.where(support.direction == "up", np.inf, pushed_from)
+        least = np.where(support.direction == "down", -np.inf, held_from)
         too_low = np.where(above[inside], least - value[inside], -np.inf)
         beyond = np.maximum(too_low, np.where(below[inside], value[inside] - most, -np.inf))
         if (beyond > rounding).any():
             first = int(np.argmax(beyond))
-            one, other = sorted((index, int(who[inside[first]])))
+            one, other = sorted((index, int(points.support[inside[first]])))
             raise contradiction(at[inside[first]], mesh.size, one, other, float(beyond[first]))

@@ -169,7 +169,7 @@ def _largest_pressure(results: Results, estimates: Estimates | None, envelope: E
     layout, model = envelope.layout, results.model
     layers, ends = [], []
     for index, area in layout.at_rest.items():
-        rigid = area.support.modulus is None
+        rigid = not area.support.is_elastic
         where, of = envelope.pressures["rigid_contact_pressure" if rigid else "contact_pressure"]
         pressure = np.zeros(len(area.mesh.elements) if rigid else area.mesh.node_count)
         pressure[where] = of.largest

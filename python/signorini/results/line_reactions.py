@@ -381,7 +381,7 @@ def _runs_of(which: Bools) -> list[Ints]:
 
 def _concentrates(support: Support) -> bool:
     """Whether a support can carry a finite force at a place: a rigid one without limit."""
-    return support.modulus is None and support.law is None and support.limit is None
+    return not support.is_elastic and not support.has_pieces
 
 
 def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floats) -> tuple[csr_array, Ints, Ints]:

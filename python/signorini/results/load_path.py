@@ -191,7 +191,7 @@ class LoadPath(States[float]):
     def words(self, index: int) -> str:
         """Describe the supports' changes and the thresholds at a stop, given its number from 0."""
         index = arguments.index(index, len(self.stops), "stop", "index")
-        pulling = {support.name for support in self.model.support if support.resists == "up"}
+        pulling = {support.name for support in self.model.support if support.direction == "up"}
         event = in_words([self.support_events[number] for number in self.events_at.get(index, ())], pulling)
         reached = [self.thresholds[number].when for number in self.reached_at.get(index, ())]
         said = "; ".join(part for part in (event, *reached) if part)

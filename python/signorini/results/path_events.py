@@ -12,11 +12,11 @@ import numpy as np
 
 from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
+from signorini.discretise.laws import SupportLaw
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError, point, unknown
 from signorini.model import Support
 from signorini.results.contact_field.areas import area_at_rest
-from signorini.results.contact_field.cells import free_travel, overlap
 from signorini.results.path_stop import PathStop, numbers_at_stops
 from signorini.results.quantities import SMOOTH
 from signorini.results.support_points import Scales, SupportPoints, closed_by_point, in_falling_order
@@ -65,7 +65,8 @@ def _closing(discretisation: Discretisation, index: int, answer: Answer, scales:
         return _of_parts(own, points.weights, between=support.area is None)
     deflection = (answer.hi + answer.lo)[::3]
     nodes = np.flatnonzero(at_rest.on_nodes)
-    at_nodes = overlap(support, deflection[nodes], free_travel(support, discretisation.mesh.points[nodes]))
+    law = SupportLaw(support)
+    at_nodes = law.overlap(deflection[nodes], law.travel(discretisation.mesh.points[nodes]))
     pressed = np.append(own * scales.length, at_nodes[~np.isnan(at_nodes)])
     touching = _TOUCHING * np.abs(pressed).max(initial=0.0)
     ends = (pressed.min() + touching) / scales.length, (pressed.max() - touching) / scales.length

@@ -417,7 +417,7 @@ def of_support(support: Support) -> tuple[Quantity, ...]:
 
 def of_points(support: Support) -> tuple[Quantity, ...]:
     """Quantities of the points of a support at points."""
-    turning = OF_TURNING_POINTS * (support.rotational_stiffness is not None)
+    turning = OF_TURNING_POINTS * (bool(support.rotational))
     return OF_POINTS + AT_BOLTS * support.is_bolt + turning + OF_POINTS_WITH_LAWS * support.has_pieces
 
 

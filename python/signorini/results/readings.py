@@ -177,7 +177,7 @@ class Reader:
 
 def nodes_around(areas: Iterable[AreaContact]) -> Ints:
     """Nodes (a,) of the elements of elastic areas: their deflections give pressures and contact areas."""
-    nodes = [area.mesh.elements[area.covered > 0].ravel() for area in areas if area.support.modulus is not None]
+    nodes = [area.mesh.elements[area.covered > 0].ravel() for area in areas if area.support.is_elastic]
     return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
 
 
@@ -407,7 +407,7 @@ class SupportReading:
     @cached_property
     def pressures(self) -> Floats:
         """Pressures (k, q) where `AreaContact.pressure_places` are."""
-        if self.support.modulus is None:
+        if not self.support.is_elastic:
             return self.at_rest.measured(np.zeros((len(self.reactions), 0)), self.reactions)
         on = np.flatnonzero(self.at_rest.on_nodes)
         around = self.of.linear.on_areas if (beneath := self.beneath) is None else self.of.linear.on_areas - beneath

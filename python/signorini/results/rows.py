@@ -340,7 +340,7 @@ class Block:
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
         """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""
-        if area.support.modulus is None:
+        if not area.support.is_elastic:
             return np.zeros((len(rows), 0))
         own = np.searchsorted(layout.around_areas, np.flatnonzero(area.on_nodes))
         return self.on_areas[np.ix_(rows, own)]

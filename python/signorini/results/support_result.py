@@ -88,7 +88,7 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 
 def kinds(support: Support) -> list[str]:
     """Give the kinds of a support, keys of `MEANINGS` and `SYMBOLS`: how it acts, and whether it is elastic."""
-    how = "fixed" if support.fix is not None else support.resists or "both"
+    how = "fixed" if support.fixed else support.direction
     return [how, "elastic"] if support.is_compliant else [how]
 
 
@@ -110,18 +110,12 @@ def describe(support: Support) -> str:
     'points, holds down only, rigid at first, then elastic'
     """
     where = {"at": "points"}.get(support.place, support.place)
-    if support.fix is not None:
-        how = support.fix if isinstance(support.fix, str) else " ".join(support.fix) + " held"
-        return f"{where}, {how}" + (", elastic" if support.modulus is not None else "")
-    how = MEANINGS[support.resists or "both"] if support.between is None else f"between {' and '.join(support.between)}"
-    later = "rigid at first, then elastic" if support.is_compliant else "rigid"
-    parts = [where, how, later if support.modulus is None else "elastic"]
-    if not (support.gap.is_constant and support.gap.value == 0):
-        parts.append("with gap")
-    if support.can_yield:
-        parts.append("with limit")
-    if support.is_bolt:
-        parts.append("preloaded")
+    if support.fixed:
+        return f"{where}, {support.fixing}" + ", elastic" * support.is_elastic
+    how = MEANINGS[support.direction] if support.between is None else f"between {' and '.join(support.between)}"
+    rigid = "rigid at first, then elastic" if support.is_compliant else "rigid"
+    parts = [where, how, "elastic" if support.is_elastic else rigid]
+    parts += ["with gap"] * support.has_gap + ["with limit"] * support.can_yield + ["preloaded"] * support.is_bolt
     return ", ".join(parts)
 
 

@@ -41,11 +41,11 @@ def vtk_fields(result: ResultState) -> tuple[dict[str, Floats], dict[str, Floats
         data["reaction"] = result.nodal_reaction
     if areas := areas_below(result.supports):
         pressures, forces = Pressures(areas), [area.reactions for area in areas]
-        if any(area.support.modulus is not None for area in areas):
+        if any(area.support.is_elastic for area in areas):
             on = pressures.nodes
             data["contact_pressure"] = np.zeros(result.mesh.node_count)
             data["contact_pressure"][on] = pressures.at_nodes([area.deflection[on] for area in areas], forces)
-        if any(area.support.modulus is None for area in areas):
+        if any(not area.support.is_elastic for area in areas):
             of_elements["rigid_contact_pressure"] = np.zeros(len(result.mesh.elements))
             of_elements["rigid_contact_pressure"][pressures.elements] = pressures.on_elements(forces)
     return {name: result.stress_nodes.spread(values) for name, values in data.items()}, of_elements

@@ -20,7 +20,7 @@ def area_contact(
 ) -> AreaContact:
     """Contact of an area, from the deflection (n,) and the forces of its points (q,)."""
     support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
-    on_means = points.shares is not None or support.modulus is None
+    on_means = points.shares is not None or not support.is_elastic
     stiff = on_means | _stiff(discretisation, support, points)
     return AreaContact(
         *(discretisation.mesh, support, deflection, positions, points.elements, points.weights),
