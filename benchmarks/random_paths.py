@@ -357,9 +357,9 @@ def still(found):
                 (before.reactions, after.reactions),
             )
         ]
-        around = [found.segments[at].closed for at in (k - 1, k + 1) if 0 <= at < len(found.segments)]
+        around = [found.segments[at].pieces for at in (k - 1, k + 1) if 0 <= at < len(found.segments)]
         at_points = [
-            one.reaction for one in (solved_on(found, before.t, closed) for closed in around) if one is not None
+            one.reaction for one in (solved_on(found, before.t, pieces) for pieces in around) if one is not None
         ]
         if len(at_points) == 2:
             old, new = at_points
@@ -368,9 +368,9 @@ def still(found):
             yield f"at t = {before.t:.9g} the plate is said to move, but stays"
 
 
-def solved_on(found, t, closed):
+def solved_on(found, t, pieces):
     load = found._loads[0] + t * found._loads[1]
-    answer = found.problem.core.solve_on(load.nodal, found.problem.discretisation.held.values, closed)
+    answer = found.problem.core.solve_on(load.nodal, found.problem.discretisation.held.values, pieces)
     return answer if answer.status == "solved" else None
 
 

@@ -28,6 +28,7 @@ LAYERS = (
     {"analysis"},
     {"output"},
     {"__init__"},
+    {"importers"},
     {"cli"},
     {"__main__"},
 )
@@ -35,11 +36,12 @@ LAYERS = (
 ALONE = {"shapes": {"errors", "_core"}, "plot": {"base", "errors", "shapes", "_core"}}
 # Packages that only these modules may import.
 ONLY_IN = {
-    "ezdxf": {"formats"},
+    "ezdxf": {"importers"},
     "highspy": {"base"},
     "matplotlib": {"plot"},
     "meshio": {"formats", "mesh"},
     "pyarrow": {"formats"},
+    "shapely": {"model", "shapes"},
     "typer": {"cli"},
     "rich": {"cli"},
     "pydantic": {"model", "formats", "expression"},

@@ -14,9 +14,9 @@ from command import run
 import signorini
 from signorini.analysis.check import check
 from signorini.errors import InputError
-from signorini.formats.drawing import Drawing
-from signorini.formats.drawing_toml import drawing_as_toml
-from signorini.formats.dxf import read_dxf
+from signorini.importers.drawing import Drawing
+from signorini.importers.drawing_toml import drawing_as_toml
+from signorini.importers.dxf import read_dxf
 
 Corners = Sequence[tuple[float, ...]]
 RECTANGLE = [(0, 0), (12, 0), (12, 7), (0, 7)]

@@ -14,7 +14,6 @@ from typer.testing import CliRunner
 
 import signorini
 import signorini_command
-from signorini.base import files
 from signorini.cli import app
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
@@ -97,7 +96,7 @@ module.{name} = paused
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize(
     ("module", "name"),
-    [("contact.strategy", "certified"), ("output.writing", "reactions_csv"), ("base.files", "_exchange")],
+    [("contact.strategy", "certified"), ("output.writing", "reactions_csv"), ("base.files", "_move")],
 )
 def test_a_signal_leaves_the_old_results(slab: Path, number: int, code: int, module: str, name: str) -> None:
     slab.write_text(SLAB.format(title="second", along=4))
@@ -124,8 +123,9 @@ pathlib.Path.rename = rename
 """
 
 
-def kill_amid_the_exchange(slab: Path, kill_at: int) -> None:
-    """Kill a run that writes other results before it moves a given number of files."""
+@pytest.mark.parametrize("kill_at", [1, 8])
+def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) -> None:
+    """results.json is the first of eight files removed and the last moved: files without it are no results."""
     slab.write_text(SLAB.format(title="second", along=4))
     running = started(slab, STEPPING)
     assert running.stdout is not None and running.stdin is not None
@@ -136,35 +136,10 @@ def kill_amid_the_exchange(slab: Path, kill_at: int) -> None:
             running.stdin.flush()
     running.kill()
     running.communicate()
-
-
-@pytest.mark.parametrize("kill_at", [1, 8])
-def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) -> None:
-    """results.json is the first of eight files removed and the last moved: files without it are no results."""
-    kill_amid_the_exchange(slab, kill_at)
     results = slab.with_name("slab-results") / "results.json"
     assert results.exists() == (kill_at == 1)
     if kill_at == 1:
         assert json.loads(results.read_text("utf-8"))["title"] == "first"
-    # The next run removes the files that the killed one left.
-    assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0
-    assert whole(results.parent) == "second"
-    assert sorted(path.name for path in slab.parent.iterdir()) == ["slab-results", "slab.toml"]
-
-
-def test_what_a_kill_amid_the_exchange_left_is_not_left_beside_other_results(slab: Path) -> None:
-    """Files that no results.json names are removed by the next successful run."""
-    kill_amid_the_exchange(slab, 3)
-    results = slab.with_name("slab-results")
-    assert (results / "all.vtu").exists() and not (results / "results.json").exists()
-    (results / "mine.png").write_text("put there since by someone else")
-    named = SLAB.format(title="third", along=4) + 'combination = [{ name = "other", factors = { load = 1 } }]'
-    slab.write_text(named)
-    assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0
-    assert {path.name for path in results.iterdir()} == {
-        *("mine.png", "other.png", "other-deformed.png", "other-moments.png", "other-shears.png", "other.vtu"),
-        *("reactions.csv", "results.json"),
-    }
 
 
 def test_two_runs_at_once_leave_the_results_of_one(slab: Path) -> None:
@@ -181,44 +156,6 @@ def test_two_runs_at_once_leave_the_results_of_one(slab: Path) -> None:
 
 def hidden(slab: Path) -> list[Path]:
     return [path for path in (*slab.parent.iterdir(), *slab.with_name("slab-results").iterdir()) if path.name[0] == "."]
-
-
-def test_what_a_killed_run_left_goes_with_the_next_success(slab: Path) -> None:
-    running = started(slab, PAUSED.format(module="contact.strategy", name="certified", seconds=30))
-    assert running.stdout is not None and running.stdout.readline() == "here\n"
-    (inside,) = hidden(slab)
-    solves = lambda: CliRunner().invoke(app, ["solve", str(slab)]).exit_code  # noqa: E731
-    assert solves() == 0 and hidden(slab) == [inside], "a room in use stays"
-    running.kill()
-    running.communicate()
-    text = slab.read_text()
-    slab.write_text("x = 1")
-    assert solves() == 2 and hidden(slab) == [inside], "what could be of use stays while nothing replaces it"
-    slab.write_text(text)
-    assert solves() == 0 and hidden(slab) == []
-
-
-def test_only_directories_of_that_very_name_go(slab: Path) -> None:
-    results = slab.with_name("slab-results")
-    others = [".slab-results", ".slab-results-12345678z", ".slab-result-12345678", "slab-results-12345678"]
-    for name in others:
-        (results / name).mkdir()
-    (results / ".slab-results-87654321").write_text("a file of someone's")
-    # As a user may name a backup, with a mark that is not ours, and with ours behind a link.
-    for name in (".slab-results-20240115", ".slab-results-20240116", ".slab-results-20240117"):
-        (results / name).mkdir()
-        (results / name / "precious").write_text("mine")
-    (results / ".slab-results-20240116" / files.MARK).write_text("mine")
-    with files.hidden_directory(results, "other") as other:
-        (results / ".slab-results-20240117" / files.MARK).symlink_to(other / files.MARK)
-        os.link(other / files.MARK, slab.parent / "mark")
-    (slab.parent / "elsewhere").mkdir()
-    (slab.parent / "elsewhere" / "precious").write_text("mine")
-    (slab.parent / "mark").rename(slab.parent / "elsewhere" / files.MARK)
-    (results / ".slab-results-20240118").symlink_to(slab.parent / "elsewhere")
-    before = {path for path in slab.parent.rglob("*") if path.suffix != ".json"}
-    assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0
-    assert {path for path in slab.parent.rglob("*")} >= before
 
 
 NATIVE = """

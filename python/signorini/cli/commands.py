@@ -327,8 +327,8 @@ def import_dxf(
     """
     with _messages():
         from signorini.base.files import replacing
-        from signorini.formats.drawing_toml import drawing_as_toml
-        from signorini.formats.dxf import read_dxf
+        from signorini.importers.drawing_toml import drawing_as_toml
+        from signorini.importers.dxf import read_dxf
 
         target = output if output is not None else file.with_suffix(".toml")
         if target.exists():

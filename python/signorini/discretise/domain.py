@@ -18,11 +18,11 @@ from signorini.discretise.thickness import Thickness
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Place, Problems, format_place, point
 from signorini.mesh import Mesh
-from signorini.mesh.isoparametric import BoxTree
 from signorini.mesh.sides import Sides
 from signorini.model import Model, OutlinedPlate, Support
 from signorini.model.plate import MAX_ASPECT_RATIO
 from signorini.shapes import Region
+from signorini.shapes.boxes import BoxTree
 from signorini.shapes.distances import Targets, depth, edges_of
 from signorini.shapes.extent import Tolerances
 
@@ -371,7 +371,7 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
     _, first = np.unique(np.round((positions - mesh.middle) / same), axis=0, return_index=True)
     first = np.sort(first)
     cells, reach = positions[first], float(least.max()) * np.array([-1.0, -1.0, 1.0, 1.0])
-    cell, neighbour = BoxTree.build(np.tile(cells, 2) + reach).pairs(cells)
+    cell, neighbour = BoxTree(np.tile(cells, 2) + reach).pairs(cells)
     distance, limit = np.hypot(*(cells[cell] - cells[neighbour]).T), _limit(mesh, cells, least)[cell]
     reported = set[tuple[int, int]]()
     for number in np.lexsort((neighbour, distance, cell)).tolist():

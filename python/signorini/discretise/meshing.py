@@ -40,6 +40,7 @@ from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.distances import distances
 from signorini.shapes.extent import diameter
 from signorini.shapes.outlines import Box, Contour, Point, along_arc, along_side, circle
+from signorini.shapes.regions import meet
 
 Line: TypeAlias = Region | Curve
 
@@ -422,7 +423,7 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
         close = ((boxes[:, :2] <= box[2:] + size) & (boxes[:, 2:] >= box[:2] - size)).all(axis=1)
         for other, line in (obstacles[index] for index in np.flatnonzero(close)):
             same_line = other is side or (number is not None and line == number)
-            if not same_line and not _meet(side, other, touching):
+            if not same_line and not meet(side, other, touching):
                 apart = np.minimum(apart, _distance(pieces.mean(axis=1), other))
         near = (apart < size) & ((number is None) | (apart > _FOLLOWED * size))
         sizes = np.maximum(apart[near], min((_LEAST if number is None else _LEAST_BESIDE_LINES) * size, own_size))
@@ -473,16 +474,3 @@ def _divided(side: Floats, longest: float) -> Floats:
 def _distance(points: Floats, chords: Floats) -> Floats:
     """Distance (q,) of points from the nearest chord (k, 2, 2)."""
     return np.asarray(distances(points, chords[:, 0], chords[:, 1]).min(axis=1))
-
-
-def _meet(chords: Floats, others: Floats, touching: float) -> bool:
-    """Whether chords (k, 2, 2) cross or touch others."""
-    if min(_distance(chords.reshape(-1, 2), others).min(), _distance(others.reshape(-1, 2), chords).min()) <= touching:
-        return True
-    (a, b), (c, d) = ((part[..., 0, :], part[..., 1, :]) for part in (chords[:, None], others[None]))
-
-    def turn(p: Floats, q: Floats, r: Floats) -> Floats:
-        u, v = q - p, r - p
-        return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
-
-    return bool(((turn(a, b, c) * turn(a, b, d) < 0.0) & (turn(c, d, a) * turn(c, d, b) < 0.0)).any())

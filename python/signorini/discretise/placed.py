@@ -14,11 +14,10 @@ from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, a
 from signorini.discretise.rows import Floats, Ints, Rows, interpolated
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
-from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Model, Support
 from signorini.model.where import Acting
 from signorini.shapes import Circle, Whole
-from signorini.shapes.outlines import closed
+from signorini.shapes.boxes import BoxTree
 from signorini.shapes.regions import inside as within
 from signorini.shapes.regions import overlap
 
@@ -100,7 +99,7 @@ class Footprints:
             if (hole.min(axis=0) > around.max(axis=0)).any() or (hole.max(axis=0) < around.min(axis=0)).any():
                 continue
             common, size = overlap(around, hole), overlap(hole, hole)
-            if common >= (1.0 - _HOLE_SLACK) * size or within(np.array([centre]), closed(hole.tolist()))[0]:
+            if common >= (1.0 - _HOLE_SLACK) * size or within(np.array([centre]), hole)[0]:
                 result += common
         return result
 
@@ -203,7 +202,7 @@ def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[L
     positions = np.where((nodes >= 0)[:, None], mesh.points[nodes], sampled.positions)
     if len(taken):
         reach = mesh.near.place * np.array([-1.0, -1.0, 1.0, 1.0])
-        indices, others = BoxTree.build(np.tile(taken, 2) + reach).pairs(positions)
+        indices, others = BoxTree(np.tile(taken, 2) + reach).pairs(positions)
         # Reverse order: the first point in ``taken`` is assigned last and wins.
         for point, other in sorted(zip(indices.tolist(), others.tolist(), strict=True), reverse=True):
             positions[point] = positions[point] if nodes[point] >= 0 else taken[other]

@@ -27,13 +27,13 @@ from signorini.discretise.quadrature.stepped import OFF, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place, Problems, length, point, unknown
 from signorini.mesh import Location, Mesh
-from signorini.mesh.isoparametric import BoxTree
 from signorini.model import AnnulusPlate, DiscPlate, MeshPlate, Plate
 from signorini.model.where import Where
 from signorini.shapes import Circle, Curve, Hollow, Polyline, Region, Ring, Rounded
+from signorini.shapes.boxes import BoxTree
 from signorini.shapes.distances import Targets, distances
 from signorini.shapes.extent import hull
-from signorini.shapes.outlines import Point, along_arc, closed
+from signorini.shapes.outlines import Point, along_arc
 from signorini.shapes.regions import inside, overlap
 
 _SECTOR_SLACK = 1e-3
@@ -95,7 +95,7 @@ def points_in_holes(mesh: Mesh, points: Floats) -> Bools:
     """Whether points (q, 2) are in a hole of the plate."""
     result = np.zeros(len(points), np.bool_)
     for hole in mesh.holes:
-        result |= inside(points, closed(hole.tolist()))
+        result |= inside(points, hole)
     return result
 
 
@@ -268,7 +268,7 @@ def outline(mesh: Mesh, plate: Plate, where: Where) -> Floats:
         points = _of_shape(plate, where.shape)
     else:
         points = np.concatenate([_edge(mesh, plate, name) for name in where.edges or (None,)])
-    return np.asarray(points[hull(points)])
+    return hull(points)
 
 
 def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
@@ -329,7 +329,7 @@ def missing_corners(mesh: Mesh, plate: Plate, where: Where, covered: Bools, reac
     along = np.sort(corners[:, 0])
     beside = np.searchsorted(along, reached[:, 0] - near) < np.searchsorted(along, reached[:, 0] + near, "right")
     if beside.any():
-        reached_corners, _ = BoxTree.build(np.hstack([reached[beside] - near, reached[beside] + near])).pairs(corners)
+        reached_corners, _ = BoxTree(np.hstack([reached[beside] - near, reached[beside] + near])).pairs(corners)
         corners = np.delete(corners, reached_corners, axis=0)
     if not len(corners):
         return OutlinePoints(corners, np.zeros((0, 4), np.int64))

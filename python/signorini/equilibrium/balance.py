@@ -140,7 +140,8 @@ def _bearing(
     for group, direction in itertools.product(np.unique(groups), (1.0, -1.0)):
         members = np.flatnonzero((groups == group) & (directions == direction))
         if len(members) > _MANY:
-            members = members[np.sort(hull(positions[members]))]
+            of_members = positions[members]
+            members = members[(of_members[:, None] == hull(of_members)).all(axis=2).any(axis=1)]
         deciding.append(members)
     which = np.concatenate(deciding)
     arms = _arms(discretisation, positions[which], supports[which])

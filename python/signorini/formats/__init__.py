@@ -1,1 +1,1 @@
-"""Read and write files: TOML, VTK (.vtu), Parquet, DXF drawings."""
+"""Read and write files: TOML, VTK (.vtu), Parquet."""

@@ -9,6 +9,7 @@ from signorini.errors import InputError, point
 from signorini.mesh import isoparametric as maps
 from signorini.mesh.sides import onto
 from signorini.shapes.arrays import Bools, Floats, Ints
+from signorini.shapes.boxes import BoxTree
 
 _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])
@@ -24,7 +25,6 @@ _CHORDS = 32
 """Chords in place of a curved side; their distance from it is a thousandth of its rise."""
 _TOGETHER = 1 << 18
 """Pairs of chords per block: the arrays stay in the cache."""
-_SLANTED = np.array([0.79, 0.61])
 
 
 def name_element(points: Floats, elements: Ints, index: int) -> str:
@@ -126,7 +126,7 @@ def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
     tolerance = _COINCIDENT * float(np.ptp(points, axis=0).max())
     boxes = maps.side_boxes(sides) + tolerance * np.array([-1.0, -1.0, 1.0, 1.0])
     nodes = np.unique(boundary)
-    node, side = maps.BoxTree.build(boxes).pairs(points[nodes])
+    node, side = BoxTree(boxes).pairs(points[nodes])
     node = nodes[node]
     other = (boundary[side] != node[:, None]).all(axis=1)
     node, side = node[other], side[other]
@@ -148,7 +148,7 @@ def check_overlap(points: Floats, boundary: Ints) -> None:
     The boundary of a connected mesh that does not cross itself winds around each point at most once.
     """
     sides = points[boundary]
-    i, j = _near_each_other(maps.side_boxes(sides))
+    i, j = BoxTree(maps.side_boxes(sides)).overlaps()
     disjoint = (boundary[i][:, :, None] != boundary[j][:, None, :]).all(axis=(1, 2))
     i, j = i[disjoint], j[disjoint]
     a, middle, b = np.moveaxis(sides, 1, 0)
@@ -170,19 +170,6 @@ def check_overlap(points: Floats, boundary: Ints) -> None:
                     f"Elements of the mesh overlap: its boundary crosses itself at {point(place)}, where the side with "
                     f"nodes {nodes[0]} meets the side with nodes {nodes[1]}."
                 )
-
-
-def _near_each_other(boxes: Floats) -> tuple[Ints, Ints]:
-    """Pairs of numbers (i < j in sweep order) of boxes (k, 4) that overlap."""
-    # The sweep direction is oblique: the boxes of a straight edge then do not overlap in it.
-    least, most = boxes[:, :2] @ _SLANTED, boxes[:, 2:] @ _SLANTED
-    order = np.argsort(least, kind="stable")
-    count = np.searchsorted(least[order], most[order], side="right") - np.arange(1, len(order) + 1)
-    i = np.repeat(np.arange(len(order)), count)
-    j = i + 1 + np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count)
-    i, j = order[i], order[j]
-    overlap = (boxes[i, :2] <= boxes[j, 2:]).all(axis=1) & (boxes[j, :2] <= boxes[i, 2:]).all(axis=1)
-    return i[overlap], j[overlap]
 
 
 def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:

@@ -8,7 +8,6 @@ reference points and the map of a quadrilateral.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import reduce
 from typing import Final
 
@@ -154,62 +153,3 @@ def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools
             np.abs(xi[active]).max(axis=1) < REACH
         )
     return xi, converged
-
-
-_FANOUT = 4
-
-
-@dataclass(frozen=True, eq=False)
-class BoxTree:
-    """R-tree of boxes, packed four per parent along a Morton curve (Guttman 1984; Kamel and Faloutsos 1993).
-
-    ``order`` (n,) are the box numbers in the order of the leaves; ``levels`` (n_i, 4) the boxes of each level, leaves
-    first, as xmin, ymin, xmax, ymax.
-    """
-
-    order: Ints
-    levels: tuple[Floats, ...]
-
-    @classmethod
-    def build(cls, boxes: Floats) -> BoxTree:
-        """Build the tree of n ≥ 1 boxes (n, 4), xmin, ymin, xmax, ymax."""
-        order = np.argsort(_morton(0.5 * (boxes[:, :2] + boxes[:, 2:])), kind="stable")
-        levels = [boxes[order]]
-        while len(levels[-1]) > _FANOUT:
-            below = levels[-1]
-            starts = np.arange(0, len(below), _FANOUT)
-            lower = np.minimum.reduceat(below[:, :2], starts)
-            upper = np.maximum.reduceat(below[:, 2:], starts)
-            levels.append(np.hstack([lower, upper]))
-        return cls(order, tuple(levels))
-
-    def pairs(self, points: Floats) -> tuple[Ints, Ints]:
-        """Index pairs of points (q, 2) and boxes that contain them, sorted by point and box."""
-        top = len(self.levels[-1])
-        point = np.repeat(np.arange(len(points)), top)
-        box = np.tile(np.arange(top), len(points))
-        for i in range(len(self.levels) - 1, -1, -1):
-            p, b = points[point], self.levels[i][box]
-            inside = (p[:, 0] >= b[:, 0]) & (p[:, 1] >= b[:, 1]) & (p[:, 0] <= b[:, 2]) & (p[:, 1] <= b[:, 3])
-            point, box = point[inside], box[inside]
-            if i:
-                point = np.repeat(point, _FANOUT)
-                box = (box[:, None] * _FANOUT + np.arange(_FANOUT)).ravel()
-                present = box < len(self.levels[i - 1])
-                point, box = point[present], box[present]
-        box = self.order[box]
-        by_point = np.lexsort((box, point))
-        return point[by_point], box[by_point]
-
-
-def _morton(centres: Floats) -> Ints:
-    """Morton codes of the ranks of the coordinates: packing is then independent of grading."""
-    bits = 16
-    code = np.zeros(len(centres), dtype=np.int64)
-    for axis in range(2):
-        rank = np.empty(len(centres), dtype=np.int64)
-        rank[np.argsort(centres[:, axis], kind="stable")] = np.arange(len(centres))
-        cell = rank * (1 << bits) // len(centres)
-        for bit in range(bits):
-            code |= ((cell >> bit) & 1) << (2 * bit + axis)
-    return code

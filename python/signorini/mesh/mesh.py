@@ -19,6 +19,7 @@ from signorini.mesh import isoparametric as maps
 from signorini.mesh.sides import edges_on_polyline, edges_on_ring, holes, sides_mostly_on
 from signorini.shapes import Curve, Ring
 from signorini.shapes.arrays import Bools, Floats, Ints
+from signorini.shapes.boxes import BoxTree
 from signorini.shapes.extent import Tolerances, diameter
 
 if TYPE_CHECKING:
@@ -504,7 +505,7 @@ class Mesh(Remade):
         return np.hstack(maps.bounds(corners))
 
     @cached_property
-    def _tree(self) -> maps.BoxTree:
+    def _tree(self) -> BoxTree:
         lower, upper = self.boxes[:, :2], self.boxes[:, 2:]
         margin = (upper - lower) * self._reach.max(axis=1)[:, None]
-        return maps.BoxTree.build(np.hstack([lower - margin, upper + margin]))
+        return BoxTree(np.hstack([lower - margin, upper + margin]))

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from signorini.mesh.isoparametric import BoxTree, side_boxes
+from signorini.mesh.isoparametric import side_boxes
 from signorini.shapes import Ring
 from signorini.shapes.arrays import Bools, Floats, Ints
+from signorini.shapes.boxes import BoxTree
 from signorini.shapes.outlines import Box, Side
 
 _STEPS = 8
@@ -43,7 +44,7 @@ class Sides:
         if not len(self.nodes):
             return positions, distances
         boxes = side_boxes(self.nodes) + self.within * np.array([-1.0, -1.0, 1.0, 1.0])
-        point, side = BoxTree.build(boxes).pairs(points)
+        point, side = BoxTree(boxes).pairs(points)
         candidates = onto(self.nodes[side], points[point])
         distance = np.hypot(*(candidates - points[point]).T)
         order = np.lexsort((side, distance, point))

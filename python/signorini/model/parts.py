@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Generic, Literal, Protocol, Self, TypeVar
 
+import shapely
+
 from signorini.errors import InputError, Place, unknown
 from signorini.model.base import Complaint, OnPlate
 from signorini.model.material import Material
@@ -144,9 +146,6 @@ def _shared_area(model: Whole, name: str, other: str) -> Area | Literal["all"]:
             f'found "all", but the outline of "{name}" or "{other}" is in a mesh file. Give the shared area as a '
             "rectangle, a circle or a polygon."
         )
-    # Imported here: a model of one plate does without shapely.
-    import shapely
-
     polygon, other_polygon = (
         shapely.Polygon(outline, holes)
         for outline, *holes in ([contour.points() for contour in each.contours] for each in (plate, other_plate))

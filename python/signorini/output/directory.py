@@ -10,7 +10,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from signorini.base.files import alone_in, hidden_directory, require_free
+from signorini.base.files import locked, require_free, temporary_directory
 from signorini.base.regular import read_regular
 from signorini.errors import InputError
 from signorini.model import Model
@@ -53,10 +53,10 @@ def _account(file: Path, keys: set[str]) -> dict[str, Any]:
 
 @contextmanager
 def room_for(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
-    """Give a hidden directory, for as long as the context lasts, on the file system where results will be written.
+    """Context with a hidden directory on the file system where results will be written.
 
-    A directory that cannot be made or written to, or has files of others with the names that those of the results will
-    have, is refused before the time to compute them is spent.
+    A directory that cannot be made or written to, or that has files of others with the names of the results, is refused
+    before the results are computed.
     """
     with _room(Path(directory), former_results, expected_names(model)) as room:
         yield room
@@ -64,7 +64,7 @@ def room_for(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
 
 @contextmanager
 def room_for_path(directory: str | os.PathLike[str]) -> Iterator[Path]:
-    """Do as `room_for` for the files of a load path."""
+    """The same as `room_for` for the files of a load path."""
     with _room(Path(directory), former_path, (PATH_JSON, PATH_CSV, PATH_PICTURE)) as room:
         yield room
 
@@ -75,9 +75,9 @@ def _room(directory: Path, former: Callable[[Path], list[str]], names: Iterable[
     with ExitStack() as context:
         try:
             nearest = next(place for place in (target, *target.parents) if place.exists())
-            room = context.enter_context(hidden_directory(nearest, target.name))
+            room = context.enter_context(temporary_directory(nearest, target.name))
             if nearest == target:
-                with alone_in(target):
+                with locked(target):
                     require_free(target, names, former)
         except OSError as error:
             raise cannot_write(directory, error) from None

@@ -24,11 +24,11 @@ from signorini.discretise.places import mesh_edges, quadratic_tangents, side_len
 from signorini.discretise.quadrature.lines import curve_pieces
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
-from signorini.mesh.isoparametric import BoxTree
 from signorini.model import Support
 from signorini.results.extremes import peak
 from signorini.results.support_points import SupportPoints
 from signorini.shapes import Ring
+from signorini.shapes.boxes import BoxTree
 
 CORNER = np.cos(np.radians(15.0))
 """Largest cosine of the turning angle at a corner of a line. Quadratic sides of a circle turn by less than 1°."""
@@ -92,7 +92,7 @@ class Pieces:
         these (v,) are smooth.
         """
         places = self.ends.reshape(-1, 2)
-        pairs = BoxTree.build(np.hstack([places - near, places + near])).pairs(places)
+        pairs = BoxTree(np.hstack([places - near, places + near])).pairs(places)
         ends = components(len(places), *pairs)
         leaving = (self.tangents * np.array([[1.0], [-1.0]])).reshape(-1, 2)
         turned = np.column_stack([np.bincount(ends, part) for part in leaving.T])
@@ -126,7 +126,7 @@ class Pieces:
         begin, along = self.ends[:, 0], self.ends[:, 1] - self.ends[:, 0]
         reach = self.lengths.max()
         boxes = np.hstack([self.ends.min(axis=1) - reach, self.ends.max(axis=1) + reach])
-        point, piece = BoxTree.build(boxes).pairs(points)
+        point, piece = BoxTree(boxes).pairs(points)
         offset = points[point] - begin[piece]
         t = np.clip((offset * along[piece]).sum(axis=1) / (along[piece] ** 2).sum(axis=1), 0.0, 1.0)
         far = np.hypot(*(offset - t[:, None] * along[piece]).T)

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from signorini.shapes.arrays import Floats
 from signorini.shapes.outlines import Box, Contour, Outline, Point, Side, arc_through, bounds_of
@@ -129,7 +130,5 @@ def depth(region: Region, points: Floats) -> Floats:
     if isinstance(region, Rounded):
         # Points one a degree miss an arc by 4e-5 of its radius.
         return depth(Polygon(tuple((x, y) for x, y in region.drawn.tolist())), points)
-    nearest = np.full(len(points), np.inf)
-    for side in region.outline.segments:
-        nearest = np.minimum(nearest, distances(points, side[:1], side[1:])[:, 0])
+    nearest = shapely.distance(shapely.LinearRing(region.points), shapely.points(points))
     return np.where(region.contains(points), nearest, -nearest)

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
+import shapely
 
 from signorini.errors import InputError
 from signorini.shapes import outlines
 from signorini.shapes.arrays import Bools, Floats
 
-_CHUNK = 4_000_000
-_PAIRS = 200_000
-"""Crossings, and pairs of sides, that are looked at together."""
+_TOUCHING = 1e-12
+"""Largest distance of sides that touch, relative to the size of the polygon."""
 _KINK = 0.1
 """Smallest turn of an outline, in radians, at a corner; arcs meant to be smooth turn by less."""
 _SAME = 1e-6
@@ -116,8 +117,8 @@ class Polygon(outlines.Straight):
         return outlines.bounds_of(self.points)
 
     def contains(self, points: Floats) -> Bools:
-        """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
-        return inside(points, self.outline.segments)
+        """Whether each of the points (q, 2) is inside or on the outline."""
+        return inside(points, self.points)
 
 
 @dataclass(frozen=True)
@@ -262,18 +263,11 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def inside(points: Floats, segments: Floats) -> Bools:
-    """Whether points (q, 2) are within closed segments (k, 2, 2), by counting crossings."""
-    result = np.empty(len(points), dtype=bool)
-    (ax, ay), (bx, by) = segments.transpose(1, 2, 0)
-    step = max(1, _CHUNK // len(ax))
-    for start in range(0, len(points), step):
-        x, y = points[start : start + step].T[..., None]
-        level = (ay > y) != (by > y)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            right = x < ax + (y - ay) / (by - ay) * (bx - ax)
-        result[start : start + step] = (level & right).sum(axis=1) % 2 == 1
-    return result
+def inside(points: Floats, corners: Floats | Sequence[outlines.Point]) -> Bools:
+    """Whether points (q, 2) are inside or on the polygon with corners (n, 2)."""
+    polygon = shapely.Polygon(corners)
+    shapely.prepare(polygon)
+    return np.asarray(shapely.intersects_xy(polygon, points))
 
 
 def _require_simple(segments: Floats) -> None:
@@ -296,34 +290,29 @@ def _require_simple(segments: Floats) -> None:
 
 
 def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
-    """Find two of the segments (k, 2, 2) of a line that meet but where one ends in the other, or None.
+    """The first two segments of a line (k, 2, 2) that meet other than end to start, or None.
 
-    The second follows the first where it folds back on it. After the last one of a closed line comes the first.
+    A segment that folds back on its predecessor meets it. The first segment follows the last one of a closed line.
     """
     count = len(segments)
-    a, b = segments[:, 0], segments[:, 1]
-    along = b - a
-    tiny = 1e-12 * float(np.ptp(segments.reshape(-1, 2), axis=0).max()) ** 2
+    along = segments[:, 1] - segments[:, 0]
+    size = float(np.ptp(segments.reshape(-1, 2), axis=0).max())
     onward = np.roll(along, -1, axis=0)
-    folds = (np.abs(_cross(along, onward)) <= tiny) & ((along * onward).sum(axis=1) < 0.0)
+    folds = (np.abs(_cross(along, onward)) <= _TOUCHING * size**2) & ((along * onward).sum(axis=1) < 0.0)
     folds[-1] &= closed
     if folds.any():
         piece = int(np.argmax(folds))
         return piece, (piece + 1) % count
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    numbers = np.arange(count)
-    for first in np.array_split(np.arange(count), 1 + count**2 // _PAIRS):
-        near = ((low[first, None] <= high) & (high[first, None] >= low)).all(axis=2)
-        # Every pair once, without those that share a corner.
-        near &= (numbers > first[:, None] + 1) & ((first[:, None] > 0) | (numbers < count - 1) | (not closed))
-        i, j = np.nonzero(near)
-        i = first[i]
-        ends = np.stack([_cross(along[i], a[j] - a[i]), _cross(along[i], b[j] - a[i])])
-        mine = np.stack([_cross(along[j], a[i] - a[j]), _cross(along[j], b[i] - a[j])])
-        apart = (ends > tiny).all(0) | (ends < -tiny).all(0) | (mine > tiny).all(0) | (mine < -tiny).all(0)
-        if not apart.all():
-            return int(i[np.argmin(apart)]), int(j[np.argmin(apart)])
-    return None
+    sides = np.asarray(shapely.linestrings(segments))
+    i, j = shapely.STRtree(sides).query(sides, "dwithin", _TOUCHING * size)
+    # Every pair once, without those that share a corner.
+    apart = (j > i + 1) & ((i > 0) | (j < count - 1) | (not closed))
+    return min(zip(i[apart].tolist(), j[apart].tolist(), strict=True), default=None)
+
+
+def meet(one: Floats, other: Floats, within: float) -> bool:
+    """Whether two sets of segments, (k, 2, 2) and (m, 2, 2), are at most ``within`` apart."""
+    return bool(shapely.dwithin(shapely.MultiLineString([*one]), shapely.MultiLineString([*other]), within))
 
 
 @dataclass(frozen=True)
@@ -395,34 +384,9 @@ Region: TypeAlias = Whole | Hollow
 
 
 def overlap(one: Floats, other: Floats) -> float:
-    """Area that two simple polygons, corners (n, 2) and (m, 2) in either sense, have in common.
-
-    Between the abscissae of corners and crossings the height that is in both is linear in x, so that its middle counts.
-    """
-    (a, b), (c, d) = ((corners, np.roll(corners, -1, axis=0)) for corners in (one, other))
-    u, v = (b - a)[:, None], (d - c)[None]
-    from_a = c[None] - a[:, None]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        area = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-        s = (from_a[..., 0] * v[..., 1] - from_a[..., 1] * v[..., 0]) / area
-        t = (from_a[..., 0] * u[..., 1] - from_a[..., 1] * u[..., 0]) / area
-    i, j = np.nonzero((s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0))
-    stations = np.unique(np.concatenate([a[:, 0], c[:, 0], a[i, 0] + s[i, j] * (b - a)[i, 0]]))
-    middles, widths = 0.5 * (stations[1:] + stations[:-1]), np.diff(stations)
-    begin, end = np.concatenate([a, c]), np.concatenate([b, d])
-    first = np.arange(len(begin)) < len(a)
-    total = 0.0
-    for part in np.array_split(np.arange(len(middles)), 1 + len(middles) * len(begin) // _CHUNK):
-        x = middles[part, None]
-        crossed = (begin[:, 0] > x) != (end[:, 0] > x)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rise = begin[:, 1] + (x - begin[:, 0]) / (end[:, 0] - begin[:, 0]) * (end[:, 1] - begin[:, 1])
-        height = np.where(crossed, rise, np.inf)
-        order = np.argsort(height, axis=1)
-        height = np.take_along_axis(height, order, axis=1)
-        in_one = np.cumsum(first[order], axis=1) % 2 == 1
-        in_both = in_one & (np.cumsum(~first[order], axis=1) % 2 == 1)
-        both = in_both[:, :-1] & np.isfinite(height[:, 1:])
-        steps = np.subtract(height[:, 1:], height[:, :-1], where=both, out=np.zeros_like(height[:, 1:]))
-        total += float(widths[part] @ steps.sum(axis=1))
-    return total
+    """Area that two polygons, corners (n, 2) and (m, 2) in either sense, have in common."""
+    first, second = (
+        shapely.make_valid(shapely.Polygon(corners), method="structure", keep_collapsed=False)
+        for corners in (one, other)
+    )
+    return first.intersection(second).area

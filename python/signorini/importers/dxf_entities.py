@@ -15,7 +15,7 @@ import numpy as np
 
 from signorini.base.units import METRES
 from signorini.errors import InputError, SignoriniError
-from signorini.formats.drawing import GAP, Corner, Loop, about
+from signorini.importers.drawing import GAP, Corner, Loop, about
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing as Document

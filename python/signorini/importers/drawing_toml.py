@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from signorini.discretise import discretise
 from signorini.errors import InputError, Place
-from signorini.formats.drawing import Corner, Drawing, Loop, Lost, flattened, place, through
+from signorini.importers.drawing import Corner, Drawing, Loop, Lost, flattened, place, through
 from signorini.model import validate
 
 _DIGITS = 6

@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import TypeVar
 
 from signorini.errors import InputError
-from signorini.formats.drawing import (
+from signorini.importers.drawing import (
     GAP,
     THICKNESSES,
     Corner,
@@ -29,8 +29,8 @@ from signorini.formats.drawing import (
     middles_of_loops,
     place,
 )
-from signorini.formats.drawing_toml import checked, snap
-from signorini.formats.dxf_entities import Layer, layers_in
+from signorini.importers.drawing_toml import checked, snap
+from signorini.importers.dxf_entities import Layer, layers_in
 
 _T = TypeVar("_T")
 

@@ -17,7 +17,6 @@ from signorini.errors import InputError, point
 from signorini.shapes import Polygon
 from signorini.shapes.arrays import Bools, Floats
 from signorini.shapes.distances import Targets
-from signorini.shapes.outlines import closed
 from signorini.shapes.regions import inside, overlap
 
 GAP = 1e-3
@@ -175,9 +174,9 @@ class Loop:
         return max(rises) <= GAP * length
 
     @cached_property
-    def _chords(self) -> Floats:
-        """Straight sides (k, 2, 2) of a fine polygon in its place."""
-        return closed(self.chords(_FINER))
+    def _fine(self) -> Floats:
+        """Corners (k, 2) [m] of a fine polygon in its place."""
+        return np.array(self.chords(_FINER))
 
     @cached_property
     def sides_drawn(self) -> Targets:
@@ -188,7 +187,7 @@ class Loop:
 
     def has(self, points: Iterable[tuple[float, float]]) -> Bools:
         """Mask of the points inside."""
-        return inside(np.array([*points]).reshape(-1, 2), self._chords)
+        return inside(np.array([*points]).reshape(-1, 2), self._fine)
 
     def near(self, points: Iterable[tuple[float, float]]) -> Bools:
         """Mask of the points on a side."""

@@ -1,0 +1,47 @@
+"""Public names; `signorini/__init__.py` imports the module of a name at its first access."""
+
+from signorini._core import LcpSolution, __version__
+from signorini.accuracy.comparison import Estimate, PathEstimate
+from signorini.analysis.estimate import Estimates, estimate
+from signorini.analysis.path import path
+from signorini.analysis.recover import recover
+from signorini.analysis.results import Results
+from signorini.analysis.solve import solve
+from signorini.analysis.tightening import tightened
+from signorini.base.progress import Progress
+from signorini.contact.certificate import Certificate
+from signorini.contact.lcp import Lcp, lemke
+from signorini.contact.own_rows import RowProblem, with_rows
+from signorini.contact.problem import ContactProblem, contact_problem
+from signorini.contact.selection import NotUnique
+from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
+from signorini.formats.inputfile import load, loads, schema
+from signorini.mesh.mesh import Mesh
+from signorini.model import *
+from signorini.output.writing import write
+from signorini.results.contact_field.area_contact import AreaContact
+from signorini.results.exact_path import ExactPath
+from signorini.results.extremes import FieldExtremes
+from signorini.results.load_path import LoadPath
+from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StationResult, StripResult
+from signorini.results.path_events import PathEvent, Threshold
+from signorini.results.path_stop import PathStop
+from signorini.results.quantities import Catalogue
+from signorini.results.result import Result
+from signorini.results.support_result import EdgeCouples, SupportResult
+from signorini.singularities.singularity import Singularity
+
+# fmt: off
+__all__ = [
+    "Annulus", "AnnulusPlate", "Arc", "Area", "AreaContact", "Axes", "Catalogue", "Certificate", "Circle",
+    "Combination", "Contact", "ContactProblem", "DiscPlate", "EdgeCouples", "Estimate", "Estimates", "ExactPath",
+    "FieldExtremes", "FieldTable", "Form", "Hole", "InputError", "Lcp", "LcpSolution", "Load", "LoadPath",
+    "Material", "Mesh", "MeshOptions", "MeshPlate", "Model", "Modifiers", "Moving", "NoEquilibriumError",
+    "NotCertifiedError", "NotUnique", "Output", "PathEstimate", "PathEvent", "PathStop", "Plate", "PolygonPlate",
+    "Probe", "ProbeResult", "Profile", "ProfileResult", "Progress", "RectanglePlate", "Refinement", "Result",
+    "Results", "RowProblem", "Section", "SectionResult", "SignoriniError", "Singularity", "Solver", "StationResult",
+    "Stiffness", "Strip", "StripResult", "Support", "SupportResult", "Threshold", "Tightening", "Units", "Zone",
+    "__version__", "contact_problem", "estimate", "lemke", "load", "loads", "path", "recover", "schema", "solve",
+    "tightened", "validate", "with_rows", "write",
+]
+# fmt: on

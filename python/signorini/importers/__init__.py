@@ -1,0 +1,1 @@
+"""DXF drawings to input files; the solver imports nothing from this folder."""
