@@ -1,4 +1,4 @@
-"""Contact points that say again what the plate is held to already: their rows follow from others."""
+"""Redundant contact points: their rows are linear combinations of other rows."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from signorini.mesh import Mesh
 from signorini.model import Model
 
 SAME = 1e-12
-"""Part of a row of length one below which it is rounding: rows are right to about 1e-15, and points a billionth of an
-element from each other are two all the same."""
+"""Zero tolerance for parts of unit rows. Rounding is 1e-15; rows of two points 1e-9 of an element apart differ by
+1e-9."""
 _CLEAR = 1e-10
 """Pivots of products of rows down to which these are independent beyond rounding."""
 _MOST = 10_000
@@ -96,7 +96,7 @@ def followers(rows: csr_array) -> Followers:
     here = rows[some]
     products = csr_array(here @ here.T)
     if len(some) and not _clearly_independent(products):
-        # What follows takes a while to be imported; most plates do not come here.
+        # Importing scipy.linalg takes time, and most plates have no such rows.
         from scipy.linalg import qr, solve_triangular
 
         near = products.tocoo()
@@ -159,7 +159,7 @@ class Repeated:
 
 @dataclass(frozen=True, eq=False)
 class Shared:
-    """Points (p,) whose reactions can be shared in more ways than one, and these ways (p, k): they sum to nothing."""
+    """Points (p,) with reactions that are not unique; ``ways`` (p, k) is a basis of the changes with Gᵀλ = 0."""
 
     points: Ints
     ways: Floats
@@ -175,12 +175,12 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     _require_agreement(mesh, held, contacts)
     _require_agreement_on_areas(model, mesh, held, contacts)
     rows = _over_dofs(mesh, held, contacts)
-    # What is pressed where every dof is held has a reaction that follows from no other.
+    # Where every dof is held, no row depends on others.
     equations = np.flatnonzero(contacts.equations & _moves(rows, held))
     if len(equations) > _MOST:
         raise InputError(
             f"Found {len(equations)} rigid points between the mesh's nodes that hold both ways; at most {_MOST} can be "
-            "told from each other. Hold an edge, or a line or circle that the mesh follows, or give a stiffness.",
+            "checked for redundancy. Hold an edge, or a line or circle that the mesh follows, or give a stiffness.",
             place=("support", int(contacts.support[equations[0]])),
         )
     points = contacts.pick(equations)
@@ -225,7 +225,7 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
     at_points = np.array([support.at is not None for support in model.support], np.bool_)[points.support[rigid]]
     result = []
     for mine in np.split(order, np.flatnonzero(np.diff(label[order])) + 1):
-        # Forces that move within one line or area are nothing that results tell.
+        # Results do not show how reactions are shared within one line or area.
         if len(mine) < 2 or not (at_points[mine].any() or np.ptp(points.support[rigid[mine]])):
             continue
         groups, own = np.unique(group[mine], return_inverse=True)
@@ -272,7 +272,7 @@ def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
         raise contradiction(contacts.positions[first], mesh.size, by, contacts.support[first], float(beyond[first]))
     if not (fixed & pressed).any():
         return np.flatnonzero(~fixed)
-    # Beside those pressed stay those of the same points' travel the other way.
+    # Points that are pressed keep their row of the opposite direction too.
     spots = np.column_stack([contacts.support, contacts.slope, contacts.positions])
     _, spot = np.unique(spots, axis=0, return_inverse=True)
     return np.flatnonzero(~fixed | np.isin(spot, spot[fixed & pressed]))
