@@ -141,9 +141,11 @@ def lifted(result: Result) -> str:
 
     The lift is measured from w = min(settlement, 0): a support that settles away from the plate does not lift it.
     """
-    if result.plates:
-        each = {name: lifted(plate) for name, plate in result.plates.items()}
-        return "; ".join(f"{name}: {sentence}" for name, sentence in each.items() if sentence)
+    each = {name: _lifted(plate) for name, plate in result.members.items()}
+    return "; ".join(": ".join(filter(None, (name, sentence))) for name, sentence in each.items() if sentence)
+
+
+def _lifted(result: Result) -> str:
     nodes = _corners(result)
     corners, w = result.mesh.points[nodes], result.deflection[nodes]
     lifts = np.full(len(nodes), np.inf)

@@ -427,8 +427,9 @@ class OfWhole(Remade):
 
     ``nodes``, ``elements``, ``stress_nodes`` (s,), ``springs`` and ``points`` (m + r,) are indices into the joined
     arrays; ``numbers`` gives, for each key, the indices of its supports, loads and so on in the whole model.
-    ``beneath`` maps an own support between plates to the other plate's index and the matrix (n, n') that interpolates
-    that plate's deflections at own nodes. ``upon`` are the own supports through which other plates rest on this one.
+    ``beneath`` maps an own support between plates to the other plate's first node and the matrix (n, n') that
+    interpolates that plate's deflections at own nodes. ``upon`` are the own supports through which other plates rest on
+    this one.
     """
 
     name: str
@@ -458,6 +459,13 @@ class OfWhole(Remade):
             {},
             frozenset(),
         )
+
+    def deflections_beneath(self, deflection: Floats) -> dict[int, Floats]:
+        """Deflections (n,) of the plates beneath at own nodes, by own support, from those of all plates (N,)."""
+        return {
+            number: matrix @ deflection[first : first + matrix.shape[1]]
+            for number, (first, matrix) in self.beneath.items()
+        }
 
     @property
     def dofs(self) -> slice:

@@ -328,7 +328,7 @@ def _of_whole(
         tables.append(replace(table, support=np.full(len(table), number)))
         places.append(indices)
         if plate.model.support[number].area is not None:
-            beneath[number] = other, _deflection_at(plate.mesh, each[other].mesh)
+            beneath[number] = int(nodes[other]), _deflection_at(plate.mesh, each[other].mesh)
     joined = ContactPoints.join(tables)
     follows = csr_array(plate.repeated.follows)
     empty = csr_array((len(plate.repeated), len(joined) - follows.shape[1]))

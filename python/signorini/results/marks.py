@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from signorini.discretise import Discretisation
 from signorini.discretise.laws import known_values, on_soil, written_at
 from signorini.discretise.quadrature import area_quadrature
 from signorini.discretise.rows import Bools, Floats
-from signorini.discretise.stressnodes import StressNodes
 from signorini.equilibrium.balance import NO_FORCE
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
@@ -38,6 +37,7 @@ from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.extremes import FieldExtremes, peak
 from signorini.results.line_reactions import Line, LineReactions
 from signorini.results.quantities import KINDS, PEAKING, PICTURED, PRESSURE
+from signorini.results.state import ResultState
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult, areas_below, describe
 from signorini.shapes import Polyline, Region, Ring
@@ -376,33 +376,6 @@ def _loops(shape: Region) -> Floats:
     return np.concatenate([first, *(part for loop in others for part in (_BREAK, loop))])
 
 
-class Shown(Protocol):
-    """A result, as far as pictures show it."""
-
-    @property
-    def model(self) -> Model:
-        """Options of the picture."""
-
-    @property
-    def stress_nodes(self) -> StressNodes:
-        """Nodes (m,) of the fields' pictures."""
-
-    @property
-    def fields(self) -> Mapping[str, Floats]:
-        """Values (n,) by name."""
-
-    @property
-    def extremes(self) -> Mapping[str, FieldExtremes]:
-        """Units of fields."""
-
-    @property
-    def supports(self) -> Sequence[SupportResult]:
-        """Results of each support."""
-
-    def excluding(self, number: str) -> Sequence[Singularity]:
-        """Singularities around which extremes of "moment" or "shear" leave out nodes."""
-
-
 def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[SupportResult]) -> list[SupportMark]:
     """Marks of the supports, open or closed."""
     numbers = _numbers(asked, [len(one.positions) for one in supports])
@@ -433,7 +406,7 @@ def view_of(picture: Picture, mesh: Mesh, deflection: Floats, factor: float) -> 
     return Picture(panels, marks, f"{picture.title}, deflections × {plain(factor, 2)}")
 
 
-def field_range(field: str, result: Shown) -> tuple[float, float]:
+def field_range(field: str, result: ResultState) -> tuple[float, float]:
     """Smallest and largest value of a field away from where it has no limit; of the pressure with 0."""
     if field != PRESSURE.name:
         ends = _ends(field, result)
@@ -443,7 +416,7 @@ def field_range(field: str, result: Shown) -> tuple[float, float]:
 
 
 def panel(
-    field: str, result: Shown, widths: Mapping[str, Any] | None = None, limits: tuple[float, float] | None = None
+    field: str, result: ResultState, widths: Mapping[str, Any] | None = None, limits: tuple[float, float] | None = None
 ) -> Panel:
     """Draw a field, or the pressure, in the colours of its quantity, with its extremes and, if known, half-widths."""
     of = PICTURED[field]
@@ -544,7 +517,7 @@ def _written(value: float, told: bool, width: float | None) -> str:
     return estimated(value, width).replace("-", "−") if told else plain(value, 4)
 
 
-def _ends(field: str, result: Shown) -> FieldExtremes:
+def _ends(field: str, result: ResultState) -> FieldExtremes:
     nodes = result.stress_nodes
     everywhere = np.ones(nodes.mesh.node_count, np.bool_)
     return result.extremes.get(field) or FieldExtremes.of(result.fields[field], nodes, everywhere)

@@ -58,9 +58,8 @@ def model_warnings(discretisation: Discretisation, acting: Collection[str] | Non
 
     Moving loads are judged at the positions that are ``acting``, by default at all.
     """
-    if discretisation.plates:
-        return said_of({plate.name: model_warnings(plate.own, acting) for plate in discretisation.plates})
-    return (*_whatever_acts(discretisation), *_wheels_off(discretisation, acting))
+    of_plates = {plate.name: plate.own for plate in discretisation.members}
+    return said_of({name: (*_whatever_acts(own), *_wheels_off(own, acting)) for name, own in of_plates.items()})
 
 
 @kept
