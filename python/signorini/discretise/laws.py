@@ -304,7 +304,12 @@ def has_constant_gap(support: Support) -> bool:
 
 def base_jumps(support: Support) -> bool:
     """Whether the settlement or the gap of a support jumps somewhere."""
-    return any(level.jumps for formula in (support.settlement, support.gap) for level in formula.levels)
+    return bool(_jumps(support.settlement, support.gap))
+
+
+def _jumps(*formulas: PointFieldScalar | None) -> list[Level]:
+    """Levels at which formulas jump."""
+    return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
 
 
 def formulas_of(support: Support) -> tuple[PointFieldScalar, ...]:
@@ -315,9 +320,7 @@ def formulas_of(support: Support) -> tuple[PointFieldScalar, ...]:
 
 def jumps_of(support: Support) -> list[Level]:
     """Levels at which an elastic support's stiffness, limit, gap or settlement jumps; none for a rigid support."""
-    if not support.is_elastic:
-        return []
-    return [level for formula in formulas_of(support) for level in formula.levels if level.jumps]
+    return _jumps(*formulas_of(support)) if support.is_elastic else []
 
 
 def steps_of(support: Support) -> list[Level]:
@@ -451,8 +454,7 @@ class SupportLaw:
     @property
     def has_curve_of_yielding(self) -> bool:
         """Whether the part that yields has a curve as its border: limit and stiffness do not jump."""
-        formulas, law = (self.support.limit, self.support.modulus), self.support.law
-        jumps = any(level.jumps for formula in formulas if formula is not None for level in formula.levels)
+        law, jumps = self.support.law, _jumps(self.support.limit, self.support.modulus)
         return self.support.is_elastic and not jumps and (law is None or law[0][0] >= 0.0)
 
     def travel(self, positions: Floats) -> tuple[Floats, Floats]:
