@@ -218,6 +218,12 @@ impl ContactProblem {
         series(&self.points, &self.shear, limit)
     }
 
+    /// The penalty after a stage of the Newton method: there are three, in geometric progression.
+    pub(super) fn next_penalty(&self, limit: f64) -> f64 {
+        let stiffest = tolerances::newton::STIFFEST;
+        if limit == self.first_penalty { (limit * stiffest).sqrt() } else { stiffest }
+    }
+
     pub(super) fn steepest(&self, i: usize) -> Piece {
         steepest(&self.points, i)
     }

@@ -28,6 +28,16 @@ pub(in crate::contact) fn signs_are_feasible(
     least_length: f64,
     solution: &ContactSolution,
 ) -> bool {
+    points_beyond(problem, load, least_length, solution).is_empty()
+}
+
+/// The points beyond the bounds of their piece by more than rounding, each with the piece beyond that bound.
+pub(in crate::contact) fn points_beyond(
+    problem: &ContactProblem,
+    load: &[f64],
+    least_length: f64,
+    solution: &ContactSolution,
+) -> Vec<(usize, u8)> {
     let lengths = lengths(problem, solution);
     // Without load, the reference force is the stiffness times the displacement.
     let load = match problem.scale.largest(load) {
@@ -36,7 +46,7 @@ pub(in crate::contact) fn signs_are_feasible(
     };
     let force = tolerances::SIGN * largest_force(problem, &[], &solution.reaction).max(load);
     let length = |i: usize| (tolerances::SIGN * lengths[i]).max(least_length / problem.points.arm[i]);
-    is_feasible(problem, &solution.piece, &solution.reaction, &solution.gap, force, length)
+    beyond(problem, &solution.piece, &solution.reaction, &solution.gap, force, length).collect()
 }
 
 /// Whether no point exceeds the bounds of its piece by more than a force, or by more than its length.
@@ -48,8 +58,20 @@ pub(in crate::contact) fn is_feasible(
     force: f64,
     length: impl Fn(usize) -> f64,
 ) -> bool {
+    beyond(problem, pieces, reaction, gap, force, length).next().is_none()
+}
+
+/// Points beyond a bound of their piece, each with the piece beyond that bound.
+fn beyond(
+    problem: &ContactProblem,
+    pieces: &[u8],
+    reaction: &[f64],
+    gap: &[f64],
+    force: f64,
+    length: impl Fn(usize) -> f64,
+) -> impl Iterator<Item = (usize, u8)> {
     let points = &problem.points;
-    (0..points.len()).all(|i| {
+    (0..points.len()).filter_map(move |i| {
         let piece = points.piece(i, pieces[i]);
         let [low, high] = points.ends(i, pieces[i]);
         let (value, axis, allowed) = match piece.holds() {
@@ -57,7 +79,9 @@ pub(in crate::contact) fn is_feasible(
             true => (reaction[i], 1, (force * points.arm[i]).min(length(i) * piece.slope)),
             false => (piece.travel - gap[i], 0, length(i)),
         };
-        let above = low.is_none_or(|end| value >= end[axis] - allowed);
-        above && high.is_none_or(|end| value <= end[axis] + allowed)
+        if low.is_some_and(|end| !(value >= end[axis] - allowed)) {
+            return Some((i, pieces[i] - 1));
+        }
+        high.is_some_and(|end| !(value <= end[axis] + allowed)).then(|| (i, pieces[i] + 1))
     })
 }

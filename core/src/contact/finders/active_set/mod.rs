@@ -8,6 +8,7 @@
 
 mod batch;
 mod coarse_correction;
+mod exact_sets;
 mod iterate;
 mod line_search;
 mod newton;
@@ -20,6 +21,7 @@ use crate::cholesky::FactorError;
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Outcome, Watch};
 use crate::contact::tolerances;
+use exact_sets::exact_sets;
 use newton::Next;
 use start::new_newton;
 use std::sync::Arc;
@@ -37,7 +39,21 @@ impl SetFinder for ActiveSet {
         watch: &mut Watch<'_>,
     ) -> Result<ContactSolution, FactorError> {
         let mut newton = new_newton(problem, load, held_value, start, false)?;
-        let Next::End(outcome) = newton.go_on(None, watch)? else { unreachable!("the factor is not shared") };
+        let outcome = loop {
+            match newton.go_on(None, watch)? {
+                Next::Solve(_) => unreachable!("the factor is not shared"),
+                Next::Settled => {
+                    let start = newton.offer();
+                    let exact = exact_sets(problem, &mut newton.iterate.kkt, load, held_value, &start, watch)?;
+                    let Some(ContactSolution { displacement, reaction, gap, piece, corrections, .. }) = exact else {
+                        continue;
+                    };
+                    let solution = newton.ended(Outcome::Solved);
+                    return Ok(ContactSolution { displacement, reaction, gap, piece, corrections, ..solution });
+                }
+                Next::End(outcome) => break outcome,
+            }
+        };
         let fell_short = newton.fell_short;
         let solution = newton.ended(outcome);
         if !fell_short {

@@ -21,6 +21,8 @@ const LASTING: usize = 12;
 pub(super) enum Next {
     /// Asks for the displacements under nodal forces by the shared factor.
     Solve(Vec<f64>),
+    /// The contact state settled at the largest penalty: an exact solution may be sought.
+    Settled,
     End(Outcome),
 }
 
@@ -46,6 +48,8 @@ pub(super) struct Newton<'a> {
     lowest: f64,
     /// Without load, a lower bound of the reference force.
     least: f64,
+    /// The last contact state that was offered for an exact solution.
+    offered: Vec<u8>,
     /// Whether it ended by stalling, so that its contact state may have a better solution.
     pub(super) fell_short: bool,
 }
@@ -82,6 +86,7 @@ impl<'a> Newton<'a> {
             lasting: 0,
             lowest: f64::INFINITY,
             least,
+            offered: Vec::new(),
             fell_short: false,
         }
     }
@@ -105,10 +110,17 @@ impl<'a> Newton<'a> {
                     None => Direction::zeros(self.iterate.load.len()),
                 },
             };
-            if let Some(outcome) = self.end_step(&direction, watch) {
-                return Ok(Next::End(outcome));
+            if let Some(next) = self.end_step(&direction, watch) {
+                return Ok(next);
             }
         }
+    }
+
+    /// The present displacements and reactions, on the contact state that was offered.
+    pub(super) fn offer(&self) -> ContactSolution {
+        let mut solution = ContactSolution { piece: self.offered.clone(), ..self.iterate.solution.clone() };
+        solution.reaction = (0..self.offered.len()).map(|i| self.iterate.force(i)).collect();
+        solution
     }
 
     pub(super) fn ended(self, outcome: Outcome) -> ContactSolution {
@@ -157,8 +169,8 @@ impl<'a> Newton<'a> {
         largest_force(self.iterate.problem, self.iterate.load, &[]).max(self.iterate.largest_force())
     }
 
-    /// Moves along the direction and tests for convergence.
-    fn end_step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> Option<Outcome> {
+    /// Moves along the direction and tests for convergence; returns how to go on, unless by the next step.
+    fn end_step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> Option<Next> {
         self.iterate.advance(direction, &self.pieces);
         self.last = std::mem::replace(&mut self.pieces, self.iterate.pieces());
         let unchanged = self.pieces == self.last;
@@ -167,34 +179,41 @@ impl<'a> Newton<'a> {
         let settling =
             unchanged || iterate.residual.worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
         self.since_settled += 1;
+        let limit = iterate.kkt.limit;
         if settling {
             self.since_settled = 0;
             iterate.balance();
             iterate.rounding = None;
-            // Multipliers are updated in equilibrium only.
-            let balanced = iterate.residual.worst <= tolerances::newton::BALANCED * force;
-            let renewed = if balanced { iterate.renew_multipliers() } else { f64::INFINITY };
-            let limit = iterate.kkt.limit;
-            if limit < tolerances::newton::STIFFEST && renewed <= tolerances::newton::STEADY * force {
-                iterate.set_penalty(f64::min(tolerances::newton::STIFFER * limit, tolerances::newton::STIFFEST));
+            if limit < tolerances::newton::STIFFEST {
+                iterate.set_penalty(iterate.problem.next_penalty(limit));
                 (self.before, self.lasting, self.lowest) = (f64::INFINITY, 0, f64::INFINITY);
+            } else if iterate.residual.worst <= tolerances::newton::BALANCED * force {
+                // Multipliers are updated in equilibrium only.
+                iterate.renew_multipliers();
             }
             self.pieces = iterate.pieces();
         }
         let changing = differing(&self.pieces, &self.last).len();
         let worst = iterate.residual.worst;
         if !worst.is_finite() {
-            return Some(Outcome::Unsolved);
+            return Some(Next::End(Outcome::Unsolved));
         }
         // Without forces the relative residual is zero.
         let residual = if worst == 0.0 { 0.0 } else { worst / force };
         if !watch(Progress { step: self.step, changing, residual }) {
-            return Some(Outcome::Interrupted);
+            return Some(Next::End(Outcome::Interrupted));
         }
-        if !settling || iterate.kkt.limit != tolerances::newton::STIFFEST {
+        if !settling || limit != tolerances::newton::STIFFEST {
             return None;
         }
-        self.settled(worst, force, unchanged)
+        if let Some(outcome) = self.settled(worst, force, unchanged) {
+            return Some(Next::End(outcome));
+        }
+        let offers = unchanged && self.iterate.kkt.is_augmented() && self.offered != self.last;
+        offers.then(|| {
+            self.offered.clone_from(&self.last);
+            Next::Settled
+        })
     }
 
     /// The outcome at the largest penalty, if the iteration ends.
