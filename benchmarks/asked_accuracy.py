@@ -1,4 +1,4 @@
-"""An accuracy that is asked for, beside the coarsest uniform mesh that happens to reach it: processor time, elements.
+"""A requested accuracy against the coarsest uniform mesh that reaches it: processor time and elements.
 
 python benchmarks/asked_accuracy.py [--accuracy 0.01] [--check]
 """
@@ -31,7 +31,7 @@ def timed(supports, **mesh):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--accuracy", type=float, default=0.01)
-    parser.add_argument("--check", action="store_true", help="a loose accuracy, to see that the script works")
+    parser.add_argument("--check", action="store_true", help="a low accuracy, to test the script")
     asked = parser.parse_args()
     accuracy = 0.1 if asked.check else asked.accuracy
     for name, supports in (("slab A on soil", SOIL), ("one-sided square", EDGES)):

@@ -1,8 +1,7 @@
-"""What many load combinations cost: of slab B ten thousand on top of the first, 12 load cases, reactions and 20 probes.
+"""Time of ten thousand load combinations of slab B, relative to the first: 12 load cases, reactions and 20 probes.
 
-Each figure is the time of a whole process, from the interpreter's start to its end: the model is made, meshed, factored
-and solved, and the results are on disk. The two kinds of run take turns. Some combinations, picked at random, are then
-solved by themselves and compared with their rows.
+Each figure is the time of a whole process, from the interpreter's start to results on disk. The two kinds of run
+alternate. Some random combinations are then solved by themselves and compared with their rows.
 
     python benchmarks/combinations.py [--elements 80] [--combinations 10000] [--side 4] [--repeat 3] [--pick 200]
     python benchmarks/combinations.py --pynite     ten combinations at 20×20 against PyNite (pip install PyNiteFEA)

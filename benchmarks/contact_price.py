@@ -1,21 +1,24 @@
-"""What contact costs on top of a linear solve of the same mesh.
+"""Time of contact over that of a linear solve of the same mesh.
 
-Four plates, each on supports that only push and on the same supports acting both ways, which is a linear problem: slab
-A on soil, whose two-way springs are part of the matrix; the same slab on 100 rigid points instead, which held both ways
-are dofs without an equation; on 36 rigid footprints of a tenth of its sides, beside points held both ways in their
-middles, since footprints held both ways are rows of contact too; and on a second slab on the soil, an elastic layer
-between them. The runs take turns in one process; figures are
-medians, and ratios those of the medians.
+Four plates on one-sided supports, against the same supports two-sided, which is a linear problem:
 
-Then six examples on a rigid area and on soil in its place: the price of the rigid area is the ratio of their seconds in
-the core; it is also given in factorizations, of which the target allows three where that is more.
+- slab A on soil; two-sided springs are part of the matrix;
+- the same slab on 100 rigid points; two-sided points are held dofs;
+- on 36 rigid footprints of a tenth of its sides, against two-sided points in their middles, since two-sided footprints
+  are contact rows too;
+- on a second slab on the soil, with an elastic layer between them.
+
+The runs alternate in one process; figures are medians, and ratios those of the medians.
+
+Then six plates on rigid areas, against soil on the same areas. The target is three times the time on soil, or three
+factorizations if that is more.
 
 "core" is from the discretised model to displacements and reactions: equilibrium check of the supports, ordering,
 assembly, factorization, condensation, contact, refinement. "whole" is from the model to the certified result.
 
     python benchmarks/contact_price.py [--elements 160 400] [--repeat 5]
-    python benchmarks/contact_price.py --check      answers only: both ways agree where every point stays closed, and
-                                                    on rigid areas the active set and Lemke's algorithm agree
+    python benchmarks/contact_price.py --check      answers only: both agree where all points stay closed, and
+                                                    the active set and Lemke's algorithm agree on rigid areas
 """
 
 import argparse
@@ -64,7 +67,7 @@ PLATES = ALIKE | {"36 footprints": on_footprints}
 
 
 SIZE, SOIL = [10, 10], 3e8
-"""Sides of the examples in m, and the stiffness of the soil in place of their rigid areas in Pa/m."""
+"""Sides of the plates in m; stiffness of the soil in place of rigid areas in Pa/m."""
 RIGID_TARGET, FACTORIZATIONS = 3.0, 3.0
 CORNER, HALF = {"rectangle": [0.5, 0.5, 1.5, 1.5]}, {"rectangle": [6, 0, 10, 10]}
 CURLED = {"curvature": [-3e-4, -3e-4, 0]}
@@ -93,7 +96,7 @@ def two_plates(elements: int, bed: Tables) -> Tables:
 
 
 def rigid_example(name: str, elements: int, stiffness: float | None) -> Model:
-    """An example on a rigid area, or on soil of a stiffness in its place."""
+    """Make a plate on rigid areas, or on soil of a given stiffness in Pa/m."""
     elastic = {} if stiffness is None else {"stiffness": stiffness}
     bed: Tables = {"area": "all"} | elastic
     spot = [{"pressure": 2e3}, {"pressure": 500e3, "area": CORNER}]
@@ -157,7 +160,7 @@ def compare(name, elements, repeat):
 
 
 def compare_rigid(name, elements, repeat):
-    """Seconds on a rigid area over those on soil, and in factorizations of the rigid one."""
+    """Print the time on rigid areas over that on soil, and in factorizations."""
     plates = [discretise(rigid_example(name, elements, stiffness)) for stiffness in (None, SOIL)]
     rigid, soil = (statistics.median(core_solve(plate)[0] for _ in range(repeat)) for plate in plates)
     problem = contact_problem(plates[0])
@@ -172,7 +175,7 @@ def compare_rigid(name, elements, repeat):
 
 
 def check_rigid(elements=12):
-    """The active set and Lemke's algorithm find the same reactions."""
+    """Compare reactions of the active set and of Lemke's algorithm."""
     passed = True
     for name in RIGID:
         plate = discretise(rigid_example(name, elements, None))
@@ -185,7 +188,7 @@ def check_rigid(elements=12):
 
 
 def check():
-    """Under a uniform load every point stays closed, and one-sided supports are those that act both ways."""
+    """Compare under a uniform load, where all points stay closed and one-sided supports equal two-sided ones."""
     passed = True
     for name, plate in ALIKE.items():
         found = []

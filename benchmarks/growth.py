@@ -1,4 +1,4 @@
-"""Slab A on finer and finer meshes, from model to certified result: how time and memory grow with the dofs.
+"""Growth of time and memory with the dofs: slab A on finer and finer meshes, from model to certified result.
 
 Every mesh is solved in a process of its own, small ones several times over (the median counts). Memory is the
 process's peak after its first solve less that of the imports alone. Exponents are taken between successive meshes and

@@ -1,10 +1,10 @@
-"""What part of all numbers their half-widths cover, and how wide they are: random plates on still finer meshes.
+"""Coverage and width of half-widths: random plates against finer meshes.
 
-The constants of signorini.accuracy.half_width were chosen on seeds from 0, 400000, 500000, 3100000 and 7200000; judge
-on others. docs/accuracy.md has the figures, of the last two and of 8300000.
+The constants of signorini.accuracy.half_width were chosen on seeds from 0, 400000, 500000, 3100000 and 7200000; use
+others. docs/accuracy.md has the figures of the last two and of 8300000.
 
     python benchmarks/half_widths.py [--count 300] [--first 100000] [--along 8 24] [--seconds 3600] [--processes 2]
-    python benchmarks/half_widths.py --check        a few, to see that the script works
+    python benchmarks/half_widths.py --check        a few plates, to test the script
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _TOO_LONG = 30
 
 
 class Late(BaseException):
-    """A plate took too long."""
+    """A plate exceeded its time."""
 
 
 def _late(number, frame):
@@ -36,7 +36,7 @@ def _late(number, frame):
 
 def one(seed, along):
     """Numbers of a plate; None where it takes too long."""
-    # Its own time, whatever else the machine does.
+    # CPU time of this process, independent of the load of the machine.
     signal.signal(signal.SIGPROF, _late)
     signal.setitimer(signal.ITIMER_PROF, _TOO_LONG)
     try:
@@ -52,7 +52,7 @@ def main():
     parser.add_argument("--count", type=int, default=300, help="plates with an answer")
     parser.add_argument("--first", type=int, default=100_000)
     parser.add_argument("--along", type=int, nargs=2, default=[8, 24], help="elements along a side, at least and most")
-    parser.add_argument("--seconds", type=float, default=math.inf, help="begin no plate after so long")
+    parser.add_argument("--seconds", type=float, default=math.inf, help="no new plate after this time")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--check", action="store_true")
     asked = parser.parse_args()

@@ -1,7 +1,7 @@
 """Lemke's algorithm on plate problems, against QuantEcon's ``lcp_lemke``: ratio of times and accuracy of both.
 
 The problems are contact problems of a simply supported rectangular Kirchhoff plate, 1.3 by 1, whose compliance between
-the points of a grid is summed from Navier's double sine series, so they need no finite element. The load is a
+the points of a grid is summed from Navier's double sine series, without finite elements. The load is a
 checkerboard of pressures with an eccentric patch on top, over m points of support that only push up, at gaps that
 vary from point to point. Each problem comes in its dual form (M the compliance, z the reaction) and in its
 stiffness form (M the inverse, z the remaining gap).

@@ -1,58 +1,43 @@
-"""One linear solve of a plate against MKL PARDISO on the same matrix: time and memory, as ratios in one run.
+"""One linear solve of a plate against MKL PARDISO on the same matrix: ratios of time and memory in one run.
 
-Time is order + analyse + factor + one solve; memory is the growth of the process's peak from before the matrix is
-there. Each solver runs in a process of its own, the two taking turns. Ours sums the matrix itself, front by front, and
-never has all of it; PARDISO reads it from a file, and its memory counts from before that.
+Time is order + analyse + factor + one solve. Memory is the growth of the process's peak from the state without
+matrix. Each solver runs in a process of its own, alternately. Signorini assembles the matrix front by front and never
+stores it; PARDISO reads it from a file, and its memory counts from the state before.
 
-Beside the factor's rate stands that of NumPy's matrix product in the same process: give both the same threads
-(RAYON_NUM_THREADS, OPENBLAS_NUM_THREADS). Its flops are those that the pattern needs; zeros stored for speed are not
-counted, the analysis is part of its time.
+The rate of the factor is compared with NumPy's matrix product in the same process: give both the same threads
+(RAYON_NUM_THREADS, OPENBLAS_NUM_THREADS). Flops are those of the pattern, without stored zeros; time includes the
+analysis.
 
-Where the time goes, at 160×160 on one thread, of the numeric factor in a process just started (0.80 s of the
-processor, 16.7 GFlop): 36% in products that form what fronts leave, 18% in eliminating their own columns, 21% in the
-system's zeroing of pages on first touch (1.9 µs a page of 4 kB, 89,000 pages), 11% in adding what children leave, 9% in
-summing the matrix, 4% in storing L. Large fronts leave their products at 45 GFlop/s where faer's own product makes 49;
-fronts of up to 90 rows, three quarters of all, take a fifth of the time at 2 to 3 GFlop/s, spread evenly over these
-parts. The order takes 0.015 s, the analysis 0.035. On two threads the parts of the tree keep both busy 90% of the time.
+Profile of the numeric factor, 160×160, one thread, a new process (0.80 s, 16.7 GFlop):
 
-At 400×400 (319.3M entries, 272 GFlop) one thread touches 754,000 pages, of which L itself is 624,000. In a virtual
-machine one costs 2 µs if its host still has it, up to 8 if it must find it: 1.8 to 7.6 s of the processor for one and
-the same factor within an hour, a sixth to two fifths of it. Of some 10 s in this library 6.7 are matrix products, 0.6
-the triangular solves beneath the pivots, 0.4 summing the matrix, 0.2 each adding what children leave and the analysis;
-storing L takes 0.5 more, and is bound by memory.
+    36 %  matrix products of update matrices          11 %  adding the update matrices of children
+    21 %  zeroing of pages by the system               9 %  assembly of the matrix
+    18 %  elimination of the fronts' own columns       4 %  storing L
 
-On a core of 85 GFlop/s, with AVX-512, fronts of more than 1000 rows run at two thirds of that. Products lose where
-columns of L are pages apart; so a tile's own rows are copied one after the other (6% of these products at 400×400, 10%
-at 160×160). A product of 2400 rows, 1200 deep, runs at 65 to 70 GFlop/s for 128 columns and 69 to 75 for 256; NumPy's
-own at 62 and 69. In fronts of more than 1000 rows tiles of 256 columns, 192 rows at a time and 512 columns of L deep,
-run at 70 instead of 62: 0.2 s of 4.7 at 320×320, and none at 160×160, where triangles on the diagonal take back what
-tiles gain.
+Large fronts run at 45 GFlop/s, faer's product at 49. Fronts of up to 90 rows, three quarters of all, take a fifth of
+the time at 2 to 3 GFlop/s. Ordering takes 0.015 s, analysis 0.035. On two threads the tree keeps both busy 90 % of
+the time.
 
-So half the matrix product's rate is not to be had at 160×160, nor 0.6 of it at 400×400. With every product at the
-library's best, 16.7 GFlop take 0.22 s of the processor and 272 take 3.6; L's own pages 0.15 more and 1.3 to 4.5; K,
-what children leave and storing L 0.2 and 1.3: 0.57 and 6.2 at the least, or 0.34 and 0.51 of the product's rate.
+At 400×400 (319.3M entries, 272 GFlop) one thread touches 754,000 pages, 624,000 of them for L. In a virtual machine a
+page costs 2 to 8 µs, 1.8 to 7.6 s for the same factor. Some 10 s of user time are 6.7 matrix products, 0.6
+triangular solves, 0.4 assembly, 0.2 each update matrices and analysis; storing L takes 0.5 more.
 
-Element matrices: 0.01 s where elements are alike but for rounding of their places, as here; 0.11 s on one thread
-where all 25,600 differ, of which 0.04 are pages, 0.01 finding that they differ, and 0.03 arithmetic, four elements at a
-time. One at a time took 0.15.
+On a core of 85 GFlop/s with AVX-512 fronts of more than 1000 rows run at two thirds of that. Columns of L are pages
+apart, so a tile's rows are copied first (6 % of these products at 400×400, 10 % at 160×160). Tiles of 256 columns,
+192 rows, 512 columns of L deep run at 70 GFlop/s in these fronts, against 62 with 128 columns: 0.2 s of 4.7 at
+320×320. With all products at the library's best rate and the least pages, 160×160 and 400×400 would take 0.57 and 6.2
+s, or 0.34 and 0.51 of the product's rate. So half the rate at 160×160 and 0.6 at 400×400 are out of reach.
 
-The charge for zeros in the tree's cost may be anything from 3 to 12, or those beside it double: 39.0 to 41.4 million
-entries take the same time within its noise, at 40×40 too. There the analysis, order and solve are 0.005 s of 0.033, and
-0.008 are pages.
+Element matrices take 0.01 s if elements are equal up to rounding, 0.11 s on one thread if all 25,600 differ, four at
+a time; one at a time took 0.15. The charge for zeros in the tree's cost may be 3 to 12 without effect. One right-hand
+side reads L twice at 18-20 GB/s on two threads; a sum over as many numbers runs at 30.
 
-Tried and dropped: fronts of up to 64 columns eliminated in registers (0.03 s less, but a plate that rounding makes hard
-was lost, and others came near); tiles of three vectors by four columns in registers (the compiler spills them), and of
-two by six; bending by arrays along each axis; the diagonal blocks of what fronts leave as whole squares, or by 16 to 64
-columns (at most 3% of that part).
-
-Pages are not to be had for less: the system fills them ahead at 1.5 to 1.9 µs each instead of 1.7 to 2.3, and huge
-ones cost a virtual machine 7 to 9 µs per 4 kB when its host must find them first. A host that takes free huge pages
-back always must: with L and all large buffers in them 400×400 had a fifth of the page faults, and took 5.2 to 5.7 s of
-the system instead of 1.8 to 3.1. Stacks and panels kept by each thread at the largest size that any part needs, and
-what parts leave in buffers kept as long as the estimate has room, touch 735,000 pages at 400×400 instead of 754,000,
-and at 160×160 95,000 instead of 84,000: the allocator does as well.
-
-One right-hand side reads L twice at 18-20 GB/s on two threads; a sum over as many numbers runs at 30.
+Tried without gain: fronts of up to 64 columns in registers (0.03 s less, but an ill-conditioned plate failed);
+register tiles of three vectors by four columns (spilled) and two by six; bending by arrays along each axis; diagonal
+blocks of update matrices as full squares or by 16 to 64 columns; populating pages ahead (1.5 to 1.9 µs in place of
+1.7 to 2.3); huge pages (7 to 9 µs per 4 kB where the host must find them; 5.2 to 5.7 s of system time in place of 1.8
+to 3.1); stacks and panels kept by each thread (735,000 pages in place of 754,000 at 400×400, 95,000 in place of
+84,000 at 160×160).
 
     python benchmarks/linear_solve.py [--elements 160] [--repeat 5]     needs pypardiso
     python benchmarks/linear_solve.py --alone [--elements 160]          without it

@@ -1,12 +1,12 @@
-"""Plates of many outlines against closed forms and another program, by quadrilaterals, triangles and both, with rates.
+"""Convergence of plates of many outlines, on quadrilaterals, triangles and both, to closed forms and another program.
 
-Meshes are those of the program, of quadrilaterals but for a few triangles; "mixed" has half of the quadrilaterals
-halved, chosen at random, "triangles" all of them. Sizes are halved from mesh to mesh.
+Meshes are those of the program: quadrilaterals and a few triangles. "mixed" has half of the quadrilaterals, chosen at
+random, divided into triangles, "triangles" all of them. Sizes are halved from mesh to mesh.
 
 python benchmarks/outlines.py             prints the table of docs/validation.md
 python benchmarks/outlines.py --check     exits with 1 unless every figure of the finest meshes is within tolerance
 
-What has no closed form is GetFEM's, of 256 elements along a side: `peers/getfem_outlines.py`.
+Other references are GetFEM's, with 256 elements along a side: `peers/getfem_outlines.py`.
 """
 
 import argparse

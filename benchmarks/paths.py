@@ -1,10 +1,10 @@
-"""Load paths: what they cost beside single solves, in CPU seconds on one thread, and how many solves they take.
+"""Cost of load paths over single solves, in CPU seconds on one thread, and their number of solves.
 
 - A strip of 400 x 1 elements on tensionless soil, weight and a growing line load until 60, with its half-widths, over
   one solve of the same model with its half-widths (asked: at most 20). Likewise the base plate of examples/, whose
   anchors come to pull, also on 96 x 64 elements.
 - Slab A, 10 m x 10 m under 2 kPa on tensionless soil, 160 x 160 elements and without half-widths, over one linear
-  solve: meshing, factoring and solving on soil that holds both ways (asked: at most 60). Its 500 kN near a corner
+  solve: meshing, factoring and solving on two-sided soil (asked: at most 60). Its 500 kN near a corner
   never tip it, however they grow: soil is under all of the slab, so under the resultant too. As a lifting force they
   tip it about the far corner at t = 2/9; both are followed.
 - A raft on 2304 points that is overturned, by every contact point: events a second.
@@ -12,7 +12,7 @@
   and by counting its points, beside those of a mesh with half the size.
 
     python benchmarks/paths.py [--divisions 160]
-    python benchmarks/paths.py --check        small meshes, and fails where a path is wrong, not where it is slow
+    python benchmarks/paths.py --check        small meshes; fails if a path is wrong, not if it is slow
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _SOIL = {"name": "soil", "area": "all", "stiffness": 30e6}
 _CONCRETE = {"E": 30e9, "nu": 0.2}
 _EXAMPLES = Path(__file__).parents[1] / "examples"
 _PART = 1e-4
-"""Difference of the part closed at its event from its quarter that is none."""
+"""Tolerance for the closed part at its event, a multiple of a quarter."""
 
 
 def strip(along, **more):
@@ -94,7 +94,7 @@ def gasket(size):
 
 
 def seconds_of(action):
-    """CPU seconds, what the action returns, and the solves on the way."""
+    """CPU seconds, result and number of solves of an action."""
     count, plain = [0], Sampler.state
 
     def counted(self, *given, **more):
@@ -111,7 +111,7 @@ def seconds_of(action):
 
 
 def faults(name, found, ending, limit=np.inf):
-    """What is wrong with a path: its end, the balance of its stops, the parts closed at its events."""
+    """Errors of a path: its end, the balance of its stops, the parts closed at its events."""
     if (found.ending, found.limit) != (ending, limit) and not np.isclose(found.limit, limit, rtol=1e-9):
         yield f"{name}: ends with {found.ending}, limit {found.limit}, not {ending}, limit {limit}"
     if not found.certificate.passed:

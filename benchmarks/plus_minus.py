@@ -1,4 +1,4 @@
-"""What ± costs: the time of all processors for a solve with half-widths over that for the solve alone, in one run.
+"""Processor time of a solve with half-widths over that of the solve alone, in one run.
 
 python benchmarks/plus_minus.py [--along 80 120] [--check]
 """
@@ -35,7 +35,7 @@ def seconds(supports, along):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--along", type=int, nargs="+", default=[80, 120], help="elements along a side")
-    parser.add_argument("--check", action="store_true", help="a small plate, to see that the script works")
+    parser.add_argument("--check", action="store_true", help="a small plate, to test the script")
     asked = parser.parse_args()
     seconds(BEARINGS, 8)
     for along in [36] if asked.check else asked.along:

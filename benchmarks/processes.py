@@ -10,7 +10,7 @@ from typing import Any
 
 
 def peak_mb() -> float:
-    """Largest resident set of this process so far, in MB."""
+    """Peak resident set of this process, in MB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 

@@ -1,18 +1,19 @@
-"""Random small plates on supports with limits, laws and gaps: is every answer that of a quadratic program?
+"""Random small plates with limits, laws and gaps, against a quadratic program.
 
-The plates are those of methods_agree.py. Their supports get limits, laws, tables of stiffness, springs on slopes and
-preloads besides, and on half of them lie one or two more plates, in contact and tied or bolted to what is below. Bolts
-must have their preloads once they are tightened, which the judge solves too. Straight laws must give what their
-stiffnesses give. Rigid areas that other rigid supports oppose are refused. The judge shares K, G, f and the laws with
-the program, and nothing else. It looks for the least potential
-energy over all dofs and all pieces of the laws by Clarabel (Goulart & Chen 2024), and sharpens that on the pieces that
-it finds. Deflections, and reactions where they are unique, agree to 1e-8 of the largest; where one finds no
-equilibrium, so does the other. Where the plate moves much farther than it bends, the rounding of K alone moves what the
-judge finds: where it does so by 1e-9, the plate is counted apart.
+The plates are those of methods_agree.py, with limits, laws, tables of stiffness, springs on slopes and preloads. On
+half of them lie one or two more plates, in contact, tied or bolted. Bolts must have their preloads after tightening,
+which the judge solves too. Straight laws must equal stiffnesses. Rigid areas that other rigid supports oppose are
+refused.
+
+The judge shares K, G, f and the laws with the program, and no other code. It minimises the potential energy over all
+dofs and all pieces of the laws by Clarabel (Goulart & Chen 2024), and refines on the pieces that it finds. Deflections,
+and reactions where they are unique, agree to 1e-8 of the largest; both find an equilibrium or none. If the plate moves
+much farther than it bends, the rounding of K alone moves the judge's solution; plates with 1e-9 or more are counted
+apart.
 
     python benchmarks/random_laws.py [--count 1000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_laws.py --show SEED
-    python benchmarks/random_laws.py --check        a few, to see that the script works
+    python benchmarks/random_laws.py --check        a few plates, to test the script
 """
 
 from __future__ import annotations
@@ -42,9 +43,9 @@ from signorini.equilibrium.imbalance import imbalance
 warnings.simplefilter("error", RuntimeWarning)
 TOLERANCE = 1e-8
 _BALANCED = 1e-9
-"""What may be out of balance in a solution, over the largest force: elsewhere the plate flies off."""
+"""Largest imbalance of a solution, relative to the largest force: a larger one means no equilibrium."""
 _STEADY = 1e-9
-"""What the rounding of K may move the judge's solution by, over the largest: a tenth of the tolerance."""
+"""Largest relative effect of the rounding of K on the judge's solution: a tenth of the tolerance."""
 _PROVEN = 1e-12
 """Residuals of a proof that there is no equilibrium: those of plates that move far are small too."""
 _SHARPER = 30
@@ -85,7 +86,7 @@ def tables(seed: int) -> Tables:
             support["stiffness"] = [[*at.tolist(), value] for at, value in zip(corners, values, strict=True)]
     for support in list(drawn["support"]):
         if "area" in support and rng.random() < 0.15:
-            # Rigid, and opposed by what holds down on it, which is refused.
+            # Rigid, and opposed by a support that holds down on it: refused.
             support.pop("stiffness", None)
             continue
         if "area" in support and rng.random() < 0.2:
@@ -173,7 +174,7 @@ def _straight(rng: np.random.Generator, support: Tables, travel: float) -> list[
 
 
 def with_stiffness(tables: Tables) -> Tables:
-    """Write straight laws both ways as stiffnesses."""
+    """Write two-sided straight laws as stiffnesses."""
 
     def written(support: Tables) -> Tables:
         law = support.get("law", [])
@@ -226,7 +227,7 @@ class Program:
         right = self.dof * (load - K @ values)[self.free]
         rows = (G[:, self.free] @ diags_array(self.dof)).tocsr()
         size = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
-        # Points that only move held dofs push against nothing.
+        # Points on held dofs only have no effect.
         self.size = np.where(size > 0.0, size, 1.0)
         gaps = (self.laws.distance - G @ values) / self.size
         self.force = np.abs(right).max() or np.abs(gaps).max(initial=0.0) or 1.0
@@ -279,7 +280,7 @@ class Program:
         return self.sharpened(displacement, self.force * np.array(end.z[:m]) / self.size)
 
     def sharpened(self, displacement: np.ndarray, reaction: np.ndarray) -> Solution:
-        """Solve exactly on the pieces that a solution is on, until they are those of what is solved."""
+        """Solve the equations on the pieces of a solution until the pieces are those of the new solution."""
         u, r = displacement[self.free] / (self.force * self.dof), reaction * self.size / self.force
         every, before, rounding = [self.vertices(i) for i in range(len(r))], None, np.inf
         matrix, right, x = self.K, self.right, u
@@ -290,7 +291,7 @@ class Program:
             if pieces == before:
                 size = max(1.0, np.abs(r).max(initial=0.0))
                 left = np.abs(self.K @ u + self.G.T @ r - self.right).max() / size
-                # Displacements that are rounded are out of balance by so much.
+                # Imbalance of the rounded displacements.
                 lost = np.finfo(float).eps * (abs(self.K) @ np.abs(u)).max() / size
                 if left <= max(_BALANCED, lost):
                     rounding = max(left, self._rounding(matrix, right, x, len(u)))
@@ -339,7 +340,7 @@ class Program:
 
 
 def _loosely(problem: ContactProblem) -> list[str]:
-    """What bolts have beside their preloads before other loads act, by the program."""
+    """Difference of the program's bolt forces from the preloads before other loads act."""
     bolts = problem.discretisation.contacts.preload
     program = Program(problem, np.zeros(len(problem.held)))
     solution = program.solve()
@@ -397,7 +398,7 @@ def draw(seed: int) -> tuple[Counter[str], list[str]]:
     answer, outcome = tried.answer, Counter({"solved": 1, "by another method": int(len(tried.methods) > 1)})
     wrong = _otherwise(given, answer)
     if solution is None:
-        # A solution of all equations refutes that there is none.
+        # A solution of all equations refutes the verdict.
         outcome["refuted"] = 1
         solution = program.sharpened(answer.hi + answer.lo, answer.reaction)
         if solution.rounding == np.inf:

@@ -1,27 +1,29 @@
-"""Load paths of random small plates: each is followed to its end, and is what direct solutions say at other points.
+"""Load paths of random small plates, followed to their ends and compared with direct solutions.
 
-The models are those of tests/fuzz/path_models.py. Of each path it is asked:
+The models are those of tests/fuzz/path_models.py. Conditions on a path from event to event:
 
-- that it is not given up before reactions at the mesh's contact points cease to balance the load, and its start not
-  refused, unless no reactions balance that (a linear program of its own);
-- that it ends where reactions cease to balance the load, or goes on for ever as the direct solution says far out;
-- that inside of every segment the direct solution, by Lemke's algorithm, of many points by the interior point method,
-  or the active set in turn, is certified and has the same deflections, where these are unique;
-- that at every event some point that opens or closes pressed before or presses after, or is apart;
-- that where the plate moves at one t, from one answer to another, deflections or reactions change, of points too;
-- that between two stops the supports' reactions are linear, where no more than places repeat each other;
-- that it takes no more than some hundred steps a stop;
-- that at stops the direct solution has the same extremes of deflection, where these are unique, and that the supports'
-  reactions add up to the load.
-- that the path by samples is not given up either, ends for the same reason, and where it goes on for ever not before
-  the last named event of the other one; that at its stops deflections and parts closed are those of the other path;
-- that its events of points are events of the other path, and that it has those that are not undone between samples.
+- it is not given up while reactions at the mesh's contact points balance the load, by an independent linear program;
+- it ends where reactions cease to balance the load, or continues without limit like the direct solution far out;
+- inside every segment the direct solution by the other method, Lemke's algorithm or the active set, is certified and
+  has the same deflections where these are unique;
+- at every event a point that opens or closes pressed before or presses after, or is apart;
+- where the plate moves at one t, deflections or reactions change, of points too;
+- between two stops the supports' reactions are linear, except for reactions of dependent supports;
+- it takes no more than some hundred steps a stop;
+- at stops the direct solution has the same extremes of deflection where these are unique, and the supports' reactions
+  add up to the load.
+
+Conditions on the sampled path of the same model:
+
+- it is not given up either, ends for the same reason, and if it continues without limit, not before the last named
+  event of the other; deflections and parts closed at its stops are those of the other path;
+- its events of points are events of the other path, except those undone between samples.
 
 A path of an extreme model may be given up, but not wrong.
 
     python benchmarks/random_paths.py [--count 10000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_paths.py --show SEED
-    python benchmarks/random_paths.py --check        a few, to see that the script works
+    python benchmarks/random_paths.py --check        a few plates, to test the script
 """
 
 from __future__ import annotations
@@ -46,22 +48,20 @@ from signorini.contact.strategy import answered
 from signorini.discretise import discretise
 
 _FAR = 1e-4
-"""Of the limit, how far from it equilibrium must exist, or not."""
+"""Relative distance from the limit at which equilibrium must exist, or not."""
 _FAR_OUT = 1e8
-"""Of the end of a path without more events, where that must still be so."""
+"""Multiple of the last t at which a path without more events is checked."""
 _SAME = 1e-7
 """Largest difference of deflections, over the largest."""
 _BALANCED = 1e-5
 """Part of the load's force, or of the largest reaction, that reactions at a stop may miss."""
 _STAYS = 1e-9
-"""Part of what is largest by which nothing may change where the plate is said to move."""
-_MOST_BY_LEMKE = 400
-"""Contact points up to which Lemke's algorithm is the other method: of a thousand it takes seconds a solution."""
+"""Relative tolerance for equal values before and after a jump."""
 _SAMPLES = 12
 _NEAR = 1e-8
-"""Part of a path's length by which the t of one event may differ."""
+"""Tolerance for the t of an event, relative to the path's length."""
 _PART = 1e-6
-"""Difference of parts closed that is none."""
+"""Tolerance for equal closed parts."""
 _MOST_FAULTS = 3
 _MOST_STEPS = 500
 """Steps of solves, for each stop, that a path may take."""
@@ -79,7 +79,7 @@ def balanced(found, load):
 
 
 def judged(seed):
-    """What has become of one path, and what is wrong with it."""
+    """Outcome of one path, and its errors."""
     tables, start, add, until, wild = drawn(seed)
     try:
         model = validate(tables)
@@ -95,7 +95,7 @@ def judged(seed):
     try:
         found = path(model, start, add, until, progress=steps.append, events="all")
     except InputError as error:
-        # Of which one is an element's, by design.
+        # One of them is the mean of an element.
         floats = "rest anywhere" in str(error)
         moves = any(words in str(error) for words in MOVES)
         on_mesh = (
@@ -153,7 +153,7 @@ def faults(found, until, wild):
         and found.ending == "no_more_events"
         and balanced(plate, start + 1e3 * (found.end or 1) * add) is False
     ):
-        yield "goes on, but nothing balances a large t"
+        yield "goes on, but no reactions balance a large t"
     yield from wrong_stops(found)
     segments = found.segments
     picked = segments[:: max(1, len(segments) // _MOST_SEGMENTS)]
@@ -170,7 +170,7 @@ def faults(found, until, wild):
 
 
 def faults_of_samples(sampled, found, wild):
-    """What a sampled path says otherwise than one that follows every contact point."""
+    """Differences of a sampled path from one that follows every contact point."""
     if sampled.ending != found.ending and not wild and "stopped" not in (found.ending, sampled.ending):
         yield f"sampled: ends with {sampled.ending} at {sampled.end:.9g}, not {found.ending} at {found.end:.9g}"
     if sampled.ending == "stopped" != found.ending and not wild and not sampled.ends_with_the_mesh:
@@ -213,7 +213,7 @@ def other_events(sampled, found):
     for one in mine:
         if not any(same_event(one, other) and abs(one.t - other.t) <= near for other in others):
             yield f"sampled: {one.support} {one.change} at {one.at} at t = {one.t:.9g}, which does not happen"
-    # Beyond the end it looks at powers of 2.
+    # Past the end the sampled path tries powers of 2.
     times = np.append(np.linspace(0.0, sampled.end, _SAMPLES + 1), sampled.end * 2.0 ** np.arange(1, 200))
     for one in others:
         undone = any(
@@ -233,7 +233,7 @@ def same_event(one, other):
 
 
 def differences(found, t, wild, may_be_unsolved=False):
-    """What the path shows at one t against the direct solution by another method."""
+    """Differences of the path at one t from the direct solution by another method."""
     plate, (start, add) = found.problem.discretisation, found._loads
     load = start + t * add
     try:
@@ -273,10 +273,8 @@ def bent(found, segment, wild):
 def direct_solution(found, load):
     """A certified answer of a load by itself, if possible by another method than the path's."""
     problem = found.problem
-    points = len(problem.gaps)
-    exact = "lemke" if points <= _MOST_BY_LEMKE else "interior_point"
-    other = problem.by("active_set" if problem.method == "lemke" and points else exact)
-    tried = answered(other, load)
+    other = "active_set" if problem.method == "lemke" and len(problem.gaps) else "lemke"
+    tried = answered(problem.by(other), load)
     return tried.answer if tried.passed else None
 
 
@@ -289,7 +287,7 @@ def scale_of(plate, load, *deflections):
 
 
 def wrong_stops(found):
-    """Stops that are not what direct solutions say, or whose reactions do not balance the load."""
+    """Stops that differ from direct solutions, or whose reactions do not balance the load."""
     plate, (start, add) = found.problem.discretisation, found._loads
     motions = plate.rigid_motions / [1.0, plate.mesh.size, plate.mesh.size]
     resultants = [part.nodal @ motions for part in (start, add)]
@@ -325,7 +323,7 @@ def pinned(found, answer):
 
 
 def idle(found):
-    """Events at which nothing happens: all points that switch neither press nor part before or after."""
+    """Events without effect: all points that switch neither press nor part before or after."""
     pairs = list(itertools.pairwise(found.segments))
     for before, after in pairs[:: max(1, len(pairs) // _MOST_SEGMENTS)]:
         if before.jumps or after.jumps or not len(after.begin.points):
@@ -348,7 +346,7 @@ def idle(found):
 
 
 def still(found):
-    """Jumps at which nothing moves, no force at a point either."""
+    """Jumps without a change of deflection or of a point's force."""
     for k, (before, after) in enumerate(itertools.pairwise(found.stops)):
         if before.t != after.t:
             continue

@@ -1,17 +1,17 @@
-"""Random small plates: each ends certified, or without an equilibrium that a linear program of its own confirms.
+"""Random small plates: each ends certified, or without an equilibrium, which a separate linear program confirms.
 
-Most models are those of tests/fuzz/random_models.py. The judge here shares no code with the program's own
-check: it assembles the balance of every combination from the places of the supports and the resultants of the loads,
-held nodes and springs among the supports, and asks scipy.optimize.linprog for reactions. Verdicts that supports
-contradict each other are confirmed by a second program over the plate's deflections.
+Most models are those of tests/fuzz/random_models.py. The judge shares no code with the program's own check. It
+assembles the balance of every combination from the places of the supports, held nodes and springs included, and the
+resultants of the loads, and asks scipy.optimize.linprog for reactions. A second program over the plate's deflections
+confirms verdicts that supports contradict each other.
 
-Every fourth is one of tests/fuzz/extreme_models.py, which bring judges of their own: closed forms, statics, finer
-meshes; every eighth one of tests/fuzz/twofold_models.py, which say a plate in two ways. Of those a refusal is an
-answer; none may be wrong.
+Every fourth model is one of tests/fuzz/extreme_models.py with its own judge: closed forms, statics, finer meshes.
+Every eighth is one of tests/fuzz/twofold_models.py, which describe one plate twice. These may be refused, but not be
+wrong.
 
     python benchmarks/random_plates.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_plates.py --show SEED
-    python benchmarks/random_plates.py --check        a few, to see that the script works
+    python benchmarks/random_plates.py --check        a few plates, to test the script
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ from signorini.discretise import discretise
 _NEAR = 1e-7
 """Part of the load within which the judge calls equilibrium marginal, and either verdict right."""
 _LOST = 1e-6
-"""Part of loads and reactions that reported reactions may miss: a certificate allows 1e-4 of what rounding moves."""
+"""Tolerance for the balance of reactions, relative to loads and reactions; a certificate allows 1e-4."""
 _EXACT = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 """As exact as HiGHS can be: by default it takes an imbalance of 1e-7 for none."""
 MOVES = ("against this motion", "bends in some shapes without resistance")
-"""What a plate is refused with that can move."""
+"""Message for a plate that can move."""
 _EXTREME = 4
-"""One of so many plates is an extreme one, and half as many are said in two ways."""
+"""Every n-th plate is an extreme one, every 2n-th is described twice."""
 
 
 def balance(found, nodal):
@@ -77,7 +77,7 @@ def balance(found, nodal):
 def reactions_exist(found, nodal):
     """Whether reactions balance the load: True, False, or None where rounding decides.
 
-    The load is given without curvatures: they have no resultant, but their couples would hide what the others have.
+    The load is given without curvatures: they have no resultant, but their couples would hide those of the others.
     """
     columns, both_ways, wanted = balance(found, nodal)
     total = np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / found.mesh.size
@@ -119,13 +119,13 @@ def deflection_exists(found):
 
 
 def judged(seed):
-    """Outcome of one model, and what is wrong with it."""
+    """Outcome of one model, and its errors."""
     model = with_judge(seed)
     return judged_ordinary(seed) if model is None else judged_by_its_own(model)
 
 
 def with_judge(seed):
-    """The model of a seed if it brings its judge."""
+    """The model of a seed if it has its own judge."""
     if seed % _EXTREME == _EXTREME - 1:
         return extreme_models.extreme(Random(seed))
     return twofold_models.twofold(Random(seed)) if seed % (2 * _EXTREME) == 1 else None
@@ -196,7 +196,7 @@ def judged_ordinary(seed):
 
 
 def lost(found, combination, result):
-    """How much the reported reactions differ from the load, of what loads and reactions are made of; 0 if little."""
+    """Difference of the reported reactions from the load, relative to loads and reactions; 0 if small."""
     reported = np.concatenate([support.reactions for support in result.supports])
     size = np.abs(reported).sum()
     for case in found.cases.values():

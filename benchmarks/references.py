@@ -1,8 +1,8 @@
-"""Does ± cover known answers, number by number? Plates with a closed form, a series, or digits that others have found.
+"""Coverage of known answers by ±, number by number: closed forms, series, and results of other programs.
 
-Of every case a coarse mesh and a finer one: value, ±, reference, and whether they differ by more than ±. What has no
-limit (a moment under a point force) has no ± and is named. Tests hold the cases to it. Number.rounding is half a unit
-of a reference's last digit, or what a plate as thin or as large as is modelled differs from the reference's by.
+Each case has a coarse and a finer mesh: value, ±, reference, and whether they differ by more than ±. A number without a
+limit (a moment under a point force) has no ± and is named. Tests check all cases. Number.rounding is half a unit of a
+reference's last digit, or the difference of the reference from the plate as modelled, of finite thickness and extent.
 
     python benchmarks/references.py [--only WORDS] [--check]
 """
@@ -47,7 +47,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Row:
-    """What is found of a number on a mesh."""
+    """The result of a number on a mesh."""
 
     case: str
     elements: int
@@ -225,7 +225,7 @@ def closed_forms() -> list[Case]:
     moment = 8 * d * w * (1 / a**2 + NU / b**2) / 2
     clamped = [{"edge": [f"edge {i}" for i in range(1, 33)], "fix": "clamped"}]
     ellipse = polygon(points, h, {"E": young, "nu": NU}, [0, 0], clamped)
-    # Of 32 arcs, and 0.005 thick.
+    # 32 arcs, thickness 0.005.
     numbers = [Number("deflection", W, w, 1e-4 * w), Number("moment", MX, moment, 1e-4 * moment)]
     return [*found, Case("Clamped ellipse", both(ellipse, 0.3, 0.15), numbers)]
 
@@ -403,7 +403,7 @@ def cases() -> list[Case]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", help="cases whose titles have these words")
-    parser.add_argument("--check", action="store_true", help="one case, to see that the script works")
+    parser.add_argument("--check", action="store_true", help="one case, to test the script")
     asked = parser.parse_args()
     chosen = [case for case in cases() if asked.only.lower() in case.title.lower()]
     print("| case | elements | number | value | ± | reference | difference | covered |")

@@ -1,7 +1,7 @@
 """Random ribbons: long narrow thin plates on a few elements, against the closed form of the beam that they are.
 
 Width over length from 1e-3 to 1, thickness over length from 1e-6 to 1e-2, both log-uniform; the short edges held, or
-supported from below only; a pressure, or a curvature that the plate would take on its own. Without lateral contraction
+supported from below only; a pressure, or a stress-free curvature. Without lateral contraction
 the plate on two such edges is a beam exactly; with nu = 0.3 it is one within a percent up to a tenth as wide as long.
 Double precision cannot tell bending from shear of the worst of them: an answer must be within 2 % or refused.
 
@@ -21,7 +21,7 @@ from signorini import Model, solve
 from signorini.errors import SignoriniError
 
 WRONG = 0.02
-"""Error of a certified deflection that fails: what four quadratic elements along a beam are within, many times over."""
+"""Relative error at which a certified deflection fails, many times that of four quadratic elements along a beam."""
 
 
 def ribbon(seed, number):
@@ -63,7 +63,7 @@ def ribbon(seed, number):
 
 
 def judged(seed, number):
-    """What became of one ribbon, its error where there is an answer, and the certificate or the reason."""
+    """Verdict on one ribbon, its error if there is an answer, and the certificate or the reason."""
     model, exact = ribbon(seed, number)
     try:
         result = solve(Model(**model))["all"]
@@ -79,7 +79,7 @@ def main():
     parser.add_argument("--samples", type=int, default=700)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--check", action="store_true")
-    parser.add_argument("--verbose", action="store_true", help="say what every refused or wrong one is")
+    parser.add_argument("--verbose", action="store_true", help="print every refused or wrong sample")
     given = parser.parse_args()
     counts, worst, wrong = collections.Counter(), collections.defaultdict(float), 0
     for number in range(40 if given.check else given.samples):

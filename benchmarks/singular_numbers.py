@@ -1,19 +1,18 @@
-"""Does anything grow for ever without a name? Random plates with points, on four meshes each of half the size.
+"""Search for numbers that grow without limit and are not named: random plates with points, on four meshes.
 
-What seems to grow on the last of them has to grow on a fifth as well.
+Each mesh has half the element size of the one before. Numbers that seem to grow on the last must grow on a fifth too.
+The numbers are those of results.json, and moments and shears where they are largest on the last mesh, away from all
+places that are named for them on the first, by two of its elements or `within`. Numbers that grow on all three steps,
+by the rule of signorini.accuracy.half_width, must be named. Two effects grow so and have a limit:
 
-Of every plate the numbers of results.json, and where moments and shears are largest on the last mesh, away from all
-places that are named for them on the first, by two of its elements or `within`. What grows on all three steps, by the
-rule of signorini.accuracy.half_width, has to be named. Two things grow so and have a limit:
-
-- the boundary layers of edges, steps of the thickness and ends of supports, on every mesh that does not see them
-  (signorini.accuracy.layers): plates whose layer is that of a solid one thinner than elements of the last mesh
-  but one are left out;
-- all numbers of a plate on points, which hold the less of it the finer the mesh, by its logarithm: then the largest
-  moments and shears are judged alone. These are taken over the field's mean around them, which grows so too.
+- boundary layers of edges, steps of the thickness and ends of supports, on meshes that do not resolve them
+  (signorini.accuracy.layers): plates whose layer is that of a solid one thinner than elements of the last mesh but
+  one are left out;
+- all numbers of a plate on points, whose stiffness falls with the logarithm of the element size: then only the
+  largest moments and shears are judged, relative to the field's mean around them, which grows too.
 
     python benchmarks/singular_numbers.py [--count 100] [--first 700000] [--along 8 12] [--seconds 3600]
-    python benchmarks/singular_numbers.py --check        a few, to see that the script works
+    python benchmarks/singular_numbers.py --check        a few plates, to test the script
 """
 
 from __future__ import annotations
@@ -46,11 +45,11 @@ _FACTORS = (0.0625, 0.125, 0.25, 0.5, 1.0)
 """Sizes of elements, the finest first; that is solved only where the others show growth."""
 _TOO_LONG = 60
 _FEW = (4, 5)
-"""Elements along a side of the plates that only show that the script works."""
+"""Elements along a side of the plates that test the script."""
 
 
 class Late(BaseException):
-    """A plate took too long."""
+    """A plate exceeded its time."""
 
 
 def _late(number, frame):
@@ -58,7 +57,7 @@ def _late(number, frame):
 
 
 def unnamed(seed, along):
-    """Numbers of a plate that grow without a name; None where there is no such plate, or no answer."""
+    """Numbers of a plate that grow without a name; None if the seed gives no plate with an answer."""
     try:
         model = half_width_coverage.plate(seed, *along)
         if not acts_at_points(model):
@@ -82,7 +81,7 @@ def _solved(model, factor):
 
 
 def growing(results):
-    """What has no name and grows on all steps between meshes, each of twice the size of the one before."""
+    """Numbers without a name that grow on all steps between meshes, each of twice the size of the one before."""
     sizes = [side(result.mesh) for result in results]
     reach, own = 2.0 * sizes[-1], results[-1]
     numbers, largest = own.catalogue.numbers, sizes_of(own.numbers[:, None], own.catalogue.numbers, own.model, own.mesh)
@@ -120,7 +119,7 @@ def _thinnest(result):
 
 
 def _away_from_named(results, kind, reach):
-    """Nodes of the last mesh, on all meshes, away from what is named on the first."""
+    """Nodes of the last mesh, on all meshes, away from the places that are named on the first."""
     points = results[0].mesh.points
     far = np.all([result.mesh.locate(points).inside for result in results], axis=0)
     for one in results[-1].singular:
@@ -134,7 +133,7 @@ def main():
     parser.add_argument("--count", type=int, default=100, help="plates with points and an answer")
     parser.add_argument("--first", type=int, default=700_000)
     parser.add_argument("--along", type=int, nargs=2, default=[8, 12], help="elements along a side, at least and most")
-    parser.add_argument("--seconds", type=float, default=math.inf, help="begin no plate after so long")
+    parser.add_argument("--seconds", type=float, default=math.inf, help="no new plate after this time")
     parser.add_argument("--check", action="store_true")
     asked = parser.parse_args()
     if asked.check:

@@ -1,8 +1,8 @@
 """Slab A on soil that only pushes, from model to certified result, against GetFEM: time and memory as ratios.
 
 GetFEM solves 160 × 160 elements, MITC4 and Newton's method (`peers/getfem_slab.py`). We solve the coarsest mesh that
-meets the accuracy asked for: settlement to 0.05 %, largest pressure to 0.1 %, the part in contact to 0.002. Every run
-is in a process of its own, the two taking turns; times are medians and leave out imports. Memory is the process's
+meets the accuracy: settlement to 0.05 %, largest pressure to 0.1 %, the part in contact to 0.002. Every run
+is in a process of its own, alternately; times are medians and leave out imports. Memory is the process's
 peak, imports included. "Warm" is a second solve in the same process.
 
     python benchmarks/slab_on_soil.py [--elements 40] [--peer-elements 160] [--repeat 5]
@@ -23,7 +23,7 @@ from processes import peak_mb, run
 
 PEER = Path(__file__).parent / "peers" / "getfem_slab.py"
 CONVERGED = {"settlement": 4.229e-3, "contact": 0.916, "pressure": 126.86e3}
-"""On which GetFEM, CalculiX and OpenSees agree too."""
+"""Values on which GetFEM, CalculiX and OpenSees agree."""
 
 
 def ours(elements: int) -> dict[str, float]:
@@ -68,7 +68,7 @@ def peer_python() -> str | None:
                 return python
         except FileNotFoundError:
             continue
-    print("GetFEM is not installed, so there is nothing to compare with (Debian: apt-get install python3-getfem)")
+    print("GetFEM is not installed: no comparison (Debian: apt-get install python3-getfem)")
     return None
 
 

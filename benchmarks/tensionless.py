@@ -1,7 +1,7 @@
 """Plates on supports that only push, with known answers: the models that tests and benchmarks share.
 
 Each `Case` makes its model for a mesh of n elements along a side, reads the figures that its reference gives from a
-result, and has the reference. `slab_a` and `quarter_square` are models that others are made of.
+result, and has the reference. `slab_a` and `quarter_square` are base models of others.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Case:
         return {name: abs(value / self.exact[name] - 1) for name, value in self.figures(result).items()}
 
     def floor(self, name: str) -> float:
-        """Relative error below which the reference's last digit decides."""
+        """Relative error of half a unit of the reference's last digit."""
         return self.rounding.get(name, 0.0) / abs(self.exact[name])
 
 

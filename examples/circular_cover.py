@@ -4,7 +4,7 @@ A quarter of a plate of radius 390 mm and thickness 110 mm on two elastic rings 
 states: the bolts tightened to 60, 90, 120, 150 and 180 Kgm, then 180 Kgm and an inner pressure of 11.5 N/mm2.
 Two figures, like the paper's Figures 7 and 8: the deflection along a radius and that of the centre, state by state.
 
-docs/theory.md, section 3, lists what the paper leaves out and what is taken here instead.
+docs/theory.md, section 3, lists the data that the paper leaves out and the values taken here.
 
 Deflections are positive down, towards the vessel.
 """

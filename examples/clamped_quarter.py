@@ -9,7 +9,7 @@ the gap, and R2, the plate on the support for the rest of the load. Their sum is
 in one step.
 
 The paper gives neither size, thickness nor material, so the digits of its Table 1 are not matched (of equal
-elements the nearest are 1.7 N off, of 12.6 N); that both ways agree is what it shows. Here the quarter is 100 mm wide,
+elements the nearest are 1.7 N off, of 12.6 N); it shows that one step and two agree. Here the quarter is 100 mm wide,
 20 mm thick, nu = 0.3; its load is 64 N, and E is chosen so that the gap closes at exactly half of it.
 """
 
@@ -61,7 +61,7 @@ def plate(pressure: float, young: float, element: str, *centre: dict) -> signori
 
 
 def two_stages(young: float, element: str = "q8r") -> signorini.LoadPath:
-    """Let the load grow from nothing to its whole: both of the paper's stages are one path with one event."""
+    """Let the load grow from zero to its full value: both of the paper's stages are one path with one event."""
     model = quarter(PRESSURE, young, element, {"resists": "down", "gap": GAP})
     return signorini.path(model, None, "load", until=1.0)
 
@@ -75,7 +75,7 @@ def row_by_row(result: signorini.Result) -> np.ndarray:
 def table(element: str = "q8r") -> Table:
     """Compute the columns of Table 1 with an element; the paper's is q8r."""
     half = PRESSURE / 2
-    # Deflection goes with 1/E, so one solution tells which E closes the gap at half the load.
+    # Deflection is proportional to 1/E: one solution gives the E that closes the gap at half the load.
     young = 2e5 * plate(half, 2e5, element).probe([(SIDE, SIDE)])[0].deflection / GAP
     first = plate(half, young, element)
     second = plate(PRESSURE - half, young, element, {"fix": "simple"})

@@ -1,4 +1,4 @@
-"""The plate that most tests start from; a test says what is different of it."""
+"""The plate of most tests; a test gives its differences."""
 
 from collections.abc import Sequence
 from typing import Any

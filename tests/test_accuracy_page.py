@@ -1,4 +1,4 @@
-"""docs/accuracy.md: its program prints what the page says, and the moment is as wrong as it says."""
+"""docs/accuracy.md: the output of its program and the error of the moment are those of the page."""
 
 import re
 from pathlib import Path

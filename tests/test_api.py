@@ -1,4 +1,4 @@
-"""Results as a user of Python meets them: by name, as tables, written one by one, and wrong calls told in words."""
+"""Results in Python: by name, as tables, written singly; messages for wrong calls."""
 
 import json
 import pickle

@@ -31,7 +31,7 @@ LAYERS = (
     {"cli"},
     {"__main__"},
 )
-# Modules that take arrays and know nothing else of the package.
+# Modules that take arrays and know no other part of the package.
 ALONE = {"shapes": {"errors", "_core"}, "plot": {"base", "errors", "shapes", "_core"}}
 # Packages that only these modules may import.
 ONLY_IN = {
@@ -83,7 +83,7 @@ def arrows(package: Path) -> dict[str, set[str]]:
 
 
 def circle_of(graph: dict[str, set[str]]) -> list[str]:
-    """Return a circle of the graph, empty if there is none."""
+    """Return a circle of the graph, or an empty list."""
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
@@ -135,12 +135,14 @@ CORE_LAYERS = (
     ("displacement",),
     ("rows",),
     ("ordering", "assembly", "residual", "stress"),
-    ("contact/tolerances", "contact/scale", "contact/graph", "contact/points", "contact/rigid"),
+    ("contact/tolerances", "contact/error", "contact/scale", "contact/graph", "contact/points", "contact/rigid"),
     ("contact/rigid_body_space", "contact/system", "contact/interface"),
-    ("contact/problem", "contact/solution"),
+    ("contact/backend",),
+    ("contact/problem", "contact/solution", "contact/load"),
     ("contact/residual",),
     ("contact/kkt", "contact/responses"),
     ("contact/refine",),
+    ("contact/fixed_state",),
     ("contact/finders",),
     ("contact/solve",),
     ("contact/combine", "contact/path"),

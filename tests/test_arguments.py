@@ -11,7 +11,7 @@ import signorini
 from signorini import InputError, Model, contact_problem, path, solve
 
 NAN = float("nan")
-POINTS = "it must be a point [x, y] or a sequence of them"
+POINTS = "it must be a point [x, y] or a sequence of points"
 MODEL = "it must be a Model. Make one with signorini.Model(...) or signorini.load(file)."
 
 
@@ -57,13 +57,16 @@ def slab() -> SimpleNamespace:
         (lambda s: path(s.model, "G", None), "add: found None; it must be the name of the load that grows"),
         (lambda s: path(s.model, "G", "Q", until="3"), "until: found '3'; it must be a number"),
         (lambda s: path(s.model, "G", "Q", until=True), "until: found True; it must be a number"),
-        (lambda s: signorini.lemke([[1.0]], np.array([-1j])), "q: found array([-0.-1.j]); it must be one of numbers"),
+        (
+            lambda s: signorini.lemke([[1.0]], np.array([-1j])),
+            "q: found array([-0.-1.j]); it must be an array of numbers",
+        ),
         (lambda s: path(s.model, "G", "Q", until=10**400), "until: found inf; it must be a finite number"),
         (lambda s: s.path.at("x"), "t: found 'x'; it must be a number"),
         (lambda s: s.path.at(NAN), "t is nan; the path goes from 0 to 2"),
         (lambda s: s.problem.load("zz"), "combination: Unknown combination 'zz'. This model has: all."),
         (lambda s: s.problem.lcp(s.load * NAN), "load: found nan at index 0; all numbers must be finite"),
-        (lambda s: s.problem.lcp(s.load[:3]), "load: found an array of shape (3,); it must be 63 numbers, one a dof"),
+        (lambda s: s.problem.lcp(s.load[:3]), "load: found an array of shape (3,); it must be 63 numbers, one per dof"),
         (lambda s: s.problem.lcp(s.load, "zz"), "form: Unknown form 'zz'. The LCP has: auto, dual, stiffness."),
         (lambda s: s.problem.by("zz"), "method: Unknown method 'zz'."),
         (lambda s: s.problem.solve(s.load), "it must be a CaseLoad. Take discretisation.load(combination)"),
@@ -83,7 +86,7 @@ def slab() -> SimpleNamespace:
             "model: found {}; it must be a Model. Make one of the mapping first: signorini.validate(mapping).",
         ),
         (lambda s: signorini.load(3), "path: found 3; it must be the path of an input file"),
-        (lambda s: signorini.validate(None), "found nothing; it must be a table"),
+        (lambda s: signorini.validate(None), "found no value; it must be a table"),
         (lambda s: Model(foo=3), "plate: 'plate' is missing"),
         (lambda s: Model({}), "Model: found {}; a table takes its keys by name, Model(key=value, ...)"),
         (lambda s: solve(s.model, progress=3), "progress: found 3; it must be a function that takes a Progress"),

@@ -55,7 +55,7 @@ def test_pictures_are_the_same_whoever_draws_them(tmp_path: Path) -> None:
     for name, run in runs.items():
         output, errors = run.communicate(timeout=SECONDS)
         assert run.returncode == 0 and "Traceback" not in errors
-        # A letter that the font lacks is told; where another process draws, this one reads no matplotlib.
+        # A missing letter of the font is reported; if another process draws, this one does not import matplotlib.
         assert "Glyph 33655" in errors
         assert output.endswith("\nTrue\n" if name == "alone" else "\nFalse\n")
     drawn = files(tmp_path / "drawn")

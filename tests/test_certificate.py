@@ -34,7 +34,7 @@ class Answer:
 
 
 def model(supports, loads=PUSH, scale=1.0, **more) -> Model:
-    """A plate of 4 by 4 metres, in units of length that are so many to the metre; kN."""
+    """A plate of 4 by 4 metres, in a unit of length given per metre; kN."""
     return rectangular(
         material={"E": 30e6 / scale**2, "nu": 0.2},
         size=[4 * scale, 4 * scale],
@@ -125,7 +125,7 @@ def test_a_field_perturbed_at_one_node_by_a_millionth(right: Answer, dof: int) -
 
 @pytest.mark.parametrize("motion", [0, 1, 2])
 def test_a_rigid_motion_added(right: Answer, motion: int) -> None:
-    """No force tells it; the supports' gaps do."""
+    """Forces do not show it; the supports' gaps do."""
     moved = right.found.rigid_motions[:, motion]
     right.hi += 1e-6 * np.abs(right.hi[::3]).max() / np.abs(moved[::3]).max() * moved
     judged = right.judged()
@@ -142,7 +142,7 @@ def test_a_number_that_is_none(right: Answer, where: str, value: float) -> None:
 
 
 def test_a_point_closed_that_ought_to_open() -> None:
-    """Held both ways, one of the bearings pulls; as an answer for bearings that only push it is wrong."""
+    """On two-sided bearings one of them pulls; that answer is wrong for bearings that only push."""
     load = [{"pressure": 1.0}, {"force": 40.0, "at": [0.1, 0.1]}]
     asked = answer(MODELS["bearings"], load)
     held = answer([{"at": CORNERS, "resists": "both"}], load)
@@ -179,7 +179,7 @@ def test_a_clamped_slope_that_gives_way(scale: float) -> None:
     right = answer([wall], [{"pressure": 5.0 / scale**2}], scale=scale)
     assert right.judged().passed
     slopes = np.flatnonzero(right.found.held.dofs.reshape(-1, 3)[:, 1])
-    # A turn about the wall is rigid: nothing is out of balance, and the deflection of the wall is nil.
+    # A rotation about the wall is rigid: all forces balance, and the wall does not deflect.
     turn = right.found.rigid_motions[:, 1] + 2 * scale * right.found.rigid_motions[:, 0]
     right.hi += 1e-6 * np.abs(right.hi[1::3]).max() * turn
     assert len(slopes) and np.abs(right.hi[3 * slopes]).max() < 1e-15 * np.abs(right.hi).max()
@@ -230,7 +230,7 @@ def test_supports_that_push_against_each_other_are_judged_by_the_rounding_of_the
 
 
 def test_loads_that_cancel_leave_none() -> None:
-    """A plate afloat: what rounding leaves of its weight and of the water's pressure must not carry it away."""
+    """A floating plate: the rounding of its weight and of the water's pressure must not move it."""
     right = answer(MODELS["bearings"], [{"pressure": 0.3}, {"pressure": -0.1}, {"pressure": -0.2}])
     assert not right.load.nodal.any() and not right.reaction.any() and right.judged().passed
 
@@ -290,7 +290,7 @@ def test_a_weight_lost_in_what_has_no_resultant_is_refused(supports, hiding) -> 
 @pytest.mark.parametrize("part", [0.01, 0.003])
 @pytest.mark.parametrize("pads", [{"resists": "down"}, {"patch": [0.6, 0.6]}], ids=["bearings", "footprints"])
 def test_reactions_miss_the_weight_by_no_more_than_the_certificate_says(pads, part) -> None:
-    """Of three pads statics tells each reaction, which a small curvature does not move."""
+    """Statics gives the reactions of three pads; a small curvature does not change them."""
     support, reactions = [{**PADS, **pads}], []
     for curvature in ([1e10 * part, 3e9 * part, 0.0], [0.1, 0.03, 0.0]):
         problem = contact_problem(plate_of(support, [WEIGHT, {"case": "sun", "curvature": curvature}]))

@@ -151,7 +151,7 @@ def test_what_is_not_certified_is_refused_and_not_written(slab: Path, monkeypatc
         ("thickness", "thicknes", "plate.thicknes: unknown key 'thicknes'. Did you mean 'thickness'?"),
         ("at = [0.2, 1.0]", "at = [5, 0]", "slab.toml:20: load[2].at: The point [5, 0] is not on the plate"),
         ("Q = 1", "R = 1", "Unknown case 'R'. This model has: G, Q, W."),
-        ("units = {", "units = {{", "slab.toml:3: this is not TOML"),
+        ("units = {", "units = {{", "slab.toml:3: invalid TOML"),
     ],
 )
 def test_bad_input_is_said_in_place(slab: Path, old: str, new: str, message: str) -> None:
@@ -292,7 +292,7 @@ def test_a_schema_that_goes_nowhere_is_an_error() -> None:
         command = [sys.executable, "-m", "signorini", "schema"]
         schema = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
     assert schema.returncode == 1
-    assert schema.stderr == "Error: standard output takes no more of the schema: No space left on device.\n"
+    assert schema.stderr == "Error: the schema cannot be written to standard output: No space left on device.\n"
 
 
 def test_a_terminal_without_the_symbols_gets_plain_ones(slab: Path) -> None:

@@ -1,4 +1,4 @@
-"""Combinations: generated, solved together, and held to what each gives when it is solved by itself."""
+"""Combinations: generated, solved together, and compared with single solves."""
 
 import io
 import os
@@ -168,11 +168,11 @@ def test_wheels_stand_where_they_should_and_act_only_on_the_plate(patch):
         ({"generate": "patterns"}, "combination[1].variable: 'variable' is missing."),
         ({"generate": "patterns", "variable": {"Q": [1, 1.0]}}, "the factor 1 is listed twice."),
         ({"generate": "patterns", "variable": {"Z": 1}}, "combination[1].variable.Z: Unknown case 'Z'. This model has"),
-        ({"generate": "patterns", "permanent": {"Q": 1}, "variable": {"Q": 1}}, "among the permanent cases too"),
-        ({"generate": "patterns", "variable": {"Q": 1}, "exclusive": [["Q", "W"]]}, '"W" is not among the variable'),
+        ({"generate": "patterns", "permanent": {"Q": 1}, "variable": {"Q": 1}}, "is both permanent and variable"),
+        ({"generate": "patterns", "variable": {"Q": 1}, "exclusive": [["Q", "W"]]}, '"W" is not a variable case'),
         (
             {"generate": "patterns", "variable": {c: [0.1 * i for i in range(1, 60)] for c in "GQWT"}},
-            "there are 1.3e+07 combinations up to here; at most 1000000 are allowed.",
+            "found 1.3e+07 combinations up to here; at most 1000000 are allowed.",
         ),
         ({"generate": "table"}, "needs either file, or columns and rows."),
         (
@@ -180,10 +180,10 @@ def test_wheels_stand_where_they_should_and_act_only_on_the_plate(patch):
             "combination[1].rows.a: found 2 factors; columns lists 1 cases.",
         ),
         ({"generate": "table", "file": "no.csv"}, "combination[1].file: no.csv cannot be read: No such file"),
-        ({"factors": {"G": 1}, "variable": {"Q": 1}}, "variable does not go with a combination without generate"),
-        ({"factors": {"G": [1, 1.35]}}, 'Lists of factors go with generate = "patterns", in permanent and variable.'),
+        ({"factors": {"G": 1}, "variable": {"Q": 1}}, "variable is not allowed with a combination without generate"),
+        ({"factors": {"G": [1, 1.35]}}, "found [1, 1.35]; it must be a number"),
         ({"generate": "positions", "factors": {"G": 1}}, 'generate = "positions" needs a case of [[moving]]'),
-        ({"factors": {"truck": 1}}, '"truck" moves. Write generate = "positions"'),
+        ({"factors": {"truck": 1}}, '"truck" is a moving load. Write generate = "positions"'),
     ],
 )
 def test_what_cannot_be_generated_is_refused_with_its_place(combination, says):
@@ -196,11 +196,11 @@ def test_what_cannot_be_generated_is_refused_with_its_place(combination, says):
     ("text", "says"),
     [
         ("", "has no header"),
-        ("G,Q\n1.35,1\n", 'begins with "G"; it must begin with "name"'),
+        ("G,Q\n1.35,1\n", 'begins with "G"; its first column must be "name"'),
         ("name,G\na,1_000\n", 'has "1_000" under "G"; it must be a number.'),
-        ("name,G,G\na,1,1\n", 'names the load case "G" twice'),
+        ("name,G,G\na,1,1\n", 'has the load case "G" twice'),
         ("name,G\na,1,2\n", "line 2 of f.csv has 2 factors; the header names 1 cases."),
-        ("name,G\na,1\na,1\n", 'it makes "a", a name that combination[1] makes'),
+        ("name,G\na,1\na,1\n", 'it generates the name "a", as does combination[1]'),
     ],
 )
 def test_a_bad_file_of_factors_is_refused_with_its_line(tmp_path, monkeypatch, text, says):
@@ -274,7 +274,7 @@ def test_so_does_every_row_of_plates_on_areas(tmp_path, support):
     model = Model(**on_areas(support, random_rows(30)))
     results = signorini.solve(model, table=tmp_path / "t.parquet")
     assert len(same_as_alone(model, columns(tmp_path / "t.parquet"))) > 2
-    # Beside points that hold both ways an active set now and then leaves a combination to Lemke's algorithm.
+    # With two-sided points an active set sometimes leaves a combination to Lemke's algorithm.
     assert results.combined.alone <= (10 if "both" in support else 0)
 
 

@@ -1,6 +1,7 @@
-"""docs/input.md against the JSON schema: every key is in both; the program of docs/certificate.md; CITATION.cff."""
+"""Documents: keys of the schema, links, cells of tables, the program of docs/certificate.md; CITATION.cff."""
 
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -10,57 +11,44 @@ import signorini
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "docs" / "input.md").read_text("utf-8")
 SCHEMA = signorini.schema()
-# Tables of the schema that are values of a key, with the section that tells theirs.
-WITHIN = {"Area": "support", "Circle": "support", "Modifiers": "plate", "Stiffness": "plate"}
+DOCS = sorted((ROOT / "docs").glob("*.md"))
 
 
-def keys_of(node):
-    """Keys of a table of the schema, or of any of its alternatives."""
-    if "$ref" in node:
-        return keys_of(SCHEMA["$defs"][node["$ref"].rpartition("/")[2]])
-    if "items" in node:
-        return keys_of(node["items"])
-    found = set(node.get("properties", {}))
-    for branch in [*node.get("anyOf", []), *node.get("oneOf", [])]:
-        found |= keys_of(branch)
-    return found
+def anchors(text):
+    """Anchors of the headings of a document, as GitHub makes them."""
+    heads = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
 
 
-def sections():
-    """The headings with the keys of the file in them, as the names of tables, and the text under each."""
-    parts = re.split(r"^## (.*)$", TEXT, flags=re.MULTILINE)[1:]
-    return [(set(re.findall(r"`\[*(\w+)\]*`", head)), body) for head, body in zip(parts[::2], parts[1::2], strict=True)]
+PAGES = runpy.run_path(str(ROOT / "docs" / "tables.py"))["PAGES"]
 
 
-def told(name):
-    """Text of the section of a table."""
-    return next(body for tables, body in sections() if name in tables)
+@pytest.mark.parametrize("name", PAGES)
+def test_the_generated_pages_are_up_to_date(name):
+    assert (ROOT / "docs" / name).read_text("utf-8") == PAGES[name]()
 
 
-TABLES = {name: keys_of(node) for name, node in SCHEMA["properties"].items() if keys_of(node)}
+def test_every_key_has_a_description():
+    for table in SCHEMA["$defs"].values():
+        assert all(node.get("description") for node in table.get("properties", {}).values())
 
 
-@pytest.mark.parametrize(("table", "key"), [(table, key) for table, keys in TABLES.items() for key in sorted(keys)])
-def test_every_key_of_the_schema_is_in_its_section(table, key):
-    assert re.search(rf"`(?:{table}\.)?{key}\b", told(table))
+@pytest.mark.parametrize("path", [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *DOCS], ids=lambda path: path.name)
+def test_links_between_documents_lead_somewhere(path):
+    for target in re.findall(r"\]\(([^)\s]+)\)", path.read_text("utf-8")):
+        if target.startswith(("http", "mailto")):
+            continue
+        name, _, anchor = target.partition("#")
+        other = path.parent / name if name else path
+        assert other.exists(), target
+        assert not anchor or anchor in anchors(other.read_text("utf-8")), target
 
 
-@pytest.mark.parametrize("table", TABLES)
-def test_every_key_of_a_section_is_in_the_schema(table):
-    first_cells = re.findall(r"^\| (`[^|]*) \|", told(table), re.MULTILINE)
-    written = {key for cell in first_cells for key in re.findall(r"`((?:\w+\.)?\w+)`", cell)}
-    names = {tuple(key.rpartition(".")[::2]) for key in written}
-    own = {key for owner, key in names if owner in ("", table)}
-    shared = set().union(*(TABLES.get(owner, set()) for owner in next(t for t, _ in sections() if table in t)))
-    shapes = {"rectangle", "disc", "annulus", "polygon", "mesh"} if table == "plate" else set()
-    inner = set().union(*(keys_of(SCHEMA["$defs"][name]) for name, owner in WITHIN.items() if owner == table))
-    assert own - shared - inner - shapes - set(SCHEMA["properties"]) == set()
-
-
-def test_keys_of_areas_and_circles_are_told():
-    for name, section in WITHIN.items():
-        for key in SCHEMA["$defs"][name]["properties"]:
-            assert re.search(rf"\b{key}\b", told(section))
+def test_cells_of_tables_are_phrases():
+    for path in DOCS:
+        if path.name in ("input.md", "results.md", *PAGES):
+            rows = re.findall(r"^\|(.*)\|$", path.read_text("utf-8"), re.MULTILINE)
+            assert max(len(cell.split()) for row in rows for cell in row.split("|")) <= 40
 
 
 def test_the_example_is_a_model(tmp_path):

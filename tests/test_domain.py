@@ -1,4 +1,4 @@
-"""The domain of validity: what is just inside each limit is certified, what is just outside is refused in words."""
+"""The domain of validity: models just inside each limit are certified, those just outside are refused."""
 
 from pathlib import Path
 
@@ -37,7 +37,7 @@ def is_certified(asked: Model) -> bool:
 
 
 def said(asked: Model) -> str:
-    """What solve, check and path refuse a model with, all alike."""
+    """The common message of solve, check and path."""
     words = set()
     for ask in (solve, check, lambda of: path(of, None, "load")):
         with pytest.raises(InputError) as refused:
@@ -245,7 +245,7 @@ def test_beside_rigid_supports_that_hold_the_plate_a_bed_may_be_soft_and_as_stif
 
 
 def test_a_soft_bed_carries_what_its_stiffness_says() -> None:
-    """Beside rigid supports the deflection does not depend on it, so that reaction over stiffness is one number."""
+    """With rigid supports the deflection does not depend on it: reaction over stiffness is constant."""
     load = [{"force": 1.0, "at": [5.5, 5.0]}]
     supports = [
         {"name": "pins", "at": [[2, 2], [8, 2]], "resists": "both"},

@@ -1,4 +1,4 @@
-"""Drawings: what is read from DXF, what is left, and the input files made of them."""
+"""Drawings: shapes read from DXF, shapes left out, and the input files made of them."""
 
 import math
 import tomllib
@@ -23,7 +23,7 @@ RECTANGLE = [(0, 0), (12, 0), (12, 7), (0, 7)]
 
 
 class Sheet:
-    """A drawing, in metres if nothing else is said."""
+    """A drawing, in metres by default."""
 
     def __init__(self, directory: Path, unit: int = 6) -> None:
         self.made, self.path = ezdxf.new(), directory / "floor.dxf"
@@ -74,7 +74,7 @@ def written(drawing: Drawing) -> dict[str, Any]:
 
 
 def accepted(drawing: Drawing, directory: Path) -> bool:
-    """Check what is written of a drawing, on soil so that it stands; whether a corner of it is singular."""
+    """Check the model of a drawing, on soil so that it is held; return whether a corner of it is singular."""
     target = directory / "floor.toml"
     target.write_text(drawing_as_toml(drawing, "floor") + "\n[[support]]\narea = 'all'\nstiffness = 1e7\n", "utf-8")
     return bool(check(signorini.load(target)).singular)
@@ -123,7 +123,7 @@ def test_lengths_are_metres_whatever_the_drawing_has(unit: int, size: float, tmp
 def test_a_drawing_without_a_unit_asks_for_one(tmp_path: Path) -> None:
     sheet = Sheet(tmp_path, 0)
     sheet.closed([(1000 * x, 1000 * y) for x, y in RECTANGLE])
-    with pytest.raises(InputError, match=r"names no unit of length. Name one of mm, cm"):
+    with pytest.raises(InputError, match=r"the drawing has no unit of length."):
         sheet.read()
     assert sheet.read("mm").outline.area == pytest.approx(84)
 
@@ -177,7 +177,7 @@ def test_ellipses_and_splines_become_few_arcs_close_to_them_without_corners(tmp_
     sheet.space.add_open_spline([(0, 0), (2, 3), (6, 3), (8, 0)])
     sheet.lines("0", ((8, 0), (0, 0)))
     outline = sheet.read().outline
-    # Of Bézier's cubic: ∫ y dx with y = 9t(1 − t) and dx = (6 + 12t(1 − t)) dt.
+    # Bézier's cubic: ∫ y dx with y = 9t(1 − t) and dx = (6 + 12t(1 − t)) dt.
     assert outline.area == pytest.approx(9 + 108 / 30, rel=1e-4)
     assert 4 < len(outline.corners) < 20
 
@@ -250,7 +250,7 @@ def test_a_frame_that_is_taken_is_told_with_the_slab_s_layer(sheet: Sheet) -> No
 def test_a_file_that_is_no_drawing_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "notes.dxf"
     path.write_text("thickness 250\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"notes.dxf is no DXF drawing"):
+    with pytest.raises(InputError, match=r"notes.dxf is not a DXF drawing"):
         read_dxf(path, {})
 
 
@@ -377,7 +377,7 @@ def test_columns_over_the_edge_are_moved_flush_with_it(sheet: Sheet) -> None:
         sheet.closed(box(x + 0.2, y + 0.2, 0.4, 0.4), "POINTS")
     sheet.read()
     done = run("import-dxf", sheet.path)
-    assert done.exit_code == 0 and "Taken: points: 5 of 5" in done.output and "Left" not in done.output
+    assert done.exit_code == 0 and "Used: points: 5 of 5" in done.output and "Left out" not in done.output
     assert "points: 3, at [9.801, 0.2], [9.801, 3], [9.803, 5.8]: moved flush with the edge" in done.output
     (support,) = tomllib.loads(sheet.path.with_suffix(".toml").read_text(encoding="utf-8"))["support"]
     assert support["patch"] == [0.4, 0.4]
@@ -445,7 +445,7 @@ def test_shapes_that_do_not_arrive_are_errors(draw: Any, said: str, sheet: Sheet
     sheet.read()
     done = run("import-dxf", sheet.path)
     assert done.exit_code == 2
-    assert f"Error: not taken as drawn: {said}" in " ".join(done.output.split())
+    assert f"Error: not used as drawn: {said}" in " ".join(done.output.split())
     assert "points: 1 of 1" in done.output or " 0 of " in done.output or "1 of 2" in done.output
     assert sheet.path.with_suffix(".toml").exists()
 
@@ -522,7 +522,7 @@ def test_two_lines_as_far_apart_as_the_faces_of_a_wall_are_one(plate: Sheet) -> 
     )
 
 
-# What is left
+# Shapes left out
 
 
 TEE = [(1, 3), (5, 3), (5, 3.2), (3.1, 3.2), (3.1, 5), (2.9, 5), (2.9, 3.2), (1, 3.2)]
@@ -576,11 +576,11 @@ def test_holes_points_and_lines_off_the_plate_are_left_and_told(plate: Sheet) ->
 def test_the_command_writes_a_file_once_and_says_what_it_took(plate: Sheet) -> None:
     plate.read()
     first = run("import-dxf", plate.path)
-    assert first.exit_code == 0 and "Taken: outline: 4 sides, 84 m², layer 0" in first.output
+    assert first.exit_code == 0 and "Used: outline: 4 sides, 84 m², layer 0" in first.output
     text = plate.path.with_suffix(".toml").read_text(encoding="utf-8")
     assert tomllib.loads(text)["plate"]["points"] == [[0, 0], [12, 0], [12, 7], [0, 7]]
     again = run("import-dxf", plate.path)
-    assert again.exit_code == 2 and "exists already" in again.output
+    assert again.exit_code == 2 and "exists; give another name" in again.output
 
 
 def test_roles_take_several_layers(sheet: Sheet) -> None:

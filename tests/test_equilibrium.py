@@ -1,4 +1,4 @@
-"""Equilibrium as numbers: the line about which a plate tips, the moment that is short, what would hold it."""
+"""Equilibrium as numbers: the axis about which a plate tips, the missing moment, the support that would hold it."""
 
 import subprocess
 import sys
@@ -31,11 +31,11 @@ def test_a_plate_that_tips_has_its_axis_moment_hinges_and_what_holds_it():
     # 80 at 2, 1 m inside of the line x = 3; 200 at 4, 1 m outside: 120 short, held by 40 at 3 m from it.
     found, freedom = asked({"case": "G", "pressure": 5}, {"case": "Q", "force": 200, "at": [4, 2]})
     why = imbalance_of(found, freedom, found.model.effective_combinations[0])
-    assert (why.resultant, why.way, why.moment) == (pytest.approx(280), None, pytest.approx(120))
+    assert (why.resultant, why.direction, why.moment) == (pytest.approx(280), None, pytest.approx(120))
     np.testing.assert_allclose([*why.axis.normal, why.axis.offset], [1, 0, -3], atol=1e-9)
     np.testing.assert_allclose(why.axis.ends(found.middle, 4.0), [[3, 0], [3, 4]], atol=1e-9)
     assert why.hinges.tolist() == [[3, 1], [3, 3]] and why.supports.tolist() == [0, 0]
-    assert (why.holding.force, why.holding.way, why.holding.at[0]) == (pytest.approx(40), "down", 0.0)
+    assert (why.holding.force, why.holding.direction, why.holding.node[0]) == (pytest.approx(40), "down", 0.0)
     case, factor = why.limit
     assert (case, factor) == ("Q", pytest.approx(0.4))
     assert explain(found, why).startswith(
@@ -61,9 +61,9 @@ def test_points_that_a_plate_tips_about_are_named_once_with_their_supports():
 def test_a_plate_that_is_lifted_has_the_way_and_what_holds_it():
     found, freedom = asked({"pressure": -5})
     why = imbalance(found, freedom, found.cases["load"].weighing)
-    assert (why.resultant, why.way, why.axis) == (pytest.approx(-80), "up", None)
-    assert (why.holding.force, why.holding.way) == (pytest.approx(80), "down")
-    assert why.holding.at.tolist() == [2, 2]
+    assert (why.resultant, why.direction, why.axis) == (pytest.approx(-80), "up", None)
+    assert (why.holding.force, why.holding.direction) == (pytest.approx(80), "down")
+    assert why.holding.node.tolist() == [2, 2]
     assert "lifts off its supports: the load's resultant is 80 kN up" in explain(found, why)
 
 

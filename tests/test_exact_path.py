@@ -1,4 +1,4 @@
-"""Load paths that follow every contact point: events, segments, jumps, and what they are held to."""
+"""Load paths that follow every contact point: events, segments, jumps, and their checks."""
 
 import itertools
 import tomllib
@@ -251,7 +251,7 @@ def test_a_path_that_stops_names_an_end_that_helps(slab: Path, monkeypatch) -> N
         result = run("path", slab, "--from", "G", "--add", "Q", "--events", "all", *ends)
         said = " ".join(result.output.split())
         assert result.exit_code == 4 and "give rigid supports a stiffness" in said
-        assert (f"--until {0.999 * limit:.6g}. Or take another mesh size" in said) is helps
+        assert (f"--until {0.999 * limit:.6g}. Or use another mesh size" in said) is helps
 
 
 ROUND_BED = """
@@ -270,12 +270,14 @@ def test_where_a_coarse_mesh_ends_short_of_an_outline_the_path_says_so(tmp_path:
     assert found.ending == "stopped" and found.ends_with_the_mesh
     assert found.end == pytest.approx(found.mesh_limit, rel=1e-6) and found.mesh_limit < 0.99 * found.limit
     result = run("path", file, "--from", "G", "--add", "Q", "--events", "all")
-    assert result.exit_code == 4 and "but not at the contact points of this mesh" in " ".join(result.output.split())
+    assert result.exit_code == 4 and "reactions at the contact points of this mesh do not" in " ".join(
+        result.output.split()
+    )
 
 
 @pytest.mark.parametrize("stiffness", [1e2, 1e4])
 def test_a_path_from_no_load_does_not_depend_on_how_large_the_load_is(stiffness) -> None:
-    """At t = 0 the plate lies on a soft stop that bears nothing yet; events may be at t = 1e-12."""
+    """At t = 0 the plate lies on a soft stop without force; events may be at t = 1e-12."""
     events = []
     for pressure in (1e6, 1e3, 1.0, 1e-3):
         model = rectangular(
@@ -331,7 +333,7 @@ def test_a_stop_that_is_not_certified_ends_the_path_wherever_it_stands_among_oth
 
     whole = lifting()
     monkeypatch.setattr(exact_path, "certify_each", failing)
-    monkeypatch.setattr("signorini.analysis.exact_path.methods_along", lambda problem: [problem])
+    monkeypatch.setattr("signorini.analysis.exact_path.posed_for_methods", lambda problem: [problem])
     cut = lifting()
     assert cut.ending == "stopped" and cut.certificate.passed
     assert [stop.t for stop in cut.stops] == [stop.t for stop in whole.stops[:wrong]]
@@ -354,7 +356,7 @@ def test_a_plate_on_a_round_bed_does_not_move_on_its_own():
 
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_stops_far_away_hide_no_events(method) -> None:
-    """Beside a gap of 1e9 m deflections of millimetres were rounding, and the plate went through its prop."""
+    """A gap of 1e9 m must not make deflections of millimetres rounding, so that the plate passes its prop."""
 
     def events(*stops):
         model = rectangular(
@@ -375,7 +377,7 @@ def test_stops_far_away_hide_no_events(method) -> None:
 
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_soil_far_softer_than_the_plate_has_the_events_of_the_deflection_alone(method) -> None:
-    """Beside the reactions of its props those of the soil were rounding, and it had no events."""
+    """The reactions of its props must not make those of the soil rounding, so that it has no events."""
 
     def events(stiffness: float) -> list[float]:
         model = rectangular(

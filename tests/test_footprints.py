@@ -61,7 +61,7 @@ def test_a_couple_about_an_axis_turns_as_the_right_hand_does_with_z_down():
 def test_a_support_takes_the_mean_of_the_deflection_by_any_method(how, footprint):
     load = [{"pressure": 5e3}, {"force": 20e3, "at": [2.2, 1.7], "radius": 0.2}]
     reactions = []
-    for method in ("lemke", "active_set", "interior_point"):
+    for method in ("lemke", "active_set"):
         model = rectangular(
             divisions=[5, 7], support=[{"at": AT, **how, **footprint}], load=load, solver={"method": method}
         )
@@ -75,13 +75,13 @@ def test_a_support_takes_the_mean_of_the_deflection_by_any_method(how, footprint
         np.testing.assert_allclose(mean, stretch, rtol=0, atol=1e-11)
         np.testing.assert_allclose(result.supports[0].positions, AT, rtol=0, atol=0)
         assert forces.sum() == pytest.approx(100e3, rel=1e-9)
-    np.testing.assert_allclose(reactions[1:], [reactions[0]] * 2, rtol=1e-7)
+    np.testing.assert_allclose(reactions[1:], reactions[:1], rtol=1e-7)
 
 
 @pytest.mark.parametrize("others", [[], [{"edge": "left", "fix": "clamped"}]], ids=["alone", "beside an edge"])
 @pytest.mark.parametrize("stiffness", [1e6, 1e9, 1e12, None])
 def test_wide_footprints_that_hold_both_ways_solve_the_equations_of_their_rows(stiffness, others):
-    """[K Gᵀ; G 0] with nothing condensed; K has the rows of elastic ones. Each footprint meets 25 elements."""
+    """[K Gᵀ; G 0] without condensation; K has the rows of elastic ones. Each footprint meets 25 elements."""
     support = {"at": AT, "patch": [0.9, 0.9], **({"fix": "simple"} if stiffness is None else {"stiffness": stiffness})}
     load = [{"force": 20e3, "at": [2.2, 1.7], "patch": [0.3, 0.2]}]
     problem = contact_problem(rectangular(divisions=[24, 24], support=[support, *others], load=load))
@@ -212,7 +212,7 @@ BOTH = [
     ({"patch": 1}, "length along x"),
     ({"radius": -1}, "greater than 0"),
     ({"radius": 1, "patch": [1, 1]}, "found both patch and radius"),
-    ({"angle": 30}, "angle turns a patch, and there is none"),
+    ({"angle": 30}, "angle rotates a patch; patch is missing"),
 ]
 
 
@@ -221,9 +221,12 @@ BOTH = [
     [
         *(({"load": [{"force": 1, "at": [2, 2], **given}]}, message) for given, message in BOTH),
         *(({"support": [HARD, {"at": [2, 2], **given}]}, message) for given, message in BOTH),
-        ({"load": [{"pressure": 1, "patch": [1, 1]}]}, "patch does not go with pressure"),
-        ({"load": [{"line_load": 1, "edge": "left", "radius": 1}]}, "radius does not go with line_load"),
-        ({"support": [{"edge": "left", "fix": "simple", "radius": 1}]}, "it goes with at or nodes"),
+        ({"load": [{"pressure": 1, "patch": [1, 1]}]}, "patch is the footprint of points; pressure has none"),
+        (
+            {"load": [{"line_load": 1, "edge": "left", "radius": 1}]},
+            "radius is the footprint of points; line_load has none",
+        ),
+        ({"support": [{"edge": "left", "fix": "simple", "radius": 1}]}, "use it with at or nodes"),
         ({"support": [{"at": [2, 2], "fix": "clamped", "radius": 1}]}, "holds slopes"),
         ({"load": [{"couple_about": {}, "at": [1, 1]}]}, "found neither x nor y"),
     ],
@@ -255,7 +258,7 @@ def test_a_footprint_bears_at_its_middle():
 
 
 def test_mean_deflections_over_one_place_may_differ_from_the_points():
-    # A footprint's mean says nothing of its middle: no contradiction, and a plate that bends between them.
+    # A footprint's mean does not fix its middle: no contradiction, and a plate that bends between them.
     support = [{"edge": "left", "fix": "clamped"}, {"at": [2, 2], "radius": 0.5}, {"at": [2, 2], "settlement": 1e-4}]
     result = solve(rectangular(divisions=[8, 8], support=support, load=[{"pressure": 1e3}]))["all"]
     assert result.certificate.passed
@@ -376,7 +379,7 @@ def test_footprints_that_turn_balance_the_load_and_sections_that_cross_them(mesh
     assert of.reaction == pytest.approx(1e4 * 24 + 5e4, rel=1e-12)
     for axis, moment in enumerate((1e4 * 24 * 3 + 5e4 * 4.2, 1e4 * 24 * 2 + 5e4 * 1.3)):
         assert of.reactions @ of.positions[:, axis] - of.moments[:, axis].sum() == pytest.approx(moment, rel=1e-10)
-    # Of the last column a third, about x = 2.1, is on the left.
+    # A third of the last column, about x = 2.1, is on the left.
     forces, couples = of.reactions[[0, 3, 4]] * [1, 1, 1 / 3], of.moments[[0, 3, 4], 0] * [1, 1, 1 / 3]
     levers = 2.2 - np.array([0.5, 0.5, 2.1])
     (cut,) = result.sections

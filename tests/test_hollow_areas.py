@@ -1,4 +1,4 @@
-"""Areas with holes: what acts on them is what acts on the whole less what acts on the holes."""
+"""Areas with holes: the load is that on the whole less that on the holes."""
 
 import math
 
@@ -37,7 +37,7 @@ def model(**changes: object) -> Model:
 def test_loads_and_beds_of_the_parts_add_up(hollow: dict, whole: dict, holes: list[dict]) -> None:
     def pressed(*areas: dict) -> Model:
         load = [{"pressure": 5, "area": area} for area in areas]
-        # The mesh follows what there is; here it is the same for both.
+        # The mesh follows all outlines; here it is the same for both.
         return model(load=[*load, *({"pressure": 0, "area": area} for area in (whole, *holes))])
 
     parts, one = (solve(pressed(*areas))["all"] for areas in ((hollow, *holes), (whole,)))

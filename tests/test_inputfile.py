@@ -117,7 +117,7 @@ def message(path):
 
 
 def one_line(path):
-    """What is said of a file in one line, behind its name."""
+    """The message about a file in one line, after its name."""
     said = message(path)
     assert said.startswith("slab.toml:") and len(said.splitlines()) == 1
     return said
@@ -162,14 +162,14 @@ def test_the_mesh_file_is_looked_for_beside_the_input_file(written):
 WRONG = {
     "": [
         ("[suport]", ":10: suport: unknown key 'suport'. Did you mean [[support]]?"),
-        ("mesh = 3", "load[1].mesh: unknown key 'mesh'. It is a table of its own: [mesh], or above the f"),
-        ("[[support]]", ":10: support[1]: found none; exactly one of at, nodes, edge, line, circle, area says"),
+        ("mesh = 3", "load[1].mesh: unknown key 'mesh'. It is a top-level table: write [mesh]"),
+        ("[[support]]", ":10: support[1]: found none; exactly one of at, nodes, edge, line, circle, area"),
         (f"[[support]]\nat = [1, 1]\nname = '{'a' * 201}'", "found text of 201 characters; at most 200 are allowed."),
         ("[[support]]\nat = [1, 1]\nname = 'a'\n" * 2, ':15: support[2].name ("a"): the name "a" is taken by s'),
         ("[[load]]", ":10: load[2]: found none; a load is exactly one of pressure, force, line_load, moment"),
         ("[[combination]]\nname = 'a'\nfactors.load = 1\n" * 2, ':14: combination[2].name ("a"): the name "a" is'),
         ("[[probe]]", "probe[1].at: 'at' is missing."),
-        ("[support]\nat = [1, 2]", ":10: support: found one table; this is a list of tables, each under [[sup"),
+        ("[support]\nat = [1, 2]", ":10: support: found a single table"),
         ("[units]\nlength = 3", ":11: units.length: found 3; it must be text in quotes."),
         ("[[combination]]\nfactors = { load = 1, Q = 2 }", ":11: combination[1].factors.Q: Unknown case 'Q'. This"),
         ("[[combination]]\nname = 'a'", "combination[1].factors (\"a\"): 'factors' is missing."),
@@ -177,12 +177,12 @@ WRONG = {
     "[solver]\n": [
         ("thickness = 3", ":11: solver.thickness: unknown key 'thickness'. It belongs in [plate] or [[zone]]."),
         ("title = 'x'", "unknown key 'title'. It belongs above the first table."),
-        ("method = 'lemk'", 'solver.method: found "lemk"; it must be one of auto, lemke, active_set, interior_poin'),
+        ("method = 'lemk'", 'solver.method: found "lemk"; it must be one of auto, lemke, active_set.'),
     ],
     "[[support]]\n": [
-        ("at = [[1, 1], [2, 2], [1, 1.0]]", "support[1].at[3]: point 3 repeats point 1."),
+        ("at = [[1, 1], [2, 2], [1, 1.0]]", "support[1].at[3]: point 3 equals point 1."),
         ("line = [[0, 0]]", "support[1].line: found [[0, 0]]; it must be a list of at least 2 points"),
-        ("line = [[0, 0], [0, 0]]", "support[1].line: point 1 and the one after it are the same."),
+        ("line = [[0, 0], [0, 0]]", "support[1].line: points 1 and 2 are the same."),
         ("area.polygon = [[0,0],[1,1],[1,0],[0,1]]", "support[1].area.polygon: The polygon crosses or touches itself"),
         ("at = [0, 0]\nname = 'soil'\nstifness = 3", ':13: support[1].stifness ("soil"): unknown'),
         ("at = [1, 1]\nedge = 'left'", "support[1]: found at and edge; exactly one of"),
@@ -196,14 +196,20 @@ WRONG = {
         ("area = 'al'", 'support[1].area: found "al"; it must be "all" or a table with one of rectangle,'),
         ("area = {}", "support[1].area: found none; exactly one of rectangle, circle, polygon, annulus is needed."),
         ("area.rectangle = [1, 0, 0, 1]", "[x0, y0, x1, y1] needs x0 < x1 and y0 < y1."),
-        ("area = 'all'\nfix = 'simple'", "support[1].fix: fix does not go with area; use resists."),
+        ("area = 'all'\nfix = 'simple'", "support[1].fix: fix is not allowed with area; use resists."),
         ("at = [1, 1]\nfix = 'clampd'", 'support[1].fix: found "clampd"; it must be one of clamped, hard'),
-        ("at = [1, 1]\nfix = ['w', 'w']", "each of w, slope, twist may stand there once."),
-        ("at = [1, 1]\nfix = 'hard'", 'support[1].fix: found "hard"; a point has no direction'),
+        ("at = [1, 1]\nfix = ['w', 'w']", "each of w, slope, twist"),
+        ("at = [1, 1]\nfix = 'hard'", 'support[1].fix: found "hard";'),
         ("edge = 'left'\nfix = 'hard'\nresists = 'down'", "support[1].resists: found both fix and resists"),
-        ("edge = 'left'\nfix = 'hard'\ngap = 1", "support[1].gap: a gap does not go with fix; use resists."),
-        ("edge = 'left'\nfix = 'hard'\nstiffness = 1", "support[1].stiffness: a stiffness goes with fix = s"),
-        ("edge = 'left'\nfix = 'symmetry'\nsettlement = 1", "does not hold the deflection, so nothing settl"),
+        ("edge = 'left'\nfix = 'hard'\ngap = 1", "support[1].gap: a gap is not allowed with fix; use resists."),
+        (
+            "edge = 'left'\nfix = 'hard'\nstiffness = 1",
+            "support[1].stiffness: a stiffness needs fix = simple",
+        ),
+        (
+            "edge = 'left'\nfix = 'symmetry'\nsettlement = 1",
+            'support[1].settlement: "symmetry" does not hold the deflection',
+        ),
         ("at = [1, 1]\nresists = 'dwn'", 'found "dwn"; it must be one of down, up, both. Did you mean \'down'),
         ("at = [1, 1]\ngap = -1", "support[1].gap: found -1; it must not be less than 0."),
         ("at = [1, 1]\nstiffness = 0", "support[1].stiffness: found 0; it must be greater than 0."),
@@ -221,21 +227,21 @@ WRONG = {
     ],
     "[[load]]\n": [
         ("force = 1\npressure = 1", "load[2]: found pressure and force; a load is exactly one of"),
-        ("force = 1", "load[2]: found no place; force needs exactly one of at, nodes to say"),
+        ("force = 1", "load[2]: found no place; force needs exactly one of at, nodes"),
         (
             "force = 1\nat = [0, 0]\narea = 'all'",
-            "load[2].area: area does not go with force, which goes with at or nodes.",
+            "load[2].area: area is not allowed with force, which takes at or nodes.",
         ),
         ("force = '1'\nat = [0, 0]", 'load[2].force: found "1"; it must be a number. Write it without quotes.'),
         ("force = 1e400\nat = [0, 0]", "load[2].force: found inf; it must be finite"),
         ("pressure = 2024-01-01", "load[2].pressure: found the date or time 2024-01-01; it must be a number or"),
-        ("case = ''\npressure = 1", "load[2].case: it is empty."),
+        ("case = ''\npressure = 1", "load[2].case: found an empty value."),
         ("self_weight = false", "load[2].self_weight: found false; write true, or leave the key out."),
-        ("self_weight = true", "load[2].self_weight: self_weight needs the material's unit_weight"),
-        ("self_weight = true\nat = [0, 0]", "load[2].at: at does not go with self_weight, which goes alone."),
+        ("self_weight = true", "load[2].self_weight: self_weight needs unit_weight"),
+        ("self_weight = true\nat = [0, 0]", "load[2].at: at is not allowed with self_weight"),
         ("curvature = [1, 2]", "load[2].curvature: found [1, 2]; it must be three curvatures [kx, ky, kxy]."),
         ("moment = 1\nat = [0, 0]", "load[2].moment: found 1; it must be [mx, my], couples about two axes."),
-        ("line_load = 1", "line_load needs exactly one of edge, line, circle to say where it acts."),
+        ("line_load = 1", "line_load needs exactly one of edge, line, circle"),
     ],
 }
 
@@ -251,7 +257,7 @@ PLATES = {
     "": [
         (
             "shape = 'ellipse'",
-            ':5: plate.shape: found "ellipse"; this version has rectangle, disc, annulus, polygon, mesh.',
+            ':5: plate.shape: found "ellipse"; it must be one of rectangle, disc, annulus, polygon, mesh.',
         ),
         ("shape = 'disk'", "Did you mean 'disc'?"),
         ("size = [1, 1]", ":4: plate.shape: 'shape' is missing. One of rectangle, disc, annulus, polygon, mesh."),
@@ -263,7 +269,7 @@ PLATES = {
         ),
         (
             "shape = 'mesh'\nthickness = 1\nfile = 'a.msh'\n[mesh]\nsize = 1",
-            "mesh.size: size does not go with a plate read",
+            "mesh.size: size is not allowed with a mesh file",
         ),
     ],
     "shape = 'rectangle'\nsize = [1, 1]\n": [
@@ -274,14 +280,14 @@ PLATES = {
     "shape = 'disc'\nradius = 1\nthickness = 1\n": [
         ("sector = 45", "plate.sector: found 45; a disc can be 90, 180 or 360"),
         ("element = 'mitc4'", "it must be one of mitc9, q8r. Did you mean 'mitc9'?"),
-        ("size = [1, 1]", "plate.size: unknown key 'size'. It goes with shape = \"rectangle\"."),
+        ("size = [1, 1]", "plate.size: unknown key 'size'. It needs shape = \"rectangle\"."),
     ],
     "shape = 'annulus'\ninner = 1\n": [
         ("outer = 1.000000001\nthickness = 1", "plate.outer: found 1.000000001; it must exceed inner, which is 1."),
-        ("outer = 2\nthickness = 1\nsector = 1e-9", "plate.sector: found 1e-09; so thin a slice is no plate."),
+        ("outer = 2\nthickness = 1\nsector = 1e-9", "plate.sector: found 1e-09"),
         (
             "outer = 2\nthickness = 1\nsector = 359.9999999",
-            "plate.sector: found 359.9999999; its sides all but meet. Take 360",
+            "plate.sector: found 359.9999999",
         ),
     ],
 }
@@ -300,10 +306,10 @@ def test_bad_plate_gives_one_message_with_its_place(written, plate, says):
         ("E = 0\nnu = 0.3", ":2: material.E: found 0; it must be greater than 0."),
         ("E = 1", "material.nu: 'nu' is missing. Poisson's ratio"),
         ("Ex = 1\nE = 1", "material.E: found E beside Ex; a material is isotropic (E, nu) or orthotropic (Ex, Ey,"),
-        ("Ex = 1\nEy = 2\nnu_xy = 0", "material.Gxy: 'Gxy' is missing; it goes with Ex."),
+        ("Ex = 1\nEy = 2\nnu_xy = 0", "material.Gxy: 'Gxy' is missing"),
         (
             "Ex = 1\nEy = 4\nnu_xy = 0.5\nGxy = 1",
-            "material.nu_xy: found 0.5; its size must be less than the root of Ex/Ey, 0.5.",
+            "material.nu_xy: found 0.5;",
         ),
         ("E = 1\nnu = 0.5", ":3: material.nu: found 0.5; it must be less than 0.5."),
         ("E = 1\nnu = -1", "material.nu: found -1; it must be greater than -1."),
@@ -333,15 +339,15 @@ def test_several_problems_are_one_error_in_the_order_of_the_file(written):
     [
         (
             b"title = 'a'\nE 3\n",
-            "slab.toml:2: this is not TOML. A line is [a header], key = value, or # a comment. Found (column 3): E 3",
+            "slab.toml:2: invalid TOML. A line must be [a header], key = value, or # a comment. Found (column 3): E 3",
         ),
-        (b"a = 1\n\nb = [1,\n", "slab.toml:3: this is not TOML: invalid value at the end of the file in: b = [1,"),
-        (b"a = 1\na = 2\n", "slab.toml:2: this is not TOML. A key stands once in a table. Found (column 6): a = 2"),
+        (b"a = 1\n\nb = [1,\n", "slab.toml:3: invalid TOML: invalid value at the end of the file in: b = [1,"),
+        (b"a = 1\na = 2\n", "slab.toml:2: invalid TOML. This key occurs twice in its table"),
         (b"a = 1\nb = '\xff'\n", "slab.toml:2: byte 0xff is not UTF-8 text."),
         (b"\xff\xfea\x00", "slab.toml:1: byte 0xff is not UTF-8 text. Save the file in the encoding UTF-8."),
-        (b"a = " + b"9" * 5000, "slab.toml: a number in it has too many digits to be read."),
+        (b"a = " + b"9" * 5000, "slab.toml: a number has too many digits."),
         (b"a = " + b"[" * 100_000, "slab.toml: lists or tables are nested too deeply."),
-        (b"a." * 100_000 + b"a = 1", "slab.toml:1: a key has more than 16 parts joined by dots."),
+        (b"a." * 100_000 + b"a = 1", "slab.toml:1: a dotted key has more than 16 parts."),
         (b"# comment\n" * 500_000, "the file is larger than 4 MB"),
         (b"", "slab.toml: 2 problems:"),
         (b"".join(b"k%d = 1\n" % i for i in range(20_000)), "20002 problems:"),
@@ -352,7 +358,7 @@ def test_file_that_is_no_input_file_says_why(written, content, says):
 
 
 def test_file_that_cannot_be_read_says_why(tmp_path):
-    assert "there is no such file" in message(tmp_path / "none.toml")
+    assert "the file does not exist" in message(tmp_path / "none.toml")
     assert "this is a directory" in message(tmp_path)
     assert "cannot be read" in message("a\0b")
 

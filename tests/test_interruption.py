@@ -1,4 +1,4 @@
-"""Whatever ends a run leaves the results of the run before, or those of this one, and nothing else."""
+"""An interrupted run leaves either the results of the run before or those of this one, complete."""
 
 import json
 import os
@@ -73,7 +73,7 @@ def test_a_full_disk_leaves_the_old_results(slab: Path, limit: int) -> None:
     results = slab.with_name("slab-results")
     assert running.returncode == 2
     assert errors.splitlines() == [
-        f"Nothing is written; {results} holds the results of an earlier run.",
+        f"No files are written; {results} has the results of an earlier run.",
         f"Error: {results}: the results cannot be written there: File too large. Name another directory.",
     ]
     assert whole(results) == "first"
@@ -106,7 +106,7 @@ def test_a_signal_leaves_the_old_results(slab: Path, number: int, code: int, mod
     running.send_signal(number)
     _, errors = running.communicate(timeout=20)
     assert running.returncode == code
-    assert errors == "Interrupted; nothing is written.\n"
+    assert errors == "Interrupted; no files are written.\n"
     assert whole(slab.with_name("slab-results")) == "first"
     assert sorted(path.name for path in slab.parent.iterdir()) == ["slab-results", "slab.toml"]
 
@@ -125,7 +125,7 @@ pathlib.Path.rename = rename
 
 
 def kill_amid_the_exchange(slab: Path, kill_at: int) -> None:
-    """Kill a run that writes other results before it moves so many files."""
+    """Kill a run that writes other results before it moves a given number of files."""
     slab.write_text(SLAB.format(title="second", along=4))
     running = started(slab, STEPPING)
     assert running.stdout is not None and running.stdin is not None
@@ -140,20 +140,20 @@ def kill_amid_the_exchange(slab: Path, kill_at: int) -> None:
 
 @pytest.mark.parametrize("kill_at", [1, 8])
 def test_a_kill_amid_the_exchange_leaves_no_mixture(slab: Path, kill_at: int) -> None:
-    """results.json goes first and comes last of the eight, so what is found without it is not taken for results."""
+    """results.json is the first of eight files removed and the last moved: files without it are no results."""
     kill_amid_the_exchange(slab, kill_at)
     results = slab.with_name("slab-results") / "results.json"
     assert results.exists() == (kill_at == 1)
     if kill_at == 1:
         assert json.loads(results.read_text("utf-8"))["title"] == "first"
-    # The next run is not disturbed by what the killed one left, and removes it.
+    # The next run removes the files that the killed one left.
     assert CliRunner().invoke(app, ["solve", str(slab)]).exit_code == 0
     assert whole(results.parent) == "second"
     assert sorted(path.name for path in slab.parent.iterdir()) == ["slab-results", "slab.toml"]
 
 
 def test_what_a_kill_amid_the_exchange_left_is_not_left_beside_other_results(slab: Path) -> None:
-    """Files that no results.json names any more go with the next success, whatever its combinations are called."""
+    """Files that no results.json names are removed by the next successful run."""
     kill_amid_the_exchange(slab, 3)
     results = slab.with_name("slab-results")
     assert (results / "all.vtu").exists() and not (results / "results.json").exists()
@@ -237,7 +237,7 @@ def test_ctrl_c_ends_native_code_too(slab: Path) -> None:
     # usleep returns early on a signal to its own thread; libc's other threads keep sleeping as a factorization would.
     running.send_signal(signal.SIGINT)
     _, errors = running.communicate(timeout=20)
-    assert (running.returncode, errors) == (130, "Interrupted; nothing is written.\n")
+    assert (running.returncode, errors) == (130, "Interrupted; no files are written.\n")
     assert time.monotonic() - begun < 10
     assert hidden(slab) == [] and whole(slab.with_name("slab-results")) == "first"
 
@@ -248,7 +248,7 @@ def test_ctrl_c_while_modules_are_read_is_a_word(module: str) -> None:
     assert running.stdout is not None and running.stdout.readline() == "here\n"
     running.send_signal(signal.SIGINT)
     _, errors = running.communicate(timeout=20)
-    assert (running.returncode, errors) == (130, "Interrupted; nothing is written.\n")
+    assert (running.returncode, errors) == (130, "Interrupted; no files are written.\n")
 
 
 IMPORTING = """
@@ -274,7 +274,7 @@ def test_a_mesh_that_cannot_fit_is_refused_before_it_is_made(slab: Path, monkeyp
     done = CliRunner().invoke(app, ["solve", str(slab)])
     assert done.exit_code == 2 and time.monotonic() - begun < 2
     assert "slab.toml:5: mesh: A mesh of 1,000,000 elements takes about 35." in done.stderr
-    assert "2.0 GB are free, enough for about 63,000. Take larger elements." in done.stderr
+    assert "2.0 GB are free, enough for about 63,000. Use larger elements." in done.stderr
 
 
 def test_a_limit_on_the_address_space_is_a_message(slab: Path) -> None:
@@ -283,7 +283,7 @@ def test_a_limit_on_the_address_space_is_a_message(slab: Path) -> None:
     running = started(slab, limit)
     _, errors = running.communicate(timeout=60)
     assert running.returncode == 2
-    said = "mesh: A mesh of 16 elements takes about 0.1 GB of memory; 0.0 GB are free, not enough for the least."
+    said = "mesh: A mesh of 16 elements takes about 0.1 GB of memory; 0.0 GB are free, too little for any number."
     assert errors.splitlines()[-1] == f"Error: slab.toml:5: {said}"
 
 

@@ -67,7 +67,7 @@ def test_start_at_a_solution_makes_no_pivot():
         ({"covering": np.array([1.0, 0, 1])}, r"covering\[1\] is 0; every entry must be finite and greater than zero"),
         ({"start": np.ones(4, dtype=bool)}, "basis has 4 entries"),
         ({"start": np.ones(3)}, "start: found an array of float64"),
-        ({"M": np.ones(3)}, "M: found an array of shape \\(3,\\); it must be one of numbers in 2 dimensions"),
+        ({"M": np.ones(3)}, "M: found an array of shape \\(3,\\); it must be an array of numbers with 2 dimensions"),
         ({"q": ["a"]}, "q: found"),
         ({"max_pivots": -1}, "max_pivots: found -1"),
     ],

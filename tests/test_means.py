@@ -1,4 +1,4 @@
-"""What stands where moments and shears have no limit: exclusions are told, and means are given."""
+"""Places where moments and shears have no limit: exclusions are reported, and means are given."""
 
 import io
 import json

@@ -5,10 +5,8 @@ import subprocess
 import sys
 
 import pytest
-from models import rectangular
 
-from signorini import InputError, Model, SignoriniError, contact_problem, solve
-from signorini.base.memory import needed, needed_by_interior_point
+from signorini import Model, SignoriniError, contact_problem
 from signorini.contact import factoring
 from signorini.discretise import discretise
 
@@ -99,21 +97,3 @@ def test_what_does_not_fit_is_said(prepare: str, megabytes: tuple[int, ...]) -> 
     assert done.returncode == 0, done.stderr
     outcomes = eval(done.stdout)
     assert outcomes[0] is True and outcomes[-1] == "solved" and False not in outcomes
-
-
-def test_a_method_that_was_asked_for_and_does_not_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    held = [{"edge": "left", "fix": "clamped"}, {"at": [[4, 0], [4, 3]], "resists": "down"}]
-    model = rectangular(
-        size=[4, 3],
-        divisions=[8, 6],
-        support=held,
-        load=[{"force": 4e5, "at": [3.8, 0.2]}],
-        solver={"method": "interior_point"},
-    )
-    found = discretise(model)
-    enough = 1.01 * needed(len(found.mesh.elements))
-    assert enough < needed_by_interior_point(found.dof_count, len(found.contacts))
-    monkeypatch.setattr("signorini.base.memory.available", lambda: enough)
-    with pytest.raises(InputError, match=r'interior point method takes .* Leave solver.method at "auto"') as caught:
-        solve(model)
-    assert caught.value.place == "solver.method"

@@ -1,4 +1,4 @@
-"""Meshes: what the meshers make, what a mesh refuses, and where points are."""
+"""Meshes: output of the meshers, refusals, and location of points."""
 
 import math
 from itertools import pairwise
@@ -56,7 +56,7 @@ MESHES = {
 }
 
 
-# What the meshers make
+# Output of the meshers
 
 
 def test_a_rectangle_has_the_divisions_asked_for_and_its_own_area_and_moments_of_inertia():
@@ -187,7 +187,7 @@ def test_a_subdivision_is_the_same_in_other_units_for_lines_on_a_grid(count, lin
     assert np.abs(there / unit - here).max() < 1e-12 * 9.0
 
 
-# What a mesh refuses
+# Refusals
 
 
 def moved(node, to):

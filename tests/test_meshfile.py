@@ -1,4 +1,4 @@
-"""Mesh files: what is read from each format, and what is refused."""
+"""Mesh files: content read from each format, and refusals."""
 
 import json
 
@@ -229,7 +229,7 @@ APART[8:] += 10.0 * np.array([1.0, 0.0, 0.0])
         (
             PLATE.points,
             [("triangle", CORNERS[:, :3])],
-            "not 8- or 9-node quadrilaterals or 6-node triangles: 8 triangle. Mesh the plate",
+            "not 8- or 9-node quadrilaterals or 6-node triangles: 8 triangle. Use only these",
         ),
         (PLATE.points, [("quad", CORNERS)], "8 quad. .*ElementOrder = 2"),
         (PLATE.points, [("quad8", PLATE.elements), ("triangle", CORNERS[:2, :3])], "6-node triangles: 2 triangle"),
@@ -239,7 +239,7 @@ APART[8:] += 10.0 * np.array([1.0, 0.0, 0.0])
         (
             PLATE.points[:-1],
             [("quad8", PLATE.elements)],
-            "An element of the mesh refers to a node of index 36, .*has 36 nodes",
+            "An element of the mesh refers to node index 36 .*has 36 nodes",
         ),
         (1e100 * PLATE.points, [("quad8", PLATE.elements)], r"lie within 4e\+100, .* at most 1e\+60"),
         (1e-61 * PLATE.points, [("quad8", PLATE.elements)], "must be at least 1e-60"),
@@ -257,14 +257,14 @@ def test_a_file_that_is_no_plate_is_refused_with_its_name(tmp_path, points, cell
 def test_a_group_of_lines_that_is_no_side_is_refused(tmp_path):
     data = tagged()
     data.cells[0].data[0] = [0, 5, 7]
-    with pytest.raises(InputError, match=r"Group 'left' of the mesh has a line at .* no side of an element"):
+    with pytest.raises(InputError, match=r"Group 'left' of the mesh has a line at .* not a side of an element"):
         read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
 
 
 def test_a_group_that_takes_the_name_of_the_outline_is_refused(tmp_path):
     data = tagged()
     data.field_data["boundary"] = data.field_data.pop("left")
-    with pytest.raises(InputError, match=r"group 'boundary' that is not the whole outline.*rename it"):
+    with pytest.raises(InputError, match=r"group 'boundary' that is not the whole outline.*Rename the group"):
         read(write(tmp_path / "plate.msh", data, file_format="gmsh22"))
 
 
@@ -316,7 +316,7 @@ def test_a_point_at_a_collapsed_side_is_its_node(tmp_path):
 def test_an_element_whose_corners_are_one_node_is_refused(tmp_path):
     cells = [("quad8", np.array([[4, 4, 4, 4, 0, 1, 2, 3]])), ("line3", lines(PLATE.edges["left"]))]
     sets = {"left": [np.zeros(0, int), np.arange(len(PLATE.edges["left"]))]}
-    with pytest.raises(InputError, match="no side of an element"):
+    with pytest.raises(InputError, match="not a side of an element"):
         read(write(tmp_path / "plate.inp", meshio.Mesh(in_space(PLATE.points), cells, cell_sets=sets)))
 
 
@@ -349,7 +349,7 @@ def test_a_file_that_cannot_be_read_is_refused_quietly(tmp_path, capsys, name, c
 
 def test_a_missing_file_and_a_directory_are_refused(tmp_path):
     for path in (tmp_path / "no.msh", tmp_path):
-        with pytest.raises(InputError, match="There is no such mesh file"):
+        with pytest.raises(InputError, match=r"does not exist|is a directory"):
             read(path)
 
 
@@ -366,7 +366,7 @@ def test_a_node_without_a_finite_place_is_named(tmp_path, axis, wrong):
 def test_nodes_of_abaqus_in_several_blocks_are_refused_by_that_name(tmp_path):
     path = tmp_path / "plate.inp"
     path.write_text(NUMBERED[".inp"].replace("11, 0.5, 0\n", "*NODE\n11, 0.5, 0\n"))
-    with pytest.raises(InputError, match=r"Its nodes stand in 2 blocks \*NODE, of which meshio reads the last alone"):
+    with pytest.raises(InputError, match=r"Its nodes are in 2 blocks \*NODE, of which meshio reads only the last"):
         read(path)
 
 
@@ -450,9 +450,7 @@ def test_nodes_of_files_without_numbers_are_refused(tmp_path):
     meshio.write(binary, meshio.read(file), file_format="gmsh22", binary=True)
     with pytest.raises(InputError, match=r"^plate.file: .*binary.msh: .* Mesh.Binary = 0, or give points with at"):
         discretise(Model(**on_nodes(binary, {"nodes": [1, 2, 3]}, {"force": 1, "at": [1, 0.5]})))
-    with pytest.raises(
-        InputError, match=r"not in \.med\. Give points with at, or write the mesh in one of these formats"
-    ):
+    with pytest.raises(InputError, match=r"not \.med\. Give points with at, or write the mesh in one of these formats"):
         node_numbers(tmp_path / "plate.med", 13)
 
 
@@ -462,16 +460,16 @@ def test_nodes_of_files_without_numbers_are_refused(tmp_path):
         (
             {"nodes": [1, 2]},
             {"force": 1, "at": [1, 1]},
-            r"^support\[1\].nodes: nodes are those of a mesh file, and this",
+            r"^support\[1\].nodes: nodes belong to a mesh file",
         ),
-        ({"at": [1, 1]}, {"force": 1, "nodes": 3}, r"^load\[1\].nodes: nodes are those of a mesh file"),
+        ({"at": [1, 1]}, {"force": 1, "nodes": 3}, r"^load\[1\].nodes: nodes belong to a mesh file"),
         ({"at": [1, 1], "nodes": 3}, {"pressure": 1}, "found at and nodes; exactly one of at, nodes, edge"),
         (
             {"at": [1, 1]},
             {"force": 1, "at": [1, 1], "nodes": 3},
             "found at and nodes; force needs exactly one of at, nodes",
         ),
-        ({"at": [1, 1]}, {"pressure": 1, "nodes": 3}, "nodes does not go with pressure"),
+        ({"at": [1, 1]}, {"pressure": 1, "nodes": 3}, "nodes is not allowed with pressure"),
         ({"nodes": [3, 3]}, {"pressure": 1}, "3 is listed twice"),
         ({"nodes": [1.5]}, {"pressure": 1}, r"found 1.5; it must be a whole number"),
         ({"nodes": []}, {"pressure": 1}, "it must be the number of a node or a list of numbers"),
@@ -495,7 +493,7 @@ def test_areas_pass_over_the_holes_of_a_mesh_and_not_beyond_its_outline(tmp_path
     ):
         model = Model(**on_nodes(file, edge, {"pressure": 4.0, "area": area}))
         whole = model.load[0].area.region.area
-        # Of the last the hole in the area lies over that in the mesh, but for what is left of it.
+        # In the last one the hole in the area covers most of that in the mesh.
         over = np.pi * 0.25 if "holes" not in area else np.pi * 0.25 - 0.08
         assert discretise(model).cases["load"].nodal[::3].sum() == pytest.approx(4 * (whole - over), rel=2e-3)
     beyond = {"circle": {"center": [3, 2], "radius": 2.1}}

@@ -1,4 +1,4 @@
-"""Plates whose outline and holes are given: their contours, meshes and edges, and what is refused."""
+"""Plates whose outline and holes are given: their contours, meshes and edges, and refusals."""
 
 import numpy as np
 import pytest
@@ -124,12 +124,12 @@ def test_bad_outlines_are_told_with_their_place(plate, says):
             {"plate": {"points": [[0, 0], [1, 1]]}},
             "plate.points: found [[0, 0], [1, 1]]; it must be a list of at least 3",
         ),
-        ({"plate": {"points": [[0, 0], [1, 0], [1, 1], [0, 0]]}}, "the last corner is the first one again"),
+        ({"plate": {"points": [[0, 0], [1, 0], [1, 1], [0, 0]]}}, "the last corner equals the first"),
         ({"plate": {"points": [{"through": [1, 1], "to": [2, 0]}, [1, 0], [1, 1]]}}, "it begins with an arc"),
         ({"plate": {"points": [[0, 0], [1, 0], {"via": [1, 1], "to": [2, 0]}]}}, "plate.points[3].via: unknown key"),
         ({"plate": {"points": [[0, 0], [1, 0], 3]}}, "plate.points[3]: found 3; it must be a corner [x, y], or an arc"),
         ({"plate": {"holes": [{}]}}, "plate.holes[1]: found none; exactly one of rectangle, circle, polygon"),
-        ({"mesh": {"divisions": [4, 4]}}, "mesh.divisions: divisions count the elements of a regular mesh"),
+        ({"mesh": {"divisions": [4, 4]}}, "mesh.divisions: divisions are for a regular mesh"),
         ({"mesh": {"refine": [{"edge": "left", "size": 1}]}}, "mesh.refine[1].edge"),
         ({"mesh": {"refine": [{"size": 1}]}}, "mesh.refine[1]: found none; exactly one of at, edge, line"),
         ({"support": [{"edge": "edge 7", "fix": "simple"}]}, "support[1].edge"),
@@ -183,7 +183,7 @@ def test_areas_may_reach_over_edges_by_the_last_digit_written():
 
 @pytest.mark.parametrize("stiffness", [{}, {"stiffness": 1e6}])
 def test_what_is_in_a_hole_alone_is_not_on_the_plate(stiffness):
-    # A small one is less than what a coarse mesh loses at the round outline.
+    # A small one is less than the loss of a coarse mesh at the round outline.
     for radius in (0.4, 0.02):
         area = {"circle": {"center": [2, 2], "radius": radius}}
         given = {"plate": {"holes": [{"circle": {"center": [2, 2], "radius": 0.5}}]}, "size": 1.5}
@@ -210,7 +210,7 @@ def test_the_mesh_follows_walls_near_to_edges_and_to_each_other():
     for off in (0.3, 0.2, 0.1, 0.07):
         assert followed([[0.5, off], [7, off]])[0] == [True]
         assert followed([[1, 2], [6, 2]], [[1.2, 2 + off], [6.3, 2 + off]], [[off, 2.5], [off, 7]])[0] == [True] * 3
-    # Nearer ones are left, and cost nothing.
+    # Nearer ones are left out, without cost.
     assert followed([[0.5, 0.06], [7, 0.06]]) == ([False], alone)
     assert followed([[0.5, 0.1], [7, 0.1]])[1] < 3 * alone
 

@@ -405,7 +405,7 @@ def test_a_forged_list_of_former_files_removes_nothing_else(
     (tmp_path / "out").mkdir()
     forged = {key: None for key in results_json(results)} | {"files": json.loads(names)}
     (tmp_path / "out" / "results.json").write_text(json.dumps(forged))
-    with pytest.raises(InputError, match=r"results.json is there already, and no earlier run says that it wrote it"):
+    with pytest.raises(InputError, match=r"results.json exists, and was not written by an earlier run"):
         write(results, tmp_path / "out")
     assert (tmp_path / "precious.vtu").read_text() == "mine"
 
@@ -417,7 +417,7 @@ def test_a_file_of_somebody_elses_with_a_name_of_ours_is_refused_beforehand(
     (tmp_path / name).write_text('{"files": ["results.json", "reactions.csv"]}')
     before = (tmp_path / name).read_bytes()
     for put in (lambda: write(results, tmp_path), lambda: room_for(tmp_path, model()).__enter__()):
-        with pytest.raises(InputError, match=f"{name} is there already, and no earlier run says that it wrote it"):
+        with pytest.raises(InputError, match=f"{name} exists, and was not written by an earlier run"):
             put()
         assert [path.name for path in tmp_path.iterdir()] == [name] and (tmp_path / name).read_bytes() == before
 
@@ -433,7 +433,7 @@ def test_results_and_a_load_path_in_one_directory_leave_each_other_alone(
         p.name for p in tmp_path.iterdir()
     }
     named_path = signorini.solve(model(combination=[{"name": "path", "factors": {"G": 1}}]))
-    with pytest.raises(InputError, match=r"path.png is there already"):
+    with pytest.raises(InputError, match=r"path.png exists"):
         write(named_path, tmp_path)
 
 

@@ -111,7 +111,7 @@ def test_an_exact_path_has_thresholds_at_its_stops(slab: Path) -> None:
         (["--from", "G"], 2, "Missing option '--add'"),
         (["--from", "G", "--add", "nothing"], 2, '--add: the load "nothing" is zero'),
         (["--add", "Q", "--steps", "0"], 2, "--steps: found 0; it must be a whole number from 1 to"),
-        (["--add", "Q", "--at", "1,b"], 2, "--at: found '1,b'; it must be numbers with commas between them"),
+        (["--add", "Q", "--at", "1,b"], 2, "--at: found '1,b'; it must be numbers separated by commas"),
         (["--add", "Q", "--at", "1,-1"], 2, "--at: found -1; it must be a finite number greater than 0."),
         (["--add", "Q", "--at", "1", "--steps", "3"], 2, "--at: both steps and at are given; give one of them."),
         (["--add", "Q", "--events", "some"], 2, "--events: Unknown choice 'some'. It has: all, named."),
@@ -171,7 +171,7 @@ def test_until_ends_the_path_and_at_keeps_to_it(slab: Path) -> None:
     printed = run("path", slab, "--from", "G", "--add", "Q", "--until", "2").output
     assert "Followed to t = 2. Equilibrium ends at t = 16" in printed
     printed = run("path", slab, "--add", "G", "--until", "2").output
-    end = "Followed to t = 2. Equilibrium does not end, however large t is: supports hold without limit."
+    end = "Followed to t = 2. Equilibrium does not end for any t: the supports hold without limit."
     assert end in " ".join(printed.split())
     with pytest.raises(signorini.InputError, match="the path goes from 0 to 2"):
         found.at(2.5)
@@ -184,7 +184,7 @@ def test_what_holds_against_lifting_without_limit_is_named(slab: Path) -> None:
         SLAB.replace('  { name = "prop"', '  { name = "pile", at = [2, 3], resists = "up" },\n  { name = "prop"')
     )
     printed = run("path", slab, "--from", "G", "--add", "G", "--until", "2").output
-    end = "Equilibrium does not end, however large t is: supports hold without limit, pile against lifting too."
+    end = "Equilibrium does not end for any t: the supports hold without limit; pile also against uplift."
     assert end in " ".join(printed.split())
 
 
@@ -230,7 +230,7 @@ load = [{ case = "G", pressure = 8 }, { case = "Q", force = 100, at = [3.8, 3.8]
 
 @pytest.fixture(scope="module")
 def bedded(tmp_path_factory: pytest.TempPathFactory):
-    """What a path of a plate on soil prints and writes."""
+    """Output of a path of a plate on soil."""
     file = tmp_path_factory.mktemp("bed") / "bed.toml"
     file.write_text(BED)
     result = run("path", file, "--from", "G", "--add", "Q", "--until", 1.8)

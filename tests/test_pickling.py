@@ -1,4 +1,4 @@
-"""What a solve takes and gives goes from one process to another, and says the same there to the last bit."""
+"""Models and results are pickled from one process to another, equal to the last bit."""
 
 import copy
 import dataclasses

@@ -30,7 +30,7 @@ def test_points_keep_the_order_of_the_input(how):
 
 @pytest.mark.parametrize("apart", [0.0, 1e-11, 1e-10, 1e-9, 5e-9, 2e-8])
 def test_points_all_but_at_one_place_are_at_one_place(apart):
-    """A spring beside a closed rigid bearing carries nothing, and made them two at some of these distances."""
+    """A spring at a closed rigid bearing carries no load, and once separated them at some of these distances."""
     bearings = {"name": "a", "at": [[1, 1], [3, 1], [2, 3]], "resists": "down"}
     beside = {"name": "c", "at": [1 + apart, 1], "resists": "both"}
     spring = {"name": "d", "at": [3, 1], "resists": "both", "stiffness": 1e12}
@@ -177,7 +177,7 @@ def test_rigid_points_on_a_rigid_circle_do_nothing(plate, held) -> None:
 
 @pytest.mark.parametrize("off", [3e-4, 3e-3, -3e-3])
 def test_points_beside_arcs_of_the_mesh_stay_where_they_are(off) -> None:
-    """Where no circle is held, the mesh's own circles are nothing to be on: a plane stays a plane."""
+    """Without a held circle, places are not moved onto the mesh's circles: a plane stays a plane."""
     plane = np.array([0.01, -0.01, 0.005])
     at = (7 / 3 + off) * np.array([np.cos(0.07), np.sin(0.07)])
     settlement = float(plane @ [1.0, *at])
@@ -210,7 +210,7 @@ def test_a_circle_that_all_but_is_the_rim_is_snapped_onto_it() -> None:
 
 
 def rounded_disc(digits):
-    """A disc of radius 5 whose coordinates have so many digits."""
+    """A disc of radius 5 whose coordinates have a number of digits."""
     mesh = meshers.disc((0.0, 0.0), 5.0, (4, 24))
     points = np.array([[float(f"{x:.{digits}g}") for x in point] for point in mesh.points])
     return Mesh(points, mesh.elements, {})
@@ -219,7 +219,7 @@ def rounded_disc(digits):
 @pytest.mark.parametrize("radius", [4.9999999, 5.0000001, 5.0001, 5.003])
 @pytest.mark.parametrize("digits", [8, 17])
 def test_a_ring_that_all_but_is_a_round_edge_is_divided_as_its_sides_are(tmp_path, radius, digits) -> None:
-    """No side of an element crosses what runs just outside the nodes, and one piece of it went through several."""
+    """No side of an element crosses a ring just outside the nodes, whose pieces once spanned several elements."""
     file = written(tmp_path / "disc.vtu", rounded_disc(digits))
     read = {"shape": "mesh", "file": file, "thickness": 0.3}
     ring = {"circle": {"center": [0, 0], "radius": radius}, "stiffness": 1e8}
@@ -340,6 +340,6 @@ def test_where_nothing_is_held_every_contact_point_stays() -> None:
         discretise(Model.model_validate({**tables, "support": support}))
         for support in (tables["support"], [*tables["support"], wall])
     )
-    # Four points across a side on the outline, three elsewhere and beside nodes that are held.
+    # Four points across a side on the outline, three at other sides and beside held nodes.
     assert len(free.contacts) == 4 * 9 + 8 * 12 + 4 * 16
     assert len(held.contacts) < len(free.contacts)

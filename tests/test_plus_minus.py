@@ -65,7 +65,7 @@ def written_of(results: signorini.Results) -> Any:
 
 @pytest.mark.parametrize("divisions", [[8, 8], [10, 6], [16, 16]])
 def test_shears_alike_on_both_sides_of_a_wall_are_of_the_same_side_on_every_mesh(divisions: list[int]) -> None:
-    """Rounding picked the side on each, and the half-width was as wide as both are apart, times what grew of it."""
+    """Without a rule rounding picks the side on each mesh, and the half-width is at least their difference."""
     support = [{"edge": EDGES[:2], "fix": "simple"}, {"line": [[4, 0], [4, 4]], "fix": "simple"}]
     probe = [{"at": [[4, 2], [4, 1.3]]}]
     model = rectangular(size=(8, 4), divisions=divisions, support=support, load=[{"pressure": 1e3}], probe=probe)
@@ -129,7 +129,7 @@ def test_half_widths_at_free_edges_of_thin_plates_know_the_layer_that_no_mesh_sh
     result = solve(thin)["all"]
     edge, inside = result.probes
     at_edge, beside_it = widths_of(result)["probes"]
-    # There is no twist at a free edge, and no shear across it; what is gone of the twist is a shear along it.
+    # A free edge has no twist and no shear across it; the lost twist is a shear along it.
     twist = abs(edge.moment[2])
     assert twist == pytest.approx(10.7, rel=0.01)
     assert at_edge["moment"][2] == pytest.approx(twist, rel=0.02)

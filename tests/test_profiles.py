@@ -1,4 +1,4 @@
-"""Profiles: what the documents promise of them."""
+"""Profiles: the promises of the documents."""
 
 from __future__ import annotations
 
@@ -76,8 +76,8 @@ def test_stations_off_the_plate_have_no_values(tmp_path):
 @pytest.mark.parametrize(
     ("profile", "message"),
     [
-        ({}, r"profile\[1\]: it must have a line or a circle"),
-        ({"line": [[0, 0], [1, 1]], "circle": {"radius": 1}}, r"profile\[1\]: it must have a line or a circle"),
+        ({}, r"profile\[1\]: give exactly one of line and circle"),
+        ({"line": [[0, 0], [1, 1]], "circle": {"radius": 1}}, r"profile\[1\]: give exactly one of line and circle"),
         ({"line": [[0, 5], [4, 5]]}, r"profile\[1\]: None of its stations is on the plate"),
     ],
 )

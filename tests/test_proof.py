@@ -1,4 +1,4 @@
-"""Certificates of sums: never better than what `certify` says of the same answer, right or wrong."""
+"""Certificates of sums: never smaller figures than `certify` for the same answer, right or wrong."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What `signorini` promises: its names, their signatures and members, and that docs/python.md has them all."""
+"""Public interface of `signorini`: names, signatures and members, all of them in docs/python.md."""
 
 import inspect
 import re

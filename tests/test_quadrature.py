@@ -247,7 +247,7 @@ def test_what_touches_mesh_lines_far_from_the_origin_keeps_its_area(away, shape)
 @example("curved distorted disc", (0.0, 0.25, 2.6781309754448466e-10, 0.0), None)
 @settings(max_examples=60, deadline=None)
 def test_left_and_right_of_a_line_are_the_whole(name, ends, region):
-    """Of the plate, and of a region whose outline the line crosses within elements."""
+    """Quadrature of the plate, and of a region whose outline the line crosses within elements."""
     mesh = MESHES[name]
     a, b = np.array(ends).reshape(2, 2)
     assume(math.dist(a, b) > 0.1)

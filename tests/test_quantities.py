@@ -27,7 +27,7 @@ SOIL = {"name": "soil", "area": {"rectangle": [0, 0, 2, 2]}, "resists": "down", 
 PLACES = {"at", "length", "width", "nodes", "contact_boundary", "max_pressure_at", "max_beside", "min_beside"}
 PLACES |= {"max_at", "min_at", "line", "max_per_length_at", "min_per_length_at"}
 PLACES |= {f"{side}_mean_{what}" for side in ("max", "min") for what in ("at", "width")}
-"""What results.json tells of places, and what is as long as the mesh is fine."""
+"""Entries of results.json that are places, or whose length depends on the mesh."""
 
 
 def model(*, soil: bool = True, **others: Any) -> Model:

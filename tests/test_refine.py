@@ -84,7 +84,7 @@ def test_other_meshes_of_a_refined_one_are_refined_alike() -> None:
     [
         (
             {"size": 0.1},
-            "mesh.refine[1]: found none; exactly one of at, edge, line, circle, area says where elements are smaller.",
+            "mesh.refine[1]: found none; exactly one of at, edge, line, circle, area gives the place",
         ),
         ({"edge": "lef", "size": 0.1}, "mesh.refine[1].edge: Unknown edge 'lef'."),
         ({"at": [1, 1]}, "mesh.refine[1].size"),
@@ -234,7 +234,7 @@ def test_what_does_not_come_nearer_is_given_up() -> None:
 
 
 def test_an_accuracy_needs_half_widths() -> None:
-    with pytest.raises(InputError, match="an accuracy that is asked for needs half-widths"):
+    with pytest.raises(InputError, match="accuracy needs the half-widths"):
         plate(accuracy=0.1, error=False)
     with pytest.raises(InputError, match=r"mesh\.accuracy"):
         plate(accuracy=2)

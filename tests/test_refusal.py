@@ -1,4 +1,4 @@
-"""Refusals name what is to blame."""
+"""Refusals name the cause."""
 
 from models import rectangular
 

@@ -36,7 +36,7 @@ def test_what_has_no_end_is_not_read(tmp_path: Path, what: str, says: str) -> No
     with open(tmp_path / "sparse", "wb") as sparse:
         sparse.truncate(10**13)
     name = str(tmp_path / what)
-    with pytest.raises(InputError, match=re.escape(f"{name}: this file cannot be read: {says}")):
+    with pytest.raises(InputError, match=re.escape(f"{name}: the file cannot be read: {says}")):
         signorini.load(name)
     with pytest.raises(InputError, match=re.escape(f"{name}: The mesh file cannot be read: {says}")):
         read_mesh(name)

@@ -159,7 +159,7 @@ def test_asking_for_strips_changes_nothing_else():
     ("asked", "message"),
     [
         ({"section": [{"line": [[0, 0], [5, 4]]}]}, r"section\[1\]\.line: The line ends at \[5, 4\], off the plate"),
-        ({"section": [{"line": [[1, 1], [1, 1]]}]}, r"section\[1\]\.line.*point 1 and the one after it are the same"),
+        ({"section": [{"line": [[1, 1], [1, 1]]}]}, r"section\[1\]\.line.*points 1 and 2 are the same"),
         ({"section": [{"line": [[1, 1]]}]}, r"section\[1\]\.line.*at least 2 points"),
         ({"section": [{"name": "A"}]}, r"section\[1\]\.line.*missing"),
         ({"section": SECTIONS[:1] * 2}, r'section\[2\]\.name.*the name "A" is taken by section\[1\]'),
@@ -218,12 +218,12 @@ def test_a_section_that_closes_but_for_rounding_is_closed(by):
     ids=["crosses", "there and back", "goes back", "ends in itself"],
 )
 def test_a_section_that_meets_itself_is_refused(line, pieces):
-    message = f"the line goes back, or crosses or touches itself: its pieces {pieces} meet."
+    message = f"the line turns back, or crosses or touches itself: its segments {pieces} meet."
     with pytest.raises(InputError, match=re.escape(message)) as refused:
         section(*line)
     assert refused.value.place == "section[1].line"
 
 
 def test_a_strip_that_goes_back_is_refused():
-    with pytest.raises(InputError, match=re.escape("the line goes back on itself at [2, 3]. Split it")):
+    with pytest.raises(InputError, match=re.escape("the line turns back at [2, 3]. Split it")):
         rectangular(**ASKED | {"strip": [{"line": [[2, 1], [2, 3], [2, 2]], "width": 0.5}]})

@@ -32,7 +32,7 @@ CORNERS, MIDDLE, ENDS, ACROSS = [[0, 0], [4, 0], [4, 4], [0, 4]], [[2, 2]], [[1,
 
 
 def held(*support, **load):
-    """What holds the plate, and beside it, if it is given, what loads it."""
+    """Tables of supports and, if given, of a load."""
     return {"support": list(support)} | ({"load": [load]} if load else {})
 
 
@@ -333,7 +333,7 @@ def test_peaks_leave_singular_places_out():
 
 @pytest.mark.parametrize("solver", ["lemke", "active_set"])
 def test_peaks_of_rows_leave_out_what_acts_in_them_alone(solver):
-    """Where the force does not act its place counts; where it does the row has what the result by itself has."""
+    """Without the force its place is not excluded; with it the row equals the single result."""
     moving = {"case": "wheel", "line": [[1, 1.5], [3, 1.5]], "step": 1, "axles": [0, 2e3]}
     rows = {"without": [1.0, 0.0], "with": [1.0, 1.0], "less": [0.5, 0.2]}
     results = solve(

@@ -1,4 +1,4 @@
-"""``[mesh] snap`` moves what is drawn a little beside something onto it, and says so; without it nothing moves."""
+"""``[mesh] snap`` moves places onto others near them and reports it; without it no place moves."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_a_circle_becomes_the_edge_or_the_circle_that_it_nearly_is() -> None:
 
 
 def test_a_line_as_short_as_that_is_refused() -> None:
-    with pytest.raises(InputError, match=r"support\[2\]\.line: With mesh\.snap = 0\.01 it comes to nothing"):
+    with pytest.raises(InputError, match=r"support\[2\]\.line: With mesh\.snap = 0\.01 it degenerates"):
         discretise(plate({"at": [2, 2]}, {"line": [[2.001, 2], [2.004, 2]], **HELD}, snap=0.01))
 
 

@@ -155,7 +155,7 @@ def test_a_hinged_plate_tips_about_its_hinge() -> None:
 
 @pytest.mark.parametrize("beyond", [1e-1, 1e-5, 1e-8])
 def test_however_little_holds_the_plate_is_told(beyond):
-    """20 that far beyond the bed's edge at 3, and what holds it at 3 on the other side."""
+    """A force of 20 just outside the bed's edge at 3, and the force at 3 on the other side that holds it."""
     bed = [{"area": {"rectangle": [1, 1, 3, 3]}, "resists": "down", "stiffness": 1e4}]
     with pytest.raises(NoEquilibriumError) as none:
         solve(model([{"case": "Q", "force": 20.0, "at": [3 + beyond, 2]}], None, bed))

@@ -1,4 +1,4 @@
-"""What the terminal shows: it fits, breaks no number, says what governs, and ends quietly."""
+"""Terminal output: it fits, breaks no number, names governing combinations, and ends quietly."""
 
 import io
 import os
@@ -186,7 +186,9 @@ def test_supports_that_are_rigid_and_limits_of_equilibrium_are_told() -> None:
     legs = {"name": "legs", "at": [[1, 1], [3, 1], [3, 3], [1, 3]], "resists": "down"}
     results = signorini.solve(model(2, support=[legs]))
     case, factor = results.limits["ULS 2: 1.35 G + 0.125 Q"]
-    assert f"equilibrium would end with {case} at {factor:.4g} times its factor" in shown(print_results, results, WIDE)
+    assert f"Equilibrium ends at {factor:.4g} × case {case}, other cases unchanged" in shown(
+        print_results, results, WIDE
+    )
 
 
 @pytest.mark.parametrize("count", [2, 30])
@@ -284,12 +286,12 @@ def test_of_a_support_along_which_others_hold_the_plate_nothing_is_in_contact() 
     )
     shown = io.StringIO()
     print_results(Console(file=shown, width=WIDE), signorini.solve(held), None)
-    assert "ring: others hold the plate all over it" in shown.getvalue()
+    assert "ring: the plate is held by other supports everywhere on it" in shown.getvalue()
 
 
 def test_a_single_bearing_has_no_others() -> None:
     said = shown(print_results, signorini.solve(model(13, support=[{"area": "all", "stiffness": 1e4}])), WIDE)
-    assert "what the others do then" not in said and "largest reaction" in said
+    assert "with the others in that combination" not in said and "largest reaction" in said
 
 
 @pytest.mark.parametrize("count", [1, 13])
@@ -300,7 +302,7 @@ def test_where_half_widths_are_wide_it_is_said_once_what_helps(count: int) -> No
     given = {"size": (10, 10), "load": load, "support": held, "combination": made}
     coarse = rectangular(**given, mesh={"size": 0.5})
     said = shown(print_results, signorini.solve(coarse), WIDE)
-    (told,) = re.findall(r"± is more than half of the largest (.*): the mesh leaves open what it is\. Take", said)
+    (told,) = re.findall(r"± is more than half of the largest (.*): the mesh is too coarse there\. Use", said)
     assert "my at [2.25, 2.2]" in told
     finer = rectangular(**given, mesh={"size": 0.5, "refine": [{"at": [2.1, 2.2], "size": 0.1}]})
     assert "my at [2" not in shown(print_results, signorini.solve(finer), WIDE)
@@ -316,5 +318,5 @@ def test_of_many_points_the_largest_and_those_that_are_open_are_shown() -> None:
     rows = [line.split() for line in lines[at:] if line.startswith("feet[")]
     wanted = sorted(np.abs(support.reactions))[-20:]
     assert sorted(float(row[3]) for row in rows) == pytest.approx(wanted, rel=1e-5, abs=1e-9)
-    assert "and 5 more points of smaller reactions, all in reactions.csv" in lines[at:]
+    assert "and 5 more points with smaller reactions, all in reactions.csv" in lines[at:]
     assert any(line.startswith("feet, open: [") for line in lines[at:]) == (0 < support.open_count <= 8)

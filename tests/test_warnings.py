@@ -1,4 +1,4 @@
-"""Warnings: what is solved all the same, but seldom meant; and that ordinary models have none."""
+"""Warnings about input that is solved but seldom meant; ordinary models have no warning."""
 
 import json
 import re
@@ -41,7 +41,7 @@ def model(**changes: object) -> signorini.Model:
 def warned(**changes: object) -> tuple[str, ...]:
     """Warnings of the one combination, which are those in results.json; those of the model are those of `check`."""
     given = model(**changes)
-    # What ± says is not of the model.
+    # Warnings of ± are not about the model.
     results = signorini.solve(given.model_copy(update={"mesh": given.mesh.model_copy(update={"error": False})}))
     (result,) = results.values()
     assert results_json(results)["combinations"][0]["warnings"] == list(result.warnings)
@@ -98,7 +98,7 @@ def test_a_modulus_in_another_unit(length: str, force: str, modulus: float, said
         ({"length": "IN", "force": "Kips"}, ["in", "kips"]),
         ({"force": "KN"}, ["N, daN, kN, MN", 'Did you mean "kN"?']),
         ({"force": "newtons"}, ['"N"?']),
-        ({"length": "furlong"}, ["mm, cm, dm, m, km, in, ft, yd: whether numbers are in the right"]),
+        ({"length": "furlong"}, ["mm, cm, dm, m, km, in, ft, yd"]),
     ],
 )
 def test_units_that_are_not_known(units: dict[str, str], said: list[str]) -> None:
@@ -215,7 +215,7 @@ def test_reactions_that_outweigh_what_acts_by_far() -> None:
     def said(x: float) -> list[str]:
         line = {"name": "line", "line": [[x, 0], [x, 1]], "fix": "simple"}
         sentences = warned(support=[wall, line], plate=plate, mesh={"divisions": [6, 2]}, load=[{"pressure": 1e-6}])
-        return [sentence for sentence in sentences if "times what acts" in sentence]
+        return [sentence for sentence in sentences if "times the loads" in sentence]
 
     (sentence,) = said(1e-3)
     assert sentence.startswith("Reactions of wall and line add up to ") and not said(1e-2)
@@ -242,10 +242,7 @@ def test_points_that_can_do_nothing() -> None:
     walls = {"edge": ["left", "right"], "fix": "simple"}
     props = {"name": "props", "at": [[0, 1], [2, 1], [2, 3]], "resists": "down", "gap": 1e-5}
     (sentence,) = warned(support=[walls, props])
-    assert sentence == (
-        "props: 1 of its 3 points are where other supports hold the plate, and can do nothing there. Results number "
-        "the other points without them."
-    )
+    assert sentence.startswith("props: 1 of its 3 points are where other supports hold the plate")
 
 
 def test_of_a_table_they_are_said_once() -> None:
@@ -290,7 +287,10 @@ def test_a_weight_in_another_unit(weight: float, said: bool) -> None:
 )
 def test_a_couple_that_an_edge_of_symmetry_takes(moment: list[float], at: list[float], said: bool) -> None:
     load, supports = [{"moment": moment, "at": at}, {"pressure": 5}], [PADS, {"edge": "left", "fix": "symmetry"}]
-    assert any("does nothing" in warning for warning in check(model(support=supports, load=load)).warnings) == said
+    assert (
+        any("loads the support only" in warning for warning in check(model(support=supports, load=load)).warnings)
+        == said
+    )
 
 
 def test_a_load_case_that_acts_in_no_combination() -> None:
@@ -311,7 +311,7 @@ def test_places_off_the_plate_are_not_refined_and_said() -> None:
     places = [{"at": [100, 1]}, {"area": {"rectangle": [50, 50, 60, 60]}}, {"line": [[-5, -5], [-3, -3]]}]
     places += [{"circle": {"center": [20, 20], "radius": 2}}, {"at": [1, 1]}, {"line": [[-1, 1], [1, 1]]}]
     refined = {"size": 1, "refine": [{**place, "size": 0.5} for place in places]}
-    found = [warning for warning in check(model(mesh=refined)).warnings if "nothing is refined for it" in warning]
+    found = [warning for warning in check(model(mesh=refined)).warnings if "refines no elements" in warning]
     kinds = ["point [100, 1]", "area", "line", "circle"]
     assert [warning.split(" of refinement")[0] for warning in found] == [f"The {kind}" for kind in kinds]
 

@@ -165,7 +165,7 @@ def test_sections_cut_areas_with_arcs():
         support=[{"name": side, "edge": [side]} for side in ("left", "right")],
     )
     (section,) = result.sections
-    # Of the half disc about [4.5, 3] what is to the right of the line.
+    # The part of the half disc about [4.5, 3] to the right of the line.
     segment = np.arccos(0.2) - 0.2 * np.sqrt(1 - 0.04)
     right = result.reactions["right"] - 5e3 * segment
     assert abs(section.shear) == approx(abs(right), rel=1e-9)
@@ -174,7 +174,7 @@ def test_sections_cut_areas_with_arcs():
 def test_arcs_that_cross_a_side_are_refused():
     crossing = [[0, 0], [4, 0], [4, 1], {"through": [2, -1], "to": [0, 1]}]
     with pytest.raises(
-        InputError, match=r"zone\[1\].area.polygon: The polygon crosses or touches itself. Give corners"
+        InputError, match=r"zone\[1\].area.polygon: The polygon crosses or touches itself. List corners"
     ):
         slab({"area": {"polygon": crossing}, "thickness": 0.3})
 
@@ -191,17 +191,23 @@ def test_overlaps_that_are_seldom_meant_are_told():
 @pytest.mark.parametrize(
     ("zone", "message"),
     [
-        ({"area": MIDDLE}, r"zone\[1\]: it changes nothing; give thickness, material, modifiers, stiffness or rigid"),
-        ({"area": MIDDLE, "stiffness": STIFF}, r"zone\[1\].thickness: 'thickness' is missing; it goes with stiffness"),
-        ({"area": MIDDLE, "stiffness": STIFF, "thickness": "x"}, r"zone\[1\].thickness: found \"x\"; beside stiffness"),
-        ({"area": MIDDLE, "stiffness": STIFF | {"D1": 8e6}}, r"stiffness.D1: found 8e\+06; its size must be less than"),
+        (
+            {"area": MIDDLE},
+            r"zone\[1\]: the zone has no effect; give thickness, material, modifiers, stiffness or rigid",
+        ),
+        (
+            {"area": MIDDLE, "stiffness": STIFF},
+            r"zone\[1\].thickness: 'thickness' is missing; it is required with stiffness",
+        ),
+        ({"area": MIDDLE, "stiffness": STIFF, "thickness": "x"}, r"zone\[1\].thickness: found \"x\"; with stiffness"),
+        ({"area": MIDDLE, "stiffness": STIFF | {"D1": 8e6}}, r"stiffness.D1: found 8e\+06; .D1. must be less than"),
         ({"area": MIDDLE, "thickness": 0.3, "material": {}}, r"zone\[1\].material.E: 'E' is missing. Young's modulus"),
         ({"area": "all", "thickness": 0.3}, r'zone\[1\].area: found "all"'),
         ({"area": {"rectangle": [7, 2, 9, 4]}, "thickness": 0.3}, r"zone\[1\].area: The area has 50 % of its size off"),
         ({"area": {"rectangle": [9, 2, 10, 4]}, "thickness": 0.3}, r"zone\[1\].area: The area is not on the plate"),
         ({"area": MIDDLE, "thickness": "x - 4"}, r"zone\[1\].thickness: .* must be greater than 0"),
         ({"area": MIDDLE, "thickness": 1e-9}, r"zone\[1\].thickness: Found the thickness 1e-09"),
-        ({"area": MIDDLE, "material": {"E": 1e9, "nu": 0.2}}, r"zone\[1\].material: there is a load of self_weight"),
+        ({"area": MIDDLE, "material": {"E": 1e9, "nu": 0.2}}, r"zone\[1\].material: a self_weight load"),
     ],
 )
 def test_what_is_wrong_with_a_zone_is_told_with_its_place(zone, message):

@@ -1,7 +1,7 @@
 """Plates of `outlines.py` that have no closed form, by GetFEM: MITC4 on squares, deflections at nodes.
 
-Runs under the Python that Debian's python3-getfem is installed for, and prints a line of JSON: deflections for so many
-elements along a side of 2, and where those of a quarter, of half and of all of them lead, as a geometric series.
+Runs under the Python that Debian's python3-getfem is installed for, and prints a line of JSON: deflections for a number
+of elements along a side of 2, and the limit of those of a quarter, half and all of them, as a geometric series.
 
     /usr/bin/python3 benchmarks/peers/getfem_outlines.py L 256
     /usr/bin/python3 benchmarks/peers/getfem_outlines.py hole 256

@@ -18,6 +18,10 @@ pub fn room(len: usize) -> PyResult<Vec<f64>> {
     dense::room(len).map_err(|_| PyMemoryError::new_err("not enough memory"))
 }
 
+pub fn vector<T: numpy::Element + Copy>(array: &PyReadonlyArray1<'_, T>) -> Vec<T> {
+    array.as_array().to_vec()
+}
+
 /// A vector of a stated length.
 pub fn sized<T: numpy::Element + Copy>(what: &str, array: &PyReadonlyArray1<'_, T>, length: usize) -> PyResult<Vec<T>> {
     if array.len() == length {

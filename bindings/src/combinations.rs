@@ -1,4 +1,4 @@
-use crate::arrays::{invalid, matrix, rows, rows_of, sized};
+use crate::arrays::{invalid, matrix, rows, rows_of, vector};
 use crate::contact::{ContactProblem, failed};
 use crate::plate::Plate;
 use crate::threads::{interruptible, released};
@@ -7,7 +7,7 @@ use numpy::{
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use signorini_core::contact::{self, Outcome};
+use signorini_core::contact::{self, SolveError};
 use signorini_core::displacement::Displacement;
 use signorini_core::plate;
 use signorini_core::stress::{Strained, smoothed_together};
@@ -55,7 +55,6 @@ impl Response {
 pub struct CombinedCases {
     inner: contact::CombinedCases,
     of: Arc<contact::ContactProblem>,
-    cases: usize,
 }
 
 type Combined<'py> = (
@@ -85,7 +84,7 @@ pub fn rest_response(
     py: Python<'_>,
     held_value: PyReadonlyArray1<'_, f64>,
 ) -> PyResult<Response> {
-    let held_value = sized("held_value", &held_value, problem.inner.plate.dof_count())?;
+    let held_value = vector(&held_value);
     let inner = released(py, || problem.inner.rest_response(&held_value))?.map_err(failed)?;
     Ok(Response { inner, of: problem.inner.clone() })
 }
@@ -97,9 +96,6 @@ pub fn load_responses(
     py: Python<'_>,
     loads: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Vec<Response>> {
-    if loads.shape()[1] != problem.inner.plate.dof_count() {
-        return Err(invalid(format!("loads must have {} columns", problem.inner.plate.dof_count())));
-    }
     let loads = rows(&loads);
     let result = interruptible(py, |watch| problem.inner.load_responses(&loads, watch))?.map_err(failed)?;
     Ok(result.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
@@ -108,10 +104,6 @@ pub fn load_responses(
 /// The responses to one unit of the own action of contact points `first` to `end`, the last excluded.
 #[pyfunction]
 pub fn point_responses(problem: &ContactProblem, py: Python<'_>, first: usize, end: usize) -> PyResult<Vec<Response>> {
-    let count = problem.inner.points.len();
-    if end > count {
-        return Err(invalid(format!("there are {count} contact points, not {end}")));
-    }
     let result = interruptible(py, |watch| problem.inner.point_responses(first..end, watch))?.map_err(failed)?;
     Ok(result.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
@@ -125,10 +117,6 @@ pub fn combined_cases(
     cases: Vec<PyRef<'_, Response>>,
     points: Vec<PyRef<'_, Response>>,
 ) -> PyResult<CombinedCases> {
-    let count = problem.inner.points.len();
-    if points.len() != count {
-        return Err(invalid(format!("{} responses for {count} contact points", points.len())));
-    }
     for (what, responses) in [("the cases", &cases), ("the points", &points)] {
         for response in responses {
             problem.require_own(&response.of, &format!("a response of {what}"))?;
@@ -138,10 +126,8 @@ pub fn combined_cases(
     let rest = at_points(&rest);
     let cases: Vec<_> = cases.iter().map(|case| at_points(case)).collect();
     let points: Vec<_> = points.iter().map(|point| at_points(point)).collect();
-    let number = cases.len();
     let result = interruptible(py, |watch| problem.inner.combined_cases(rest, cases, &points, watch))?;
-    let inner = result.map_err(failed)?.expect("a watch that says no raises");
-    Ok(CombinedCases { inner, of: problem.inner.clone(), cases: number })
+    Ok(CombinedCases { inner: result.map_err(failed)?, of: problem.inner.clone() })
 }
 
 /// Solves combinations of factors (k, c), each by itself and all in parallel.
@@ -156,30 +142,34 @@ pub fn combine<'py>(
     factors: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Combined<'py>> {
     problem.require_own(&cases.of, "what the cases share")?;
-    if factors.shape()[1] != cases.cases {
-        return Err(invalid(format!("factors must have {} columns", cases.cases)));
-    }
     let factors = rows(&factors);
     let shared = &cases.inner;
     let result = interruptible(py, |watch| problem.inner.combine(shared, &factors, watch))?.map_err(failed)?;
     let count = problem.inner.points.len();
-    let verdict = |outcome: Outcome| match outcome {
-        Outcome::Solved => 0,
-        Outcome::NoEquilibrium => 1,
-        Outcome::Unsolved | Outcome::Interrupted => 2,
+    let verdict = |combined: &Result<contact::Combined, SolveError>| match combined {
+        Ok(_) => 0,
+        Err(SolveError::NoEquilibrium) => 1,
+        Err(_) => 2,
     };
     let table = |of: fn(&contact::Combined) -> &[f64]| {
-        let values = result.iter().flat_map(|combined| of(combined).iter().copied()).collect();
+        let mut values = vec![f64::NAN; result.len() * count];
+        for (row, combined) in values.chunks_exact_mut(count.max(1)).zip(&result) {
+            combined.iter().for_each(|combined| row.copy_from_slice(of(combined)));
+        }
         PyArray1::from_vec(py, values).reshape([result.len(), count])
     };
-    let closed = result.iter().flat_map(|combined| problem.inner.points.acting(&combined.piece)).collect();
+    let none = vec![0; count];
+    let pieces = |combined: &Result<contact::Combined, SolveError>| {
+        problem.inner.points.acting(combined.as_ref().map_or(&none, |combined| &combined.piece))
+    };
+    let pivots = result.iter().map(|combined| combined.as_ref().map_or(0, |combined| combined.pivots as i64)).collect();
     Ok((
-        PyArray1::from_vec(py, result.iter().map(|combined| verdict(combined.outcome)).collect()),
+        PyArray1::from_vec(py, result.iter().map(verdict).collect()),
         table(|combined| &combined.factor)?,
         table(|combined| &combined.reaction)?,
         table(|combined| &combined.gap)?,
-        PyArray1::from_vec(py, closed).reshape([result.len(), count])?,
-        PyArray1::from_vec(py, result.iter().map(|combined| combined.pivots as i64).collect()),
+        PyArray1::from_vec(py, result.iter().flat_map(pieces).collect()).reshape([result.len(), count])?,
+        PyArray1::from_vec(py, pivots),
     ))
 }
 

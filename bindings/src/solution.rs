@@ -1,27 +1,48 @@
+use crate::contact::failed;
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use signorini_core::contact::{self, Outcome};
+use signorini_core::contact::{self, SolveError};
 use std::sync::Arc;
 
-/// Displacements (3n,) as two doubles, reactions, gaps and pieces (m,) of one load.
+/// Displacements (3n,) as two doubles, reactions, gaps and pieces (m,) of one load; NaN unless solved.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactSolution {
     pub inner: contact::ContactSolution,
     pub of: Arc<contact::ContactProblem>,
+    /// "solved", "no_equilibrium" or "unsolved".
+    #[pyo3(get)]
+    status: &'static str,
+}
+
+impl ContactSolution {
+    /// A load without a solution has a status and NaN for every number; other failures are errors.
+    pub fn of(
+        problem: &Arc<contact::ContactProblem>,
+        solved: Result<contact::ContactSolution, SolveError>,
+    ) -> PyResult<Self> {
+        let of = problem.clone();
+        let status = match solved {
+            Ok(inner) => return Ok(Self { inner, of, status: "solved" }),
+            Err(SolveError::NoEquilibrium) => "no_equilibrium",
+            Err(SolveError::Unsolved) => "unsolved",
+            Err(error) => return Err(failed(error)),
+        };
+        let nan = |length: usize| vec![f64::NAN; length];
+        let (dofs, points) = (of.plate.dof_count(), of.points.len());
+        let mut inner = contact::ContactSolution::default();
+        (inner.displacement.hi, inner.displacement.lo) = (nan(dofs), nan(dofs));
+        (inner.reaction, inner.gap, inner.piece) = (nan(points), nan(points), vec![0; points]);
+        Ok(Self { inner, of, status })
+    }
+
+    /// The solution, if there is one.
+    pub fn solved(&self) -> Option<&contact::ContactSolution> {
+        (self.status == "solved").then_some(&self.inner)
+    }
 }
 
 #[pymethods]
 impl ContactSolution {
-    /// "solved", "no_equilibrium" or "unsolved".
-    #[getter]
-    fn status(&self) -> &'static str {
-        match self.inner.outcome {
-            Outcome::Solved => "solved",
-            Outcome::NoEquilibrium => "no_equilibrium",
-            Outcome::Unsolved | Outcome::Interrupted => "unsolved",
-        }
-    }
-
     #[getter]
     fn hi<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.inner.displacement.hi)

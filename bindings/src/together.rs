@@ -1,10 +1,10 @@
-use crate::arrays::{invalid, rows, sized};
+use crate::arrays::{rows, vector};
 use crate::combinations::stresses;
 use crate::contact::{ContactProblem, failed};
 use crate::plate::Plate;
 use crate::solution::ContactSolution;
 use crate::threads::told;
-use numpy::{PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 /// Solves many loads (k, 3n) together by the Newton method, from the solution of another load if given. `progress()` is
@@ -19,24 +19,17 @@ pub fn solve_together(
     held_value: PyReadonlyArray1<'_, f64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<ContactSolution>> {
-    let dofs = problem.inner.plate.dof_count();
-    let held_value = sized("held_value", &held_value, dofs)?;
-    if loads.shape()[1] != dofs {
-        return Err(invalid(format!("loads must have {dofs} columns")));
-    }
-    if problem.inner.is_condensed() {
-        return Err(invalid("there is no active set"));
-    }
     if let Some(start) = &start {
         problem.require_own(&start.of, "The solution to begin with")?;
     }
-    let (loads, start) = (rows(&loads), start.as_ref().map(|start| &start.inner));
+    let (loads, held_value) = (rows(&loads), vector(&held_value));
+    let start = start.as_ref().and_then(|start| start.solved());
     let tell = |py: Python<'_>, (): ()| match &progress {
         Some(progress) => progress.call0(py).map(|_| ()),
         None => py.check_signals(),
     };
     let solved = told(py, tell, |tell| problem.inner.solve_together(start, &loads, &held_value, &mut || tell(())))?;
-    Ok(solved.map_err(failed)?.into_iter().map(|inner| problem.solution(inner)).collect())
+    solved.map_err(failed)?.into_iter().map(|solved| problem.solution(solved)).collect()
 }
 
 /// As `response_stresses`, of solutions.

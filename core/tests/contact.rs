@@ -4,7 +4,8 @@ mod common;
 use common::{SIZE, largest, plate_in};
 use proptest::prelude::*;
 use signorini_core::contact::{
-    ContactProblem, ContactSolution, Form, Graph, Method, Outcome, PathEnd, PathLoad, Points, Supported,
+    ContactProblem, ContactSolution, Form, Graph, Load, Method, PathEnd, PathLoad, Points, Settings, SolveError,
+    Supported,
 };
 use signorini_core::plate::Plate;
 use signorini_core::rows::{Rows, Springs};
@@ -54,8 +55,13 @@ fn with_laws(
     ContactProblem::new(plate, on, method, usize::MAX).unwrap()
 }
 
-fn solved(problem: &ContactProblem, load: &[f64]) -> ContactSolution {
-    problem.solve(load, &vec![0.0; load.len()], None, None, &mut |_| true).unwrap()
+fn solved(problem: &ContactProblem, load: &[f64]) -> Result<ContactSolution, SolveError> {
+    solved_in(problem, load, None)
+}
+
+fn solved_in(problem: &ContactProblem, load: &[f64], form: Option<Form>) -> Result<ContactSolution, SolveError> {
+    let load = Load { nodal: load, held_value: &vec![0.0; load.len()] };
+    problem.solve(&load, &Settings { form }, None, &mut |_| true)
 }
 
 /// The worst of what a solution leaves of the conditions.
@@ -89,12 +95,9 @@ proptest! {
         let problem = free_on_points(&at, &gap, soft);
         let load = load(&problem.plate, element, 1.0);
         let form = if dual { Form::Dual } else { Form::Stiffness };
-        let found = problem.solve(&load, &vec![0.0; load.len()], Some(form), None, &mut |_| true).unwrap();
-        prop_assert!(found.outcome != Outcome::Unsolved);
-        if found.outcome == Outcome::Solved {
-            prop_assert!(worst(&problem, &load, &found) < 1e-10);
-        } else {
-            prop_assert!(found.reaction.iter().chain(&found.displacement.hi).all(|x| x.is_nan()));
+        match solved_in(&problem, &load, Some(form)) {
+            Ok(found) => prop_assert!(worst(&problem, &load, &found) < 1e-10),
+            Err(error) => prop_assert_eq!(error, SolveError::NoEquilibrium),
         }
     }
 
@@ -112,13 +115,13 @@ proptest! {
             let form = [None, Some(Form::Dual), Some(Form::Stiffness), None][way];
             let problem = on_points_in(units, &at, &gap, soft, method);
             let load = load(&problem.plate, element, units[1]);
-            problem.solve(&load, &vec![0.0; load.len()], form, None, &mut |_| true).unwrap()
+            solved_in(&problem, &load, form)
         };
         let (plain, other) = (solved([1.0, 1.0]), solved(units));
-        prop_assert_eq!(plain.outcome, other.outcome);
+        prop_assert_eq!(plain.as_ref().err(), other.as_ref().err());
+        let (Ok(plain), Ok(other)) = (plain, other) else { return Ok(()) };
         prop_assert_eq!(&plain.piece, &other.piece);
         prop_assert_eq!((plain.pivots, plain.corrections), (other.pivots, other.corrections));
-        prop_assume!(plain.outcome == Outcome::Solved);
         for i in 0..5 {
             prop_assert_eq!(force * plain.reaction[i], other.reaction[i]);
             prop_assert_eq!(length * plain.gap[i], other.gap[i]);
@@ -137,16 +140,16 @@ proptest! {
         let problem = free_on_points(&at, &gap, soft);
         let load = load(&problem.plate, element, 1.0);
         let exact = solved(&problem, &load);
-        prop_assume!(exact.outcome == Outcome::Solved);
+        prop_assume!(exact.is_ok());
+        let exact = exact.unwrap();
         let most = largest(&exact.displacement.hi);
-        let none = vec![0.0; load.len()];
         let others = [
             ("active set", solved(&on_points(&at, &gap, soft, Method::ActiveSet), &load)),
             ("saddle", solved(&on_points(&at, &gap, soft, Method::Saddle), &load)),
-            ("interior point", problem.solve_by_interior_point(&load, &none, &mut |_| true).unwrap()),
         ];
         for (name, found) in others {
-            prop_assert_eq!(found.outcome, Outcome::Solved, "{}", name);
+            prop_assert_eq!(found.as_ref().err(), None, "{}", name);
+            let found = found.unwrap();
             for i in 0..5 {
                 prop_assert!((found.reaction[i] - exact.reaction[i]).abs() < 1e-9);
                 prop_assert!((found.gap[i] - exact.gap[i]).abs() < 1e-9 * most);
@@ -166,12 +169,12 @@ proptest! {
         // All of them between the points, which balance them.
         let beside = |&e: &usize| mean.iter().zip(load(&problem.plate, e, 0.3)).map(|(a, b)| a + b).collect();
         let loads: Vec<Vec<f64>> = elements.iter().map(beside).collect();
-        let reference = problem.solve_and_factor(&mean, &held, &mut |_| true).unwrap();
+        let mean = Load { nodal: &mean, held_value: &held };
+        let reference = problem.solve_and_factor(&mean, &mut |_| true).unwrap();
         for found in [None, reference.as_ref()] {
             let together = problem.solve_together(found, &loads, &held, &mut || true).unwrap();
             for (load, found) in loads.iter().zip(together) {
-                let alone = solved(&problem, load);
-                prop_assert_eq!([alone.outcome, found.outcome], [Outcome::Solved; 2]);
+                let (alone, found) = (solved(&problem, load).unwrap(), found.unwrap());
                 prop_assert!(worst(&problem, load, &found) < 1e-9);
                 prop_assert!(apart(&found.reaction, &alone.reaction) < 1e-9);
             }
@@ -185,9 +188,10 @@ proptest! {
         soft: bool, method in prop_oneof![Just(Method::Lemke), Just(Method::ActiveSet), Just(Method::Saddle)],
     ) {
         let (moved, made) = (on_points(&at, &gap, soft, method), on_points(&at, &other, soft, method));
-        let (moved, load) = (moved.with_shift(other), load(&made.plate, 4, 1.0));
+        let (moved, load) = (moved.with_shift(other).unwrap(), load(&made.plate, 4, 1.0));
         let (found, wanted) = (solved(&moved, &load), solved(&made, &load));
-        prop_assert_eq!(found.outcome, wanted.outcome);
+        prop_assert_eq!(found.as_ref().err(), wanted.as_ref().err());
+        let (Ok(found), Ok(wanted)) = (found, wanted) else { return Ok(()) };
         prop_assert_eq!(found.reaction, wanted.reaction);
         prop_assert_eq!(found.displacement.hi, wanted.displacement.hi);
     }
@@ -213,8 +217,8 @@ proptest! {
             let on = Supported { springs: Springs::default(), held, points, delta: vec![0.0], free_motions: Vec::new() };
             let problem = ContactProblem::new(plate.clone(), on, method, usize::MAX).unwrap();
             let none = vec![0.0; values.len()];
-            let found = problem.solve(&none, &values, None, None, &mut |_| true).unwrap();
-            prop_assert_eq!(found.outcome, Outcome::Solved, "{:?}", method);
+            let moved = Load { nodal: &none, held_value: &values };
+            let found = problem.solve(&moved, &Settings::default(), None, &mut |_| true).unwrap();
             prop_assert!(corners.iter().zip(&settlement).all(|(c, s)| found.displacement.hi[3 * c] == *s));
             prop_assert!(worst(&problem, &none, &found) < 1e-9);
             // Without contact the plate tilts as a plane through its corners, which are at ±1.5.
@@ -252,8 +256,7 @@ proptest! {
                 free_motions: motions(&plate)[..1].to_vec(),
             };
             let problem = ContactProblem::new(plate.clone(), on, method, usize::MAX).unwrap();
-            let found = solved(&problem, &load);
-            prop_assert_eq!(found.outcome, Outcome::Solved);
+            let found = solved(&problem, &load).unwrap();
             prop_assert!((found.reaction[0] - 1.0).abs() < 1e-9, "{}", found.reaction[0]);
             prop_assert!(worst(&problem, &load, &found) < 1e-8);
         }
@@ -284,16 +287,19 @@ proptest! {
                 true
             };
             let end = problem.path(&path, &mut visit, &mut |_| true).unwrap();
-            prop_assert!(end == PathEnd::Reached || end == PathEnd::NoEquilibrium || stops.is_empty() || end == PathEnd::Unsolved);
+            let at = |t: f64| -> Vec<f64> { start.iter().zip(&add).map(|(a, b)| a + t * b).collect() };
             for (t, found) in &stops {
-                let load: Vec<f64> = start.iter().zip(&add).map(|(a, b)| a + t * b).collect();
+                let load = at(*t);
                 prop_assert!(worst(&problem, &load, found) < 1e-7, "t = {}: {}", t, worst(&problem, &load, found));
             }
-            if end == PathEnd::Reached {
-                let load: Vec<f64> = start.iter().zip(&add).map(|(a, b)| a + 3.0 * b).collect();
-                let alone = solved(&problem, &load);
-                prop_assert_eq!(alone.outcome, Outcome::Solved);
-                prop_assert!(apart(&stops.last().unwrap().1.reaction, &alone.reaction) < 1e-7);
+            let first = solved(&problem, &start);
+            let last = solved(&problem, &at(3.0));
+            prop_assert_eq!(stops.is_empty(), first.is_err(), "{:?}", method);
+            match end {
+                PathEnd::Reached => prop_assert!(apart(&stops.last().unwrap().1.reaction, &last.unwrap().reaction) < 1e-7),
+                // The loads in equilibrium are convex: none lies beyond the end.
+                PathEnd::NoEquilibrium => prop_assert_eq!(last.err(), Some(SolveError::NoEquilibrium), "{:?}", method),
+                end => prop_assert!(first.is_err() || last.is_err(), "{:?}: {:?}", method, end),
             }
         }
     }
@@ -311,20 +317,18 @@ proptest! {
         let rest = problem.rest_response(&held).unwrap();
         let cases = problem.load_responses(&loads, &mut || true).unwrap();
         let points = problem.point_responses(0..5, &mut || true).unwrap();
-        let shared = problem.combined_cases(rest.clone(), cases.clone(), &points, &mut || true).unwrap().unwrap();
+        let shared = problem.combined_cases(rest.clone(), cases.clone(), &points, &mut || true).unwrap();
         let rows: Vec<Vec<f64>> = factors.chunks(2).map(<[f64]>::to_vec).collect();
         for (row, found) in rows.iter().zip(problem.combine(&shared, &rows, &mut || true).unwrap()) {
             let sum: Vec<f64> = loads[0].iter().zip(&loads[1]).map(|(a, b)| row[0] * a + row[1] * b).collect();
             let single = solved(&problem, &sum);
-            match found.outcome {
-                Outcome::NoEquilibrium => prop_assert_eq!(single.outcome, Outcome::NoEquilibrium),
-                Outcome::Solved => {
-                    prop_assert_eq!(single.outcome, Outcome::Solved);
-                    for i in 0..5 {
-                        prop_assert!((found.reaction[i] - single.reaction[i]).abs() < 1e-9);
-                    }
+            match (found, single) {
+                (Ok(found), Ok(single)) => prop_assert!((0..5).all(|i| (found.reaction[i] - single.reaction[i]).abs() < 1e-9)),
+                // Only where some point touches without a force is the contact state rounding.
+                (Err(SolveError::Unsolved), Ok(single)) => {
+                    prop_assert!((0..5).any(|i| single.reaction[i].abs() < 1e-9 && single.gap[i].abs() < 1e-9));
                 }
-                _ => {}
+                (found, single) => prop_assert_eq!(found.err(), single.err()),
             }
         }
     }
@@ -334,18 +338,20 @@ proptest! {
     fn the_lcp_knows_the_rigid_motions_exactly(at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5), element in 0usize..9) {
         let problem = free_on_points(&at, &[0.0; 5], false);
         let load = load(&problem.plate, element, 1.0);
-        let posed = problem.lcp(&load, &vec![0.0; load.len()], Some(Form::Dual)).unwrap();
-        let order = posed.q.len();
-        let gap_is_z: Vec<bool> = posed.rows.iter().map(|row| row.gap_is_z()).collect();
+        let at_rest = vec![0.0; load.len()];
+        let settings = Settings { form: Some(Form::Dual) };
+        let (posed, q) = problem.lcp(&Load { nodal: &load, held_value: &at_rest }, &settings).unwrap();
+        let (order, rows) = (q.len(), &posed.vertices.rows);
+        let gap_is_z: Vec<bool> = rows.iter().map(|row| row.gap_is_z()).collect();
         prop_assert_eq!(&gap_is_z, &[true, true, true, false, false]);
         for motion in motions(&problem.plate) {
             let moves: Vec<f64> = (0..5).map(|i| problem.points.dot(i, &motion)).collect();
             let work: f64 = motion.iter().zip(&load).map(|(u, f)| u * f).sum();
-            let carried: f64 = (0..3).map(|r| moves[posed.rows[r].point] * posed.q[r]).sum();
+            let carried: f64 = (0..3).map(|r| moves[rows[r].point] * q[r]).sum();
             prop_assert!((carried - work).abs() < 1e-13);
             for r in 3..5 {
-                let follows: f64 = (0..3).map(|c| posed.matrix[r * order + c] * moves[posed.rows[c].point]).sum();
-                prop_assert!((follows - moves[posed.rows[r].point]).abs() < 1e-13);
+                let follows: f64 = (0..3).map(|c| posed.matrix[r * order + c] * moves[rows[c].point]).sum();
+                prop_assert!((follows - moves[rows[r].point]).abs() < 1e-13);
             }
         }
         for r in 0..3 {
@@ -362,41 +368,35 @@ proptest! {
 #[test]
 fn a_load_beyond_the_points_has_no_equilibrium() {
     let problem = free_on_points(&[(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)], &[0.0; 5], false);
-    let held = vec![0.0; problem.plate.dof_count()];
     for (element, force) in [(0, 1.0), (8, 1.0), (4, -1.0)] {
         let load = load(&problem.plate, element, force);
         let (inside, up) = (element == 4, force < 0.0);
-        let expected = if inside && !up { Outcome::Solved } else { Outcome::NoEquilibrium };
+        let expected = if inside && !up { None } else { Some(SolveError::NoEquilibrium) };
         for form in [None, Some(Form::Dual), Some(Form::Stiffness)] {
-            let found = problem.solve(&load, &held, form, None, &mut |_| true).unwrap();
-            assert_eq!(found.outcome, expected, "element {element}, {form:?}");
+            assert_eq!(solved_in(&problem, &load, form).err(), expected, "element {element}, {form:?}");
         }
-        let found = problem.solve_by_interior_point(&load, &held, &mut |_| true).unwrap();
-        assert_eq!(found.outcome, expected, "element {element}, interior point");
-        assert_eq!(found.reaction.iter().any(|r| r.is_nan()), expected != Outcome::Solved);
     }
 }
 
 #[test]
-fn whoever_watches_the_active_set_may_stop_it() {
+fn the_callback_cancels_a_solve() {
     let at = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)];
     let problem = on_points(&at, &[0.0; 5], false, Method::ActiveSet);
-    let (load, held) = (load(&problem.plate, 4, 1.0), vec![0.0; problem.plate.dof_count()]);
+    let (nodal, held_value) = (&load(&problem.plate, 4, 1.0), &vec![0.0; problem.plate.dof_count()]);
     let mut steps = Vec::new();
-    let found = problem.solve(&load, &held, None, None, &mut |now| {
+    let found = problem.solve(&Load { nodal, held_value }, &Settings::default(), None, &mut |now| {
         steps.push(now.step);
         now.step < 2
     });
-    assert_eq!(found.unwrap().outcome, Outcome::Interrupted);
-    assert_eq!(steps, [1, 2]);
+    assert_eq!((found.err(), steps), (Some(SolveError::Cancelled), vec![1, 2]));
 }
 
 #[test]
-fn the_interior_point_method_proves_that_gaps_contradict_each_other() {
+fn gaps_that_contradict_each_other_have_no_solution() {
     let plate = plate_in([1.0, 1.0]);
     let at = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)];
     let load = load(&plate, 4, 1.0);
-    for (depth, expected) in [(1e-3, Outcome::Solved), (-1e-3, Outcome::NoEquilibrium)] {
+    for (depth, expected) in [(1e-3, None), (-1e-3, Some(SolveError::NoEquilibrium))] {
         let (mut points, mut rows) = (Points::default(), Rows::default());
         let law = points.add_graph(Graph::one_sided(f64::INFINITY));
         for (i, (element, (xi, eta))) in [0, 2, 8, 6].into_iter().zip(at).enumerate() {
@@ -410,8 +410,7 @@ fn the_interior_point_method_proves_that_gaps_contradict_each_other() {
         let (held, free_motions) = (vec![false; plate.dof_count()], motions(&plate));
         let on = Supported { springs: Springs::default(), held, points, delta, free_motions };
         let problem = ContactProblem::new(plate.clone(), on, Method::Lemke, usize::MAX).unwrap();
-        let found = problem.solve_by_interior_point(&load, &vec![0.0; load.len()], &mut |_| true).unwrap();
-        assert_eq!(found.outcome, expected, "depth {depth}");
+        assert_eq!(solved(&problem, &load).err(), expected, "depth {depth}");
     }
 }
 
@@ -419,25 +418,29 @@ fn the_interior_point_method_proves_that_gaps_contradict_each_other() {
 fn a_contact_set_to_begin_with_leaves_no_pivots() {
     let at = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)];
     let problem = free_on_points(&at, &[0.0, 0.001, 0.002, 0.0, 0.003], true);
-    let (load, held) = (load(&problem.plate, 4, 1.0), vec![0.0; problem.plate.dof_count()]);
-    let (cold, warm) = (
-        problem.solve(&load, &held, None, None, &mut |_| true),
-        problem.solve_by_interior_point(&load, &held, &mut |_| true),
-    );
-    let (cold, warm) = (cold.unwrap(), warm.unwrap());
-    assert!(cold.pivots > 0 && warm.pivots == 0 && warm.iterations > 3);
+    let (nodal, held_value) = (&load(&problem.plate, 4, 1.0), &vec![0.0; problem.plate.dof_count()]);
+    let cold = solved(&problem, nodal).unwrap();
+    let warm = problem.solve(&Load { nodal, held_value }, &Settings::default(), Some(&cold), &mut |_| true).unwrap();
+    assert!(cold.pivots > 0 && warm.pivots == 0);
     assert_eq!(cold.piece, warm.piece);
 }
 
 #[test]
-fn where_there_is_no_answer_no_point_has_one() {
+fn vectors_of_wrong_lengths_and_requests_for_another_method_are_refused() {
     let at = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.0, 0.0)];
     let problem = on_points(&at, &[0.0; 5], true, Method::ActiveSet);
-    let (load, held) = (load(&problem.plate, 4, 1.0), vec![0.0; problem.plate.dof_count()]);
-    let found = problem.solve_by_interior_point(&load, &held, &mut |_| false).unwrap();
-    assert_eq!(found.outcome, Outcome::Interrupted);
-    assert_eq!([found.reaction.len(), found.gap.len(), found.piece.len()], [5; 3]);
-    assert!(found.reaction.iter().chain(&found.gap).all(|value| value.is_nan()));
+    let dofs = problem.plate.dof_count();
+    let short = vec![0.0; dofs - 1];
+    let length = |name| Some(SolveError::Length { name, found: dofs - 1, expected: dofs });
+    assert_eq!(solved(&problem, &short).err(), length("the load"));
+    let load = load(&problem.plate, 4, 1.0);
+    let held = Load { nodal: &load, held_value: &short };
+    assert_eq!(problem.solve_on(&held, &[0; 5]).err(), length("held_value"));
+    let at_rest = Load { nodal: &load, held_value: &vec![0.0; dofs] };
+    assert!(matches!(problem.solve_on(&at_rest, &[2; 5]).err(), Some(SolveError::Value { index: 0, .. })));
+    assert_eq!(problem.lcp(&at_rest, &Settings::default()).err(), Some(SolveError::NotCondensed));
+    let condensed = free_on_points(&at, &[0.0; 5], true);
+    assert_eq!(condensed.solve_and_factor(&at_rest, &mut |_| true).err(), Some(SolveError::Condensed));
 }
 
 #[test]
@@ -446,8 +449,7 @@ fn without_a_load_the_active_set_stays_at_rest() {
     for gap in [0.0, 0.01] {
         let problem = on_points(&at, &[gap; 5], true, Method::ActiveSet);
         let nothing = vec![0.0; problem.plate.dof_count()];
-        let found = problem.solve(&nothing, &nothing, None, None, &mut |_| true).unwrap();
-        assert_eq!(found.outcome, Outcome::Solved, "gap {gap}");
+        let found = solved(&problem, &nothing).unwrap();
         assert_eq!((found.displacement.hi, found.reaction), (nothing, vec![0.0; 5]), "gap {gap}");
     }
 }

@@ -1,5 +1,7 @@
 //! What the fuzzers do with their bytes; core/tests/fuzz_corpus.rs does the same with the corpus.
-use signorini_core::contact::{ContactProblem, ContactSolution, Form, Graph, Method, Outcome, Points, Supported};
+use signorini_core::contact::{
+    ContactProblem, ContactSolution, Form, Graph, Load, Method, Points, Settings, Supported,
+};
 use signorini_core::element::{Kind, Layered, Material, Thickness};
 use signorini_core::lcp::{Lcp, LcpStatus, LemkeOptions, lemke, lemke_from, parametric};
 use signorini_core::plate::Plate;
@@ -108,9 +110,6 @@ pub fn contact(data: &[u8]) {
         let Ok(graph) = Graph::new(vertices, ends) else { return };
         let graph = points.add_graph(graph);
         let (shift, weight) = (bytes.number(), 1.0 + f64::from(bytes.byte()));
-        if !shift.is_finite() {
-            return; // the bindings refuse it
-        }
         points.push_row(&plate, &rows, i, graph, shift, weight);
         delta.push(if bytes.byte() & 1 == 0 { 0.0 } else { 10.0 });
     }
@@ -134,10 +133,8 @@ pub fn contact(data: &[u8]) {
         let on = Supported { springs, held, points, delta, free_motions: Vec::new() };
         let Ok(problem) = ContactProblem::new(plate.clone(), on, method, usize::MAX) else { continue };
         for form in [None, Some(Form::Dual), Some(Form::Stiffness)] {
-            let Ok(answer) = problem.solve(&load, &values, form, None, &mut |_| true) else { continue };
-            meets_the_conditions(&problem, &load, &answer);
-        }
-        if let Ok(answer) = problem.solve_by_interior_point(&load, &values, &mut |_| true) {
+            let at_rest = Load { nodal: &load, held_value: &values };
+            let Ok(answer) = problem.solve(&at_rest, &Settings { form }, None, &mut |_| true) else { continue };
             meets_the_conditions(&problem, &load, &answer);
         }
     }
@@ -146,7 +143,7 @@ pub fn contact(data: &[u8]) {
 /// What claims to solve meets equilibrium and every point's law, as far as its numbers are those of a plate.
 fn meets_the_conditions(problem: &ContactProblem, load: &[f64], answer: &ContactSolution) {
     let size = load.iter().chain(&problem.points.shift).chain(&problem.points.weight);
-    if answer.outcome != Outcome::Solved || size.clone().any(|value| value.abs() > 1e6) {
+    if size.clone().any(|value| value.abs() > 1e6) {
         return;
     }
     let (forces, points) = problem.violations(load, answer);

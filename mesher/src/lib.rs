@@ -177,8 +177,8 @@ pub fn mesh(loops: &[Loop], options: &MeshOptions) -> Result<Mesh, MeshError> {
     unreachable!("the last attempt returns")
 }
 
-/// Share of the area in quadrilaterals, and smallest angle, of a mesh that is accepted at once. Meshes of so many
-/// elements, whose interior lattice dominates, are made in one style only.
+/// Acceptance of the first mesh: area of quadrilaterals relative to the plate, smallest angle in degrees. A mesh of at least
+/// `MANY` elements is dominated by its interior lattice and made in one style only.
 const ENOUGH: f64 = 0.99;
 const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;

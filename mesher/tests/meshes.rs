@@ -1,4 +1,4 @@
-//! Meshes of typical plates, and outlines that are none.
+//! Meshes of typical plates, and invalid outlines.
 
 use signorini_mesher::{Line, Loop, Mesh, MeshError, MeshOptions, Point, Refinement, mesh};
 use std::f64::consts::TAU;

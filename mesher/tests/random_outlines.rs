@@ -145,7 +145,7 @@ fn area(loops: &[Loop]) -> f64 {
     2.0 * one(&loops[0]) - loops.iter().map(one).sum::<f64>()
 }
 
-/// What is wrong with a mesh.
+/// The defects of a mesh.
 fn flaws(mesh: &Mesh, loops: &[Loop]) -> Vec<String> {
     let mut found = Vec::new();
     let mut sides: HashMap<usize, Vec<[usize; 2]>> = HashMap::new();
@@ -200,7 +200,7 @@ fn random_outlines_are_meshed_or_refused_with_a_reason() {
                 share += made.quadrilaterals;
                 failed.extend(flaws(&made, &loops).into_iter().map(|flaw| (seed, flaw)));
             }
-            // Bad outlines are told with a side of theirs.
+            // The error for an invalid outline names one of its sides.
             Err(fault) if fault.side.is_some() => {}
             Err(fault) => failed.push((seed, fault.message)),
         }

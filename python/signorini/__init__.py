@@ -1,4 +1,4 @@
-"""Reissner-Mindlin plates on supports that may hold one way only.
+"""Finite elements for Reissner-Mindlin plates on one-sided supports.
 
 Examples
 --------
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from signorini.results.support_result import EdgeCouples, SupportResult
     from signorini.singularities.singularity import Singularity
 
-_HOME = {
+_MODULE_OF = {
     "_core": ("LcpSolution", "__version__"),
     "accuracy.comparison": ("Estimate", "PathEstimate"),
     "analysis.estimate": ("Estimates", "estimate"),
@@ -81,7 +81,7 @@ _HOME = {
     "results.support_result": ("EdgeCouples", "SupportResult"),
     "singularities.singularity": ("Singularity",),
 }
-"""Modules of the public names outside `model`. A module is imported at the first use of one of its names."""
+"""Modules of the public names outside `model`; a module is imported at the first access to one of its names."""
 
 # fmt: off
 __all__ = [
@@ -102,8 +102,8 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'signorini' has no attribute {name!r}", name=name)
-    home = next((module for module, names in _HOME.items() if name in names), "model")
-    value = globals()[name] = getattr(import_module(f"signorini.{home}"), name)
+    module = next((module for module, names in _MODULE_OF.items() if name in names), "model")
+    value = globals()[name] = getattr(import_module(f"signorini.{module}"), name)
     return value
 
 

@@ -1,4 +1,4 @@
-"""``python -m signorini`` is the command line."""
+"""Run the command line by ``python -m signorini``."""
 
 from signorini_command import main
 

@@ -1,5 +1,5 @@
 from collections.abc import Callable, Sequence
-from typing import Literal, final
+from typing import Literal, TypedDict, final
 
 import numpy as np
 import numpy.typing as npt
@@ -8,10 +8,19 @@ _Floats = npt.NDArray[np.float64]
 _Ints = npt.NDArray[np.int64]
 _Bools = npt.NDArray[np.bool_]
 _Springs = tuple[_Ints, _Floats, _Ints, _Floats, _Floats]
-_Constraints = tuple[_Ints, _Floats, _Ints, _Floats, _Ints, _Floats, _Floats, _Floats]
 _Laws = Sequence[tuple[Sequence[tuple[float, float]], tuple[float, float]]]
 _Pieces = npt.NDArray[np.uint8]
 _Form = Literal["dual", "stiffness"] | None
+
+class _ContactPoints(TypedDict):
+    elements: _Ints
+    rows: _Floats
+    further: _Ints
+    distance: _Floats
+    law: _Ints
+    scale: _Floats
+    unit: _Floats
+    regularization: _Floats
 
 __all__ = [
     "CombinedCases",
@@ -160,7 +169,7 @@ class ContactProblem:
         plate: Plate,
         held: _Bools,
         spring_arrays: _Springs,
-        constraint_arrays: _Constraints,
+        points: _ContactPoints,
         laws: _Laws,
         free_motions: _Floats | None = None,
         method: Literal["lemke", "active_set", "saddle"] = "lemke",
@@ -178,9 +187,6 @@ class ContactProblem:
     def solve_and_factor(
         self, load: _Floats, held_value: _Floats, progress: Callable[[int, int, float], object] | None = None
     ) -> ContactSolution | None: ...
-    def solve_by_interior_point(
-        self, load: _Floats, held_value: _Floats, progress: Callable[[int, int, float], object] | None = None
-    ) -> ContactSolution: ...
     def solve_on(self, load: _Floats, held_value: _Floats, pieces: _Pieces) -> ContactSolution: ...
     def path(
         self,

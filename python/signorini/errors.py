@@ -1,4 +1,4 @@
-"""What can go wrong, in words for the engineer."""
+"""Exceptions of this package, and functions that write places, points and names in messages."""
 
 from __future__ import annotations
 
@@ -9,46 +9,43 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 Place = tuple[str | int, ...]
-"""Where something stands in the model: keys and, counted from 0, positions in lists."""
+"""Path in the model: keys, and positions in lists counted from 0."""
 
 _PLACING: ContextVar[Callable[[Place], Place]] = ContextVar("placing", default=lambda place: place)
-_MOST_TOLD = 20
-"""Problems that are told together."""
-_MOST_NAMES = 30
-"""Names up to which a message lists all; an expression has 26 functions."""
-_NEAREST = 8
-"""Names that a message lists of more."""
-_LONGEST = 60
-"""Characters of a name that are compared with others."""
+_MAX_PROBLEMS = 20
+"""Problems that one message lists."""
+_MAX_NAMES = 30
+"""Names that a message lists completely; an expression has 26 functions."""
+_EXAMPLES = 8
+"""Names that a message lists as examples, of more than `_MAX_NAMES`."""
+_COMPARED = 60
+"""Characters of an unknown name that are compared with the known names."""
 _DIGITS = 15
-"""Of a number that a double keeps."""
+"""Decimal digits of a double."""
 
 
 class SignoriniError(Exception):
-    """Base of every error that this package raises on purpose.
-
-    ``exit_code`` is what the command line returns for it.
-    """
+    """Base class of the errors of this package; ``exit_code`` is the exit code of the command line."""
 
     exit_code = 1
 
 
 class InputError(SignoriniError, ValueError):
-    """The model, the input file or an argument says something that cannot be; a ValueError too.
+    """The model, the input file or an argument is invalid; also a ValueError.
 
     Parameters
     ----------
     message : str
-        What was found, what is allowed and what to do.
-    place : str or tuple of str and int
-        Where: a path in the model such as ``("support", 1, "stiffness")``, or in words an argument, or a file and line.
+        The value found, the values allowed, and the remedy.
+        place : str or tuple of str and int
+            A path in the model such as ``("support", 1, "stiffness")``, or text: an argument, or a file and line.
 
     Attributes
     ----------
     message, place : str
-        The same in words; a path reads ``support[2].stiffness``, as positions count from 1.
+        The message and the place as text; a path reads ``support[2].stiffness``, with positions counted from 1.
     path : tuple of str and int
-        The path in the model, if it was one.
+        The path in the model; empty if the place was text.
 
     Examples
     --------
@@ -62,102 +59,102 @@ class InputError(SignoriniError, ValueError):
         super().__init__(message)
         self.message = message
         self.path: Place = () if isinstance(place, str) else _PLACING.get()(place)
-        self.place = place if isinstance(place, str) else path_in_words(place)
+        self.place = place if isinstance(place, str) else format_place(place)
         self._parts: tuple[InputError, ...] = ()
 
     def __str__(self) -> str:
-        """Put the place before the message."""
+        """Return the place and the message."""
         return f"{self.place}: {self.message}" if self.place else self.message
 
     @property
     def parts(self) -> tuple[InputError, ...]:
-        """Each problem by itself."""
+        """The single problems."""
         return self._parts or (self,)
 
     @classmethod
-    def of(cls, problems: Sequence[InputError], source: str = "", untold: int = 0) -> InputError:
-        """Tell problems together, those of a source such as a file, and how many more there are."""
+    def combined(cls, problems: Sequence[InputError], source: str = "", omitted: int = 0) -> InputError:
+        """Combine problems of a source, such as a file, to one error; ``omitted`` counts further problems."""
         parts = tuple(part for problem in problems for part in problem.parts)
-        count = len(parts) + untold
+        count = len(parts) + omitted
         if count == 1:
             return parts[0]
-        more = [f"and {count - _MOST_TOLD} more."] if count > _MOST_TOLD else []
-        whole = cls("\n  ".join([f"{count} problems:", *map(str, parts[:_MOST_TOLD]), *more]), place=source)
-        whole._parts = parts
-        return whole
+        more = [f"and {count - _MAX_PROBLEMS} more."] if count > _MAX_PROBLEMS else []
+        error = cls("\n  ".join([f"{count} problems:", *map(str, parts[:_MAX_PROBLEMS]), *more]), place=source)
+        error._parts = parts
+        return error
 
 
 class Problems:
-    """Collects what is wrong, so that all of it is told together.
+    """Collects input errors, so that one error reports all problems.
 
-    Of one place the first problem counts: what comes later there follows from it. What has no place is the plate's.
+    Each place keeps its first problem: later ones are consequences. Problems without a place get the place "plate".
     """
 
     def __init__(self) -> None:
-        self._of: dict[str, InputError] = {}
+        self._by_place: dict[str, InputError] = {}
 
     @contextmanager
     def collected(self) -> Iterator[None]:
-        """Keep what is raised within, and go on behind it."""
+        """Context that collects an InputError raised within it."""
         try:
             yield
         except InputError as error:
             for part in error.parts:
                 placed = part if part.place else InputError(part.message, place=("plate",))
-                self._of.setdefault(placed.place, placed)
+                self._by_place.setdefault(placed.place, placed)
 
-    def tell(self) -> None:
-        """Raise what was collected, if anything was."""
-        if self._of:
-            raise InputError.of(list(self._of.values()))
+    def raise_collected(self) -> None:
+        """Raise the collected problems, if any, as one error."""
+        if self._by_place:
+            raise InputError.combined(list(self._by_place.values()))
 
 
 class UnknownNameError(InputError, KeyError):
-    """A mapping has nothing of that name."""
+    """A mapping has no item of this name."""
 
 
 class NoEquilibriumError(SignoriniError):
-    """The supports cannot hold the load: no reactions exist that balance it."""
+    """The supports cannot hold the load: no admissible reactions balance it."""
 
     exit_code = 3
 
 
 class NotCertifiedError(SignoriniError):
-    """A result failed its certificate and is refused."""
+    """No method gave a solution that passes the certificate."""
 
     exit_code = 4
 
 
 @contextmanager
-def placing(of: Callable[[Place], Place]) -> Iterator[None]:
-    """Say of what is placed within where it stands: a part of a model counts its own tables."""
-    token = _PLACING.set(of)
+def placing(to_whole: Callable[[Place], Place]) -> Iterator[None]:
+    """Context that converts places in a part of a model to places in the whole model."""
+    token = _PLACING.set(to_whole)
     try:
         yield
     finally:
         _PLACING.reset(token)
 
 
-def path_in_words(path: Place) -> str:
-    """Write where something stands in the model; positions count from 1."""
+def format_place(path: Place) -> str:
+    """Write a path in the model as text; positions count from 1."""
     placed = _PLACING.get()(path)
     return "".join(f"[{key + 1}]" if isinstance(key, int) else f".{key}" for key in placed).removeprefix(".")
 
 
-def point(at: Iterable[float], size: float = 0.0) -> str:
-    """Write a point; beside a size, such as the plate's, without the digits that are rounding.
+def point(coordinates: Iterable[float], size: float = 0.0) -> str:
+    """Write a point [x, y]; see `length` for ``size``.
 
     Examples
     --------
     >>> point([2, 0.5]), point([-5.7985, -1.4e-14], size=10.0)
     ('[2, 0.5]', '[-5.7985, 0]')
     """
-    x, y = (length(part, size) for part in at)
+    x, y = (length(coordinate, size) for coordinate in coordinates)
     return f"[{x}, {y}]"
 
 
 def length(value: float, size: float = 0.0) -> str:
-    """Write a length; beside a size, such as the plate's, to a millionth of it, without the digits that are rounding.
+    """Write a length to 6 digits; with a ``size``, such as the plate's, rounded to 1e-9 of it.
 
     Examples
     --------
@@ -167,14 +164,14 @@ def length(value: float, size: float = 0.0) -> str:
     ('4500012.3457', '4500012.346')
     """
     rounded = round(float(value) / size, 9) * size if size else float(value)
-    # Far from the origin a place has more digits before those that tell it from others: one at 1000, or at ten sizes.
-    far = abs(rounded) / (10.0 * size or 1000.0)
-    farther = 1 + math.floor(math.log10(far)) if math.isfinite(far) and far >= 1.0 else 0
-    return f"{rounded + 0.0:.{min(6 + farther, _DIGITS)}g}"
+    # A coordinate of at least 10 sizes, or 1000 without a size, needs more digits to be distinct from its neighbours.
+    ratio = abs(rounded) / (10.0 * size or 1000.0)
+    extra = 1 + math.floor(math.log10(ratio)) if math.isfinite(ratio) and ratio >= 1.0 else 0
+    return f"{rounded + 0.0:.{min(6 + extra, _DIGITS)}g}"
 
 
-def unknown(kind: str, result: str, allowed: Iterable[str], owner: str = "This model") -> str:
-    """Say that a name is unknown, which names there are, of many the nearest, and whether one was meant.
+def unknown(kind: str, name: str, allowed: Iterable[str], owner: str = "This model") -> str:
+    """Message for an unknown name: the known names, or the most similar of many, and a suggestion.
 
     Examples
     --------
@@ -186,10 +183,10 @@ def unknown(kind: str, result: str, allowed: Iterable[str], owner: str = "This m
     "Unknown case 'truck'. This model has 91, such as: truck@9, truck@8, t"
     """
     names = sorted(allowed)
-    near = difflib.get_close_matches(result[:_LONGEST], names, n=_NEAREST)
-    if len(names) > _MOST_NAMES:
-        some = list(dict.fromkeys([*near, *names[:_NEAREST]]))[:_NEAREST]
-        has = f"has {len(names)}, such as: {', '.join(some)}, ..."
+    near = difflib.get_close_matches(name[:_COMPARED], names, n=_EXAMPLES)
+    if len(names) > _MAX_NAMES:
+        examples = list(dict.fromkeys([*near, *names[:_EXAMPLES]]))[:_EXAMPLES]
+        has = f"has {len(names)}, such as: {', '.join(examples)}, ..."
     else:
         has = f"has: {', '.join(names)}." if names else "has none."
-    return f"Unknown {kind} {result!r}. {owner} {has}" + (f" Did you mean {near[0]!r}?" if near else "")
+    return f"Unknown {kind} {name!r}. {owner} {has}" + (f" Did you mean {near[0]!r}?" if near else "")

@@ -47,6 +47,6 @@ def _asked(number: int, frame: FrameType | None) -> None:
 
 def _interrupted(number: int = signal.SIGINT, frame: FrameType | None = None) -> None:
     """End without unwinding: modules half read may take an exception for a fault of their own; no file is open."""
-    sys.stderr.write("Interrupted; nothing is written.\n")
+    sys.stderr.write("Interrupted; no files are written.\n")
     sys.stderr.flush()
     os._exit(_INTERRUPTED)

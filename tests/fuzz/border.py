@@ -50,7 +50,7 @@ def example(points: int = 2) -> tuple[ContactProblem, Discretisation]:
 
 
 def made(problem: ContactProblem, found: Discretisation) -> list[Any]:
-    """What belongs to a problem: core, plate, a response and lists of them, what cases share, solutions."""
+    """Objects of a problem: core, plate, responses and lists of them, shared data of cases, solutions."""
     core, load, held = problem.core, found.cases["load"].nodal, found.held.values
     rest, points = _core.rest_response(core, held), _core.point_responses(core, 0, len(problem.gaps))
     cases = _core.load_responses(core, load[None])
@@ -69,7 +69,7 @@ def made(problem: ContactProblem, found: Discretisation) -> list[Any]:
 
 
 def strangers() -> list[Any]:
-    """What problems of the same size, larger and smaller have made, and responses without displacements."""
+    """Objects of problems of the same size, larger and smaller, and responses without displacements."""
     found = [thing for points in (2, 3, 1) for thing in made(*example(points))]
     return [*found, *([thing.at_points()] for thing in found if isinstance(thing, _core.Response))]
 
@@ -89,8 +89,17 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
     def contact(
         elements, coefficients, further, distance, law, scale, unit, regularization, dofs, motions, method, *spring
     ):
-        arrays = (elements, coefficients, further, distance, law, scale, unit, regularization)
-        _core.ContactProblem(found.plate, dofs, spring, arrays, laws, motions, method).solve(load, held.values)
+        points = {
+            "elements": elements,
+            "rows": coefficients,
+            "further": further,
+            "distance": distance,
+            "law": law,
+            "scale": scale,
+            "unit": unit,
+            "regularization": regularization,
+        }
+        _core.ContactProblem(found.plate, dofs, spring, points, laws, motions, method).solve(load, held.values)
 
     def residual(load, hi, lo, *spring):
         found.plate.residual(spring, load, hi, lo)
@@ -205,7 +214,7 @@ def _kind(rng: Random, array: np.ndarray) -> np.ndarray:
 
 
 def fault(seed: int, entries: list[tuple[Callable[..., Any], list[Any]]], others: list[Any]) -> str:
-    """What one seed's call does that it must not; empty if nothing."""
+    """Fault of one seed's call; empty if it has none."""
     rng = Random(seed)
     call, arguments = rng.choice(entries)
     try:
@@ -214,7 +223,7 @@ def fault(seed: int, entries: list[tuple[Callable[..., Any], list[Any]]], others
             call(*spoilt(rng, arguments, others))
     except ORDINARY:
         pass
-    except BaseException as error:  # pyo3's PanicException is none of Exception's.
+    except BaseException as error:  # pyo3's PanicException does not derive from Exception.
         return f"{getattr(call, '__name__', call)}: {type(error).__name__}: {error}"
     return ""
 

@@ -1,4 +1,4 @@
-"""The command line that all fuzzers share: many seeds side by side, each watched, for so many or for so long."""
+"""Command line of all fuzzers: many seeds in parallel, each with a time limit, by number or by time."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _ASLEEP = 30 * TOO_LONG
 """Seconds after which it hangs without using them, on a machine with much other work."""
 
 _TOLD = 60
-"""Seconds after which it is told how far it has come."""
+"""Seconds between two reports of progress."""
 
 _MOST_FAILURES = 30
-"""Failures after which no seed is begun: so many have a reason in common."""
+"""Failures after which no new seed starts: more would have a common reason."""
 
 Draw = Callable[[int], tuple[Counter[str], list[str]]]
 """From a seed to outcomes and faults."""
@@ -45,7 +45,7 @@ def _work(draw: Draw, seeds: multiprocessing.SimpleQueue, found: multiprocessing
         signal.alarm(_ASLEEP)
         try:
             outcomes, wrong = draw(seed)
-        except BaseException as error:  # What ends a run is what a fuzzer looks for.
+        except BaseException as error:  # A fuzzer looks for every exception that ends a run.
             outcomes, wrong = Counter({"fault": 1}), [f"{type(error).__name__}: {error}"]
         signal.setitimer(signal.ITIMER_PROF, 0)
         signal.alarm(0)
@@ -53,7 +53,7 @@ def _work(draw: Draw, seeds: multiprocessing.SimpleQueue, found: multiprocessing
 
 
 def run(draw: Draw, first: int, count: int, processes: int, seconds: float) -> int:
-    """Run so many seeds, or as many as are begun in time; print failures as they come; return their number."""
+    """Run a number of seeds, or as many as start in time; print failures at once; return their number."""
     seeds, found = multiprocessing.SimpleQueue(), multiprocessing.SimpleQueue()
     workers = [multiprocessing.Process(target=_work, args=(draw, seeds, found), daemon=True) for _ in range(processes)]
     for worker in workers:
@@ -100,7 +100,7 @@ def run(draw: Draw, first: int, count: int, processes: int, seconds: float) -> i
 
 
 def main(says: str | None, draw: Draw, show: Callable[[int], None], count: int = 100_000, check: int = 100) -> int:
-    """Do what the command line says: show one seed, or run many; 1 if any fails."""
+    """Show one seed, or run many, as the command line asks; return 1 if any fails."""
     parser = argparse.ArgumentParser(description=says, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=count)
     parser.add_argument("--first", type=int, default=0)

@@ -1,4 +1,4 @@
-"""Judges of what the door refuses: whether rigid supports are where it says, by samples of what the input draws."""
+"""Judges of refusals by the domain: whether rigid supports are at the place named, by samples of their geometry."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _NEAR = re.compile(
 )
 _SOFT = re.compile(r"alone holds the plate.* with kL⁴/D = (\S+); it must be (\S+) or more")
 _MOVED = 3e-4
-"""Part of the plate's extent by which supports may have been moved onto each other before, and digits of places."""
+"""Tolerance for places, relative to the plate's extent: supports may have been moved; places have few digits."""
 _SAMPLES = 4000
 """Places along each side of a curve."""
 
@@ -32,7 +32,7 @@ def words_of_the_door(error: InputError) -> bool:
 
 
 def wrongly_refused(model: Model, error: InputError) -> list[str]:
-    """What is wrong with a refusal at the door."""
+    """Errors of a refusal by the domain."""
     wrong = []
     for part in error.parts:
         if (near := _NEAR.search(part.message)) is not None:

@@ -1,9 +1,9 @@
-"""Plates at the ends of what can be asked, each with a judge: a closed form, plain statics, or the same said otherwise.
+"""Plates at the limits of the domain, each with a judge: a closed form, statics, or a second description.
 
 Ribbons, steps of thickness and of pressure, forces near the edge of a bed and on it, supports that coincide or hold the
-plate from both sides, loads that balance themselves between stops, and stiffnesses from 1e-10 to 1e18 of the plate's:
-all are inside the domain of validity (docs/domain.md), many at its limits.
-A judge shares no code with the program: it knows the plate's true answer, or compares two ways of saying one plate.
+plate from both sides, loads in balance by themselves between stops, and stiffnesses from 1e-10 to 1e18 of the plate's.
+All are inside the domain of validity (docs/domain.md).
+A judge shares no code with the program: it knows the plate's exact answer, or compares two descriptions of one plate.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from signorini.discretise import discretise
 Tables = dict[str, Any]
 Floats = npt.NDArray[np.float64]
 Judge = Callable[[Result | None], list[str]]
-"""What is wrong with a result; None where the program found no equilibrium."""
+"""Errors of a result; None if the program found no equilibrium."""
 
 _STRIP = 2e-2
 """Part of a strip's deflection that a mesh of at least four elements may be off."""
@@ -34,13 +34,13 @@ _CUT = 6e-2
 _PANEL = 4e-2
 """The same of a slab with a thicker panel, beside a mesh three times as fine."""
 _SAME = 1e-6
-"""Part of the load, or of the deflection, by which two ways of saying one plate may differ."""
+"""Tolerance for two descriptions of one plate, relative to the load or the deflection."""
 _RIGID, _SOFT = 1e8, 1e-6
-"""Stiffness, over the plate's, from which on a support is as good as rigid, and below which the plate is."""
+"""Stiffness over the plate's of supports as good as rigid, and of supports on which the plate is rigid."""
 _LIMIT = 1e-3
-"""Part of the deflection by which such a support may differ from its limit."""
+"""Tolerance for such a support against its limit, relative to the deflection."""
 _RANK = 1e-12
-"""Part of the largest singular value of rows from which on they say something of their own."""
+"""Relative tolerance for singular values of independent rows."""
 _CORRECTIONS = 4
 _STILL = 1e-6
 """Part of F a²/D that is no deflection."""
@@ -48,7 +48,7 @@ _STILL = 1e-6
 
 @dataclass(frozen=True)
 class Extreme:
-    """A model as the tables of an input file, and what judges its result."""
+    """A model as the tables of an input file, and the judge of its result."""
 
     kind: str
     tables: Tables
@@ -96,7 +96,7 @@ def ribbon(rng: Random) -> Extreme:
 
 
 def _divisions(rng: Random, ratio: float) -> list[int]:
-    """Numbers of elements of a ribbon so many times as long as wide, none of them over 1000 times."""
+    """Numbers of elements of a ribbon of a given aspect ratio, with elements of at most 1000 to 1."""
     along, across = rng.randint(4, 12), rng.randint(1, 6)
     return [along, max(1, min(across, int(1000.0 * along / ratio)))]
 
@@ -287,9 +287,9 @@ def coincident(rng: Random) -> Extreme:
 
 
 def opposed(rng: Random) -> Extreme:
-    """Draw a plate held both ways at crowded points, or there from below and from above.
+    """Draw a plate on two-sided supports at crowded points, or on supports there from below and from above.
 
-    The judge takes the points' rows for equations, or, along a circle, says the supports in another order.
+    The judge takes the points' rows for equations, or, along a circle, lists the supports in another order.
     """
     at, apart = [rng.uniform(1, 9), rng.uniform(0.3, 1.0)], rng.choice([0.02, 0.05, 0.1, 0.2])
     thickness, crowd = rng.choice([0.03, 0.1]), list[list[float]]()
@@ -335,10 +335,9 @@ def opposed(rng: Random) -> Extreme:
 
 
 def held_at_points(tables: Tables) -> Floats:
-    """Deflections of the nodes of a plate that supports hold both ways, however nearly their rows repeat each other.
+    """Deflections of the nodes of a plate on two-sided supports with nearly dependent rows.
 
-    What bends the plate and keeps the rows, an orthogonal basis of their null space, has no equations that are near to
-    each other.
+    The equations in an orthogonal basis of the rows' null space are well conditioned.
     """
     found = discretise(validate(tables))
     rows, stiffness = found.point_rows.toarray(), csr_array(contact_problem(found).K)
@@ -429,7 +428,7 @@ def stiffness(rng: Random) -> Extreme:
             ({"area": "all"}, size**2),
         ]
     )
-    # A rigid bed that holds both ways does so on the means of elements, and leaves the rest to the mesh.
+    # A two-sided rigid bed holds the means of elements only.
     one_way = "area" in place and ratio > _SOFT
     support = {"name": "bed", **place, "resists": rng.choice(["down"] if one_way else ["down", "down", "both"])}
     pressure = 1e-2 * own / size

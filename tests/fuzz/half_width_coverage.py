@@ -42,7 +42,7 @@ class Judged:
 
 
 def plate(seed: int, least: int = 8, most: int = 16) -> Model:
-    """Draw a plate with so many elements along a side, and three probes."""
+    """Draw a plate with a given number of elements along a side, and three probes."""
     rng, others = Random(seed), Random(-seed - 1)
     tables = random_models.model(rng)
     if "divisions" in tables["mesh"]:
@@ -54,7 +54,7 @@ def plate(seed: int, least: int = 8, most: int = 16) -> Model:
     on = (at for at in drawn if random_models.on_plate(tables["plate"], at))
     tables["probe"] = [{"at": list(islice(on, 3))}]
     tables["output"] = {"combinations": "each"}
-    # Drawn last, so that a seed's other choices are what they were without it.
+    # Drawn last, so that the seed's other choices do not depend on it.
     if others.random() < 0.2:
         _overlap(others, tables)
     return validate(tables)
@@ -83,7 +83,7 @@ def _weight(tables: random_models.Tables) -> float:
 
 
 def judged(seed: int, least: int = 8, most: int = 16) -> list[Judged]:
-    """Judge the numbers of up to two combinations; none where there is no such plate, or no answer."""
+    """Judge the numbers of up to two combinations; empty if the seed gives no plate with an answer."""
     try:
         model = plate(seed, least, most)
         names = list(model.effective_combinations.names())[:2]

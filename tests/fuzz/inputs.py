@@ -1,7 +1,7 @@
 """Fuzz the command line with input files: each ends with an exit code and one message, and leaves whole files or none.
 
     python tests/fuzz/inputs.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
-    python tests/fuzz/inputs.py --show SEED     the input file of a seed, and what it ends with
+    python tests/fuzz/inputs.py --show SEED     the input file of a seed, and its outcome
 
 Outcomes and failures are printed with their seeds; the exit code is 0 where there is no failure.
 """
@@ -32,7 +32,7 @@ from signorini.cli import app
 COMMANDS = typer.main.get_command(app)
 NAME = "slab.toml"
 _SELDOM = 50
-"""One input in so many draws its pictures; they take most of the time and do not depend on what was found."""
+"""Every n-th input draws its pictures, which take most of the time and do not depend on the outcome."""
 
 _PICTURES = (
     (signorini.plot.pictures, "check_picture"),
@@ -41,7 +41,7 @@ _PICTURES = (
 )
 _NO_PICTURES = {"solve": ("--pictures", "none")}
 _LEAVES = {"solve": ("slab-results", (0, 3)), "check": ("slab-check.png", (0, 3)), "path": ("slab-path", (0, 4))}
-"""What each command may leave beside the input, with which exit codes."""
+"""Files that each command may leave beside the input, with their exit codes."""
 _CASES = ["load", "G", "Q", "all", "C0"]
 """Load cases and combinations that the drawn models may have, to follow along a path."""
 
@@ -81,7 +81,7 @@ def ended(
 
 
 def _run(arguments: list[str]) -> tuple[int, str, BaseException | None]:
-    """Call the command line in this process: its exit code, standard error, and what it raised."""
+    """Call the command line in this process: its exit code, standard error and exception."""
     out, errors = (io.TextIOWrapper(io.BytesIO(), "utf-8") for _ in range(2))
     code, exception = 0, None
     with warnings.catch_warnings(), redirect_stdout(out), redirect_stderr(errors):

@@ -1,7 +1,7 @@
 """Fuzz the command line with mesh files: small plates in every format, a few bytes, numbers or lines of them wrong.
 
 python tests/fuzz/meshes.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
-python tests/fuzz/meshes.py --show SEED     the mesh file of a seed, and what it ends with
+python tests/fuzz/meshes.py --show SEED     the mesh file of a seed, and its outcome
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _PIECES = [b"\xff\xfe", b"\0", b"$EndNodes\n", b"<", b">", b"*NODE\n", b"1 ", b"
 
 @functools.cache
 def written(kind: str, degrees: int = 0) -> bytes:
-    """A plate of four elements with the group ``wall``, as a file of a kind; or a strip, bent so far around."""
+    """A plate of four elements with the group ``wall``, as a file of a kind; or a strip bent by an angle."""
     plate = rectangle((0.0, 0.0), (4.0, 4.0), (12, 1) if degrees else (2, 2))
     x, y = plate.points.T
     if degrees:
@@ -67,7 +67,7 @@ def written(kind: str, degrees: int = 0) -> bytes:
 
 
 def file(rng: Random) -> tuple[str, bytes]:
-    """Draw a mesh file: its name and what is in it."""
+    """Draw a mesh file: its name and content."""
     kind = rng.choice(sorted(FORMATS))
     content = written(kind, rng.choice([0, 0, 0, rng.choice([200, 350, 380, 400])]))
     for _ in range(rng.choice([0, 1, 1, 1, 2, 5])):

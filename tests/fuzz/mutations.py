@@ -91,7 +91,7 @@ def _swap(rng: Random, tables: Tables) -> None:
 
 
 def _keep_small(tables: Tables) -> None:
-    """Leave no mesh that would take long: what is larger than a handful is made far too large."""
+    """Avoid meshes that would take long: larger numbers are made far too large."""
     mesh = tables.get("mesh")
     mesh = mesh if isinstance(mesh, dict) else {}
     divisions = mesh.get("divisions")

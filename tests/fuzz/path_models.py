@@ -15,7 +15,7 @@ import random_models
 
 Tables = dict[str, Any]
 Question = tuple[Tables, str | None, str, float | None, bool]
-"""A model, names of what is there and of what grows, the largest t wanted, and whether any of it is extreme."""
+"""A model, the names of its constant and its growing load, the largest t, and whether it is extreme."""
 
 
 def drawn(seed: int) -> Question:
@@ -54,7 +54,7 @@ def _unlike(load: Tables) -> Tables:
 def _round(rng: Random) -> Tables:
     """A round plate on its rim above a ring or a bed, which it meets all around at nearly one t."""
     gap, thickness = 10.0 ** rng.uniform(-5, -2), 10.0 ** rng.uniform(-2.5, -0.5)
-    # About what closes the gap, over t.
+    # About the pressure that closes the gap, over t.
     pressure = 30e9 * thickness**3 * gap * 10.0 ** rng.uniform(-18, 9)
     sector = rng.choice([90, 180, 360])
     place = rng.choice([{"circle": {"radius": rng.uniform(0.1, 0.8)}}, {"area": "all"}])
@@ -74,7 +74,7 @@ def _round(rng: Random) -> Tables:
 
 
 def _far_stop(rng: Random, plate: Tables) -> Tables:
-    """A support that the plate never meets, and that must not hide what happens at others."""
+    """A support that the plate never meets, and that must not hide the events of others."""
     gap = random_models.extent(plate) * 10.0 ** rng.uniform(3, 9)
     return {"at": random_models.point(rng, plate), "resists": rng.choice(["up", "down"]), "gap": gap}
 

@@ -1,4 +1,4 @@
-"""Small models drawn from a seeded generator, as the nested tables of an input file: what an engineer might write."""
+"""Small models drawn from a seeded generator, as the nested tables of an input file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Tables = dict[str, Any]
 
 @dataclass(frozen=True)
 class _Scale:
-    """What lengths, forces and point stiffnesses are of the plate's own size: it sags by a thousandth of its span."""
+    """Reference length, force and point stiffness of the plate: it sags by a thousandth of its span."""
 
     length: float
     force: float
@@ -20,7 +20,7 @@ class _Scale:
 
 
 def model(rng: Random) -> Tables:
-    """Draw a model that says something: perhaps a mechanism, perhaps a load that nothing can hold."""
+    """Draw a valid model: perhaps a mechanism, perhaps a load without equilibrium."""
     plate, mesh = _plate(rng)
     young, size = rng.choice([30e9, 1000.0, 2.1e5]), extent(plate)
     thickness = float(str(plate["thickness"]).partition("*")[0])
@@ -54,7 +54,7 @@ def model(rng: Random) -> Tables:
         _repeat(rng, tables["support"])
     if "combination" not in tables and rng.random() < 0.06:
         _balance(rng, tables, scale)
-    # Drawn last, so that a seed's other choices are what they were without it.
+    # Drawn last, so that the seed's other choices do not depend on it.
     if rng.random() < 0.2:
         _step(rng, tables)
     if rng.random() < 0.5:
@@ -166,7 +166,7 @@ def _zones(rng: Random, tables: Tables, size: float) -> None:
 
 
 def cut(rng: Random, tables: Tables) -> None:
-    """Ask for what goes through lines, from edge to edge or between two points or around one, and over strips."""
+    """Add sections from edge to edge, between two points or around one, and strips."""
     plate = tables["plate"]
     (x, y), room = middle(rng, plate)
     turn = rng.choice([0.0, math.pi / 2, rng.uniform(0.0, math.pi)])
@@ -301,7 +301,7 @@ def _onto(rng: Random, plate: Tables, at: list[float]) -> list[float]:
 
 
 def _spread(rng: Random, tables: Tables, size: float) -> None:
-    """Give what acts at points footprints, a bit farther inside; say a couple about the axes."""
+    """Give forces and supports at points footprints, a bit farther inside; give a couple about the axes."""
     plate = tables["plate"]
     (x, y), _ = middle(rng, plate)
     for item in (*tables["support"], *tables["load"]):

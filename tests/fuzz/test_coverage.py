@@ -1,4 +1,4 @@
-"""Half-widths cover what refining the mesh does: a sample of benchmarks/half_widths.py."""
+"""Half-widths cover the change under refinement: a sample of benchmarks/half_widths.py."""
 
 import half_width_coverage
 

@@ -45,7 +45,7 @@ def test_points_near_each_other_hold_the_plate_as_an_orthogonal_basis_of_what_th
 
 
 def test_supports_on_both_sides_carry_what_one_that_holds_both_ways_does() -> None:
-    """Each by the sign: the floor what pushes, the hold-down what pulls, two at one point half of it."""
+    """By the sign: the floor carries pushing reactions, the hold-down pulling ones; two at one point share equally."""
     place = {"at": [[2.0, 2.0], [8.0, 2.0], [5.0, 5.0], [3.0, 8.0]], "settlement": "1e-4*x"}
     tables = {
         "material": {"E": 30e9, "nu": 0.2},
@@ -64,7 +64,7 @@ def test_supports_on_both_sides_carry_what_one_that_holds_both_ways_does() -> No
 
 
 def test_a_gap_both_ways_may_be_none_in_places() -> None:
-    """Each of its points has what it has where the gap is next to none there."""
+    """Each of its points has the reaction of a model with a very small gap there."""
 
     def supports(gap: str) -> list[SupportResult]:
         tables = {
@@ -85,7 +85,7 @@ def test_a_gap_both_ways_may_be_none_in_places() -> None:
         assert exact.gaps == pytest.approx(near.gaps, abs=1e-10)
 
 
-@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_a_plate_that_cannot_deflect_touches_what_it_stands_on(method: str) -> None:
     """Its gaps are rounding, whatever the deflection is."""
     tables = {

@@ -31,7 +31,7 @@ def test_fuzzed_mesh_files_do_too() -> None:
 @pytest.mark.parametrize("command", ["solve", "check"])
 @pytest.mark.parametrize("path", sorted(CORPUS.iterdir()), ids=lambda path: path.stem)
 def test_an_input_that_once_found_a_fault(path: Path, command: str) -> None:
-    """What one form of the problem once refused another can solve."""
+    """Inputs that one form of the problem once refused are solved by another."""
     with tempfile.TemporaryDirectory() as directory:
         drawn = command == "check"
         code, errors, wrong = inputs.ended(path.read_bytes(), command, Path(directory), pictures=drawn)
@@ -42,7 +42,7 @@ def test_an_input_that_once_found_a_fault(path: Path, command: str) -> None:
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        ("x\n" * 10**6, "slab.toml:1: this is not TOML"),
+        ("x\n" * 10**6, "slab.toml:1: invalid TOML"),
         ("asdf qwer\n" * 10**6, "larger than 4 MB"),
         ("a = " + "[" * 10**6, "nested too deeply"),
         ("\n".join(f"k{i} = {i}" for i in range(10**5)), "100002 problems:"),

@@ -1,4 +1,4 @@
-"""Random plates said in two ways: a sample of benchmarks/random_plates.py."""
+"""Random plates with two descriptions: a sample of benchmarks/random_plates.py."""
 
 from collections import Counter
 from random import Random
@@ -29,7 +29,7 @@ def test_plates_said_in_two_ways_have_one_answer() -> None:
 
 
 def test_the_thickness_beside_a_stiffness_is_for_the_weight_alone() -> None:
-    """Of moments what is at a peak, and half-widths, are measured by the section."""
+    """Peaks of moments, and half-widths, are compared relative to the section."""
     compared = 0
     for seed in range(40):
         rng = Random(seed)

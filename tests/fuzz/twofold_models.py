@@ -1,8 +1,8 @@
-"""Random plates said in two ways that are one: each way has the same answer.
+"""Random plates with two equivalent descriptions, which have the same answer.
 
-Sections from either side, and strips of two halves; what areas with holes leave out and what is in the holes; the
-stiffness of a solid section; a plate turned, mirrored and moved, every shape of it as a polygon; a wall that all but
-ends on an edge. They share a mesh, so that rounding alone is between them.
+Sections from either side, and strips of two halves; an area with holes and the areas of the holes; the stiffness of a
+solid section; a plate turned, mirrored and moved, every shape of it as a polygon; a wall that almost ends on an edge.
+Both share a mesh, so that they differ by rounding only.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from signorini.mesh import Mesh
 from signorini.shapes.outlines import Contour, along_side
 
 _ROUNDING = 1e-6
-"""Part of the largest deflection, or force, by which the two may differ."""
+"""Relative tolerance for the two, of the largest deflection or force."""
 _CURVED = 1e-4
 """The same of parts of lines and areas that end inside elements that are no parallelograms, where no rule is exact."""
 _HARDLY = 1e-4
-"""Part of the deflection by which a load scales on the plate, below which deflections count as that much."""
+"""Least reference deflection, relative to F L²/D of the load."""
 _CUT = 5e-3
 """The same where borders, jumps and springs cut coarse elements, which rules of their own integrate."""
 _LAMINATED = 3e-2
@@ -67,7 +67,7 @@ def _compared(
     solved, same = (one if one is not None and one.status == "solved" else None for one in (result, twin))
     if solved is None or same is None:
         return [] if solved is same else [f"an equilibrium said {'one way' if solved else 'the other way'} alone"]
-    # What stands under the load keeps a plate from deflecting: what integrals of its parts differ by does deflect it.
+    # A support under the load prevents deflection; errors of the integrals of its parts then deflect the plate.
     found = discretise(validate(tables), solved.mesh)
     force = _force(found, solved)
     loaded = force * found.mesh.size**2 / (found.model.young * float(found.thickness.max()) ** 3 / 12)
@@ -83,7 +83,7 @@ def _compared(
 
 
 def _force(found: Discretisation, result: Result) -> float:
-    """What forces are compared with: those of loads and reactions."""
+    """Reference force: the sum of loads and reactions."""
     loads = found.load(found.model.effective_combinations[0]).nodal.reshape(-1, 3)
     of_loads = float(np.abs(loads[:, 0]).sum() + np.abs(loads[:, 1:]).sum() / result.mesh.size)
     return of_loads + sum(float(np.abs(support.reactions).sum()) for support in result.supports)
@@ -237,7 +237,7 @@ def rounded(rng: Random, tables: Tables) -> Extreme:
 
 
 def _goes_by_frame(support: Tables) -> bool:
-    """Whether the mesh and the axes say where it holds: points on circles, and of what elements are cut to."""
+    """Whether its points depend on mesh and axes: points on circles, and in parts of cut elements."""
     lets_go = support.get("resists") != "both" or "gap" in support
     return "circle" in support or ("area" in support and (lets_go or "stiffness" not in support))
 
@@ -246,7 +246,7 @@ class Motion:
     """A motion of the plane: it mirrors y where asked, turns by degrees and shifts."""
 
     def __init__(self, degrees: float, mirror: float, shift: list[float]) -> None:
-        """Keep what it does."""
+        """Store rotation, mirror and shift."""
         turn = math.radians(degrees)
         self.cos, self.sin = (round(f(turn), 15) for f in (math.cos, math.sin))
         self.degrees, self.mirror, self.shift = degrees, mirror, shift
@@ -281,7 +281,7 @@ class Motion:
         return re.sub(r"\b[xy]\b", lambda found: x if found[0] == "x" else y, given)
 
     def angle(self, degrees: float) -> float:
-        """The angle of what had an angle."""
+        """The moved angle."""
         return self.degrees + self.mirror * degrees
 
     def contour(self, drawn: Contour) -> list[Any]:

@@ -29,15 +29,15 @@ Tables = dict[str, Any]
 Point = tuple[float, float]
 
 _SAME = 1e-9
-"""Part of the plate's size by which nodes may differ: coordinates are rounded to 2⁻⁴⁰ of it."""
+"""Tolerance for nodes, relative to the plate's size: coordinates are rounded to 2⁻⁴⁰ of it."""
 _ALIKE = 1e-3
-"""Part of the largest of its kind by which a number may differ on the same mesh: elements that outlines cut are
+"""Tolerance for a number on the same mesh, relative to the largest of its kind: elements that outlines cut are
 integrated in strips along y, and those that zones cut are laminates of strips of their own axes, to about 1e-4."""
 
 
 @dataclass(frozen=True)
 class View:
-    """How somebody looks at a plate: by what axes, from where, and in what unit of length."""
+    """View of a plate: axes, origin and unit of length."""
 
     axes: tuple[Point, Point] = ((1, 0), (0, 1))
     shift: Point = (0.0, 0.0)
@@ -52,11 +52,11 @@ class View:
         return [*map(min, *(ends := [self.at(x0, y0), self.at(x1, y1)])), *map(max, *ends)]
 
     def sides(self, a: Any, b: Any) -> list[Any]:
-        """What belongs to the first and the second axis, as he has them."""
+        """Values of the first and the second axis of the view."""
         return [a, b] if self.axes[0][0] else [b, a]
 
     def edge(self, name: str) -> str:
-        """What he calls an edge of a rectangle."""
+        """Name of an edge of a rectangle in the view."""
         outward = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}
         x, y = outward[name]
         seen = tuple(u * x + v * y for u, v in self.axes)
@@ -77,7 +77,7 @@ VIEWS = {
 
 
 def tables(rng: Random, view: View) -> Tables:
-    """Draw a plate, what holds it and what it carries, as somebody sees it; he draws no numbers of his own."""
+    """Draw a plate with supports and loads in a view; the view draws no random numbers."""
     nice = rng.random() < 0.6
     width, height = rng.choice([(8.0, 8.0), (8.0, 6.0), (10.0, 4.0), (6.0, 9.0)])
 
@@ -161,7 +161,7 @@ def tables(rng: Random, view: View) -> Tables:
     mesh |= {"size": view.unit * size} if divisions is None or rng.random() < 0.5 else {"divisions": divisions}
     u, young, thickness = view.unit, 3e7, 0.2
     stiff = young * thickness**3 / 12
-    # Soil, so that nothing tips.
+    # Soil, so that no plate tips.
     supports: list[Tables] = [{"area": "all", "stiffness": stiff * 0.1 / u**3}]
     supports[0]["resists"] = rng.choice(["down", "both"])
     for _ in range(rng.randint(1, 4)):
@@ -194,7 +194,7 @@ def tables(rng: Random, view: View) -> Tables:
 
 @functools.cache
 def refused(seed: int) -> frozenset[tuple[str, int]] | None:
-    """What of a seed's supports, loads and so on is not on the plate, as (key, index); None: there is no such plate."""
+    """Tables of a seed, as (key, index), that are not on the plate; None if the seed gives no plate."""
     gone: frozenset[tuple[str, int]] = frozenset()
     while True:
         try:
@@ -219,7 +219,7 @@ def _without(found: Tables, gone: frozenset[tuple[str, Any]]) -> Tables:
 
 
 def seen(seed: int, view: View) -> Model | None:
-    """The plate of a seed, as somebody sees it, with what is on it."""
+    """The plate of a seed in a view, with all tables that are on it."""
     gone = refused(seed)
     return None if gone is None else Model.model_validate(_without(tables(Random(seed), view), gone))
 
@@ -227,7 +227,7 @@ def seen(seed: int, view: View) -> Model | None:
 def same_mesh(mesh: Mesh, other: Mesh, unit: float) -> bool:
     """Whether a mesh, mirrored or turned, is another one in some unit: elements of the same nodes at the same places.
 
-    Of a plate that is symmetric with all that is on it any of its mirror images will do.
+    A plate that is symmetric with all its tables may have any of its mirror images.
     """
     if (mesh.node_count, len(mesh.elements)) != (other.node_count, len(other.elements)):
         return False
@@ -241,7 +241,7 @@ def same_mesh(mesh: Mesh, other: Mesh, unit: float) -> bool:
 
 
 def answer(model: Model, view: View) -> dict[str, np.ndarray] | str:
-    """What a solve says, as the plate is seen by its own axes: of each kind an array, whose largest entry counts."""
+    """Numbers of a solve in the plate's own axes: an array of each kind, compared relative to its largest entry."""
     try:
         (result,) = solve(model).values()
     except NoEquilibriumError:
@@ -259,7 +259,7 @@ def answer(model: Model, view: View) -> dict[str, np.ndarray] | str:
 
 
 def differing(seed: int, name: str, solved: bool) -> list[str]:
-    """What differs between the plate of a seed as it is and in a view."""
+    """Differences between the plate of a seed and its view."""
     view = VIEWS[name]
     model, other = (seen(seed, one) for one in (View(), view))
     if model is None or other is None:
@@ -273,7 +273,7 @@ def differing(seed: int, name: str, solved: bool) -> list[str]:
         return [] if one == two else [f"{name}: another outcome"]
     wrong = []
     for kind, values in one.items():
-        # Of a plate that hardly bends all moments are rounding.
+        # A plate that hardly bends has moments of rounding.
         scale = max(
             np.abs(values).max(initial=0.0), 1e-3 * np.abs(one["reactions"]).max() * (kind in ("moments", "shears"))
         )
@@ -290,7 +290,7 @@ def _first(seed: int) -> dict[str, np.ndarray] | str:
 
 
 def one(seed: int) -> tuple[Counter[str], list[str]]:
-    """Mesh and solve the plate of a seed in every view: outcomes, and what differs."""
+    """Mesh and solve the plate of a seed in every view: outcomes, and differences."""
     if refused(seed) is None:
         return Counter({"no plate": 1}), []
     wrong = [text for name in VIEWS for text in differing(seed, name, solved=True)]

@@ -1,4 +1,4 @@
-"""What the property tests share: random models, and plain dense linear algebra to judge their answers by."""
+"""Common code of the property tests: random models, and dense linear algebra that judges their answers."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -184,7 +184,7 @@ class Dense:
         )
 
     def length(self, u):
-        """What lengths are judged by: where supports leave no deflection, part of the load's own."""
+        """Reference length: where supports leave no deflection, a part of F L²/D."""
         soft = 1e-6 * np.abs(self.f).sum() / np.diag(self.K).min(initial=np.inf)
         return max(np.abs(u).max(initial=0), np.abs(self.distance).max(initial=0), soft, 1e-300)
 
@@ -197,7 +197,7 @@ class Dense:
         least = 1e-8 * np.diag(self.K).max(initial=0) * length
         force = max(self.whole, np.abs(reaction).max(initial=0), least, 1e-300)
         penetration = max(-gap[one].min(initial=0), np.abs(gap[~one]).max(initial=0))
-        # What K·u cancels is what its rounding is relative to.
+        # The rounding of K·u is relative to the terms that cancel.
         magnitude = (np.abs(self.K) @ np.abs(u)).max(initial=0)
         out = np.abs(self.K @ u + self.G.T @ reaction - self.f).max(initial=0)
         return {

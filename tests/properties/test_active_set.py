@@ -37,7 +37,7 @@ def test_a_force_about_to_tip_the_slab_over_its_edge(thickness, stiffness, short
     bed = result.supports[0]
     assert bed.reaction == pytest.approx(1e5, rel=1e-10) and 1 < bed.closed.sum() <= 60
     assert bed.reactions @ bed.positions / bed.reaction == pytest.approx([at, 5], rel=1e-9)
-    # As much beyond the edge as a force that lifts elsewhere moves the resultant.
+    # A small lifting force at the other edge moves the resultant past the edge.
     over = [{"force": 1e5 + 1, "at": [10, 5]}, {"force": -1, "at": [0, 5]}]
     with pytest.raises(NoEquilibriumError, match="tips about the line x = 10"):
         signorini.solve(slab(thickness, stiffness, over))

@@ -1,4 +1,4 @@
-"""One support written in several ways gives the same results: the law of a point decides, and not its keys."""
+"""Equivalent keys of one support give the same results: the law of a point decides."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ZONE = {"rigid": True, "area": {"rectangle": [1, 1, 2, 2]}}
 
 
 def ways(stiffness: float) -> dict[str, list[Table]]:
-    """Write a spring of this stiffness that holds both ways."""
+    """Write a two-sided spring of this stiffness."""
     k = stiffness
     return {
         "stiffness": [{"stiffness": k}],
@@ -73,7 +73,7 @@ def stacked(supports: list[Table]) -> Table:
 
 
 def numbers(tables: Table, count: int) -> np.ndarray:
-    """Deflections of a model, and what its first supports carry together."""
+    """Deflections of a model, and the total reaction of its first supports."""
     (result,) = signorini.solve(signorini.Model(**tables)).values()
     plates = result.plates.values() if result.plates else [result]
     deflection = np.concatenate([one.deflection for one in plates])
@@ -85,7 +85,7 @@ def differences(make: Any, where: Table, stiffness: float, beside: Table) -> dic
     """By how much every way of writing differs from the first one."""
     given = ways(stiffness)
     if "gap" in beside or beside["resists"] != "both":
-        # A law that begins at a negative travel is one of both ways without a gap.
+        # A law that begins at a negative travel is two-sided without a gap.
         del given["straight law in parts"]
     shares = {name: [{**where, **beside, **keys} for keys in own] for name, own in given.items()}
     for own in shares.values():
@@ -96,7 +96,7 @@ def differences(make: Any, where: Table, stiffness: float, beside: Table) -> dic
 
 
 def require_alike(make: Any, place: str, beside: Table) -> None:
-    """Demand what rounding leaves; kinks and limits have other integration points in elements that are cut."""
+    """Compare to rounding; kinks and limits have other integration points in elements that are cut."""
     stiffness, where = PLACES[place]
     apart = differences(make, where, stiffness, beside)
     cuts = place in ("rectangle across elements", "disc", "polygon", "line across elements")

@@ -1,4 +1,4 @@
-"""Random plates: combinations solved together are what each is by itself, and agree on what cannot be held."""
+"""Random plates: combinations solved together equal single solves, equilibrium verdicts included."""
 
 import numpy as np
 from hypothesis import assume, given, settings
@@ -66,7 +66,7 @@ def test_a_batch_is_its_combinations_one_by_one(data, drawing, dense):
         if result.status != "solved" or not twin.pins(_all_reactions(problem, result, combined.combinations[row])):
             continue
         size = max((np.abs(support.reactions).max(initial=0) for support in result.supports), default=0.0)
-        # Reactions of supports that carry next to nothing are rounding of the load.
+        # Reactions of supports that carry almost no load are rounding of the load.
         load = np.abs(found.load(combined.combinations[row]).nodal).max()
         for support in result.supports:
             # Reactions of supports that nearly repeat each other are determined only as far as these differ.

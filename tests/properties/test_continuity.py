@@ -1,4 +1,4 @@
-"""Reactions are continuous in where supports and loads are: nothing jumps as they pass a node, a side or a line."""
+"""Reactions are continuous in the places of supports and loads, also across a node, a side or a line."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ Floats = npt.NDArray[np.float64]
 
 SIZE = np.array([6.0, 4.0])
 STEP = 1e-5
-"""On either side of what is passed: far more than what is at one place, and reactions change by as much of the load."""
+"""Distance on either side of the node, side or line: above the tolerance for one place."""
 JUMP = 1e-3
 OF_MESH = 0.02
-"""Part of the largest reaction that a mesh of some elements is from the plate: a line on sides holds the plate at their
-nodes, one beside them in means of elements, and sizes of elements that follow what moves change by thresholds."""
+"""Mesh error relative to the largest reaction: a line on sides holds the plate at their
+nodes, one beside them in means of elements, and element sizes that follow moving places change by thresholds."""
 LEGS: Tables = {"at": [[0.7, 0.6], [5.3, 0.7], [5.1, 3.4], [0.8, 3.3]], "resists": "down"}
 WAYS: list[Tables] = [
     {"resists": "down"},

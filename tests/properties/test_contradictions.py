@@ -1,7 +1,5 @@
 """Rigid supports with settlements or gaps that contradict each other where they meet are refused, others are not."""
 
-import re
-
 import meshio
 import numpy as np
 import pytest
@@ -80,19 +78,16 @@ MEETING = {
 @pytest.mark.parametrize("case", MEETING)
 def test_supports_that_contradict_each_other_where_they_meet_are_refused(case: str) -> None:
     supports, plate = MEETING[case]
-    words = r"^support\[[12]\]: Supports contradict .* at \[.*\]: what support\[[12]\] and support\[[12]\].*settlement"
+    words = r"^support\[[12]\]: Supports contradict .* at \[.*\]: .*support\[[12]\] and support\[[12]\].*settlement"
     for tables in (supports, supports[::-1]):
         with pytest.raises(InputError, match=words):
             solve(model(tables, plate))
 
 
 def test_the_message_names_place_supports_and_by_how_much() -> None:
-    words = (
-        "support[2]: Supports contradict each other at [2.4, 2]: what support[1] and support[2] ask for there differs "
-        "by 0.001. Correct a gap or a settlement, or give a stiffness."
-    )
+    words = r"support\[2\]: Supports contradict .* at \[2.4, 2\]: .* support\[1\] and support\[2\] .* by 0.001\."
     sloping = {"line": [[0.5, 2.0], [3.5, 2.0]], "settlement": "2e-3*x/2.4"}
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(InputError, match=words):
         solve(model([sloping, {**OBLIQUE, **LOWER}]))
 
 
@@ -174,7 +169,7 @@ def test_supports_of_many_points_are_compared_where_they_are_near() -> None:
     rows = [{"at": [[0.1 + 0.2 * i, 0.03 * k] for i in range(19)], "settlement": 1e-4 * k} for k in range(1, 100)]
     discretise(model([{**row, "gap": 1e-5} for row in rows]))
     rows[80]["at"][7] = rows[3]["at"][11]
-    words = r"support\[81\]: Supports contradict each other at \[2.3, 0.12\]: what support\[4\] and support\[81\]"
+    words = r"support\[81\]: Supports contradict each other at \[2.3, 0.12\]: .* support\[4\] and support\[81\]"
     with pytest.raises(InputError, match=words):
         discretise(model(rows))
 

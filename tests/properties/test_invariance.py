@@ -1,4 +1,4 @@
-"""What an answer does not depend on: scale, units, place, orientation; and the theorems of linear elasticity."""
+"""Invariance under scale, units, place and orientation; and the theorems of linear elasticity."""
 
 import numpy as np
 import pytest

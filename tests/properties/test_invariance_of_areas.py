@@ -1,4 +1,4 @@
-"""What an answer on areas that push one way only does not depend on: units, load factor, orientation, a common gap."""
+"""Invariance of answers on one-sided areas under units, load factor, orientation and a common gap."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Cases on the edge of what makes sense: degenerate supports, resultants on the hull, extreme numbers."""
+"""Marginal cases: degenerate supports, resultants on the hull, extreme numbers."""
 
 import numpy as np
 import pytest
@@ -93,7 +93,7 @@ def test_a_plate_on_springs_lost_beside_it_sinks_as_a_rigid_body(way, place, sha
     total = part * 1000.0 * thickness**3 / 12 / 16
     support = {**place, "resists": way, "stiffness": total / share}
     result = run([support], [{"pressure": 1.0}, {"force": 4.0, "at": [2.3, 1.9]}], thickness=thickness)
-    # What the springs do in the three rigid motions, by their points and weights as a sum over the support.
+    # Stiffness of the springs in the three rigid motions, as a sum over points and weights.
     (of,) = result.supports
     at = np.column_stack([np.ones(len(of.positions)), of.positions - 2.0])
     weight = of.weights / of.weights.sum() * total
@@ -129,7 +129,7 @@ def test_a_hinged_plate_on_a_soft_bed_turns_as_a_rigid_one(way, part):
 
 @pytest.mark.parametrize("soft", [1e-4, 1e-8, 1e-10])
 def test_a_load_on_the_edge_of_a_bed_does_not_turn_the_plate_on_soft_springs(soft) -> None:
-    """What rounding leaves of a resultant of the plate's own forces would be a moment that only the springs take."""
+    """A rounding error in the resultant of internal forces would be a moment that only the springs resist."""
     found = []
     for unit in (1.0, 12.0, 100.0):
         bed = {"area": {"rectangle": [0, 0, 5 * unit, 10 * unit]}, "resists": "down"}

@@ -80,7 +80,7 @@ def turned_round(support):
 
 
 def told(result):
-    """What a result says of its supports, by support and place, and of the deflection, in one array."""
+    """Reactions by support and place, and the deflection, in one array."""
     points = sorted(
         (support.name, *at, reaction, gap, float(closed))
         for support in result.supports
@@ -126,7 +126,7 @@ def test_every_way_of_solving_gives_the_same(case):
     total = np.array([table.envelope[f"reaction:{one.name}"].max for one in result.supports])
     size = np.abs(total).max(initial=1.0)
     assert total == pytest.approx([one.reaction for one in result.supports], abs=1e-9 * size)
-    for method in ("lemke", "active_set", "interior_point"):
+    for method in ("lemke", "active_set"):
         assert_same(signorini.solve(model_of(support, load, solver={"method": method}))["all"], result)
     model = model_of(support, [{**one, "case": "Q"} for one in load], combination=[{"factors": {"Q": 1.0}}])
     answer = contact_problem(model).solve(signorini.discretise.discretise(model).cases["Q"])
@@ -224,7 +224,7 @@ def test_the_deflection_is_the_least_that_a_general_solver_finds(case):
         method="SLSQP",
         options={"ftol": 1e-15, "maxiter": 500},
     )
-    # There is nothing to be won by any other motion.
+    # No other motion reduces the integral.
     assert np.abs(ways @ best.x).max() < 1e-5
 
 
@@ -299,9 +299,9 @@ def test_results_say_what_is_not_unique():
     assert said["what"] == "deflection" and said["motion"].startswith("turning about the line through [2, 1.5]")
 
 
-@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_a_plate_on_four_legs_far_below_its_ceiling_rests_on_all_of_them(method):
-    # Of four legs one carries nothing but rounding, and the ceiling is half a million deflections away.
+    # One of four legs carries only rounding, and the ceiling is half a million deflections away.
     legs = {"name": "legs", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down"}
     model = rectangular(
         size=[10, 10],
@@ -318,7 +318,7 @@ def test_a_plate_on_four_legs_far_below_its_ceiling_rests_on_all_of_them(method)
 @pytest.mark.parametrize("fix", ["simple", "hard", "clamped"])
 @pytest.mark.parametrize("element", ["mitc9", "q8r"])
 def test_rigid_points_that_repeat_each_other_beside_a_held_edge_lose_none_of_the_load(fix, element):
-    # Where the edge holds its nodes three points say what two do; at the held nodes each has its own part.
+    # With held nodes at the edge, three points have two independent rows; at held nodes each has its own part.
     model = signorini.Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3, "element": element},

@@ -82,10 +82,10 @@ def test_inside_a_segment_the_path_is_the_direct_solution(drawing, dense, method
         assert answer.status == "solved"
         # Sets are solved to an imbalance of 1e-13; points that all but repeat each other tell their shares less well.
         least = 1e-10 + 1e-12 * condition(twin, closed(twin, segment))
-        # A deflection far below those that the load makes elsewhere is rounding.
+        # A deflection far below the largest under the load is rounding.
         assert apart(result.deflection, (answer.hi + answer.lo)[::3], 1e-6) < least
         fixed = on_set(found, t, segment)
-        # Two-sided points that all but repeat each other may be beyond an active set told its closed points.
+        # Two-sided points that nearly repeat each other may defeat an active set that starts from its closed points.
         assert fixed.status == "solved" or (method == "active_set" and twin.two_sided.any())
         assert fixed.status != "solved" or apart(fixed.reaction, answer.reaction, force) < least
         between = begin.reactions + 0.37 * (end.reactions - begin.reactions)
@@ -115,7 +115,7 @@ def test_events_are_where_bisection_of_direct_solutions_finds_them(drawing, dens
     stretches = [segment for segment in found.segments if not segment.jumps]
     for before, after in itertools.islice(itertools.pairwise(stretches), 4):
         event, points = before.end, np.flatnonzero(before.pieces != after.pieces)
-        # Where only shares change nothing opens or closes.
+        # If only shares change, no point opens or closes.
         if not len(points):
             continue
         low, high = 0.5 * (before.begin.t + event.t), 0.5 * (event.t + after.end.t)
@@ -161,8 +161,8 @@ def test_named_events_of_points_are_those_of_the_exact_path(drawing, dense, data
             for other in others
         )
 
-    # All that is found is there. Of what is there, what is undone between two samples is not found, and what a point
-    # that touches without force at first is said to have done there.
+    # All events found exist. Not found are events undone between two samples, and the first event of a point that
+    # touches without force at the start.
     assert all(near(event, exact.support_events) for event in said(found))
     touching = {(event.support, event.at, event.change) for event in found.support_events if event.t <= 1e-6 * span}
     missed = [event for event in said(exact) if not near(event, found.support_events)]

@@ -13,7 +13,7 @@ FEW = 7
 
 
 def posed(tables, dense):
-    """The problem, its load and its dense twin; nothing where the input is refused or supports repeat each other."""
+    """The problem, its load and its dense twin; None if the input is refused or supports repeat each other."""
     try:
         problem = contact_problem(Model(**tables))
     except InputError as error:

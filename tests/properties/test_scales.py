@@ -54,7 +54,7 @@ def test_thickness_over_span_from_a_hundred_thousandth_to_one(supports) -> None:
 
 @pytest.mark.parametrize("ratio", [1e-12, 1e12])
 def test_stiffnesses_that_differ_by_a_million_million(ratio) -> None:
-    """A support so much stiffer than another is rigid beside it, one so much softer is not there."""
+    """A much stiffer support than the others is rigid, a much softer one has no effect."""
     loads = [{"pressure": 1.0}, {"force": 3.0, "at": CORNER}]
     bed = {"area": "all", "resists": "down", "stiffness": 20.0}
     far = {"at": [2.0, 2.1], "resists": "down"}
@@ -66,7 +66,7 @@ def test_stiffnesses_that_differ_by_a_million_million(ratio) -> None:
 
 @pytest.mark.parametrize(
     ("method", "gap"),
-    [("lemke", 1e3), ("lemke", 1e9), ("active_set", 1e3), ("active_set", 1e9), ("interior_point", 1e3)],
+    [("lemke", 1e3), ("lemke", 1e9), ("active_set", 1e3), ("active_set", 1e9)],
 )
 @pytest.mark.parametrize("supports", SUPPORTS.values(), ids=SUPPORTS)
 def test_a_stop_out_of_reach_changes_nothing(supports, gap, method) -> None:

@@ -1,4 +1,4 @@
-"""Sections are in balance with what acts on either side of them, on any mesh, wherever they are."""
+"""Sections balance the loads and reactions on either side, on any mesh and at any place."""
 
 import math
 from itertools import pairwise
@@ -18,7 +18,7 @@ POLYGON = [(0.0, 0.0), (8.0, 0.0), (9.0, 4.0), (5.0, 6.5), (0.0, 6.0)]
 
 
 def on_left(corners, a, b):
-    """Area of what of a convex polygon is on the left of the line from a to b, and its first moment about the line."""
+    """Area of the part of a convex polygon on the left of the line from a to b, and its first moment about the line."""
     right = np.array([b[1] - a[1], a[0] - b[0]]) / math.dist(a, b)
     points, kept = [np.array(p) for p in (*corners, corners[0])], []
     for p, q in pairwise(points):
@@ -60,7 +60,7 @@ def solved(model, mesh=None):
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("plate", ["rows", "followed", "across elements"])
 def test_statics_give_the_moment_and_the_shear(plate, seed):
-    """Of random loads and one-sided supports; meshes of polygons follow the line, if it is known to them."""
+    """Random loads and one-sided supports; meshes of polygons follow the line if they know it."""
     random = np.random.default_rng(seed)
     corners = RECTANGLE if plate == "rows" else POLYGON
     shape = {"shape": "rectangle", "size": [8, 6]} if plate == "rows" else {"shape": "polygon", "points": corners}
@@ -188,7 +188,7 @@ def loaded(corners, spots, lines, pressure, holes=()):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_line_that_ends_in_a_reentrant_corner_is_in_balance(seed):
-    """Of any angle, from any side, whether there is plate beyond it, an edge or nothing; both ways."""
+    """Any angle, from any side, with plate, an edge or a void past its end; in both directions."""
     random = np.random.default_rng(seed)
     (d, e), turn = random.choice([0.0, 1.0], 2) * random.uniform(-1.5, 1.5, 2), random.choice([0.0, 1.0, 2.0])
     drawn = [(0.0, 0.0), (9.0, 0.0), (9.0, 4.0 + d), (5.0, 4.0), (5.0 + e, 9.0), (0.0, 9.0)]
@@ -219,7 +219,7 @@ def ray(at, towards):
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("hole", ["corners", "round"])
 def test_two_lines_that_end_on_a_hole_are_in_balance_together(hole, seed):
-    """In a corner, or anywhere on a circle, at angles at which there is plate beyond, an edge or nothing."""
+    """In a corner, or anywhere on a circle, at angles with plate, an edge or a void past the end."""
     random = np.random.default_rng(seed)
     # Corners counter-clockwise, at angles from the middle.
     around = math.tau * (np.arange(4) / 4 + random.uniform(-0.1, 0.1, 4) * (seed % 3 > 0) + 0.125)

@@ -1,4 +1,4 @@
-"""Meshes, and what is solved on them, depend on no unit, place, sense or order of the axes."""
+"""Meshes and results depend on no unit, place, sense or order of the axes."""
 
 import views
 from hypothesis import assume, given, settings

@@ -1,4 +1,4 @@
-"""What several validation tests share: a square plate, and a plate solved with prescribed dofs and nothing else."""
+"""Common code of validation tests: a square plate, and a plate solved with prescribed dofs only."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,11 @@ from signorini import _core
 
 NO_ROWS = (np.zeros(0, np.int64), np.zeros((0, 24)), np.zeros(0, np.int64))
 NO_SPRINGS = (*NO_ROWS, np.zeros(0), np.zeros(0))
-NO_CONTACTS = (*NO_ROWS, np.zeros(0), np.zeros(0, np.int64), *[np.zeros(0)] * 3)
+NO_CONTACTS = {
+    **dict(zip(("elements", "rows", "further"), NO_ROWS, strict=True)),
+    **dict.fromkeys(("distance", "scale", "unit", "regularization"), np.zeros(0)),
+    "law": np.zeros(0, np.int64),
+}
 
 
 def _square(support, thickness, n, element="mitc9", twist_held=False):

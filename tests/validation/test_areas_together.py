@@ -1,4 +1,4 @@
-"""Pressures where areas meet, and what nodes show of areas."""
+"""Pressures where areas meet, and values of areas at nodes."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ def quarter_circle(path, rings, sectors, **plate):
 
 @pytest.mark.parametrize("element", ["mitc9", "q8r"])
 def test_code_aster_clamped_circle_on_a_polar_mesh(tmp_path, element):
-    """Code_Aster SSLS100: R = 1, h = 0.1, E = 1, p = 1. What is collapsed in the file is a triangle of mitc9."""
+    """Code_Aster SSLS100: R = 1, h = 0.1, E = 1, p = 1. A collapsed element of the file is a triangle of mitc9."""
     results = [quarter_circle(tmp_path / "polar.inp", n, n, element=element) for n in (2, 4, 8)]
     assert [result.mesh.triangles.sum() for result in results] == ([2, 4, 8] if element == "mitc9" else [0, 0, 0])
     errors = np.abs([result.probes[0].deflection / 178.425 - 1 for result in results])

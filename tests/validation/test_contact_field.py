@@ -210,7 +210,7 @@ def test_where_the_plate_is_held_on_soil_it_touches_without_an_edge_of_contact()
 
 
 def test_where_the_plate_only_touches_there_is_no_contact() -> None:
-    """Pressed down and held at its edges: what could only hold it down touches it there."""
+    """Pressed down and held at its edges: a support that only holds down touches it there."""
     edges = {"edge": ["left", "right", "top", "bottom"], "fix": "clamped"}
     anchors = {"area": "all", "resists": "up", "stiffness": 1e6}
     result = solved(plate=square(4), mesh={"divisions": [4, 4]}, support=[edges, anchors])

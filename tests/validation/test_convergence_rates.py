@@ -248,7 +248,7 @@ def test_triangles_converge_alike_at_any_thickness(prescribed, part):
 
 @pytest.mark.parametrize("mesher", [rectangles, subdivided, scattered])
 def test_q8r_of_a_thick_plate(prescribed, mesher):
-    """The same orders as long as nothing locks, at h/a = 0.2, scattered meshes included."""
+    """The same orders without locking, at h/a = 0.2, scattered meshes included."""
     found = rates([clamped_errors(prescribed, "q8r", 0.2, mesher(n)) for n in MESHES])[-1]
     assert found[0] == pytest.approx(3.0, abs=0.05)
     assert found[1] == pytest.approx(2.0, abs=0.06)

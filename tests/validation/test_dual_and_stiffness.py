@@ -128,7 +128,7 @@ def test_the_dual_is_the_papers(support):
     flexibility, displaced = densely(problem)
     assert p == pytest.approx(g @ flexibility @ g.T + np.diag(problem.compliance), rel=1e-8, abs=1e-10 * p.max())
     assert s == pytest.approx(g @ displaced(load) - problem.gaps, rel=1e-8, abs=1e-10 * np.abs(s).max())
-    # What was solved for is the solution of this statement too.
+    # The solution satisfies this statement too.
     answer = problem.solve(problem.discretisation.cases["load"])
     assert answer.gap == pytest.approx(p @ answer.reaction - s, abs=1e-9 * np.abs(s).max())
 
@@ -157,7 +157,7 @@ def test_the_lcp_says_what_its_unknowns_are_and_leads_back_to_reactions(support,
     assert relative(found.deflection, (wanted.hi + wanted.lo)[::3]) < 1e-9
     assert reaction == pytest.approx(wanted.reaction[posed.points], abs=1e-7 * np.abs(wanted.reaction).max())
     assert gap == pytest.approx(wanted.gap[posed.points], abs=1e-7 * np.abs(wanted.hi[::3]).max())
-    # Rows mean what they say whatever z is, where P and s exist and no row is eliminated.
+    # Rows hold for any z if P and s exist and no row is eliminated.
     if problem.freedom.regular and len(one_sided) == len(problem.gaps):
         p, s = problem.dual(load)
         size = np.where(posed.gap_is_z, np.abs(wanted.hi[::3]).max(), np.abs(wanted.reaction).max())
@@ -202,7 +202,7 @@ def test_there_is_no_dual_where_one_sided_supports_alone_hold_the_plate():
 
 
 def test_rigid_travel_both_ways_is_contact_on_the_side_that_is_reached():
-    """Opposite rigid stops share a dof, so that only the dual form exists; it gives what each stop alone would."""
+    """Opposite rigid stops share a dof, so that only the dual form exists; it has the solution with each stop alone."""
     point = {"at": [[3.71, 2.83]], "gap": 2e-5}
     between = problem_of([CLAMPED, point])
     stop = problem_of([CLAMPED, {**point, "resists": "down"}])

@@ -173,9 +173,9 @@ def collapsed_shapes(draw):
 @settings(max_examples=25, deadline=None)
 @given(nodes=collapsed_shapes(), log_thickness=st.floats(-1.5, 0))
 def test_a_collapsed_quadrilateral_is_one_with_three_nodes_at_one_place(nodes, log_thickness):
-    """Its matrix is that of the eight functions; K sums what they give the three, and keeps no mechanism.
+    """Its matrix is that of the eight functions; K sums the entries of the three coincident nodes and has no mechanism.
 
-    The hourglass by which one quadrilateral alone has a fourth mode tells its three nodes apart.
+    The hourglass mode of one quadrilateral alone separates its three nodes.
     """
     thickness = 10**log_thickness
     plate = _core.Plate(nodes, COLLAPSED, thickness, E, RIGIDITY, "q8r")
@@ -248,7 +248,7 @@ def test_rigid_motions_leave_no_force(element, nodes, log_thickness, motion):
     rigid = np.column_stack([w + nodes @ [x, y], np.full(8, x), np.full(8, y)]).ravel()
     nothing = (np.zeros(0, np.int64), np.zeros((0, 24)), np.zeros(0, np.int64), np.zeros(0), np.zeros(0))
     force = plate.residual(nothing, np.zeros(24), rigid, np.zeros(24))
-    # What a thin element's matrix leaves of its shear is in springs beside it.
+    # The rest of a thin element's shear is in springs beside its matrix.
     largest = max(plate.element_stiffness().max(), E * 10**log_thickness)
     assert np.abs(force).max() <= 1e-14 * largest * max(np.abs(rigid).max(), 1e-300)
 

@@ -47,7 +47,7 @@ def test_a_disc_of_two_arcs_takes_the_values_of_code_aster(fix, exact):
 
 @pytest.mark.parametrize("turn", [0.0, 0.4])
 def test_an_equilateral_triangle_on_hard_edges_takes_its_closed_form(turn):
-    """Of height a, at the centroid: qa⁴/972D (Timoshenko, Woinowsky-Krieger 1959), and qa²/27κGh from shear."""
+    """Height a, at the centroid: qa⁴/972D (Timoshenko, Woinowsky-Krieger 1959), and qa²/27κGh from shear."""
     a, h = 3.0, 0.15
     angles = turn + np.radians([0.0, 120.0, 240.0])
     points = (2 * a / 3 * np.column_stack([np.cos(angles), np.sin(angles)])).tolist()

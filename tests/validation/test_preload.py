@@ -206,7 +206,7 @@ def test_a_table_of_factors_is_its_combinations_one_by_one(method: str) -> None:
 
 
 def random_joint(seed: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """What lies under a plate, and bolts of every kind that hold it there."""
+    """Supports under a plate, and bolts of every kind that hold it there."""
     draw = np.random.default_rng(seed)
     under = [{"name": "bed", "area": {"rectangle": [0, 0, 4, 4]}, "resists": "down", "stiffness": 4e6}]
     if seed % 2:
@@ -252,7 +252,7 @@ def test_the_travel_that_tightening_finds_is_a_settlement_that_does_the_same(see
     for one, other in zip(found.supports, wanted.supports, strict=True):
         assert np.abs(one.reactions - other.reactions).max() < 1e-9 * size
         assert one.states == other.states
-    # Without loads every bolt of the last order carries what it was tightened to.
+    # Without loads every bolt of the last order carries its tightening force.
     bare = build(**tables | {"mesh": mesh, "support": [*tables["support"], *made]}, combination=[{"factors": {}}])
     (rest,) = solve(bare).values()
     for bolt, support in zip(made, rest.supports[len(tables["support"]) :], strict=True):
@@ -289,7 +289,7 @@ def test_tightening_is_a_sequence_of_models_with_forces_and_settlements(seed: in
         assert abs(found[tuple(one.positions[0].tolist())] - one.reaction) < 1e-9 * size
 
 
-@pytest.mark.parametrize("method", ["lemke", "active_set", "interior_point"])
+@pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_every_method_tightens_and_solves_to_the_same(method: str) -> None:
     tables, made = random_joint(2)
     keys = tables | {"mesh": {"divisions": [4, 4], "error": False}, "support": [*tables["support"], *made]}
@@ -373,20 +373,20 @@ def test_bolts_beyond_what_they_press_on_tip_the_plate_as_they_are_tightened() -
 
 
 WRONG: list[tuple[dict[str, Any], str]] = [
-    ({"resists": "down"}, "support[2].preload: found resists = down, which cannot pull the plate down"),
-    ({"resists": None, "stiffness": None, "fix": "simple"}, "support[2].preload: a preload does not go with fix"),
+    ({"resists": "down"}, "support[2].preload: a support with resists = down cannot pull the plate down"),
+    ({"resists": None, "stiffness": None, "fix": "simple"}, "support[2].preload: a preload is not allowed with fix"),
     (
         {"at": None, "edge": "left"},
-        "support[2].preload: a preload is that of a bolt at a point; use at or nodes, not edge",
+        "support[2].preload: a preload belongs to bolts at points; use at or nodes, not edge",
     ),
-    ({"gap": 1e-3}, "support[2].gap: a gap does not go with a preload"),
+    ({"gap": 1e-3}, "support[2].gap: a gap is not allowed with a preload"),
     ({"preload": 0}, "support[2].preload: found 0; it must be greater than 0"),
     ({"preload": -1e3}, "support[2].preload: found -1000; it must be greater than 0"),
-    ({"preload": None, "order": 2}, "support[2].order: order goes with a preload"),
-    ({"preload": None, "preload_case": "B"}, "support[2].preload_case: preload_case goes with a preload"),
+    ({"preload": None, "order": 2}, "support[2].order: order needs a preload"),
+    ({"preload": None, "preload_case": "B"}, "support[2].preload_case: preload_case needs a preload"),
     ({"order": 0}, "support[2].order"),
-    ({"preload_case": "P"}, 'support[2].preload_case: "P" is a case of [[load]] too'),
-    ({"preload_case": "C"}, 'support[2].preload_case: no combination names the case "C"'),
+    ({"preload_case": "P"}, 'support[2].preload_case: "P" is also a case of [[load]]'),
+    ({"preload_case": "C"}, 'support[2].preload_case: no combination has the case "C"'),
 ]
 
 
@@ -603,17 +603,17 @@ def test_bolts_of_rounds_are_tightened_beyond_nothing_that_holds_the_plate() -> 
 WRONG_ROUNDS: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     ({"support": "bolt"}, {}, "tightening[1].support: Unknown support 'bolt'"),
     ({}, {"preload": 1e3}, 'tightening[1].support: "bolts" has a preload'),
-    ({}, {"resists": "down"}, "tightening[1].support: found resists = down"),
-    ({}, {"gap": 1e-3}, "tightening[1].support: a gap does not go with a preload"),
-    ({"support": "bed"}, {}, "tightening[1].support: found resists = down"),
+    ({}, {"resists": "down"}, "tightening[1].support: a support with resists = down"),
+    ({}, {"gap": 1e-3}, "tightening[1].support: a gap is not allowed with a preload"),
+    ({"support": "bed"}, {}, "tightening[1].support: a support with resists = down"),
     ({"force": [1e3, 2e3]}, {}, "tightening[1].force: found a list of 2 for 4 points"),
     ({"force": 0}, {}, "tightening[1].force: found 0; it must be greater than 0"),
     ({"sequence": [[1, 5]]}, {}, 'tightening[1].sequence[1]: found point 5; "bolts" has the points 1 to 4'),
     ({"sequence": [[1], [2, 1]]}, {}, "tightening[1].sequence[2]: found point 1 twice"),
     ({"sequence": [[0]]}, {}, "tightening[1].sequence"),
     ({"sequence": []}, {}, "tightening[1].sequence"),
-    ({"case": "P"}, {}, 'tightening[1].case: "P" is a case of [[load]] too'),
-    ({"case": "C"}, {}, 'tightening[1].case: no combination names the case "C"'),
+    ({"case": "P"}, {}, 'tightening[1].case: "P" is also a case of [[load]]'),
+    ({"case": "C"}, {}, 'tightening[1].case: no combination has the case "C"'),
     ({}, {"limit": 40e3}, "tightening[1].force: found 50000; at [0.25, 0.25] the bolt gives 40000 at most"),
     ({}, {"limit": [60e3, 60e3, 40e3, 60e3]}, "tightening[1].force: found 50000; at [0.25, 0.75]"),
 ]

@@ -1,4 +1,4 @@
-"""Long narrow plates on a few elements: beams, whose bending double precision hardly tells from shear."""
+"""Long narrow plates on a few elements: beams, whose bending is almost lost beside shear in double precision."""
 
 from dataclasses import replace
 

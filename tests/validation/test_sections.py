@@ -133,7 +133,7 @@ def test_a_section_through_an_opening_has_what_is_left_of_the_plate():
 
 
 def test_strips_of_a_flat_slab_have_the_total_static_moment():
-    """Of an inner panel M₀ = q l₂ l₁²/8 between the middles of supports at points (Nichols, Trans. ASCE 77, 1914)."""
+    """An inner panel has M₀ = q l₂ l₁²/8 between the middles of supports at points (Nichols, Trans. ASCE 77, 1914)."""
     q, spans = 10e3, (6.0, 5.0)
     supports = [
         {"at": [[0, 0], [6, 0], [0, 5], [6, 5]]},
@@ -193,7 +193,7 @@ def test_parts_of_a_line_converge_to_what_is_there_and_add_up(angle):
 
 @pytest.mark.parametrize("length", [0.03, 0.2, 0.45, 1.3])
 def test_a_line_shorter_than_an_element_has_what_is_there(length):
-    """To a hundredth of what an element has, wherever it begins and ends in elements 0.8 × 0.75 large."""
+    """To a hundredth of an element's value, for any begin and end in elements 0.8 × 0.75 large."""
     begin = np.linspace(1.0, 2.0, 9)
     model = Model(
         material={"E": 30e9, "nu": 0.0},

@@ -250,12 +250,12 @@ pressure = 1e3
     [
         ("", "found 0 points; at least three are needed."),
         ("x,y,value\n0,0,1\n4,0,1\n", "found 2 points; at least three are needed."),
-        ("0,0,1\n1,1,1\n3,3,1\n", "all points are on one line; there is nothing between them."),
+        ("0,0,1\n1,1,1\n3,3,1\n", "all points are collinear; they must span an area."),
         ("0,0,1\n4,0\n0,4,1\n", "line 2 of bedding.csv has 2 columns; it must have three: x, y, value."),
         ("0;0;1\n4;0;1\n0;4;1\n", "semicolons between its columns"),
         ("x,y,value\n0,0,soft\n4,0,1\n", 'line 2 of bedding.csv has "soft"; it must be a number.'),
         ("0,0,1\n4,0,-1\n0,4,1\n", "found -1 at [4, 0]; it must not be negative."),
-        ("0,0,1\n4,0,1\n0,4,1\n4,0,2\n", "found 1 and 2 at [4, 0]; a place has one value."),
+        ("0,0,1\n4,0,1\n0,4,1\n4,0,2\n", "found 1 and 2 at [4, 0]; give one value."),
     ],
 )
 def test_a_file_that_is_no_table_of_points_is_refused(tmp_path, monkeypatch, content, said):
@@ -274,7 +274,7 @@ def test_a_file_that_is_no_table_of_points_is_refused(tmp_path, monkeypatch, con
         (CORNER, {"area": None, "edge": ["bottom", "right"]}, "to 0.062 of the"),
         (HALF, {"area": None, "at": [[1, 1], [1, 3], [3, 2]]}, "gives no stiffness at [3, 2]. Leave that point out"),
         (lambda x, y: x - 1.0, {}, "it must be finite and not negative"),
-        (lambda x, y: 1e7, {}, "it must give one real number a point"),
+        (lambda x, y: 1e7, {}, "it must return one real number per point"),
         ({"fil": "bedding.csv"}, {}, 'found a table of fil; it must be { file = "…" }'),
         ([(0, 0), (1, 1), (0, 1)], {}, "found (0, 0); it must be a point [x, y, value]."),
     ],

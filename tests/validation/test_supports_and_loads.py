@@ -160,7 +160,7 @@ def test_plane_settlement_tilts_the_plate_and_strains_nothing(supports):
 
 @pytest.mark.parametrize("at", [[2.0, 1.5], [2.25, 1.25], [1.83, 0.97]], ids=["node", "element centre", "anywhere"])
 def test_couples_do_work_on_the_slopes(at):
-    """Couples on ∂w/∂x and ∂w/∂y are in equilibrium as forces at a lever arm are, wherever they act."""
+    """Couples on ∂w/∂x and ∂w/∂y are in equilibrium like forces at an arm, at any place."""
     result = solve([{"name": "points", "at": THREE}], [{"moment": [3e3, -2e3], "at": at}])
     assert result.supports[0].reactions == pytest.approx(statics(THREE, 0, 3e3, -2e3), rel=1e-9)
 
@@ -347,7 +347,7 @@ def test_shears_jump_along_a_line_load():
 @pytest.mark.parametrize("begin", [0.0, 1e-6, 1e-4, 0.02])
 @pytest.mark.parametrize("shape", ["rectangle", "polygon"])
 def test_a_wall_parts_moments_and_shears_also_where_it_ends_beside_a_node(begin, shape):
-    # A beam clamped at the wall and propped at 6 m: pL²/8 and 5pL/8 at the wall, and nothing on its other side.
+    # A beam clamped at the wall and propped at 6 m: pL²/8 and 5pL/8 at the wall, and zero on its other side.
     outline = {"size": [10, 4]} if shape == "rectangle" else {"points": [[0, 0], [10, 0], [10, 4], [0, 4]]}
     edges = ["left", "right"] if shape == "rectangle" else ["edge 4", "edge 2"]
     model = signorini.Model(
@@ -455,7 +455,7 @@ def test_couples_do_not_depend_on_corners_nor_on_how_edges_are_listed(sides, apa
 
 
 def test_where_a_clamped_edge_holds_a_rigid_zone_couples_are_those_beside_it():
-    """What holds the zone itself is no couple per length."""
+    """The couple on the zone itself is not one per length."""
     supports = [{"edge": "left", "fix": "clamped"}]
     plate = {"shape": "rectangle", "size": [4, 3], "thickness": 0.2}
     whole = [{"area": {"rectangle": [0, 0, 0.5, 3]}, "rigid": True}]

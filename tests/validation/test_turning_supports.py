@@ -89,8 +89,8 @@ def test_a_column_turns_as_its_moment_over_its_stiffness_says():
     ("support", "said"),
     [
         ({"edge": "left", "fix": "clamped", "rotational_stiffness": 1}, '"clamped" holds the slope already'),
-        ({"area": "all", "stiffness": 1e6, "rotational_stiffness": 1}, "it goes with at, nodes, edge, line or circle"),
-        ({"edge": "left", "fix": "hard", "rotational_stiffness": [1, 2]}, "found two; along an edge"),
+        ({"area": "all", "stiffness": 1e6, "rotational_stiffness": 1}, "use at, nodes, edge, line or circle"),
+        ({"edge": "left", "fix": "hard", "rotational_stiffness": [1, 2]}, "found two values; along an edge"),
         ({"at": [1, 1], "rotational_stiffness": [1, 2, 3]}, "found [1, 2, 3]; it must be one stiffness"),
         ({"at": [1, 1], "rotational_stiffness": 0}, "found 0; it must be greater than 0."),
     ],

@@ -70,7 +70,7 @@ class TestSSNL130:
 
     @pytest.mark.parametrize("divisions", [[1, 16], [2, 32]])
     def test_discrete(self, divisions):
-        """Lines of springs y = i/8. The plate's own bending is 1.3e-7 of it with the source's E, and goes with 1/E."""
+        """Lines of springs y = i/8. The plate's bending is 1.3e-7 of it with the source's E, proportional to 1/E."""
         exact = np.array([208 / 58875, -176 / 153075])
         for young, bound in ((2e11, 1.5e-7), (2e13, 1.5e-9)):
             result = near_rigid(self.lines(), young, divisions)
@@ -171,7 +171,7 @@ def thin(support, thickness, n):
 
 
 class TestThinPlates:
-    """Up to 231,363 dofs, h/a from 1e-3 to 1e-5: what double precision would lose, the refined residual brings back."""
+    """Up to 231,363 dofs, h/a from 1e-3 to 1e-5: the refined residual recovers digits that double precision loses."""
 
     def check(self, result, thickness):
         assert result.reactions["edges"] == pytest.approx(1.0, abs=1e-10)

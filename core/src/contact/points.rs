@@ -1,5 +1,6 @@
 //! Contact points: the rows of G, and the law of each point.
 
+use super::error::{SolveError, require_length, require_values};
 use super::graph::{Graph, Piece};
 use crate::assembly::Bedding;
 use crate::displacement::Displacement;
@@ -44,7 +45,54 @@ pub struct Points {
     pub arm: Vec<f64>,
 }
 
+/// State of a point: its piece, its reaction, and its travel to the vertex of a horizontal piece.
+#[derive(Clone, Copy)]
+pub(super) struct PointState {
+    pub(super) piece: u8,
+    pub(super) reaction: f64,
+    pub(super) gap: f64,
+}
+
+/// Laws and travels of contact points.
+pub struct PointLaws {
+    pub graphs: Vec<Graph>,
+    /// Number of the law of each point (m,).
+    pub graph: Vec<usize>,
+    /// As in [`Points`] (m,).
+    pub shift: Vec<f64>,
+    pub weight: Vec<f64>,
+    pub unit: Vec<f64>,
+}
+
 impl Points {
+    /// Makes the points of a table of rows (m).
+    pub fn on_rows(plate: &Plate, rows: &Rows, laws: PointLaws) -> Result<Self, SolveError> {
+        let PointLaws { graphs, graph, shift, weight, unit } = laws;
+        require_length("the laws of points", graph.len(), rows.len())?;
+        require_length("shift", shift.len(), rows.len())?;
+        require_length("weight", weight.len(), rows.len())?;
+        if let Some(index) = graph.iter().position(|&law| law >= graphs.len()) {
+            return Err(SolveError::Value { name: "the laws of points", index, allowed: "the number of a law" });
+        }
+        let mut points = Self { graphs, ..Self::with_capacity(rows.len()) };
+        for i in 0..rows.len() {
+            points.push_row(plate, rows, i, graph[i] as u32, shift[i], weight[i]);
+        }
+        points.unit = unit;
+        points.require_valid()?;
+        Ok(points)
+    }
+
+    /// Refuses vectors of wrong lengths and numbers out of range.
+    pub(super) fn require_valid(&self) -> Result<(), SolveError> {
+        for (name, values) in [("shift", &self.shift), ("weight", &self.weight), ("unit", &self.unit)] {
+            require_length(name, values.len(), self.len())?;
+        }
+        require_values("shift", &self.shift, "finite", f64::is_finite)?;
+        require_values("weight", &self.weight, "finite and not negative", |w| w >= 0.0 && w.is_finite())?;
+        require_values("unit", &self.unit, "finite and positive", |unit| unit > 0.0 && unit.is_finite())
+    }
+
     /// Reserves memory for `count` points, each with the deflections of one element.
     pub fn with_capacity(count: usize) -> Self {
         let mut points = Self::default();
@@ -200,6 +248,18 @@ impl Points {
         self.graph(i).ends(number).map(|end| end.map(own))
     }
 
+    /// Distance of a point from the lower or upper end of its piece, positive inside: in force where the force depends
+    /// on the travel, else in travel. `None` where the piece is unbounded.
+    pub(super) fn signed_distance(&self, i: usize, state: PointState, is_upper: bool) -> Option<f64> {
+        let piece = self.piece(i, state.piece);
+        let end = self.ends(i, state.piece)[usize::from(is_upper)]?;
+        let above = match piece.holds() {
+            true => state.reaction - end[1],
+            false => -state.gap - (end[0] - piece.travel),
+        };
+        Some(if is_upper { -above } else { above })
+    }
+
     /// The piece at the augmented travel s + σr, measured from `shift`.
     pub fn piece_at(&self, i: usize, compliance: f64, augmented_travel: f64) -> u8 {
         self.graph(i).piece_at(compliance * self.weight[i] / self.unit[i], augmented_travel / self.unit[i])
@@ -210,6 +270,11 @@ impl Points {
         let (weight, unit) = (self.weight[i], self.unit[i]);
         let (force, slope) = self.graph(i).force_at(compliance * weight / unit, augmented_travel / unit);
         (weight * force, weight / unit * slope)
+    }
+
+    /// The steepest piece of a point.
+    pub fn steepest(&self, i: usize) -> Piece {
+        self.piece(i, self.graph(i).steepest())
     }
 
     /// Whether the force of each point depends on its travel, for given pieces: (m,).

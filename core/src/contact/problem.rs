@@ -1,7 +1,8 @@
 //! A plate on its supports, factored once.
 
-use super::graph::Piece;
-use super::interface::Interface;
+use super::backend::{Augmentation, Backend, Method};
+use super::error::{SolveError, require_length, require_values};
+use super::interface::{Form, Interface, LcpTemplate};
 use super::points::Points;
 use super::rigid::nearest_motions;
 use super::rigid_body_space::RigidBodySpace;
@@ -26,18 +27,6 @@ pub struct Seconds {
     pub condense: f64,
 }
 
-/// The method for which the plate is factored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Lemke's algorithm: all points are condensed; for few points.
-    Lemke,
-    /// The semismooth Newton method: any number of points, springs in the factor.
-    ActiveSet,
-    /// The semismooth Newton method on the saddle-point system: the force of each point is an unknown of the factor.
-    /// Springs may be nearly as stiff as rigid supports, so that nearly dependent points keep their digits.
-    Saddle,
-}
-
 /// Input of a contact problem.
 pub struct Supported {
     pub springs: Springs,
@@ -58,34 +47,42 @@ pub struct ContactProblem {
     pub held: Vec<bool>,
     pub points: Points,
     pub seconds: Seconds,
-    pub(super) method: Method,
-    pub(super) delta: Vec<f64>,
-    pub(super) free_motions: Vec<Vec<f64>>,
     pub(super) scale: Scale,
     pub(super) pattern: Arc<KktPattern>,
     pub(super) base: Arc<System>,
-    /// The condensed plate; `None` for the Newton method.
-    pub(super) interface: Option<Arc<Interface>>,
-    /// Shear stiffness of the plate at each point; empty where points are condensed.
-    shear: Vec<f64>,
-    /// First penalty of the Newton method.
-    pub(super) first_penalty: f64,
+    pub(super) backend: Backend,
     /// Rigid motions of plates without held dofs.
     pub(super) rigid_space: Option<Arc<RigidBodySpace>>,
     /// Relative shift of the diagonal in every factor.
     diagonal_shift: f64,
 }
 
+impl Supported {
+    fn require_valid(&self, plate: &Plate) -> Result<(), SolveError> {
+        let (dofs, springs) = (plate.dof_count(), self.springs.rows.len());
+        require_length("held", self.held.len(), dofs)?;
+        require_length("the springs' stiffness", self.springs.stiffness.len(), springs)?;
+        require_length("the springs' base", self.springs.base.len(), springs)?;
+        require_length("delta", self.delta.len(), self.points.len())?;
+        self.free_motions.iter().try_for_each(|motion| require_length("a free motion", motion.len(), dofs))?;
+        let is_size = |value: f64| value >= 0.0 && value.is_finite();
+        require_values("the springs' stiffness", &self.springs.stiffness, "finite and not negative", is_size)?;
+        require_values("the springs' base", &self.springs.base, "finite", f64::is_finite)?;
+        require_values("delta", &self.delta, "finite and not negative", is_size)?;
+        self.points.require_valid()
+    }
+}
+
 impl ContactProblem {
     /// Orders, factors and condenses. A factor of more than `room` bytes is refused before it is begun.
-    pub fn new(plate: Arc<Plate>, on: Supported, method: Method, room: usize) -> Result<Self, FactorError> {
+    pub fn new(plate: Arc<Plate>, on: Supported, method: Method, room: usize) -> Result<Self, SolveError> {
+        on.require_valid(&plate)?;
         let Supported { springs, held, mut points, delta, free_motions } = on;
         let clock = Instant::now();
         let scale = Scale::of(&plate);
         points.set_arm(scale.size);
-        let condensed = method == Method::Lemke;
         let mut trailing = vec![false; plate.dof_count()];
-        let last = (0..points.len()).filter(|&i| condensed && points.is_narrow(i));
+        let last = (0..points.len()).filter(|&i| method == Method::Lemke && points.is_narrow(i));
         last.flat_map(|i| points.row(i)).for_each(|(dof, _)| trailing[dof] = true);
         let is_multiplier_row = |i: usize| match method {
             Method::Lemke => delta[i] > 0.0 && !points.is_bedding(i),
@@ -96,19 +93,15 @@ impl ContactProblem {
         let order = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let (mut shear, mut first_penalty) = (Vec::new(), tolerances::newton::STIFFEST);
-        let mut carried = delta.clone();
-        if !condensed {
-            if method == Method::ActiveSet {
-                shear = shear_at(&plate, &points);
-                first_penalty = initial_penalty(&plate, &points, &shear);
-            } else {
-                let stiffest = scale.stiffness / (tolerances::COMPLIANCE * tolerances::newton::STIFFEST);
-                shear = points.arm.iter().map(|arm| stiffest * arm * arm).collect();
-            }
-            let series = series(&points, &shear, first_penalty);
-            carried = (0..points.len()).map(|i| steepest(&points, i).in_series(series[i])).collect();
-        }
+        let augmentation = match method {
+            Method::Lemke => None,
+            Method::ActiveSet => Some(Augmentation::of_penalties(&plate, &points)),
+            Method::Saddle => Some(Augmentation::of_saddle_point(&points, &scale)),
+        };
+        let carried = match &augmentation {
+            None => delta.clone(),
+            Some(new) => new.slopes(&points, |i| points.steepest(i), new.first_penalty),
+        };
         let rigid_space = RigidBodySpace::on(&plate, &held, &scale, &points, &springs).map(Arc::new);
         let softest = rigid_space.as_ref().map(|rigid_space| rigid_space.softest(|i| carried[i], &springs.stiffness));
         // Springs as stiff as the plate need no diagonal shift.
@@ -118,46 +111,34 @@ impl ContactProblem {
         let factor = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let interface = if condensed {
-            let moves = |motion: &Vec<f64>| (0..points.len()).map(|i| points.dot(i, motion)).collect();
-            let moves: Vec<Vec<f64>> = free_motions.iter().map(moves).collect();
-            let (rows, multiplier_rows) = (pattern.rows(&points), pattern.multiplier_rows(plate.dof_count()));
-            let last = pattern.numbering.trailing;
-            Some(Arc::new(Interface::on(&base.factor, last, &rows, &multiplier_rows, delta.clone(), &moves)?))
-        } else {
-            None
+        let backend = match augmentation.map(Arc::new) {
+            Some(augmentation) if method == Method::Saddle => Backend::SaddlePoint(augmentation),
+            Some(augmentation) => Backend::Penalised(augmentation),
+            None => {
+                let multiplier_rows = pattern.multiplier_rows(plate.dof_count());
+                let trailing = pattern.numbering.trailing;
+                let rows = pattern.rows(&points);
+                let interface =
+                    Interface::on(&base.factor, trailing, &points, &rows, &multiplier_rows, delta, free_motions)?;
+                Backend::Condensed { interface: Arc::new(interface), templates: Arc::default() }
+            }
         };
         let seconds = Seconds { order, factor, condense: clock.elapsed().as_secs_f64() };
-        Ok(Self {
-            plate,
-            springs,
-            held,
-            points,
-            seconds,
-            method,
-            delta,
-            free_motions,
-            scale,
-            pattern,
-            base,
-            interface,
-            shear,
-            first_penalty,
-            rigid_space,
-            diagonal_shift,
-        })
+        Ok(Self { plate, springs, held, points, seconds, scale, pattern, base, backend, rigid_space, diagonal_shift })
     }
 
     /// The same problem with other shifts (m,) of its points. It shares the factor.
-    pub fn with_shift(&self, shift: Vec<f64>) -> Self {
+    pub fn with_shift(&self, shift: Vec<f64>) -> Result<Self, SolveError> {
         let mut moved = self.clone();
         moved.points.shift = shift;
-        moved
+        moved.points.require_valid()?;
+        Ok(moved)
     }
 
     /// K̃⁻¹ times a nodal load.
-    pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, FactorError> {
-        self.base.solve(load)
+    pub fn apply_inverse(&self, load: &[f64]) -> Result<Vec<f64>, SolveError> {
+        require_length("the load", load.len(), self.plate.dof_count())?;
+        Ok(self.base.solve(load)?)
     }
 
     /// Number of entries of the factor, and of its multiplications and additions.
@@ -165,12 +146,23 @@ impl ContactProblem {
         (self.base.factor.entries(), self.base.factor.flops())
     }
 
-    pub fn is_condensed(&self) -> bool {
-        self.interface.is_some()
+    /// The condensed plate of Lemke's algorithm.
+    pub(super) fn condensed(&self) -> Result<&Interface, SolveError> {
+        match &self.backend {
+            Backend::Condensed { interface, .. } => Ok(interface),
+            Backend::Penalised(_) | Backend::SaddlePoint(_) => Err(SolveError::NotCondensed),
+        }
     }
 
-    pub(super) fn interface(&self) -> &Interface {
-        self.interface.as_ref().expect("the points are condensed")
+    /// The LCP of condensed points in a form, made once for all loads and shifts.
+    pub(super) fn lcp_template(&self, form: Form) -> Result<&LcpTemplate, SolveError> {
+        let Backend::Condensed { interface, templates } = &self.backend else { return Err(SolveError::NotCondensed) };
+        let place = &templates[form as usize];
+        if place.get().is_none() {
+            let template = LcpTemplate::of(interface, &self.points, form)?;
+            place.get_or_init(|| template);
+        }
+        Ok(place.get().expect("made here or before"))
     }
 
     /// The plate without load: held dofs at their values, and each plate moved by the nearest rigid motion, which
@@ -213,21 +205,6 @@ impl ContactProblem {
         self.pattern.factored(plate, springs, points, carried, self.diagonal_shift, usize::MAX)
     }
 
-    /// Compliance in series with every point so that none is stiffer than a limit.
-    pub(super) fn series(&self, limit: f64) -> Vec<f64> {
-        series(&self.points, &self.shear, limit)
-    }
-
-    /// The penalty after a stage of the Newton method: there are three, in geometric progression.
-    pub(super) fn next_penalty(&self, limit: f64) -> f64 {
-        let stiffest = tolerances::newton::STIFFEST;
-        if limit == self.first_penalty { (limit * stiffest).sqrt() } else { stiffest }
-    }
-
-    pub(super) fn steepest(&self, i: usize) -> Piece {
-        steepest(&self.points, i)
-    }
-
     pub(super) fn steepest_pieces(&self) -> Vec<u8> {
         (0..self.points.len()).map(|i| self.points.graph(i).steepest()).collect()
     }
@@ -238,48 +215,6 @@ impl ContactProblem {
             *value = 0.0;
         }
     }
-}
-
-fn steepest(points: &Points, i: usize) -> Piece {
-    points.piece(i, points.graph(i).steepest())
-}
-
-/// Largest diagonal stiffness of an element at the dofs of each row of G.
-fn shear_at(plate: &Plate, points: &Points) -> Vec<f64> {
-    let mut largest = vec![0.0_f64; plate.dof_count()];
-    for e in 0..plate.elements().len() {
-        let lower = plate.element_stiffness(e);
-        for (local, node) in plate.leading(e).iter().enumerate() {
-            for k in 0..3 {
-                let at = packed(3 * local + k, 3 * local + k);
-                largest[3 * node + k] = largest[3 * node + k].max(lower[at]);
-            }
-        }
-    }
-    let of = |i: usize| points.row(i).fold(0.0, |most: f64, (dof, _)| most.max(largest[dof]));
-    (0..points.len()).map(of).collect()
-}
-
-/// Compliance σ in series with each point, so that none is stiffer than the penalty times the shear stiffness of the
-/// plate. A point with a linear law has the largest penalty from the start.
-fn series(points: &Points, shear: &[f64], limit: f64) -> Vec<f64> {
-    let of = |i: usize| {
-        let limit = if points.is_straight(i) { tolerances::newton::STIFFEST } else { limit };
-        let least = 1.0 / (limit * shear[i]);
-        if steepest(points, i).compliance() < least { least } else { 0.0 }
-    };
-    (0..points.len()).map(of).collect()
-}
-
-/// First penalty of the Newton method: springs that bend the plate over many elements find the contact state in few
-/// steps.
-fn initial_penalty(plate: &Plate, points: &Points, shear: &[f64]) -> f64 {
-    let slenderness = |e: usize| plate.thickness.first(plate.kind, e) / plate.geometry(e).size();
-    let thinnest = points.least_at(slenderness);
-    let limit = f64::min(tolerances::newton::LONG_WAVE * thinnest * thinnest, 1.0);
-    let softened = series(points, shear, limit);
-    let all_softer = (0..points.len()).all(|i| points.is_straight(i) || softened[i] == 0.0);
-    if all_softer { tolerances::newton::STIFFEST } else { limit }
 }
 
 /// Relative diagonal shift where springs alone hold the plate, from the softest projected stiffness; 0 where that is

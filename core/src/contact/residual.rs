@@ -1,6 +1,7 @@
 //! Residual of the equations of a contact state in double-double, and its reference sizes.
 
-use super::interface::{Form, ReducedLoad};
+use super::error::SolveError;
+use super::interface::{Form, Interface, ReducedLoad};
 use super::points::Points;
 use super::problem::ContactProblem;
 use super::scale::norm;
@@ -68,6 +69,17 @@ impl Residual {
 }
 
 impl ContactSolution {
+    /// Refuses the solution if its residual is too large, or some number is NaN or infinite.
+    pub(super) fn require_solved(
+        self,
+        problem: &ContactProblem,
+        load: &[f64],
+        residual: &Residual,
+        least: f64,
+    ) -> Result<Self, SolveError> {
+        if residual.is_solved(problem, load, &self, least) { self.require_finite() } else { Err(SolveError::Unsolved) }
+    }
+
     /// Sets the gaps from the residuals of the laws.
     pub(super) fn measure_gaps(&mut self, points: &Points, residual: &Residual) {
         for (i, gap) in self.gap.iter_mut().enumerate() {
@@ -99,10 +111,15 @@ impl Sizes {
 
 impl ContactProblem {
     /// The residual after forward substitution, condensed onto the contact points.
-    pub(super) fn reduced(&self, residual: &Residual, form: Form) -> Result<ReducedLoad, FactorError> {
+    pub(super) fn reduced(
+        &self,
+        interface: &Interface,
+        residual: &Residual,
+        form: Form,
+    ) -> Result<ReducedLoad, FactorError> {
         let mut forward = self.pattern.gather(&residual.imbalance);
         self.base.factor.forward(&mut forward)?;
-        Ok(self.interface().reduced(form, forward, &residual.violation)?)
+        Ok(interface.reduced(form, forward, &residual.violation)?)
     }
 }
 

@@ -4,7 +4,8 @@
 //! Ku + Gᵀr = f. Where the rows of G select single dofs, x is the displacement of the points, and load cases act with
 //! all points fixed. Otherwise x is the force δ·Gu − r, and load cases act on K̃.
 
-use super::interface::{Form, Work};
+use super::error::{SolveError, require_length};
+use super::interface::{Form, Interface, Work};
 use super::problem::ContactProblem;
 use super::residual::largest_force;
 use super::tolerances;
@@ -48,29 +49,37 @@ struct Draft<'a> {
     settled: bool,
 }
 
+/// Solver of the responses of a condensed plate.
+struct Responses<'a> {
+    problem: &'a ContactProblem,
+    interface: &'a Interface,
+}
+
 impl ContactProblem {
     /// The response without load, with the held dofs at `held_value` (3n,) and the springs at their bases.
-    pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, FactorError> {
+    pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, SolveError> {
+        require_length("held_value", held_value.len(), self.plate.dof_count())?;
         let begin = |_, draft: &mut Draft| {
             draft.response.displacement = self.at_rest(held_value).displacement;
         };
-        Ok(self.responses(1, true, begin, &mut || true)?.remove(0))
+        Ok(self.responder()?.responses(1, true, begin, &mut || true)?.remove(0))
     }
 
-    /// The responses to nodal loads (3n,). `watch` is called at intervals and cancels by returning false; then
-    /// responses are missing.
+    /// The responses to nodal loads (3n,). `watch` is called at intervals and cancels by returning false.
     pub fn load_responses(
         &self,
         loads: &[Vec<f64>],
         watch: &mut dyn FnMut() -> bool,
-    ) -> Result<Vec<Response>, FactorError> {
+    ) -> Result<Vec<Response>, SolveError> {
+        loads.iter().try_for_each(|load| require_length("a load", load.len(), self.plate.dof_count()))?;
+        let responder = self.responder()?;
         let begin = |i: usize, draft: &mut Draft| {
             draft.force.clone_from(&loads[i]);
             self.plate.bodies().gather(&mut draft.force);
             draft.acting = self.scale.largest(&loads[i]);
-            draft.response.work = Work::of(&self.free_motions, &loads[i]);
+            draft.response.work = Work::of(&responder.interface.free_motions, &loads[i]);
         };
-        self.responses(loads.len(), false, begin, watch)
+        responder.responses(loads.len(), false, begin, watch)
     }
 
     /// The responses of some contact points; `watch` as for [`ContactProblem::load_responses`].
@@ -78,20 +87,30 @@ impl ContactProblem {
         &self,
         points: std::ops::Range<usize>,
         watch: &mut dyn FnMut() -> bool,
-    ) -> Result<Vec<Response>, FactorError> {
+    ) -> Result<Vec<Response>, SolveError> {
+        if points.end > self.points.len() {
+            return Err(SolveError::Length { name: "points", found: self.points.len(), expected: points.end });
+        }
+        let responder = self.responder()?;
         let begin = |i: usize, draft: &mut Draft| {
             draft.point = Some(points.start + i);
-            if !self.imposed() {
+            if !responder.imposed() {
                 draft.acting = 1.0;
                 self.points.scatter(points.start + i, 1.0, &mut draft.force);
             }
         };
-        self.responses(points.len(), false, begin, watch)
+        responder.responses(points.len(), false, begin, watch)
     }
 
+    fn responder(&self) -> Result<Responses<'_>, SolveError> {
+        Ok(Responses { problem: self, interface: self.condensed()? })
+    }
+}
+
+impl Responses<'_> {
     /// Whether x is the displacement of the points.
     fn imposed(&self) -> bool {
-        self.interface().better_form() == Form::Stiffness
+        self.interface.better_form() == Form::Stiffness
     }
 
     /// Refines responses from their initial values, with springs at their bases or at zero.
@@ -101,15 +120,15 @@ impl ContactProblem {
         on_bases: bool,
         begin: impl Fn(usize, &mut Draft) + Sync,
         watch: &mut dyn FnMut() -> bool,
-    ) -> Result<Vec<Response>, FactorError> {
-        let none = vec![0.0; self.points.len()];
-        let carried = if self.imposed() { &none } else { &self.delta };
-        let mut springs = self.springs.clone();
+    ) -> Result<Vec<Response>, SolveError> {
+        let none = vec![0.0; self.problem.points.len()];
+        let carried = if self.imposed() { &none } else { &self.interface.delta };
+        let mut springs = self.problem.springs.clone();
         springs.base.iter_mut().filter(|_| !on_bases).for_each(|base| *base = 0.0);
-        let dofs = self.plate.dof_count();
+        let dofs = self.problem.plate.dof_count();
         let draft = |i: usize| {
             let reaction = none.clone();
-            let (displacement, work) = (Displacement::zeros(dofs), Work::of(&self.free_motions, &[]));
+            let (displacement, work) = (Displacement::zeros(dofs), Work::of(&self.interface.free_motions, &[]));
             let mut draft = Draft {
                 force: vec![0.0; dofs],
                 acting: 0.0,
@@ -126,7 +145,10 @@ impl ContactProblem {
             draft
         };
         let mut result = Vec::with_capacity(count);
-        while result.len() < count && watch() {
+        while result.len() < count {
+            if !watch() {
+                return Err(SolveError::Cancelled);
+            }
             let last = count.min(result.len() + TOGETHER * rayon::current_num_threads());
             let blocks = (result.len()..last).into_par_iter().chunks(TOGETHER);
             let refined = |block: Vec<usize>| self.refined(block.into_iter().map(&draft).collect());
@@ -154,47 +176,51 @@ impl ContactProblem {
         let Response { displacement, reaction, .. } = &draft.response;
         // Before the first correction only held dofs have a displacement.
         let moved = displacement.hi.iter().chain(&draft.springs.base).any(|&u| u != 0.0);
-        let mut out =
-            if moved { residual(&self.plate, draft.springs, &draft.force, displacement) } else { draft.force.clone() };
+        let mut out = if moved {
+            residual(&self.problem.plate, draft.springs, &draft.force, displacement)
+        } else {
+            draft.force.clone()
+        };
         if self.imposed() {
-            self.points.scatter_all(reaction, -1.0, &mut out);
+            self.problem.points.scatter_all(reaction, -1.0, &mut out);
             let target: Vec<f64> = (0..reaction.len()).map(|i| f64::from(draft.point == Some(i))).collect();
-            draft.remaining = self.points.travel_from(&target, displacement).iter().map(|beyond| -beyond).collect();
+            draft.remaining =
+                self.problem.points.travel_from(&target, displacement).iter().map(|beyond| -beyond).collect();
         } else if moved && draft.carried.iter().any(|&slope| slope > 0.0) {
-            let travel = self.points.travel_from(&vec![0.0; reaction.len()], displacement);
+            let travel = self.problem.points.travel_from(&vec![0.0; reaction.len()], displacement);
             let force: Vec<f64> = travel.iter().zip(draft.carried).map(|(travel, slope)| slope * travel).collect();
-            self.points.scatter_all(&force, -1.0, &mut out);
+            self.problem.points.scatter_all(&force, -1.0, &mut out);
         }
-        self.release_held(&mut out);
-        draft.worst = self.scale.largest(&out);
+        self.problem.release_held(&mut out);
+        draft.worst = self.problem.scale.largest(&out);
         draft.imbalance = out;
     }
 
     /// Corrects each response that has not converged.
     fn correct_together(&self, drafts: &mut [Draft], round: usize) -> Result<(), FactorError> {
-        let factor = &self.base.factor;
+        let factor = &self.problem.base.factor;
         let mut open: Vec<&mut Draft> = drafts.iter_mut().filter(|draft| !draft.settled).collect();
-        let mut block: Vec<f64> = open.iter().flat_map(|draft| self.pattern.gather(&draft.imbalance)).collect();
+        let mut block: Vec<f64> = open.iter().flat_map(|draft| self.problem.pattern.gather(&draft.imbalance)).collect();
         factor.forward(&mut block)?;
         let mut increments = vec![Vec::new(); open.len()];
         for ((column, draft), increment) in block.chunks_exact_mut(factor.len()).zip(&open).zip(&mut increments) {
-            *increment = self.interface().impose(&draft.remaining, column);
+            *increment = self.interface.impose(&draft.remaining, column);
         }
         factor.backward(&mut block)?;
         for ((column, draft), increment) in block.chunks_exact(factor.len()).zip(&mut open).zip(&increments) {
             let (before, worst) = (draft.response.clone(), draft.worst);
-            for (&dof, &value) in self.pattern.numbering.dof.iter().zip(column) {
-                if dof < self.held.len() {
+            for (&dof, &value) in self.problem.pattern.numbering.dof.iter().zip(column) {
+                if dof < self.problem.held.len() {
                     draft.response.displacement.add(dof, value);
                 }
             }
-            draft.response.displacement.follow(self.plate.bodies());
+            draft.response.displacement.follow(self.problem.plate.bodies());
             draft.response.reaction.iter_mut().zip(increment).for_each(|(total, part)| *total += part);
             self.judge(draft);
             if round > 0 && !(draft.worst < worst) {
                 (draft.response, draft.worst, draft.settled) = (before, worst, true);
             } else {
-                let force = largest_force(self, &[], &draft.response.reaction).max(draft.acting);
+                let force = largest_force(self.problem, &[], &draft.response.reaction).max(draft.acting);
                 draft.settled = draft.worst <= tolerances::RESPONSE * force
                     || (round > 0 && draft.worst > tolerances::PROGRESS * worst);
             }
@@ -203,9 +229,9 @@ impl ContactProblem {
     }
 
     fn response(&self, Draft { mut response, point, .. }: Draft) -> Response {
-        response.moved = self.points.travel_from(&vec![0.0; self.points.len()], &response.displacement);
+        response.moved = self.problem.points.travel_from(&vec![0.0; self.problem.points.len()], &response.displacement);
         if !self.imposed() {
-            let carried = self.delta.iter().zip(&response.moved).enumerate();
+            let carried = self.interface.delta.iter().zip(&response.moved).enumerate();
             response.reaction = carried.map(|(i, (k, moved))| k * moved - f64::from(point == Some(i))).collect();
         }
         response

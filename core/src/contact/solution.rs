@@ -1,6 +1,7 @@
 //! The solution of a contact problem and its progress reports.
 
-use super::points::Points;
+use super::error::SolveError;
+use super::points::{PointState, Points};
 use super::system::System;
 use crate::displacement::Displacement;
 use std::sync::Arc;
@@ -18,23 +19,9 @@ pub struct Progress {
 /// Callback after every step; false cancels the solve.
 pub type Watch<'a> = dyn FnMut(Progress) -> bool + 'a;
 
-/// How a solve ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Outcome {
-    Solved,
-    /// No reactions balance the load, or gaps contradict each other.
-    NoEquilibrium,
-    /// The iteration limit was reached, or the contact state is numerically singular.
-    #[default]
-    Unsolved,
-    /// Cancelled by the callback.
-    Interrupted,
-}
-
-/// Displacements, reactions and gaps; NaN unless solved.
+/// Displacements, reactions and gaps of one load.
 #[derive(Clone, Default)]
 pub struct ContactSolution {
-    pub outcome: Outcome,
     pub displacement: Displacement,
     /// Reaction r (m,): Ku + Gᵀr = f.
     pub reaction: Vec<f64>,
@@ -43,7 +30,7 @@ pub struct ContactSolution {
     /// Number of the piece of each point.
     pub piece: Vec<u8>,
     pub pivots: usize,
-    /// Newton steps, or steps of the interior point method.
+    /// Newton steps.
     pub iterations: usize,
     /// Conjugate gradient steps in all Newton steps.
     pub gradients: usize,
@@ -59,21 +46,10 @@ pub struct ContactSolution {
 }
 
 impl ContactSolution {
-    /// Marks the solution as solved; as unsolved if some number is NaN or infinite.
-    pub(super) fn solved(self) -> Self {
-        let d = &self.displacement;
-        let finite = d.hi.iter().chain(&self.reaction).chain(&self.gap).all(|value| value.is_finite());
-        if finite { Self { outcome: Outcome::Solved, ..self } } else { self.failed(Outcome::Unsolved) }
-    }
-
-    /// Sets every number to NaN and stores the outcome.
-    pub(super) fn failed(mut self, outcome: Outcome) -> Self {
-        let d = &mut self.displacement;
-        for value in d.hi.iter_mut().chain(&mut d.lo).chain(&mut self.reaction).chain(&mut self.gap) {
-            *value = f64::NAN;
-        }
-        self.piece.fill(0);
-        Self { outcome, ..self }
+    /// Refuses a solution in which some number is NaN or infinite.
+    pub(super) fn require_finite(self) -> Result<Self, SolveError> {
+        let mut numbers = self.displacement.hi.iter().chain(&self.reaction).chain(&self.gap);
+        if numbers.all(|value| value.is_finite()) { Ok(self) } else { Err(SolveError::Unsolved) }
     }
 
     /// Sets the pieces. On a horizontal piece the force is that of the piece.
@@ -85,6 +61,10 @@ impl ContactSolution {
             }
         }
         self.piece = pieces;
+    }
+
+    pub(super) fn state(&self, i: usize) -> PointState {
+        PointState { piece: self.piece[i], reaction: self.reaction[i], gap: self.gap[i] }
     }
 
     /// Interpolates linearly towards another solution.

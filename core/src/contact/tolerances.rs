@@ -180,23 +180,3 @@ pub(super) mod path {
     /// Smallest resultant relative to its terms that serves as a scale: with it [`SIGN`] equals their rounding.
     pub(crate) const UNSEEN: f64 = 1e-7;
 }
-
-/// Interior point method, in units in which every dof has the stiffness 1.
-pub(super) mod interior_point {
-    /// Relative duality gap and residuals at convergence. Where rounding keeps them larger, the last iterate is taken.
-    pub(crate) const GAP: f64 = 1e-11;
-
-    /// Static regularization of the dofs. Clarabel's default, 1e-8, is as large as the bending stiffness of a thin
-    /// plate.
-    pub(crate) const REGULARIZATION: f64 = 1e-10;
-
-    /// Stop ratio of iterative refinement. With Clarabel's default of 5 the last iterations end before a proof of
-    /// infeasibility is sharp.
-    pub(crate) const REFINING: f64 = 1.5;
-
-    /// Largest residual of an accepted proof of infeasibility, relative to its terms: √ε.
-    pub(crate) const PROOF: f64 = 1e-8;
-
-    /// Least violation that such a proof must show, relative to its terms: well above its residuals.
-    pub(crate) const MARGIN: f64 = 1e-6;
-}

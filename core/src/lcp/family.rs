@@ -7,7 +7,8 @@ use super::problem::{Lcp, LcpError, LcpStatus};
 use super::scaling::{CoveredLcp, Scaling};
 use super::tolerances;
 
-/// The problems w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 of one M, pivoted onto a complementary basis from which each path starts.
+/// Problems w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 with the same M, pivoted onto the complementary basis at which each path
+/// starts.
 ///
 /// # Example
 /// ```
@@ -15,7 +16,7 @@ use super::tolerances;
 ///
 /// let (matrix, q) = ([2.0, 1.0, 1.0, 2.0], [-5.0, -6.0]);
 /// let family = LcpFamily::new(&Lcp::new(&matrix, &q)?, &[true, true])?;
-/// let family = family.expect("M is regular there");
+/// let family = family.expect("this basis is regular");
 /// let found = family.solve(&[-5.0, 1.0])?;
 /// assert_eq!((found.status, found.basis, found.pivots), (LcpStatus::Solved, vec![true, false], 2));
 /// # Ok::<(), LcpError>(())
@@ -40,11 +41,11 @@ pub struct LcpBasis {
 }
 
 impl LcpFamily {
-    /// The family of a problem, whose q is of no account but for its scale; None if `basis` (true where z_i is basic) is
-    /// singular.
+    /// The family of the problems with the matrix of `lcp`, whose q sets the scale only; None if `basis` (true where z_i
+    /// is basic) is singular.
     ///
     /// # Errors
-    /// When `basis` does not have m entries, and where memory does not hold M as it reads there.
+    /// When `basis` does not have m entries, or memory does not hold the transformed M.
     pub fn new(lcp: &Lcp, basis: &[bool]) -> Result<Option<Self>, LcpError> {
         lcp.check_length("basis", basis.len())?;
         let scaling = Scaling::of(lcp);
@@ -63,11 +64,11 @@ impl LcpFamily {
 
     /// Follows Lemke's path of one q from the family's basis.
     ///
-    /// The basis is that of the last tableau and not solved afresh: whoever asks judges what it stands for. Ended neither
-    /// at a solution nor with a ray that proves that there is none, the status is [`LcpStatus::PivotLimit`].
+    /// The basis is that of the last tableau; its basic solution is not recomputed, so the caller must verify it. If the
+    /// path ends neither at a solution nor at a ray that proves infeasibility, the status is [`LcpStatus::PivotLimit`].
     ///
     /// # Errors
-    /// When `q` does not have m entries, or one is not finite, and where memory does not hold the tableau.
+    /// When `q` does not have m entries, an entry is not finite, or memory does not hold the tableau.
     pub fn solve(&self, q: &[f64]) -> Result<LcpBasis, LcpError> {
         let lcp = Lcp::with_matrix_of(&self.scaled.matrix, q)?;
         let order = q.len();

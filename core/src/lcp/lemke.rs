@@ -68,11 +68,11 @@ pub fn lemke_from(lcp: &Lcp, options: &LemkeOptions, basis: &[bool]) -> Result<L
     lemke_watched(lcp, options, Some(basis), &mut |_, _| true)
 }
 
-/// As [`lemke`], or [`lemke_from`] a basis; every 64 pivots `watch` is told how many there have been, and what is left of
-/// the artificial variable over its first value, and ends the path by returning false.
+/// Like [`lemke`], or [`lemke_from`] a basis. Every 64 pivots it calls `watch` with the number of pivots and the artificial
+/// variable relative to its first value; `watch` returns false to end the path.
 ///
 /// # Errors
-/// As these.
+/// See [`lemke`] and [`lemke_from`].
 pub fn lemke_watched(
     lcp: &Lcp,
     options: &LemkeOptions,

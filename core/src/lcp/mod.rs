@@ -1,17 +1,17 @@
 //! Linear complementarity: find z, w with w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0.
 //!
-//! This module knows nothing of plates. M is any square matrix, dense and row-major.
+//! The module is independent of plates. M is any square matrix, dense and row-major.
 //!
 //! | file | holds |
 //! |---|---|
-//! | `problem` | the problem, its solution, its statuses, and what judges a solution without the solver's help |
+//! | `problem` | the problem, its solution and statuses, and the verification of a solution |
 //! | `lemke` | Lemke's algorithm, cold or from a given complementary basis |
 //! | `family` | many problems with one M |
 //! | `parametric` | every basis of w = Mz + q + t d as t grows |
 //! | `scaling` | the powers of two that make tolerances relative |
 //! | `pivoting` | principal pivotal transforms and the freshly solved basic solution |
 //! | `tableau` | the condensed tableau and its delayed updates |
-//! | `kernels` | inner loops, compiled for the widest registers the machine turns out to have |
+//! | `kernels` | inner loops, compiled for the widest registers of the machine |
 //! | `tolerances` | every tolerance, and what it is relative to |
 //! | `ratio_test` | which variable leaves: the lexicographic rule and its tolerances |
 

@@ -39,14 +39,14 @@ pub struct ParametricPath {
     pub pivots: usize,
 }
 
-/// Follows w = Mz + q + t d, w ≥ 0, z ≥ 0, zᵀw = 0, from t = 0, where `basis` (true where z_i is basic) solves it, to `end`.
+/// Follows w = Mz + q + t d, w ≥ 0, z ≥ 0, zᵀw = 0, from t = 0, where `basis` (true where z_i is basic) is a solution, to
+/// t = `end`.
 ///
-/// t is the artificial variable of Lemke's algorithm with d, of any sign, for covering vector. Pivoted onto `basis`, the
-/// problem is the slacks' own and t enters; whenever a variable falls to zero its complement takes its place. If M is
-/// positive semidefinite t never falls, and where nothing stops the entering variable, t either grows with it for ever
-/// or stands still: then no larger t is feasible. The ratio test is lexicographic, so where several variables reach zero
-/// at once the pivots made there are finite; bases of no length are not told. Every 64 pivots `watch` is told how many
-/// there have been, and ends the path by returning false.
+/// t is the artificial variable of Lemke's algorithm with covering vector d, of any sign. The problem is pivoted onto
+/// `basis`, and t enters. When a variable falls to zero, its complement enters. If M is positive semidefinite, t does not
+/// decrease. If no basic variable blocks the entering one, t either grows without bound or stays constant; then no larger
+/// t is feasible. The ratio test is lexicographic, so that the pivots at one t are finite. Bases of zero length are not
+/// reported. Every 64 pivots it calls `watch` with the number of pivots; `watch` returns false to end the path.
 ///
 /// # Errors
 /// When `direction` or `basis` does not have m entries, an entry is not finite, or memory does not hold the tableau.

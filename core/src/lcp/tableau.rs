@@ -1,10 +1,10 @@
 //! The condensed tableau of Lemke's algorithm: nonbasic columns only, m × (m + 1) and the values.
 //!
 //! It is the dictionary `basic = value + T · nonbasic`. An exchange of basic variable r and nonbasic variable s zeroes row r
-//! and column s of T and then subtracts one rank-one term. The terms are collected, T = base − U V, and subtracted from the
-//! base a block at a time as one matrix product. In between only the columns that a pivot asks for are formed, V included:
-//! a term's own row is what the terms before it have left of the base's, so that V is L⁻¹ times rows of the base, with L,
-//! unit lower triangular, of the entries of U in the rows exchanged.
+//! and column s of T and subtracts a rank-one term. The terms are collected, T = base − U V, and subtracted from the base in
+//! blocks, as one matrix product. In between only the columns of T that pivots need are formed. A row of V is a row of the
+//! base minus the earlier terms, so V = L⁻¹ × rows of the base. L is unit lower triangular, with the entries of U in the
+//! exchanged rows.
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -28,7 +28,7 @@ const TOGETHER: usize = 128;
 struct Term {
     row: usize,
     column: usize,
-    /// Whether this is the first term with this row, from which on the row of the base is zero.
+    /// Whether this is the first term with this row; the row of the base is zero after it.
     first: bool,
 }
 

@@ -106,7 +106,7 @@ class PathEstimate:
 
     @classmethod
     def nothing(cls, events: int, thresholds: int, warnings: tuple[str, ...] = ()) -> PathEstimate:
-        """No half-widths of so many events and thresholds."""
+        """Estimate without half-widths, for a number of events and thresholds."""
         return cls(None, (None,) * events, (None,) * thresholds, (), warnings)
 
     def half_width(self, path: LoadPath, index: int) -> float | None:
@@ -159,7 +159,7 @@ def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> 
 
 _FEWEST = 2
 _MOVED = 1e-8
-"""Part of its field by which a number changes that is not the same on every mesh."""
+"""Smallest change of a number, relative to its field, that counts as mesh-dependent."""
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ class Meshes:
 
     @property
     def reach(self) -> float:
-        """How far what acts at a point makes fields as steep as at it: two elements of the coarsest mesh."""
+        """Radius of steep fields around a singularity: two elements of the coarsest mesh."""
         return 2.0 * self.sizes[-1]
 
     def fastest(self, at_points: Bools | bool) -> Floats:
@@ -213,12 +213,12 @@ def compared(
     probes: Floats,
     named: Sequence[tuple[Sequence[Singularity], Bools]],
 ) -> tuple[Floats, Bools]:
-    """Give the half-widths of n numbers of k results, NaN where there is none, and which have no limit, each (n, k).
+    """Return half-widths (n, k) of n numbers of k results, NaN without one, and a mask (n, k) of unlimited numbers.
 
-    The same rule for results by themselves, rows of a table and envelopes: none of a number depends on which it is in.
-    Values (m, n, k) are in the order of the meshes, NaN where one does not tell; probes are (q, 2). ``named`` are the
-    singularities under some load, or under none, and in which of the results (k,) these are: only what a singularity is
-    named for may have no limit.
+    Results, rows of tables and envelopes have the same rule: a half-width does not depend on the other results. Values
+    (m, n, k) are in the order of the meshes, NaN where missing; probes are (q, 2). ``named`` are the singularities of
+    each load case, or of none, with the results (k,) in which they act. Only numbers for which a singularity is named
+    can be without limit.
     """
     own, count = values[meshes.own], values.shape[2]
     mesh = meshes.every[meshes.own]
@@ -272,21 +272,21 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     by_path |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     by_path |= places_of_extremes(result, by_path)
     warnings = [warning] if warning else []
-    # Extremes that are still beside a singularity are told there, with what to do.
+    # The table of extremes names singularities beside extremes, with the remedy.
     growing = [one for one, grows in zip(numbers, grow[:, 0].tolist(), strict=True) if grows and one.home != "field"]
-    # What lies on a plate is told with the plate that it carries.
+    # Contacts are named with the upper plate.
     upon = {index for index, support in enumerate(result.supports) if support.upon}
     growing = [one for one in growing if not (one.path[0] == "supports" and one.owner in upon)]
     if growing:
         warnings.append(
             f"As the mesh is refined these grow and show no limit: {named_numbers(growing, model, probes)}. The "
-            "singularities that are named say why, and what to do."
+            "named singularities give the reason and the remedy."
         )
     return Estimate(result, widths, with_widths(figures(result), by_path), meshes.elements, tuple(warnings))
 
 
 def _compare_plates(result: Result, others: Sequence[Result], warning: str) -> Estimate:
-    """Compare each of several plates by itself, and put what that says of their numbers together."""
+    """Compare each of several plates by itself, and combine their estimates."""
     each = {
         name: compare(own, [other.plates[name] for other in others], warning) for name, own in result.plates.items()
     }

@@ -12,19 +12,19 @@ from signorini.discretise.zones import Rigidity, Zones
 from signorini.errors import point
 from signorini.mesh import Mesh
 from signorini.model import Model
-from signorini.model.whole import acting_on
+from signorini.model.whole import supports_and_loads
 from signorini.results.quantities import KINDS, LINEAR, Number
 from signorini.results.result import Result
 from signorini.shapes.distances import distances
 from signorini.singularities.singularity import Singularity
 
 FASTEST, FASTEST_OF_POINTS = 0.9, 0.5
-"""Order of convergence that changes are trusted to show at most: what looks faster on three meshes may be chance. What
-acts at a point lets a Mindlin plate give way by the logarithm of the mesh's size there, which is slower than any power.
+"""Largest order of convergence that is trusted. A higher apparent order on three meshes may be chance. Under a point
+force the deflection of a Mindlin plate converges with the logarithm of the mesh size, slower than any power.
 """
 
 SLOWEST = 0.2
-"""Order that is assumed at least where changes do not shrink: what is left is then seven times the last change."""
+"""Least order that is assumed if changes do not shrink: the remaining error is seven times the last change."""
 
 _OF_BEFORE, _OF_BEFORE_WHERE_COARSE = 0.25, 0.5
 """Part of the change before it that the last one counts as at least: two meshes may agree by chance, on coarse ones
@@ -32,11 +32,11 @@ where a finer one had to be asked all the more.
 """
 
 _GROWS = 0.85
-"""Last change over the one before, on meshes of half the size, from which on a number that grows is said to have no
-limit: at points and corners it is 0.9 or more, of what converges 0.7 or less."""
+"""Smallest ratio of successive changes, at half the mesh size, of a number without limit. It is at least 0.9 at points
+and corners, at most 0.7 for numbers that converge."""
 
 _COUNTS = 0.02
-"""Change over the largest of its field from which on growth is more than slow convergence."""
+"""Smallest change, relative to the largest value of the field, that counts as growth."""
 
 _ROUNDING = 1e-10
 """Part of the largest of its kind that rounding may be."""
@@ -52,18 +52,17 @@ def half_widths(
     limited: Bools,
     fringe: Bools | bool = False,
 ) -> tuple[Floats, Bools]:
-    """Say how far refining the mesh is expected to move numbers, and which have no limit.
+    """Estimate how far refinement will move numbers, and which numbers have no limit.
 
-    Of three meshes of sizes h₀ < h₁ < h₂ the changes d₁ = v₀ − v₁ and d₂ = v₁ − v₂ show the order p = ln|d₂/d₁| / ln r,
-    r the ratio of sizes. What the finest mesh leaves is a geometric series, |d₁| / (r^p − 1), with p between an order
-    that is not trusted to be more, ``fastest``, and one that is assumed at least; a half-width is that and the distance
-    from the finest mesh. What grows on every finer mesh by as much as on the one before has no limit.
+    Three meshes of sizes h₀ < h₁ < h₂ have the changes d₁ = v₀ − v₁ and d₂ = v₁ − v₂, which show the order p =
+    ln|d₂/d₁| / ln r, r the ratio of sizes. The remaining error of the finest mesh is a geometric series, |d₁| / (r^p −
+    1). p is at most ``fastest`` and at least an assumed order. A half-width is this error plus the distance from the
+    finest mesh. A number that grows on every finer mesh by as much as before has no limit.
 
-    Values (m, n) are those of two or three meshes, the finest first, NaN where a mesh does not tell; the half-widths
-    are for mesh ``own``. Each change counts as ``beside`` at least, that of others found with it: one may vanish by
-    chance. ``largest`` are the largest values of each number's field. Numbers that are ``limited`` cannot grow for
-    ever. Extremes on the ``fringe``, beside nodes that are left out, hop between the nodes that are left: little is
-    trusted of them.
+    Values (m, n) are those of two or three meshes, the finest first, NaN where missing; half-widths are for mesh
+    ``own``. Each change counts as at least ``beside``, the change of related numbers, since one change may vanish by
+    chance. ``largest`` are the largest values of each number's field. ``limited`` numbers have a limit. Extremes on the
+    ``fringe``, next to excluded nodes, jump from node to node: their order is trusted less.
 
     Examples
     --------
@@ -108,7 +107,7 @@ def rounded(widths: Floats) -> Floats:
     """Round half-widths to three digits."""
     known = widths > 0
     power = np.floor(np.log10(widths, where=known, out=np.zeros_like(widths))) - 2
-    # Powers of ten up to 22 are exact, so that what is written has no more digits.
+    # Powers of ten up to 22 are exact, so that the written number has no further digits.
     up, down = 10.0 ** np.maximum(power, 0), 10.0 ** np.maximum(-power, 0)
     return np.where(known, np.rint(widths * down / up) / down * up, widths)
 
@@ -116,14 +115,14 @@ def rounded(widths: Floats) -> Floats:
 _OF_VECTOR, _OF_POINTS = 0.25, 0.1
 """Part of the largest change in a vector or of its extremes, and among the points of a support."""
 _BENT = 0.01
-"""Part of what goes with the largest deflection, or moment, that every kind counts as at least."""
+"""Least size of every kind of number, relative to the size that fits the largest deflection or moment."""
 
 
 def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
-    """Changes (n, k) that numbers count as at least, by the largest of those of the numbers that go with them.
+    """Least changes (n, k) of numbers, from the largest change among related numbers.
 
-    Components of a vector turn into each other, at a place and in their extremes, which hop from node to node; points
-    of one support share what acts on it.
+    Components of a vector turn into each other, at a place and in their extremes. Points of one support share its
+    force.
     """
     groups: dict[tuple[object, ...], list[int]] = {}
     keys = [_group(one) for one in numbers]
@@ -148,17 +147,17 @@ def _group(one: Number) -> tuple[object, ...]:
 
 def acts_at_points(model: Model) -> bool:
     """Whether a force, a couple or a support acts at a point, not on a footprint."""
-    points = any(item.at is not None and not item.has_footprint for item in acting_on(model))
+    points = any(item.at is not None and not item.has_footprint for item in supports_and_loads(model))
     return points or any(moving.patch is None for moving in model.moving)
 
 
 def may_grow(
     numbers: Sequence[Number], model: Model, probes: Floats, singular: Sequence[Singularity], reach: float
 ) -> Bools:
-    """Which numbers (n,) may grow for ever as the mesh is refined: what a singularity within reach is named for.
+    """Mask (n,) of numbers that a singularity within reach may make grow without limit.
 
-    Of supports it is one of their own, of envelopes one anywhere. Where supports at points give way the whole plate
-    moves, and extremes of the deflection are wherever they are. ``probes`` are (q, 2).
+    Supports have singularities of their own, envelopes any. Where supports at points yield logarithmically, deflections
+    of the whole plate do. ``probes`` are (q, 2).
     """
     supports = [support.name for support in model.support]
     result = np.zeros(len(numbers), np.bool_)
@@ -216,11 +215,11 @@ def largest_of(result: Result) -> Mapping[str, float]:
 
 
 def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh) -> dict[str, Floats]:
-    """The largest of every kind of number, of k results (k,), from all their numbers (n, k).
+    """Largest number of every kind in k results (k,), from all their numbers (n, k).
 
-    Of what is told alike of a combination by itself and of a row of a table. A plate that only moves has moments by
-    rounding, one that is bent evenly shears, one that may not bend deflections: a hundredth of what goes with the
-    others counts too. So does a hundredth of gaps as movement, since deflections are told beside them.
+    Only numbers of both results and rows count. Moments of a rigid motion, shears in uniform bending, and deflections
+    of a plate that cannot bend are rounding: hence every kind is at least a hundredth of the size that fits the others.
+    Gaps count as deflections by a hundredth.
     """
     points = {one.owner for one in numbers if one.home == "point"}
     none = np.zeros(values.shape[1])
@@ -246,9 +245,9 @@ def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh
 
 
 def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[str, Floats]:
-    """A hundredth of what goes with a plate's deflection, bent as a whole, or with its largest moment if that is more.
+    """Least size of reactions: a hundredth of the force that fits the plate's deflection or its largest moment.
 
-    Totals may cancel, and a plate may be bent without shears: what its supports hold is no less than this.
+    Totals may cancel, and a plate may be bent without shears.
     """
     span, (thickness, *_) = mesh.size, sections_at(model, mesh.points)
     rigidity = model.young * float(thickness.max()) ** 3 / 12

@@ -1,10 +1,10 @@
-"""The boundary layer of thin plates, of which meshes coarser than the thickness know nothing, however many agree.
+"""Boundary layer of thin plates, which meshes coarser than the thickness cannot resolve.
 
-Along edges that hold no slope the moment mnn and the twist mnt are zero, and where they are free the shear qn. In a
-layer of width δ = √(T/S), with T the rigidity in twist and S that in shear along the edge, h/√(12κ) of a solid plate,
-the twist and the shear come, as 1 - exp(-d/δ), to what a plate without shear strains has; the shear along the edge is
-more by mnt/δ there, and bending moments by up to 2δ |qn| (D. N. Arnold, R. S. Falk, *Asymptotic analysis of the
-boundary layer for the Reissner-Mindlin plate model*, SIAM J. Math. Anal. 27, 1996).
+Along edges that leave the slope free, the moment mnn and the twist mnt are zero, at free edges also the shear qn. In a
+layer of width δ = √(T/S), with T the twisting and S the shear rigidity along the edge, h/√(12κ) for a solid plate,
+twist and shear approach the values of Kirchhoff's plate as 1 − exp(−d/δ). The shear along the edge is larger by mnt/δ
+there, bending moments by up to 2δ |qn| (D. N. Arnold, R. S. Falk, *Asymptotic analysis of the boundary layer for the
+Reissner-Mindlin plate model*, SIAM J. Math. Anal. 27, 1996).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from signorini.discretise.held import sides_that_hold_turns
 from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
-from signorini.model.whole import acting_on
+from signorini.model.whole import supports_and_loads
 from signorini.results.quantities import Path
 from signorini.shapes.distances import distances
 from signorini.singularities.boundary import middles
@@ -32,10 +32,10 @@ _SEEN = 2.65
 """Thickness over the element's side, times this, is the part of the layer that large elements know; measured on simple
 squares of h/a = 0.01 and 0.001, where `_left` is right to 0.03 for elements of 0.6 to 100 thicknesses."""
 _TWIST_SEEN = 30.0
-"""Of the twist at edges 1 / (1 + 30 (δ/s)²) is left on elements of side s; measured on squares with two free edges to
+"""At edges 1 / (1 + 30 (δ/s)²) of the twist remains on elements of side s: measured on squares with two free edges to
 0.06, on elements of 0.7 to 50 thicknesses."""
 _FADED = 12.0
-"""Widths of the layer from an edge at which nothing is left of it."""
+"""Width of the layer in δ: e⁻¹² of it remains there."""
 _PER_WIDTH = math.sqrt(10.0)
 """Thickness over the layer's width of the plates on which this is measured, solid ones with κ = 5/6."""
 _CHORDS = np.linspace(-1.0, 1.0, 9)
@@ -45,10 +45,10 @@ _ON_EDGE = 1e-6
 
 
 def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
-    """What part of a field the layer along edges at which the plate may twist changes, and no mesh shows.
+    """Part of a field in the layer along edges with free twist that no mesh resolves.
 
-    ``sizes`` are the sides of elements on the finest meshes. What the layer changes between these is told by them, and
-    so is what it is then expected to change on finer ones; the rest is not.
+    ``sizes`` are the sides of elements on the finest meshes. Changes between these meshes, and the expected changes on
+    finer ones, are excluded: the comparison of meshes covers them.
     """
     ends = mesh.points[_sides(model, mesh)[:, [0, 2]]]
     free = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
@@ -89,7 +89,7 @@ def unseen_at_edges(
     parts = len(_CHORDS) - 1
     size = finer * np.repeat(mesh.element_area[mesh.find_sides(sides)[0]], parts) / (parts * length)
     unseen = 1.0 / (1.0 + _TWIST_SEEN * (width / size) ** 2)
-    lines = [middles(mesh, item.where) for item in acting_on(model)]
+    lines = [middles(mesh, item.where) for item in supports_and_loads(model)]
     free = np.repeat(~np.isin(sides[:, 1], np.concatenate(lines)), parts)
 
     peaks = [np.abs(numbers[path]) for path in _ends("mxy") if path in numbers]
@@ -109,7 +109,7 @@ def unseen_at_edges(
             continue
         (mx, my, mxy), (qx, qy) = ([numbers[(*of, key, at)] for at in range(n)] for key, n in _OF_PROBE)
         x, y, delta, left = np.stack([nx, ny, width, unseen * np.exp(-away / width)])[:, near, None]
-        # At an edge itself what a mesh shows of what is zero there is all that it does not know.
+        # At the edge the value of a mesh is its whole error, since the exact value is zero.
         on = away[near, None] <= _ON_EDGE * mesh.size
         twist = np.where(on, 1.0, left) * np.abs(x * y * (my - mx) + (x**2 - y**2) * mxy)
         across = np.where(on & free[near, None], 1.0, left) * np.abs(x * qx + y * qy)

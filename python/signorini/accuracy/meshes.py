@@ -16,15 +16,15 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.mesh import Mesh
 from signorini.mesh.meshers import divided
 from signorini.model import Area, MeshOptions, MeshPlate, Model, RectanglePlate, Refinement
-from signorini.model.whole import acting_on
+from signorini.model.whole import supports_and_loads
 from signorini.results.quantities import Number
 from signorini.results.result import Result
 from signorini.shapes.distances import Targets, distances
 from signorini.shapes.outlines import Point
 
 _LEAST_ALONG, _LEAST = 16, 2500
-"""Elements along a side, and in all, from which on meshes of twice and four times the size show the plate: those of
-1000 elements, compared with 250 and 64, cover what refining does in 94 to 96 % of numbers, with finer ones in 99 %."""
+"""Least number of elements along a side, and in all, of meshes that are compared with coarser ones. Meshes of 1000
+elements compared with 250 and 64 cover 94 to 96 % of numbers, with finer ones 99 %."""
 
 _FEWEST_ALONG = 2
 """Elements along the longer side that can be made larger."""
@@ -107,7 +107,7 @@ def _beside_plates(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
 
 
 def _along(model: Model, count: int) -> int:
-    """Elements along a side of the plate that has the fewest there, of several that have so many together."""
+    """Elements along the shorter side of a plate, for several plates of the one with the fewest, given their total."""
     each = [part.model.divisions for part in model.parts]
     return min(math.isqrt(count // len(each)) if one is None else min(one) for one in each)
 
@@ -154,23 +154,23 @@ def _divided(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
 
 _MOST_STEPS = 12
 _TRIED, _GAINED, _TWICE = 3, 0.8, 2
-"""Meshes in a row that must gain something if there are twice as many elements in the end, and to what part half-widths
-must fall for that."""
+"""Number of successive meshes that must together gain accuracy if they double the elements, and the factor of that
+gain."""
 ORDER = 1.5
 """Order in the size of elements by which half-widths are expected to fall."""
 _LEAST_STEP, _MOST, _MOST_AT_PLACES = 1.4, 2.5, 4.0
 """By how much sides of elements shrink from one mesh to the next."""
 _GROWTH = 0.25
-"""Part of the distance by which sides grow from where they are small."""
+"""Growth of sides per distance from small elements."""
 _PARTS = 3.0
 """Mean sides of elements that a line is parted into, to be refined each by its own elements."""
 _AIM = 0.5
-"""Part of the accuracy to which places are refined, and those too that are not so near: on meshes that fill an outline
-as they fit the next one moves what it does not refine."""
+"""Places are refined to this part of the accuracy, including places within it: a new mesh of an outline also moves
+numbers at places that it does not refine."""
 _TWINS = 1.25
 """Memory for a mesh and for the one of half the size that it is compared with, over that for the latter."""
 _SAME_SIZE, _AS_ALL = 0.8, 0.95
-"""Size over that of its neighbour, and of all others, from which on a band is one with it, and needs none."""
+"""Largest ratios of sizes, to the neighbour and to all others, of bands that are joined."""
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ class Refined:
     """About how many elements it takes to reach the accuracy."""
 
     def said(self, asked: float) -> str:
-        """Say how far it came, and what reaching the accuracy would take."""
+        """Say the accuracy reached, and the elements and memory that the asked accuracy would take."""
         result = f"± {self.worst:.2g} of its field is left of {self.what}, on {self.elements:,} elements"
         return result if self.worst <= asked else f"{result}. ± {asked:g} would take {_cost(self.expected)}"
 
@@ -207,7 +207,7 @@ class _Wide:
 
     @property
     def place(self) -> tuple[Point, ...]:
-        """The point or line that it is at; none of what the whole plate makes."""
+        """Point or line of the number; None for numbers of the whole plate."""
         model, one = self.result.model, self.number
         match one.home:
             case "probe" if one.quantity.kind not in ("deflection", "rotation"):
@@ -235,7 +235,7 @@ class _Piece:
     part: float
 
     def smaller(self, asked: float, most: float) -> float:
-        """The size that is expected to do, within what sides may shrink by."""
+        """Element size expected to suffice, within the allowed reduction."""
         return self.size / float(np.clip((self.part / (_AIM * asked)) ** (1 / ORDER), 1.0, most))
 
     def refinement(self, size: float) -> Refinement:
@@ -290,14 +290,14 @@ def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
 def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
     """Which points are on a line that supports or loads the plate, where shears jump."""
     at, result = np.array(points).reshape(-1, 2), np.zeros(len(points), np.bool_)
-    for item in acting_on(model):
+    for item in supports_and_loads(model):
         if item.where.curve is not None:
             result |= Targets.along(item.where.outline).nearest(at)[1] <= mesh.near.written
     return result
 
 
 def _rate(before: Sequence[Refined], count: int, worst: float) -> float:
-    """Order in the number of elements by which half-widths have fallen so far; where they have not, as expected."""
+    """Observed order of the half-widths in the number of elements; the expected order if they have not fallen."""
     least = 0.5 * ORDER
     if not before or not count > before[0].elements:
         return least
@@ -306,7 +306,7 @@ def _rate(before: Sequence[Refined], count: int, worst: float) -> float:
 
 
 def unknown(asked: float) -> str:
-    """Say that nothing is known of an accuracy, since no other mesh is."""
+    """Warn that the accuracy is unknown, since no other mesh could be solved."""
     return f"The accuracy of {asked:g} that was asked for is not known to be reached: no number has a half-width (±)."
 
 
@@ -317,7 +317,7 @@ def _cost(elements: int) -> str:
 
 
 def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Refined]) -> tuple[Model | None, str]:
-    """Model with the next mesh; None where there is none, and why if the accuracy is not reached."""
+    """Model with the next mesh; None without one, and the reason if the accuracy is not reached."""
     asked, plate, reached = model.mesh.accuracy, model.plate, steps[-1]
     assert asked is not None and not isinstance(plate, MeshPlate)
     if reached.worst <= asked:
@@ -333,8 +333,8 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
         and min(worst[-_TRIED:]) > _GAINED * min(worst[:-_TRIED])
     ):
         return None, (
-            f"{left}, but finer meshes do not bring it much nearer. What acts at a point, or on less than an element, "
-            "needs a footprint or mesh.refine; a shear on a line that supports or loads the plate jumps there."
+            f"{left}, but finer meshes do not bring it much nearer. Loads and supports at points, or on less than "
+            "an element, need a footprint or mesh.refine; the shear jumps on a line that supports or loads the plate."
         )
     shrinking = float(np.clip((reached.worst / asked) ** (1 / ORDER), _LEAST_STEP, _MOST))
     count = math.ceil(reached.elements * shrinking**2)
@@ -349,9 +349,9 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
 
 
 def _at_places(model: Model, estimates: Mapping[str, Estimate], everywhere: bool) -> tuple[MeshOptions, int]:
-    """Mesh options with smaller elements where numbers are, everywhere for those of no place; about how many they are.
+    """Mesh options with smaller elements at the places of numbers, and about how many elements they make.
 
-    ``everywhere`` also where what was done at places has not helped.
+    Numbers without a place refine the whole plate. So does ``everywhere``, if refinement at places did not help.
     """
     asked, plate = model.mesh.accuracy, model.plate
     assert asked is not None and not isinstance(plate, MeshPlate)
@@ -367,7 +367,7 @@ def _at_places(model: Model, estimates: Mapping[str, Estimate], everywhere: bool
 
 
 def _too_wide(estimates: Mapping[str, Estimate], asked: float) -> tuple[float, list[_Piece]]:
-    """The largest half-width over its field of what is at no place, and the places to refine."""
+    """Largest half-width over its field among numbers without a place, and the places to refine."""
     whole, parts = 0.0, dict[tuple[Point, ...], float]()
     for number in _numbers(estimates):
         if number.part > _AIM * asked:
@@ -411,7 +411,7 @@ def _graded(plate: RectanglePlate, solved: Sequence[Result], shrinking: float) -
     for axis, length in ((0, a), (1, b)):
         joints, bending = _bending(mesh, solved, axis)
         sides = np.diff(joints)
-        # What bends h²m''/8 within an element is to bend as little in all of them, and less by what is to be gained.
+        # The interpolation error h²m''/8 is to be equal in all elements, and smaller by the wanted gain.
         target = bending.max() / shrinking**2
         wanted = sides * np.sqrt(np.clip(target / np.maximum(bending, 1e-3 * target), 1 / _MOST**2, 1.0))
         counts.append(max(1, math.ceil(length / wanted.max() - 1e-9)))
@@ -422,9 +422,9 @@ def _graded(plate: RectanglePlate, solved: Sequence[Result], shrinking: float) -
 
 
 def _bending(mesh: Mesh, solved: Sequence[Result], axis: int) -> tuple[Floats, Floats]:
-    """Joints (k + 1,) of a rectangle's mesh along an axis, and how much moments bend within each column (k,) or row.
+    """Joints (k + 1,) of a rectangle's mesh along an axis, and the bending within each column (k,) or row.
 
-    Of several results the one that bends most, each over its own largest moment.
+    The bending is the largest over several results, each relative to its own largest moment.
     """
     corners = mesh.points[mesh.elements[:, :4]][..., axis]
     joints = np.unique(mesh.points[mesh.elements[:, :4].ravel(), axis])

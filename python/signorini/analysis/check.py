@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from signorini.analysis.tightening import loosened
+from signorini.base.linear_program import minimise
 from signorini.base.provenance import PROGRAM
 from signorini.base.regular import open_regular
 from signorini.discretise import Discretisation, discretise
 from signorini.discretise.rows import Floats
-from signorini.equilibrium.balance import NO_FORCE, RigidFreedom, allowed_motions, rigid_freedom
+from signorini.equilibrium.balance import NO_FORCE, RigidFreedom, rigid_freedom, work_of
 from signorini.equilibrium.imbalance import WORK, Imbalance, explain, imbalance_of, nearest_limit, on_the_brink
 from signorini.errors import InputError
 from signorini.mesh.isoparametric import are_degenerate
@@ -71,7 +72,7 @@ ASKED = 20
 
 @dataclass(frozen=True)
 class Resultant:
-    """What the load of one combination amounts to."""
+    """Resultant of the load of one combination, and its balance."""
 
     name: str
     force: float
@@ -83,8 +84,8 @@ class Resultant:
     message: str
     """Why no reactions balance it; empty where they do."""
     brink: bool
-    """Whether they only just do: the load is on the edge of what the supports can hold. Of rows of a table this and
-    the limit are asked of the first twenty, and the limit of those that cannot be balanced."""
+    """Whether equilibrium is marginal: an arbitrarily small change of the load can end it. For rows of a table, this is
+    computed for the first twenty. The limit is also computed for rows without equilibrium."""
     limit: tuple[str, float] | None
     """The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone."""
     axis: tuple[tuple[float, float], tuple[float, float]] | None
@@ -93,14 +94,14 @@ class Resultant:
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """A model that can be solved as far as can be told without solving it."""
+    """A model with its mesh, supports and resultants, before the solution."""
 
     discretisation: Discretisation
     resultants: tuple[Resultant, ...]
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What of the model, and of the loads' resultants, is seldom meant, in sentences."""
+        """Warnings about the model and the resultants of loads, as sentences."""
         discretisation, model = self.discretisation, self.discretisation.model
         loads = () if model.tabulated else map(discretisation.load, model.effective_combinations)
         said = [*model_warnings(discretisation, self._acting), *idle_cases(model)]
@@ -132,10 +133,10 @@ class Check:
         return not any(resultant.message for resultant in self.resultants)
 
     def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> list[Path]:
-        """Draw mesh, supports, loads, their resultants and the lines about which they tip the plate to a file.
+        """Draw mesh, supports, loads, resultants and axes of tipping to a file.
 
-        The suffix gives the format. With ``numbers`` nodes have theirs, from 1, as in
-        ``reactions.csv``. Of several plates each has a file, see `pictures_of`. Returns the files.
+        The suffix gives the format. With ``numbers`` nodes are numbered from 1, as in ``reactions.csv``. Several plates
+        have a file each, see `pictures_of`. Returns the files.
         """
         # Only this method needs matplotlib.
         from signorini.plot.files import save
@@ -235,20 +236,50 @@ def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterat
     weighing = {case: discretisation.cases[case].weighing for case in discretisation.cases if case in used}
     of_case = {case: _sums(discretisation, load) for case, load in weighing.items()}
     size = {case: float(np.abs(load[::3]).sum()) for case, load in weighing.items()}
-    scale = np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
-    motions = allowed_motions(freedom.outline)
+    unbalanced = _unbalanced(discretisation, freedom, weighing)
     for number, combination in enumerate(combinations):
         if number < ASKED:
             yield _resultant(discretisation, freedom, combination)
             continue
         factors = combination.factors or {}
-        resultant = np.sum([np.zeros(3), *(factor * of_case[case] for case, factor in factors.items())], axis=0)
+        resultant = _superposed(of_case, factors, np.zeros(3))
         total = sum(abs(factor) * size[case] for case, factor in factors.items())
-        doubtful = motions is None
-        if motions is not None and len(motions):
-            doubtful = (motions @ (resultant / scale @ freedom.motions)).max() > WORK * total
-        why = imbalance_of(discretisation, freedom, combination) if doubtful else None
+        why = unbalanced.get(number)
         yield _of(discretisation, combination, resultant, total, why, limit=None if why is None else why.limit)
+
+
+def _unbalanced(
+    discretisation: Discretisation, freedom: RigidFreedom, weighing: Mapping[str, Floats]
+) -> dict[int, Imbalance]:
+    """Causes of imbalance of the combinations after the first `ASKED`, by number.
+
+    Loads that reactions can balance are a convex set. A linear program over all points is solved only for a combination
+    whose work on the free motions is outside the convex hull of the works of combinations known to be balanced.
+    """
+    of_case = {case: work_of(discretisation, freedom, load) for case, load in weighing.items()}
+    combinations, nothing = discretisation.model.effective_combinations, np.zeros(freedom.count)
+    works = {
+        number: _superposed(of_case, combination.factors or {}, nothing)
+        for number, combination in enumerate(combinations)
+        if number >= ASKED
+    }
+    largest = max((float(np.abs(work).max(initial=0.0)) for work in works.values()), default=0.0) or 1.0
+    hull, result = [np.append(np.zeros(freedom.count), 1.0)], dict[int, Imbalance]()
+    for number in sorted(works, key=lambda number: -np.abs(works[number]).max(initial=0.0)):
+        vertex = np.append(works[number] / largest, 1.0)
+        if minimise(np.zeros(len(hull)), np.array(hull).T, (vertex, vertex), (0.0, np.inf), WORK) is not None:
+            continue
+        why = imbalance_of(discretisation, freedom, combinations[number])
+        if why is None:
+            hull.append(vertex)
+        else:
+            result[number] = why
+    return result
+
+
+def _superposed(of_case: Mapping[str, Floats], factors: Mapping[str, float], zero: Floats) -> Floats:
+    """Sum of factor times the vector of each case; ``zero`` without cases."""
+    return sum((factor * of_case[case] for case, factor in factors.items()), zero)
 
 
 def _sums(discretisation: Discretisation, nodal: Floats) -> Floats:

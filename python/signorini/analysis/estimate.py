@@ -224,7 +224,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
 
     @property
     def no_others(self) -> str:
-        """Of a table why there are no other meshes, or not all; else empty."""
+        """Reason why meshes of a table's estimate are missing; empty if both were solved."""
         return "" if self.of_table is None else self.of_table.why
 
 

@@ -13,7 +13,7 @@ from signorini.base.progress import Progress, Watcher, steps_of
 from signorini.contact.certificate import Certificate, certified, certify_each, imbalances, least_deflection
 from signorini.contact.problem import ContactProblem
 from signorini.contact.selection import Answer, chosen, doubtful
-from signorini.contact.strategy import WORDS, answered, methods_along, uncertain
+from signorini.contact.strategy import WORDS, answered, posed_for_methods, uncertain
 from signorini.discretise import CaseLoad
 from signorini.discretise.rows import Bools, Floats, Ints, Pieces
 from signorini.equilibrium.imbalance import CONTRADICTION, supports_contradict
@@ -105,7 +105,10 @@ class PathJudge:
     _shown: Pieces | None = None
 
     def take(self, t: float, points: Ints, answer: Answer) -> None:
-        """Take the answer at t, from which on ``points`` open or close; raise `NotCertifiedError` where one fails."""
+        """Record the answer at t, where ``points`` open or close.
+
+        Raises `NotCertifiedError` if a certificate fails.
+        """
         for turn in self._turns(t, answer):
             self._put(*turn)
         self._put(t, points, answer)
@@ -184,7 +187,7 @@ class PathJudge:
             raise NotCertifiedError
 
     def _doubtful(self, at: list[float], answers: list[Answer]) -> Bools:
-        """Whether between each answer and the one before it more than one may be right."""
+        """Whether the answer may not be unique between each t and the t before it (k,)."""
         chain = [*([] if self._before is None else [self._before]), *zip(at, answers, strict=True)]
         doubts = np.zeros(len(chain), np.bool_)
         apart = [row for row in range(1, len(chain)) if chain[row - 1][0] < chain[row][0]]
@@ -214,7 +217,7 @@ def exact_path(
     """Follow every contact point."""
     discretisation = problem.discretisation
     traced: ExactPath | None = None
-    for other_problem in methods_along(problem):
+    for other_problem in posed_for_methods(problem):
         other = _trace(other_problem, problem, path, until, watcher)
         traced = other if traced is None or (other is not None and other.end > traced.end) else traced
         if traced is not None and (traced.ending != "stopped" or traced.ends_with_the_mesh or traced.interrupted):

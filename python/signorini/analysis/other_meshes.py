@@ -38,11 +38,11 @@ _T = TypeVar("_T")
 _OTHERS = 2
 """Meshes beside a plate's own that show how a number converges."""
 _OTHER = 0.5
-"""Base 2 logarithm of the ratio of elements from which on meshes are compared; at twice the size it is 2."""
+"""Smallest |log₂| of the ratio of element counts of two compared meshes; it is 2 at twice the element size."""
 
 
 class _SameMeshError(SignoriniError):
-    """What the outline or refined places say of the size of elements leaves hardly another mesh."""
+    """The outline or refined places fix the element size, so that the mesh hardly changes."""
 
 
 @dataclass(eq=False)
@@ -53,9 +53,9 @@ class OtherMeshes:
     mesh: Mesh
     """The mesh that others are compared with."""
     watcher: Watcher
-    """Called with a `Progress`; what it raises ends what is being solved and reaches the caller."""
+    """Called with a `Progress`. An exception in it ends the solution and reaches the caller."""
     seconds: float = math.nan
-    """What the mesh itself took, all calls of `solved` together."""
+    """Seconds of the solution on the own mesh, over all calls of `solved`."""
     calls: int = 1
     """How often something is solved."""
     _begun: float = field(default_factory=time.monotonic)
@@ -161,7 +161,7 @@ class EstimatedTable:
     widths: Mapping[str, Floats] = field(default_factory=dict)
     """Half-widths (k,) of its columns, ``<column>:plus_minus``; none of a table that is in a file."""
     picked: Mapping[tuple[str, int], float] = field(default_factory=dict)
-    """Half-widths by column and row of what envelopes name, of a table that is in a file."""
+    """Half-widths of extremes in envelopes, by column and row, of a table in a file."""
 
     @classmethod
     def of(cls, results: Results, meshes: OtherMeshes, table: str | os.PathLike[str] | None) -> EstimatedTable:
@@ -195,7 +195,7 @@ class EstimatedTable:
                 file.unlink()
 
     def width(self, column: str, row: int) -> float | None:
-        """The half-width of a number that an envelope names; None where there is none."""
+        """Return the half-width of an extreme of an envelope; None without one."""
         if self.picked:
             return known(self.picked.get((column, row), np.nan))
         return known(self.widths[column + ENDING][row]) if column + ENDING in self.widths else None
@@ -203,7 +203,7 @@ class EstimatedTable:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """What is compared of rows."""
+    """Comparison of the rows of a table on several meshes."""
 
     discretisation: Discretisation
     layout: Layout
@@ -237,7 +237,7 @@ class _Rows:
         return {one.column + ENDING: width for one, width in zip(numbers, out, strict=True)}
 
     def _of_plate(self, plate: int, numbers: Sequence[Number]) -> tuple[Ints, list[Number]]:
-        """Which numbers (k,) are of one of several plates, and what they are there."""
+        """Return the places (k,) of one plate's numbers among ``numbers``, and the numbers by that plate's names."""
         if not self.discretisation.plates:
             return np.arange(len(numbers)), list(numbers)
         own = [catalogue_of(one, self.layout.fields).in_tables for one in self.discretisation.each]
@@ -269,7 +269,7 @@ class _Rows:
 def _widen(
     table: Path, files: Sequence[Path], rows: _Rows, order: Sequence[int], combined: Combined
 ) -> Mapping[tuple[str, int], float]:
-    """Write half-widths into a table; give those of what envelopes name."""
+    """Write half-widths into a table in a file; return those of extremes in envelopes."""
     # Only this function needs pyarrow.
     from signorini.formats.parquet import widen
 
@@ -291,7 +291,7 @@ def _widen(
 
 
 def _wanted(combined: Combined) -> Mapping[str, set[int]]:
-    """Rows, by column, that envelopes name: of their own extremes, and of what bearings do where one governs."""
+    """Rows of envelope extremes by column, and the rows of all bearings where one bearing governs."""
     layout, result = combined.layout, dict[str, set[int]]()
     for envelope in (combined.envelope, *combined.groups.values()):
         of = envelope.values

@@ -1,4 +1,4 @@
-"""Load paths: what a plate does between a load and more of another."""
+"""Load paths: states of a plate while one load is added to another."""
 
 from __future__ import annotations
 

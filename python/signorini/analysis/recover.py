@@ -26,10 +26,12 @@ if TYPE_CHECKING:
 _S = TypeVar("_S", Bools, Pieces)
 _T = TypeVar("_T")
 _ACCURATE = 1e-6
-"""Part of the largest reaction or load by which given reactions may miss those on their contact set: what iterations
-leave."""
+"""Largest error of given reactions against those of their contact state, relative to the largest reaction or load: the
+remaining error of an iteration."""
 _NONE = (1e-13, TOLERANCE)
-"""Part of the same size that is no reaction: exact ones leave rounding, others what the certificate lets pass."""
+"""Reactions that count as zero, relative to the same size: first rounding of exact reactions, then the tolerance of the
+certificate.
+"""
 _NOT = "These reactions are not the answer: "
 _OWN = "own load"
 """Name of a load that is no combination."""
@@ -106,7 +108,7 @@ def _load(discretisation: Discretisation, load: str | ArrayLike) -> tuple[str, C
 
 
 def _beside(load: CaseLoad, pushed: Floats) -> CaseLoad:
-    """A load, less what rows of one's own push with (3n,)."""
+    """Subtract the nodal forces of own rows (3n,) from a load."""
     nodal = load.nodal - pushed
     return replace(load, nodal=nodal, weighing=nodal if load.all_weighs else load.weighing - pushed)
 
@@ -146,7 +148,7 @@ def _recover(problem: ContactProblem, name: str, load: CaseLoad, given: Floats) 
 
 
 def _first(on: Callable[[_S], _T], sets: Sequence[_S]) -> _T:
-    """What comes of the first state of the rows that is not refused."""
+    """Return the result for the first contact state that is certified."""
     try:
         return on(sets[0])
     except NotCertifiedError:
@@ -176,7 +178,7 @@ def _require_same(
 def _of_rows(problem: RowProblem, name: str, load: CaseLoad, given: Floats) -> Result:
     matrix, s = problem.dual(load.nodal)
     count = len(problem.problem.gaps)
-    # Rows have units of their own; over these, reactions and what they oppose are roots of energies.
+    # Own rows have arbitrary units. Reactions are compared times the root of the diagonal of P.
     unit = 1.0 / np.sqrt(np.diag(matrix))
     size = float(max(np.nanmax(np.abs(given) / unit, initial=0.0), np.abs(s * unit).max(initial=0.0)))
 

@@ -1,4 +1,4 @@
-"""Results by combination, and what is known of all of them together."""
+"""Results by combination, and results of all combinations together."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _KEPT = 12
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class Results(States[str], Mapping[str, Result]):
-    """Results by combination, in the order of the model; what is not there yet is computed when it is asked for.
+    """Results by combination, in the order of the model. A missing result is computed on access.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ class Results(States[str], Mapping[str, Result]):
 
     @cached_property
     def combined(self) -> Combined:
-        """What is known of all combinations together."""
+        """Results of all combinations together: rows, envelopes, counts."""
         return self._combined if self._combined is not None else self._combine(None)
 
     @property
@@ -157,10 +157,10 @@ class Results(States[str], Mapping[str, Result]):
 
     @cached_property
     def limits(self) -> Mapping[str, tuple[str, float] | None]:
-        """How far each combination is from the end of equilibrium: a case, and the factor on its own that leads there.
+        """Distance of each combination from the end of equilibrium: a case, and the factor on its own that leads there.
 
-        None where no case has one (`signorini.equilibrium.imbalance.nearest_limit`). Of rows of a table each is found
-        when it is asked for.
+        None if no case has one (`signorini.equilibrium.imbalance.nearest_limit`). Rows of a table are computed on
+        access.
         """
         result, freedom = self.discretisation, self.problem.freedom
         limits = OnDemand(self._numbers, lambda name: nearest_limit(result, freedom, self._combination(name)))
@@ -219,7 +219,7 @@ class Results(States[str], Mapping[str, Result]):
             raise InputError("found the result of one of several plates; take that of all plates.", place="results")
         own = result.combination or Combination(name=result.name, factors={})
         output = Output(combinations="each")
-        model = result.model.asked.varied(combination=(own,), output=output)
+        model = result.model.original.varied(combination=(own,), output=output)
         discretisation = discretise(model, None if result.plates else result.mesh)
         return cls(unfactored(discretisation), {result.name: result}, {"total": result.seconds})
 

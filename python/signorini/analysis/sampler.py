@@ -43,14 +43,14 @@ class PathLoads:
 
     names: tuple[str | None, str]
     loads: tuple[CaseLoad, CaseLoad]
-    """Of the load at t = 0, and of what grows."""
+    """Load at t = 0 and load that grows."""
     limits: tuple[float, float]
     """The largest t at which reactions on the supports' outlines balance the load, and at the points of the
     mesh."""
 
     @classmethod
     def of(cls, problem: ContactProblem, start: str | None, add: str) -> PathLoads:
-        """Look for the loads, and refuse what has no equilibrium to begin with."""
+        """Find the loads, and refuse a start without equilibrium."""
         discretisation = problem.discretisation
         loads = load_named(discretisation, start, "start"), load_named(discretisation, add, "add")
         message = explain(discretisation, imbalance(discretisation, problem.freedom, loads[0].weighing))
@@ -79,7 +79,7 @@ class PathLoads:
 
 
 def load_named(discretisation: Discretisation, name: str | None, argument: str) -> CaseLoad:
-    """The load of a case or, if there is none of that name, of a combination."""
+    """Return the load of a case or, without a case of that name, of a combination."""
     if name is None:
         return 0.0 * next(iter(discretisation.cases.values()))
     arguments.name(name, "load case or combination", argument)
@@ -95,7 +95,7 @@ def load_named(discretisation: Discretisation, name: str | None, argument: str) 
 
 @dataclass(eq=False)
 class State:
-    """A certified answer at some t, and what it says."""
+    """A certified answer at some t, with its numbers."""
 
     t: float
     answer: Answer
@@ -112,7 +112,7 @@ class Watch(NamedTuple):
 
     support: int | None
     number: int
-    """Of the margin; of thresholds which one."""
+    """Number of the margin or of the threshold."""
 
 
 @dataclass(eq=False)
@@ -145,7 +145,7 @@ class Sampler:
                 f"The contact problem at t = {t:g} has no answer that could be certified. {uncertain(result)}"
             )
         if self.scales is None or (near is not None and near.t == 0 and not self.path.loads[0].nodal.any()):
-            # Without load there is nothing to compare with.
+            # Without load there are no other states to compare with.
             self.scales = Scales.of(answer)
         (stop,) = path_stops(result, [t], [load], [np.zeros(0, np.int64)], [Switched()], [answer])
         of_supports = [
@@ -184,8 +184,8 @@ class Sampler:
 
 
 LINEAR, SMOOTH = 1e-9, 1e-6
-"""Parts of the path's length to which the t of an event is found: of what is linear in t between the events of contact
-points, and of contact areas and pressures, which are as exact themselves."""
+"""Tolerance of the t of an event, relative to the length of the path: for functions that are linear in t between
+events, and for contact areas and pressures."""
 _MOST_STEPS = 100
 """Solves for one event; halving alone takes 30."""
 
@@ -209,7 +209,7 @@ def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span:
         for end, value, other in ((low, at_low, below), (high, at_high, above)):
             if other is None or other.t == end.t:
                 continue
-            # Beside a root the slope may be another on either side: forces on one, gaps on the other.
+            # The slope can differ on both sides of a root: forces on one side, gaps on the other.
             slope = min(abs(at_high - at_low) / width, abs(value - sampler.value(other, watch)) / abs(end.t - other.t))
             if abs(value) <= slope * tolerance:
                 return end
@@ -248,15 +248,15 @@ def _guess(sampler: Sampler, watch: Watch, states: tuple[State | None, State, St
 
 
 _NOTHING = 1e-9
-"""Part of the largest reaction or travel, or of its change, that is none."""
+"""Relative zero tolerance for reactions and travels, and for their changes."""
 
 
 def last_change(sampler: Sampler, begin: State) -> float:
-    """A power of 2 beyond which nothing that has a name happens, and not long after what is the last to happen.
+    """Return a power of 2 shortly after the t of the last named event.
 
-    A plate is linear in t as long as its contact points keep their pieces, and two states on the same pieces say how
-    long that is. So the search goes from one end of pieces to the next until there is none; and backward, where the
-    first state already is beyond the last event.
+    The answer is linear in t while contact points keep their pieces. Two states on the same pieces give the range of t
+    of these pieces. The search goes from one range to the next until the last one, and backward if the first state is
+    already after the last event.
     """
     states, end = [begin], 0.5
     while end < math.inf:
@@ -277,7 +277,7 @@ def last_change(sampler: Sampler, begin: State) -> float:
 
 
 def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | None:
-    """From which t on, and up to which, contact points keep the pieces of two states; None of different pieces."""
+    """Return the range of t in which contact points keep the pieces of two states; None if their pieces differ."""
     result, first, second, span = sampler.problem.discretisation, one.answer, other.answer, other.t - one.t
     contacts, add = result.contacts, sampler.path.loads[1]
     moved, change = (second.hi - first.hi) + (second.lo - first.lo), second.reaction - first.reaction
@@ -290,11 +290,11 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
     apart = may & (np.maximum(np.abs(first.gap), np.abs(second.gap)) > length)
     if (pressed & (apart | (np.minimum(*within) < -force))).any():
         return None
-    # Of gaps that are far larger than what closes them the difference is rounding.
+    # The change of a gap that is much larger than the opening is rounding.
     opening = -(result.contact_rows @ moved)
     presses_otherwise = (np.abs(change) > least_change) | (contacts.compliance * np.abs(change) > least_way)
     begin, end = 0.0, math.inf
-    # Beyond a limit that pushes the way apart is the travel.
+    # At a limit that pushes, the distance is the travel.
     beyond = np.where(first.reaction > 0.0, -opening, opening)
     ends = pressed & presses_otherwise
     for counts, value, rate in (
@@ -311,7 +311,7 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
 def _nothing(
     discretisation: Discretisation, load: CaseLoad, reaction: Floats, deflection: Floats
 ) -> tuple[float, float]:
-    """The force and the deflection that are none beside a load and what it does."""
+    """Return the force and the deflection that count as zero under a load."""
     force = max(
         float(np.abs(reaction).max(initial=0.0)), float(by_force(load.nodal[None], discretisation.mesh.size)[0])
     )

@@ -81,11 +81,11 @@ def solve_several(
     single: Callable[[Combination], Result],
     begin: Callable[[str], None],
 ) -> Iterator[Result]:
-    """Yield the results of combinations in their order.
+    """Yield the results of combinations in their order, with a problem of the active set.
 
-    Each is the same whatever stands beside it, and certified. One that is not, and one of which equilibrium is not
-    beyond doubt, is left to ``single``. The problem has an active set. ``begin`` is called with the name of the first
-    combination of those that begin, and again after their steps; what it raises ends the run.
+    Each result is certified and independent of the other combinations. Uncertified combinations, and those with
+    doubtful equilibrium, are passed to ``single``. ``begin`` is called with the name of the first combination of each
+    batch, before and after its steps; an exception in it ends the run.
     """
     discretisation = problem.discretisation
     rays = allowed_motions(problem.freedom.on_mesh)

@@ -96,7 +96,7 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
 
 
 def _refining(watcher: Watcher, before: str, now: Progress) -> object:
-    """Show what is being done on a finer mesh, with how far the mesh before it came."""
+    """Show the progress on a finer mesh, with the accuracy of the mesh before."""
     return watcher(replace(now, reached=before))
 
 
@@ -126,7 +126,7 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
     seconds = {name: discretisation.seconds[name] for name in ("mesh", "assemble")}
     seconds |= {"order": part["order"], "factor": part["factor"], "contact": part["condense"] + contact}
     seconds |= {"recover": recover, "total": time.perf_counter() - begun}
-    # Without a table no more is to be solved, and whoever keeps many results does not keep as many factors.
+    # Without a table the results are complete. Their factor is dropped, since callers may keep many results.
     kept = problem if combined is not None else problem.without_factor()
     return Results(kept, results, seconds, _combined=combined)
 

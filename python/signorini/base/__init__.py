@@ -1,1 +1,1 @@
-"""Foundations: files, memory, arguments, pickling."""
+"""Utilities without knowledge of plates: files, memory, arguments, pickling, numbers in text."""

@@ -1,4 +1,4 @@
-"""Arguments of functions in Python, checked as an input file's values are."""
+"""Check arguments of Python functions with messages like those for an input file."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _T = TypeVar("_T")
 _C = TypeVar("_C", bound=Callable[..., Any])
 
 
-def checked(called: _C) -> _C:
-    """Report missing and unknown arguments of a function, or of each public method of a class, as an InputError.
+def checked(function: _C) -> _C:
+    """Decorate a function or class: missing and unknown arguments raise an InputError with the signature.
 
     Examples
     --------
@@ -34,37 +34,37 @@ def checked(called: _C) -> _C:
     Traceback (most recent call last):
     signorini.errors.InputError: area: too many positional arguments. Call area(width, height=1.0): Area of a rectangle.
     """
-    if inspect.isclass(called):
-        for name, method in vars(called).items():
+    if inspect.isclass(function):
+        for name, method in vars(function).items():
             if name[0] != "_" and inspect.isfunction(method):
-                setattr(called, name, checked(method))
-        return called
+                setattr(function, name, checked(method))
+        return function
 
-    @wraps(called)
-    def call(*given: Any, **named: Any) -> Any:
+    @wraps(function)
+    def call(*args: Any, **kwargs: Any) -> Any:
         try:
-            return called(*given, **named)
+            return function(*args, **kwargs)
         except TypeError:
-            _require_fitting(called, given, named)
+            _require_signature(function, args, kwargs)
             raise
 
     return cast(_C, call)
 
 
-def _require_fitting(called: Callable[..., Any], given: tuple[Any, ...], named: Mapping[str, Any]) -> None:
-    """Raise an InputError with the signature if the arguments do not fit it."""
-    signature = inspect.signature(called)
+def _require_signature(function: Callable[..., Any], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> None:
+    """Raise an InputError with the signature if the arguments do not match it."""
+    signature = inspect.signature(function)
     try:
-        signature.bind(*given, **named)
+        signature.bind(*args, **kwargs)
     except TypeError as error:
-        own = [one.replace(annotation=inspect.Parameter.empty) for one in signature.parameters.values()]
-        shown = inspect.Signature([one for one in own if one.name != "self"])
-        does = (inspect.getdoc(called) or "").partition("\n\n")[0]
-        raise InputError(f"{error}. Call {called.__name__}{shown}: {does}", place=called.__name__) from None
+        parameters = [each.replace(annotation=inspect.Parameter.empty) for each in signature.parameters.values()]
+        shown = inspect.Signature([parameter for parameter in parameters if parameter.name != "self"])
+        summary = (inspect.getdoc(function) or "").partition("\n\n")[0]
+        raise InputError(f"{error}. Call {function.__name__}{shown}: {summary}", place=function.__name__) from None
 
 
 def number(value: object, place: str) -> float:
-    """A real number as a float, infinite or NaN too."""
+    """Validate a real number; infinity and NaN are allowed."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
@@ -76,73 +76,73 @@ def number(value: object, place: str) -> float:
 
 
 def interval(value: object, place: str) -> tuple[float, float]:
-    """A lower and an upper limit."""
-    result = _array(value)
-    if result is None or result.shape != (2,) or not np.isfinite(result).all() or result[0] >= result[1]:
+    """Validate a lower and an upper limit."""
+    limits = _array(value)
+    if limits is None or limits.shape != (2,) or not np.isfinite(limits).all() or limits[0] >= limits[1]:
         raise InputError(
             f"found {reprlib.repr(value)}; it must be two finite numbers, the lower one first.", place=place
         )
-    return float(result[0]), float(result[1])
+    return float(limits[0]), float(limits[1])
 
 
 def path(value: object, what: str, place: str) -> str:
-    """The path of something."""
+    """Validate a path; ``what`` describes the file."""
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"found {reprlib.repr(value)}; it must be the path of {what}.", place=place)
     return os.fspath(value)
 
 
 def points(value: object, place: str = "points") -> NDArray[np.float64]:
-    """Positions (q, 2) of a point, or of any number of them."""
-    result = _array(value)
-    if result is not None and result.shape in ((0,), (2,)):
-        result = result.reshape(-1, 2)
-    if result is None or result.ndim != 2 or result.shape[1] != 2:
+    """Validate a point or a sequence of points; return positions (q, 2)."""
+    positions = _array(value)
+    if positions is not None and positions.shape in ((0,), (2,)):
+        positions = positions.reshape(-1, 2)
+    if positions is None or positions.ndim != 2 or positions.shape[1] != 2:
         raise InputError(
-            f"found {reprlib.repr(value)}; it must be a point [x, y] or a sequence of them, all numbers.", place=place
+            f"found {reprlib.repr(value)}; it must be a point [x, y] or a sequence of points.", place=place
         )
-    return result
+    return positions
 
 
 def vector(value: object, length: int, place: str) -> NDArray[np.float64]:
-    """A vector of finite numbers of some length."""
-    result = _array(value)
-    if result is None or result.shape != (length,):
-        what = reprlib.repr(value) if result is None else f"an array of shape {result.shape}"
-        raise InputError(f"found {what}; it must be {length} numbers, one a dof.", place=place)
-    if not np.isfinite(result).all():
-        at = int(np.argmin(np.isfinite(result)))
-        raise InputError(f"found {result[at]} at index {at}; all numbers must be finite.", place=place)
-    return result
+    """Validate a vector of ``length`` finite numbers."""
+    entries = _array(value)
+    if entries is None or entries.shape != (length,):
+        found = reprlib.repr(value) if entries is None else f"an array of shape {entries.shape}"
+        raise InputError(f"found {found}; it must be {length} numbers, one per dof.", place=place)
+    if not np.isfinite(entries).all():
+        i = int(np.argmin(np.isfinite(entries)))
+        raise InputError(f"found {entries[i]} at index {i}; all numbers must be finite.", place=place)
+    return entries
 
 
 def array(value: object, place: str, dimensions: int) -> NDArray[np.float64]:
-    """Numbers in so many dimensions."""
-    result = _array(value)
-    if result is None or result.ndim != dimensions:
-        what = reprlib.repr(value) if result is None else f"an array of shape {result.shape}"
-        wanted = f"{dimensions} dimension{'s' if dimensions > 1 else ''}"
-        raise InputError(f"found {what}; it must be one of numbers in {wanted}.", place=place)
-    return result
+    """Validate an array of numbers with ``dimensions`` dimensions."""
+    entries = _array(value)
+    if entries is None or entries.ndim != dimensions:
+        found = reprlib.repr(value) if entries is None else f"an array of shape {entries.shape}"
+        allowed = f"{dimensions} dimension{'s' if dimensions > 1 else ''}"
+        raise InputError(f"found {found}; it must be an array of numbers with {allowed}.", place=place)
+    return entries
 
 
 def name(value: object, kind: str, place: str) -> str:
-    """The name of something."""
+    """Validate a name."""
     if not isinstance(value, str):
         raise InputError(f"found {reprlib.repr(value)}; it must be the name of a {kind}.", place=place)
     return value
 
 
 def known(value: object, allowed: Collection[str], kind: str, place: str, owner: str = "This model") -> str:
-    """One of some names."""
-    result = name(value, kind, place)
-    if result not in allowed:
-        raise InputError(unknown(kind, result, allowed, owner), place=place)
-    return result
+    """Validate a name among the allowed ones."""
+    text = name(value, kind, place)
+    if text not in allowed:
+        raise InputError(unknown(kind, text, allowed, owner), place=place)
+    return text
 
 
 def key_of(value: object, allowed: Collection[str], kind: str, owner: str) -> str:
-    """One of the names of a mapping; others are refused by an error that is a KeyError too."""
+    """Validate a name of a mapping; an unknown name raises an error that is also a KeyError."""
     try:
         return known(value, allowed, kind, kind, owner)
     except InputError as error:
@@ -150,7 +150,7 @@ def key_of(value: object, allowed: Collection[str], kind: str, owner: str) -> st
 
 
 def index(value: object, count: int, kind: str, place: str) -> int:
-    """The number of one of so many things, from 0."""
+    """Validate an index from 0 to ``count`` - 1."""
     if isinstance(value, int | np.integer) and not isinstance(value, bool) and 0 <= value < count:
         return int(value)
     allowed = f"0 to {count - 1}"
@@ -158,7 +158,7 @@ def index(value: object, count: int, kind: str, place: str) -> int:
 
 
 def watching(value: Callable[[_T], object] | None, place: str) -> Callable[[_T], object]:
-    """A function that watches, or of None one that sees nothing."""
+    """Validate a callback; None becomes a callback without effect."""
     if value is None:
         return lambda now: None
     if not callable(value):
@@ -167,15 +167,15 @@ def watching(value: Callable[[_T], object] | None, place: str) -> Callable[[_T],
 
 
 def made_by(value: object, kind: type, advice: str, place: str) -> None:
-    """Refuse what is not of a class; the advice says how to come by one."""
+    """Require an instance of a class; ``advice`` describes how to make an instance."""
     if not isinstance(value, kind):
         raise InputError(f"found {reprlib.repr(value)}; it must be a {kind.__name__}. {advice}", place=place)
 
 
 def _array(value: object) -> NDArray[np.float64] | None:
-    """Real numbers as an array, or None where there are others."""
+    """Convert to an array of real numbers; None if that is impossible."""
     try:
-        result = np.asarray(value)
-        return None if result.dtype.kind == "c" else np.asarray(result, dtype=np.float64)
+        entries = np.asarray(value)
+        return None if entries.dtype.kind == "c" else np.asarray(entries, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         return None

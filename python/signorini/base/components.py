@@ -8,11 +8,11 @@ import numpy.typing as npt
 Ints = npt.NDArray[np.int64]
 
 
-def components(count: int, one: Ints, other: Ints) -> Ints:
-    """Which component each of ``count`` nodes is in (count,), in the order of their first nodes.
+def components(count: int, start: Ints, end: Ints) -> Ints:
+    """Component numbers (count,) of the nodes of a graph with edges ``start``–``end`` (k,), by their first nodes.
 
-    Nodes ``one`` (k,) are joined to ``other`` (k,). Every node takes the lowest number around it, and then that of the
-    node of this number, until none changes. `scipy.sparse.csgraph` does the same; to read it takes longer than this.
+    Every node takes the lowest number of its neighbours, and then the number of that node, until no number changes.
+    `scipy.sparse.csgraph` gives the same, but its import takes longer.
 
     Examples
     --------
@@ -20,11 +20,11 @@ def components(count: int, one: Ints, other: Ints) -> Ints:
     [0, 1, 2, 1, 1]
     """
     lowest = np.arange(count)
-    while (apart := lowest[one] != lowest[other]).any():
-        one, other = one[apart], other[apart]
-        around = np.minimum(lowest[one], lowest[other])
-        for end in (one, other):
-            np.minimum.at(lowest, lowest[end], around)
+    while (open_edges := lowest[start] != lowest[end]).any():
+        start, end = start[open_edges], end[open_edges]
+        lower = np.minimum(lowest[start], lowest[end])
+        for nodes in (start, end):
+            np.minimum.at(lowest, lowest[nodes], lower)
         while (further := lowest[lowest] != lowest).any():
             lowest[further] = lowest[lowest[further]]
     return np.asarray(np.unique(lowest, return_inverse=True)[1])

@@ -1,4 +1,4 @@
-"""Writing files whole or not at all, and over nobody else's."""
+"""Write files atomically, without overwriting files of other programs."""
 
 from __future__ import annotations
 
@@ -15,54 +15,55 @@ from pathlib import Path
 from signorini.base import arguments
 
 MARK = "signorini"
-"""The file in a hidden directory that says whose it is; its lock, that the directory is in use."""
+"""Marker file of a hidden directory of this program; it is locked while the directory is in use."""
 _MARKED = "A directory of signorini's, which removes it.\n"
+"""Content of the marker file."""
 _LONGEST_NAME = 50
-"""Letters of a file's name in that of a hidden directory; file systems allow 255 bytes."""
+"""Characters of a file's name in the name of a hidden directory; file systems allow 255 bytes."""
 _NEW, _OLD = "new", "replaced"
-"""Directories in a hidden one: the files to come, and those that they replace."""
+"""Subdirectories of a hidden directory: the new files, and the files that they replace."""
 
 
 @contextmanager
 def hidden_directory(beside: str | os.PathLike[str], name: str) -> Iterator[Path]:
-    """Give a hidden, empty directory with a marker file in an existing one, for the duration of the context.
+    """Context with a hidden directory in the directory ``beside``; it contains the marker file.
 
-    Its name is ``.name-`` and eight random digits, shortened where necessary. If the context ends without an error,
-    directories for the same name that killed processes left are removed with it.
+    Its name is ``.name-`` and eight random hexadecimal digits. It is removed at the end. If the context ends without an
+    error, directories that killed processes have left for this name are removed too.
     """
-    made = Path(beside) / f".{name[:_LONGEST_NAME]}-{secrets.token_hex(4)}"
-    made.mkdir()
+    hidden = Path(beside) / f".{name[:_LONGEST_NAME]}-{secrets.token_hex(4)}"
+    hidden.mkdir()
     try:
-        with open(made / MARK, "x", encoding="utf-8") as mark:
-            # Locked before it is marked: nobody takes it for left in between.
+        with open(hidden / MARK, "x", encoding="utf-8") as mark:
+            # Locked before it is marked, so that no process considers it abandoned.
             with suppress(OSError):
                 _lock(mark.fileno(), wait=False)
             mark.write(_MARKED)
             mark.flush()
-            yield made
+            yield hidden
         for other in left_by_killed(beside, name):
             shutil.rmtree(other, ignore_errors=True)
     finally:
-        shutil.rmtree(made, ignore_errors=True)
+        shutil.rmtree(hidden, ignore_errors=True)
 
 
 def left_by_killed(beside: Path | str | os.PathLike[str], name: str) -> Iterator[Path]:
-    """Give the hidden directories for a name that bear the mark and that nobody has locked."""
+    """Yield the hidden directories for a name that have the marker file and are not locked."""
     named = re.compile(rf"\.{re.escape(name[:_LONGEST_NAME])}-[0-9a-f]{{8}}")
     with suppress(OSError):
-        for made in [Path(entry.path) for entry in os.scandir(beside) if named.fullmatch(entry.name)]:
-            mark = made / MARK
-            if made.is_symlink() or mark.is_symlink() or not mark.is_file():
+        for hidden in [Path(entry.path) for entry in os.scandir(beside) if named.fullmatch(entry.name)]:
+            mark = hidden / MARK
+            if hidden.is_symlink() or mark.is_symlink() or not mark.is_file():
                 continue
             with suppress(OSError), open(mark, "r+", encoding="utf-8", errors="replace") as file:
                 if file.read(len(_MARKED) + 1) == _MARKED:
                     _lock(file.fileno(), wait=False)
-                    yield made
+                    yield hidden
 
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary path to write to, and move it to ``path`` afterwards.
+    """Context with a temporary path to write to, which is moved to ``path`` at the end.
 
     A reader sees the old file or the new one, both complete. If the body raises, ``path`` is unchanged and no temporary
     file remains. A link is followed to its file. The directory must exist.
@@ -70,22 +71,22 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(os.path.realpath(arguments.path(path, "a file", "path")))
     if target.exists() and not target.is_file():
         kind = errno.EISDIR if target.is_dir() else errno.EEXIST
-        raise OSError(kind, "there is something else than a file of this name", str(path))
-    with hidden_directory(target.parent, target.name) as made:
-        yield made / target.name
-        (made / target.name).replace(target)
+        raise OSError(kind, "this name is taken, and it is not a regular file", str(path))
+    with hidden_directory(target.parent, target.name) as hidden:
+        yield hidden / target.name
+        (hidden / target.name).replace(target)
 
 
 @contextmanager
 def replacing_together(
     directory: str | os.PathLike[str], former: Callable[[Path], Iterable[str]], seal: str
 ) -> Iterator[Path]:
-    """Give an empty directory to write files to, and move all of them into ``directory`` afterwards.
+    """Context with an empty directory to write files to, all of which are moved into ``directory`` at the end.
 
-    The directory is made if necessary. The former set of files, whose names ``former`` reads from the file ``seal``, is
-    replaced. Other files stay; a new file with the name of one of them is refused. If anything fails, everything is as
-    before. Several processes move their files one after another, so that the directory holds the complete set of the
-    last one. The seal is removed first and written last, so that a directory with a seal is complete.
+    The directory is made if necessary. The new files replace the former set, whose names ``former`` reads from the file
+    ``seal``. Other files stay; a new file with the name of another file is refused. After an error the directory is
+    unchanged. Several processes move their files one after another: the set of the last one remains, complete. The seal
+    is removed first and written last, so that a directory with a seal is complete.
     """
     target = Path(directory).absolute()
     if target.exists() and not target.is_dir():
@@ -93,11 +94,11 @@ def replacing_together(
     parents = [parent for parent in target.parents if not parent.exists()]
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with hidden_directory(target if target.is_dir() else target.parent, target.name) as made:
-            new = made / _NEW
+        with hidden_directory(target if target.is_dir() else target.parent, target.name) as hidden:
+            new = hidden / _NEW
             new.mkdir()
             yield new
-            # Another process may be faster: then the directory is there, and not empty.
+            # Another process may have made the directory meanwhile.
             with suppress(OSError):
                 if not target.exists():
                     new.rename(target)
@@ -108,64 +109,64 @@ def replacing_together(
             for parent in parents:
                 parent.rmdir()
         raise
-    # An earlier run may have been killed before the directory was there.
-    for left in left_by_killed(target.parent, target.name):
-        shutil.rmtree(left, ignore_errors=True)
+    # An earlier run may have been killed before it made the directory.
+    for hidden in left_by_killed(target.parent, target.name):
+        shutil.rmtree(hidden, ignore_errors=True)
 
 
 def require_free(target: Path, names: Iterable[str], former: Callable[[Path], Iterable[str]]) -> set[str]:
-    """Refuse names that foreign files have in a directory, and return our files there.
+    """Refuse names of files of other programs in a directory; return the names of the files of this program.
 
-    Our files are the ``former`` ones of `replacing_together`, and those that a process was moving when it was killed.
+    These are the ``former`` files of `replacing_together`, and files that a killed process was moving.
     """
-    left = [
-        left / part
+    abandoned = [
+        hidden / part
         for place in (target, target.parent)
-        for left in left_by_killed(place, target.name)
+        for hidden in left_by_killed(place, target.name)
         for part in (_NEW, _OLD)
     ]
-    ours = {name for place in (target, *left) for name in former(place) if os.path.lexists(target / name)}
+    ours = {name for place in (target, *abandoned) for name in former(place) if os.path.lexists(target / name)}
     for name in sorted({*names, *ours}):
         if (target / name).is_dir():
             raise IsADirectoryError(errno.EISDIR, f"a directory has the name of a file to be written, {name}")
         if name not in ours and os.path.lexists(target / name):
-            raise FileExistsError(errno.EEXIST, f"{name} is there already, and no earlier run says that it wrote it")
+            raise FileExistsError(errno.EEXIST, f"{name} exists, and was not written by an earlier run")
     return ours
 
 
 @contextmanager
 def alone_in(directory: Path) -> Iterator[None]:
-    """Let one process after the other into a directory; where there are no locks, everybody."""
+    """Context that locks a directory for one process at a time; without effect on Windows."""
     if sys.platform == "win32":
         yield
         return
-    held = os.open(directory, os.O_RDONLY)
+    descriptor = os.open(directory, os.O_RDONLY)
     try:
         with suppress(OSError):
-            _lock(held, wait=True)
+            _lock(descriptor, wait=True)
         yield
     finally:
-        os.close(held)
+        os.close(descriptor)
 
 
 def _exchange(new: Path, target: Path, former: Callable[[Path], Iterable[str]], seal: str) -> None:
-    """Move the new files into the target, and the former ones out of it."""
+    """Move the former files out of the target and the new files into it."""
     old = new.with_name(_OLD)
     old.mkdir()
     done: list[tuple[Path, Path]] = []
     with alone_in(target):
-        entering = sorted((entry.name for entry in new.iterdir()), key=lambda name: (name == seal, name))
-        leaving = sorted(require_free(target, entering, former), key=lambda name: (name != seal, name))
-        moves = [(target / name, old / name) for name in leaving]
-        moves += [(new / name, target / name) for name in entering]
+        added = sorted((entry.name for entry in new.iterdir()), key=lambda name: (name == seal, name))
+        removed = sorted(require_free(target, added, former), key=lambda name: (name != seal, name))
+        moves = [(target / name, old / name) for name in removed]
+        moves += [(new / name, target / name) for name in added]
         try:
-            for here, there in moves:
-                done.append((here, there))
-                here.rename(there)
+            for source, destination in moves:
+                done.append((source, destination))
+                source.rename(destination)
         except BaseException:
-            for here, there in reversed(done):
-                if not here.exists():
-                    there.rename(here)
+            for source, destination in reversed(done):
+                if not source.exists():
+                    destination.rename(source)
             raise
 
 

@@ -1,6 +1,6 @@
 """Linear programs, by HiGHS (Huangfu & Hall 2018, *Math. Prog. Comp.* 10).
 
-Its own package takes a tenth of the time to import that SciPy's `optimize`, which holds it too, does.
+The package highspy is imported in a tenth of the time of `scipy.optimize`, which includes HiGHS too.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 _Floats = NDArray[np.float64]
 _PRIMAL = 4
-"""HiGHS's number of the primal simplex method."""
+"""Value of HiGHS's option ``simplex_strategy`` for the primal simplex method."""
 _FEASIBLE = 1e-7
-"""Default feasibility tolerance of HiGHS."""
+"""Absolute feasibility tolerance; the default of HiGHS."""
 
 
 def minimise(
@@ -26,8 +26,8 @@ def minimise(
 ) -> _Floats | None:
     """Minimise c·x subject to l ≤ A x ≤ u and bounds on x; None if it is infeasible or unbounded.
 
-    Bounds are pairs of arrays, or of numbers for all entries, ±inf where there is no bound. Rows and bounds hold within
-    a tolerance. A failure of the solver raises a RuntimeError.
+    Bounds are pairs of arrays, or of numbers for all entries; ±inf: no bound. Rows and bounds hold within the absolute
+    ``tolerance``. A failure of the solver raises a RuntimeError.
 
     Examples
     --------
@@ -37,8 +37,8 @@ def minimise(
     >>> minimise(np.ones(1), np.ones((1, 1)), (2.0, np.inf), (0.0, 1.0)) is None
     True
     """
-    least = minimise_with_prices(cost, rows, row_bounds, bounds, tolerance)
-    return None if least is None else least[0]
+    solution = minimise_with_prices(cost, rows, row_bounds, bounds, tolerance)
+    return None if solution is None else solution[0]
 
 
 def minimise_with_prices(
@@ -48,12 +48,11 @@ def minimise_with_prices(
     bounds: tuple[_Floats | float, _Floats | float],
     tolerance: float = _FEASIBLE,
 ) -> tuple[_Floats, _Floats] | None:
-    """The x of `minimise`, and by how much the cost grows with the bounds of each row (m,)."""
-    # Only this function needs it.
+    """The x of `minimise`, and the dual values (m,) of the rows: derivatives of the cost by the bounds."""
     import highspy
 
     class Quiet(highspy.Highs):
-        """HiGHS from 1.16 prints its name as soon as its constructor calls this, before an option can be set."""
+        """HiGHS 1.16 and later print a banner when the constructor calls this method; it sets the option before."""
 
         def enableCallbacks(self) -> None:
             self.setOptionValue("output_flag", False)
@@ -62,32 +61,33 @@ def minimise_with_prices(
     program = highspy.HighsLp()
     program.num_row_, program.num_col_ = rows.shape
     program.col_cost_ = np.asarray(cost, dtype=np.float64)
-    program.col_lower_, program.col_upper_ = (np.broadcast_to(one, rows.shape[1]).astype(np.float64) for one in bounds)
-    program.row_lower_, program.row_upper_ = (
-        np.broadcast_to(one, rows.shape[0]).astype(np.float64) for one in row_bounds
-    )
+    program.col_lower_, program.col_upper_ = (np.broadcast_to(x, rows.shape[1]).astype(np.float64) for x in bounds)
+    program.row_lower_, program.row_upper_ = (np.broadcast_to(x, rows.shape[0]).astype(np.float64) for x in row_bounds)
     start, index, value = _by_rows(rows)
     program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
     program.a_matrix_.start_, program.a_matrix_.index_, program.a_matrix_.value_ = start, index, value
-    solver: Any = Quiet()  # type: ignore[no-untyped-call]  # its types are not all there
+    solver: Any = Quiet()  # type: ignore[no-untyped-call]  # incomplete type stubs
     solver.setOptionValue("output_flag", False)
     solver.setOptionValue("primal_feasibility_tolerance", tolerance)
     solver.setOptionValue("dual_feasibility_tolerance", tolerance)
-    # Programs of this size gain nothing from threads, which would exceed the requested number.
+    # Threads do not speed up programs of this size, and would exceed the requested number.
     solver.setOptionValue("threads", 1)
+    if isinstance(rows, np.ndarray):
+        # A dense program has three rows or columns a plate. Its presolve takes five times as long as its solution.
+        solver.setOptionValue("presolve", "off")
     solver.passModel(program)
     if solver.run() == highspy.HighsStatus.kError:
-        # All of a process share its threads: another user of HiGHS has started more.
+        # The threads of HiGHS are global: another user in this process has started more.
         solver.setOptionValue("threads", 0)
         solver.run()
     ends = highspy.HighsModelStatus
-    if solver.getModelStatus() not in _told(ends):
-        # Without a start of its own, by the primal simplex method, which ends where the dual one goes round.
+    if solver.getModelStatus() not in _conclusive(ends):
+        # Restart with the primal simplex method, which terminates where the dual one cycles.
         solver.clearSolver()
         solver.setOptionValue("simplex_strategy", _PRIMAL)
         solver.run()
     status = solver.getModelStatus()
-    if status not in _told(ends):
+    if status not in _conclusive(ends):
         raise RuntimeError(f"HiGHS {solver.version()} ended a linear program with {status.name}.")
     if status != ends.kOptimal:
         return None
@@ -95,8 +95,8 @@ def minimise_with_prices(
     return np.array(solution.col_value), np.array(solution.row_dual)
 
 
-def _told(ends: Any) -> tuple[object, ...]:
-    """How a program ends that has a solution, or none."""
+def _conclusive(ends: Any) -> tuple[object, ...]:
+    """Statuses that decide whether a solution exists."""
     return ends.kOptimal, ends.kInfeasible, ends.kUnbounded, ends.kUnboundedOrInfeasible
 
 

@@ -18,21 +18,18 @@ _PER_PAIR = 200.0
 """Bytes of condensed matrices and of Lemke's tableau for a pair of contact points, measured on 1600 and 3025 points."""
 
 _PER_FOOTPRINT = 300.0
-"""Bytes of the row of a footprint after forward substitution, over the root of the number of dofs: it reaches a few
-times that number of columns. 900 on 232 thousand dofs took 270."""
-
-_PER_POINT = 1700.0
-"""Bytes that the interior point method takes for a point and its slack, measured on 3844 and 14,884 elastic points."""
+"""Bytes per footprint and root of the number of dofs: after forward substitution its row has a few times √dofs
+columns. 900 footprints on 232 thousand dofs took 270."""
 
 _PER_THREAD = 1.0e9
-"""Address space that matrix products reserve for a thread, of which they use little."""
+"""Bytes of address space that matrix products reserve per thread; they use little of it."""
 
 _LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 _USES = ("/sys/fs/cgroup/memory.current", "/sys/fs/cgroup/memory/memory.usage_in_bytes")
 
 
 def needed(elements: int) -> float:
-    """Estimate the bytes that the solution of a plate of so many elements takes, up to a third too many.
+    """Estimate the bytes for solving a plate of ``elements`` elements; up to a third too large.
 
     The entries of the factor per dof grow with the logarithm of the number of dofs, as for nested dissection.
 
@@ -47,7 +44,7 @@ def needed(elements: int) -> float:
 
 
 def needed_by_points(points: int) -> float:
-    """Estimate the bytes of so many condensed contact points, with their complementarity problem.
+    """Estimate the bytes of condensed contact points with their complementarity problem.
 
     Examples
     --------
@@ -57,40 +54,27 @@ def needed_by_points(points: int) -> float:
     return _PER_PAIR * points**2
 
 
-def needed_by_interior_point(dofs: int, points: int) -> float:
-    """Estimate the bytes that the interior point method takes for its own factor, which holds the points too.
-
-    Measured on 4 to 59 thousand dofs of square plates.
-
-    Examples
-    --------
-    >>> round(needed_by_interior_point(58_563, 4) / 1e9, 2)
-    0.27
-    """
-    return dofs * (330.0 * math.log2(dofs) - 580.0) + _PER_POINT * points
-
-
 def fits(bytes_needed: float) -> bool:
-    """Whether so much memory is free."""
+    """Whether this much memory is free."""
     return bytes_needed <= available()
 
 
 def available() -> float:
-    """Bytes that this process may still take; infinite where the system does not tell."""
-    result = [math.inf]
+    """Bytes that this process can still allocate; infinite if unknown."""
+    limits = [math.inf]
     for line in _lines("/proc/meminfo"):
         if line.startswith("MemAvailable:"):
-            result.append(1024.0 * float(line.split()[1]))
+            limits.append(1024.0 * float(line.split()[1]))
     for limit, use in zip(_LIMITS, _USES, strict=True):
-        most, taken = _lines(limit), _lines(use)
-        if most and taken and most[0].isdigit() and taken[0].isdigit():
-            result.append(float(most[0]) - float(taken[0]))
-    result.append(_address_space())
-    return max(0.0, min(result))
+        most, used = _lines(limit), _lines(use)
+        if most and used and most[0].isdigit() and used[0].isdigit():
+            limits.append(float(most[0]) - float(used[0]))
+    limits.append(_address_space())
+    return max(0.0, min(limits))
 
 
 def _address_space() -> float:
-    """Bytes that ``ulimit -v`` leaves to this process."""
+    """Bytes of address space left under ``ulimit -v``."""
     if sys.platform != "linux":
         return math.inf
     import resource
@@ -98,28 +82,28 @@ def _address_space() -> float:
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
     if limit == resource.RLIM_INFINITY:
         return math.inf
-    taken = sum(1024.0 * float(line.split()[1]) for line in _lines("/proc/self/status") if line.startswith("VmSize:"))
+    used = sum(1024.0 * float(line.split()[1]) for line in _lines("/proc/self/status") if line.startswith("VmSize:"))
     threads = int(os.environ.get("RAYON_NUM_THREADS", 0)) or os.cpu_count() or 1
-    return limit - taken - (threads + 1) * _PER_THREAD
+    return limit - used - (threads + 1) * _PER_THREAD
 
 
 def elements_that_fit(most: int) -> int:
-    """Estimate the largest number of elements, up to a given one, that fits into memory, to two digits."""
+    """Estimate the largest number of elements, at most ``most``, that fits into memory, to two digits."""
     return int(float(f"{_fitting(needed, most, available()):.2g}"))
 
 
 def require_memory(elements: int, place: Place) -> None:
-    """Refuse a mesh that cannot fit, before the system ends the process for trying."""
-    _require(needed, elements, f"A mesh of {elements:,} elements", "Take larger elements.", place)
+    """Refuse a mesh that does not fit into memory, before the system ends the process."""
+    _require(needed, elements, f"A mesh of {elements:,} elements", "Use larger elements.", place)
 
 
 def require_memory_for_points(points: int, advice: str, place: Place) -> None:
-    """Refuse contact points whose condensed problem cannot fit, with advice."""
+    """Refuse contact points whose condensed problem does not fit into memory."""
     _require(needed_by_points, points, f"The problem of {points:,} contact points that need condensing", advice, place)
 
 
 def needed_by_footprints(footprints: int, dofs: int) -> float:
-    """Estimate the bytes of the rows of so many footprints beside the factor of so many dofs.
+    """Estimate the bytes of the rows of footprints with a factor of ``dofs`` dofs.
 
     Examples
     --------
@@ -130,31 +114,25 @@ def needed_by_footprints(footprints: int, dofs: int) -> float:
 
 
 def require_memory_for_footprints(footprints: int, dofs: int, place: Place) -> None:
-    """Refuse footprints that cannot fit."""
-    what = f"The problem of {footprints:,} supports with footprints"
-    _require(lambda count: needed_by_footprints(count, dofs), footprints, what, "Take fewer of them.", place)
+    """Refuse footprints whose rows do not fit into memory."""
+    subject = f"The problem of {footprints:,} supports with footprints"
+    _require(lambda count: needed_by_footprints(count, dofs), footprints, subject, "Use fewer footprints.", place)
 
 
-def require_memory_for_interior_point(dofs: int, points: int) -> None:
-    """Refuse the interior point method where it cannot fit."""
-    what, advice = f"Solving {dofs:,} dofs by the interior point method", 'Leave solver.method at "auto".'
-    _require(lambda count: needed_by_interior_point(count, points), dofs, what, advice, ("solver", "method"))
-
-
-def _require(taking: Callable[[int], float], count: int, what: str, advice: str, place: Place) -> None:
-    most, takes = available(), taking(count)
-    if takes <= most:
+def _require(estimate: Callable[[int], float], count: int, subject: str, advice: str, place: Place) -> None:
+    free, required = available(), estimate(count)
+    if required <= free:
         return
-    fitting = _fitting(taking, count, most)
-    enough = f"enough for about {float(f'{fitting:.2g}'):,.0f}. {advice}" if fitting else "not enough for the least."
+    fitting = _fitting(estimate, count, free)
+    enough = f"enough for about {float(f'{fitting:.2g}'):,.0f}. {advice}" if fitting else "too little for any number."
     raise InputError(
-        f"{what} takes about {max(0.1, takes / 1e9):.1f} GB of memory; {most / 1e9:.1f} GB are free, {enough}",
+        f"{subject} takes about {max(0.1, required / 1e9):.1f} GB of memory; {free / 1e9:.1f} GB are free, {enough}",
         place=place,
     )
 
 
-def _fitting(taking: Callable[[int], float], count: int, memory: float) -> int:
-    while count and taking(count) > memory:
+def _fitting(estimate: Callable[[int], float], count: int, memory: float) -> int:
+    while count and estimate(count) > memory:
         count = int(0.95 * count)
     return count
 

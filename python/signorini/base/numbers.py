@@ -1,4 +1,4 @@
-"""Numbers short enough to be read, with their half-widths, and as pictures show them."""
+"""Numbers as text: rounded, with half-widths, for terminals and pictures."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ hundredfold."""
 
 
 _LEAST = 4
-"""Digits of a number that are shown however large its half-width is."""
+"""Smallest number of digits that are shown, whatever the half-width."""
 _LONG = 9
 """Smallest number of decimals of a half-width that is written with an exponent."""
 
 
 def size_of(values: ArrayLike) -> float:
-    """Give the largest magnitude of values, the reference of their kind; 0 without values."""
+    """Largest magnitude of values, the reference for rounding; 0 without values."""
     return float(np.abs(np.asarray(values, dtype=np.float64)).max(initial=0.0))
 
 
 def number(value: float, largest: float = 0.0, digits: int = 6) -> str:
-    """Write a number with few digits; rounding beside the ``largest`` of its kind is written as zero.
+    """Write a number with few digits; rounding errors, relative to the ``largest`` of its kind, are written as 0.
 
     Examples
     --------
@@ -34,14 +34,14 @@ def number(value: float, largest: float = 0.0, digits: int = 6) -> str:
     """
     if abs(value) <= ROUNDING * largest:
         return "0"
-    # Forces in newtons pass six digits soon; an exponent would be harder to read than some more of them.
+    # Forces in newtons often exceed six digits; more digits are easier to read than an exponent.
     return f"{value:.0f}" if 1e5 <= abs(value) < 1e10 else f"{value:.{digits}g}"
 
 
 def estimated(value: float, width: float | None, largest: float = 0.0, digits: int = 6) -> str:
-    """Write a number with its half-width: this one rounded up to one or two digits, the number to as many and to four.
+    """Write a number with its half-width, which is rounded up to one or two digits; ``None`` is written as "± ?".
 
-    None: the half-width has no limit.
+    The number has the digits of the half-width, but at least four.
 
     Examples
     --------
@@ -76,12 +76,12 @@ def estimated(value: float, width: float | None, largest: float = 0.0, digits: i
 
 
 def in_unit(unit: str) -> str:
-    """Write a unit behind a title."""
+    """Unit in brackets, to append to a title; empty without a label."""
     return f" [{unit}]" if unit else ""
 
 
 def compared(elements: Sequence[int], asked: bool) -> str:
-    """Name the meshes from which ± comes, or say why there is no ±.
+    """Name the meshes compared for ±, or the reason why there is no ±.
 
     Examples
     --------
@@ -95,11 +95,11 @@ def compared(elements: Sequence[int], asked: bool) -> str:
 
 
 POWERS = -4, 5
-"""Numbers between these powers of ten are written without one: those of five digits still fit beside the colours."""
+"""Powers of ten between which numbers are written without an exponent: five digits fit next to a colour bar."""
 
 
 def plain(value: float, digits: int) -> str:
-    """Write a number with so many digits, with a power of ten only where it is far from one.
+    """Write a number with ``digits`` digits, with an exponent outside `POWERS`.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What is computed when it is first asked for, and kept; mappings that say what they have."""
+"""Values computed on first access and cached; mappings whose errors list their names."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _V = TypeVar("_V")
 
 
 def kept(compute: Callable[Concatenate[_K, _P], _V]) -> Callable[Concatenate[_K, _P], _V]:
-    """Compute once what follows from an immutable object and names or numbers beside it, and keep it with the object.
+    """Cache a function of an immutable object and hashable arguments, for the lifetime of the object.
 
     Examples
     --------
@@ -30,20 +30,20 @@ def kept(compute: Callable[Concatenate[_K, _P], _V]) -> Callable[Concatenate[_K,
     computed
     (6, 6)
     """
-    known: WeakKeyDictionary[_K, dict[object, _V]] = WeakKeyDictionary()
+    cache: WeakKeyDictionary[_K, dict[object, _V]] = WeakKeyDictionary()
 
     @wraps(compute)
-    def get(of: _K, /, *beside: _P.args, **named: _P.kwargs) -> _V:
-        values, key = known.setdefault(of, {}), (beside, *named.values())
+    def get(subject: _K, /, *args: _P.args, **kwargs: _P.kwargs) -> _V:
+        values, key = cache.setdefault(subject, {}), (args, *kwargs.values())
         if key not in values:
-            values[key] = compute(of, *beside, **named)
+            values[key] = compute(subject, *args, **kwargs)
         return values[key]
 
     return get
 
 
 class OnDemand(Mapping[str, _V]):
-    """Values by name, each computed when it is first asked for; ``most`` of them, the latest, are kept."""
+    """Mapping whose values are computed on first access; the latest ``most`` values are cached."""
 
     def __init__(
         self,
@@ -57,7 +57,7 @@ class OnDemand(Mapping[str, _V]):
         self._kept: dict[str, _V] = {}
 
     def __getitem__(self, name: str) -> _V:
-        """Compute a value, or find it."""
+        """Return the value of a name, computed or cached."""
         if name not in self._kept:
             key_of(name, self._names, *self._words)
             self._kept[name] = self._compute(name)
@@ -70,7 +70,7 @@ class OnDemand(Mapping[str, _V]):
         return iter(self._names)
 
     def __repr__(self) -> str:
-        """Show the first; values that are not there yet are not computed."""
+        """Show the first names and the cached values."""
         shown = islice(self._names, FEW)
         named = [f"{name!r}: {repr(self._kept[name]) if name in self._kept else '...'}" for name in shown]
         more = f", ... {len(self)} in all" if len(self) > FEW else ""
@@ -82,7 +82,7 @@ class OnDemand(Mapping[str, _V]):
 
 
 class Listed(tuple[_V, ...]):
-    """Things in their order, each by its number from 0 or by its name.
+    """A tuple whose items are also found by name.
 
     Examples
     --------
@@ -98,10 +98,10 @@ class Listed(tuple[_V, ...]):
     _words: tuple[str, str]
 
     def __new__(cls, values: Iterable[_V], kind: str = "name", owner: str = "This result") -> Self:
-        """Store the values and the words for an unknown name."""
-        made = super().__new__(cls, values)
-        made._words = kind, owner
-        return made
+        """Store the values, and the words of the message for an unknown name."""
+        listed = super().__new__(cls, values)
+        listed._words = kind, owner
+        return listed
 
     @overload
     def __getitem__(self, which: SupportsIndex | str) -> _V: ...
@@ -115,17 +115,17 @@ class Listed(tuple[_V, ...]):
         return super().__getitem__(which)
 
     def _ipython_key_completions_(self) -> list[str]:
-        """Names that a notebook completes."""
-        return [one.name for one in self]  # type: ignore[attr-defined]  # each has a name
+        """Names for completion in a notebook."""
+        return [item.name for item in self]  # type: ignore[attr-defined]  # items have a name
 
 
 class Named(dict[str, _V]):
-    """A dict whose keys are names of some kind of thing."""
+    """A dict by name; an unknown name raises an error that lists the names."""
 
     def __init__(self, values: dict[str, _V], kind: str, owner: str) -> None:
         super().__init__(values)
         self._words = kind, owner
 
     def __missing__(self, name: object) -> _V:
-        """Say that there is nothing of that name."""
+        """Raise the error for an unknown name."""
         return self[key_of(name, self, *self._words)]

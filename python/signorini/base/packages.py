@@ -1,4 +1,4 @@
-"""Modules that are read when they are asked for, of packages that may not be installed too."""
+"""Import of optional packages, and lazy import of modules."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from signorini.errors import SignoriniError
 
 
 def package(name: str) -> Any:
-    """Import a package; one that is not installed is refused with the way to install it."""
+    """Import a package; raise an error with the command to install it if it is missing."""
     try:
         return import_module(name)
     except ImportError:
         raise SignoriniError(f"{name} is not installed. Install it: pip install {name}.") from None
 
 
-def lazily(package: str, homes: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
-    """Give a package's ``__getattr__``, from the names that each of its modules holds.
+def lazily(package: str, names_of: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
+    """Return the ``__getattr__`` of a package that imports each module at the first access to one of its names.
 
     Examples
     --------
     >>> lazily("signorini.base", {"numbers": ("number", "size_of")})("number")(8109.0)
     '8109'
     """
-    home = {name: module for module, names in homes.items() for name in names}
+    module_of = {name: module for module, names in names_of.items() for name in names}
 
     def get(name: str) -> Any:
-        if name not in home:
+        if name not in module_of:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        return getattr(import_module(f"{package}.{home[name]}"), name)
+        return getattr(import_module(f"{package}.{module_of[name]}"), name)
 
     return get

@@ -8,41 +8,39 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 _MINUTES, _HOURS = 120.0, 7200.0
-"""Smallest number of seconds that is written in minutes and hours."""
+"""Smallest durations [s] written in minutes, in hours."""
 
 
 @dataclass(frozen=True)
 class Progress:
-    """A moment of a solve.
+    """The state of a running solve.
 
     Parameters
     ----------
     combination : str
         The combination being solved; empty before the first.
     step : int
-        Steps of the active set, pivots of Lemke's algorithm (told every 64) or iterations of the interior point method
-        so far; 0 as a combination begins, and all there is where few points do with less.
+        Newton steps of the active set, or pivots of Lemke's algorithm (reported every 64); 0 at the start of a
+        combination.
     changing : int
-        Contact points that opened or closed since the one before.
+        Contact points that opened or closed in this step.
     residual : float
-        Largest nodal force out of balance over the largest there is, or what a method takes for that; 1 before the
-        first step.
+        Largest residual force, relative to the largest nodal force, or the method's measure of it; 1 before the first
+        step.
     stage : {"mesh", "factor", "contact", "refined"}
-        What begins: meshing, assembling and factoring, once each, and then the contact problem of every combination.
-        "refined" comes where an accuracy is asked for, at the end of every mesh.
+        The stage that begins: meshing; assembly and factorization; the contact problem of a combination. With
+        ``mesh.accuracy``, "refined" is the end of each mesh.
     other_mesh : str
-        The other mesh that is being solved, such as "twice its size", to see how far this one is from the plate.
+        The other mesh that is being solved for ±, such as "twice its size".
     mesh, meshes : int
-        Which mesh is being solved, of how many: 1 of 1 but where other meshes are.
+        Number of the mesh being solved, and of all meshes; 1 of 1 without other meshes.
     left : float
-        About how many seconds the other meshes still take; NaN where nothing tells.
+        Estimated seconds for the remaining meshes; NaN without an estimate.
     reached : str
-        Where an accuracy is asked for, how far the mesh before this one came: "mesh 3, ± 0.12 on 400 elements"; before
-        the second mesh empty. At the end of a mesh how far it came itself, of which number, and about how many elements
-        and how much memory reaching the accuracy would take.
+        With ``mesh.accuracy``, the accuracy of the previous mesh: "mesh 3, ± 0.12 on 400 elements"; empty for the first
+        mesh. At the end of a mesh its own accuracy, with the elements and memory that the accuracy would take.
     method : str
-        What is at work, such as "the active set"; empty before the first step. Where one way to an answer takes over
-        from another, the step is 0 once more.
+        Method, such as "the active set"; empty before the first step. A new method begins at step 0.
 
     Examples
     --------
@@ -63,17 +61,17 @@ class Progress:
     method: str = ""
 
     def __str__(self) -> str:
-        """Say it in a line."""
+        """Write the state as one line."""
         if self.stage == "refined":
             return self.reached
-        said = self._said
+        text = self._text
         if self.other_mesh:
-            said += f", on a mesh of {self.other_mesh}"
-            said += f" (mesh {self.mesh} of {self.meshes}{_left(self.left)})" if self.meshes > 1 else ""
-        return f"{self.reached}: {said}" if self.reached else said
+            text += f", on a mesh of {self.other_mesh}"
+            text += f" (mesh {self.mesh} of {self.meshes}{_left(self.left)})" if self.meshes > 1 else ""
+        return f"{self.reached}: {text}" if self.reached else text
 
     @property
-    def _said(self) -> str:
+    def _text(self) -> str:
         if self.stage != "contact":
             return {"mesh": "meshing", "factor": "assembling and factoring"}[self.stage]
         by = f" by {self.method}" if self.method else ""
@@ -84,7 +82,7 @@ class Progress:
 
 
 def _left(seconds: float) -> str:
-    """Say how long something takes.
+    """Write a remaining time.
 
     Examples
     --------
@@ -93,18 +91,18 @@ def _left(seconds: float) -> str:
     """
     if not seconds >= 1.0:
         return ""
-    said = f"{seconds:.0f} s" if seconds < _MINUTES else f"{seconds / 60:.0f} min"
-    return f", about {said if seconds < _HOURS else f'{seconds / 3600:.1f} h'} left"
+    short = f"{seconds:.0f} s" if seconds < _MINUTES else f"{seconds / 60:.0f} min"
+    return f", about {short if seconds < _HOURS else f'{seconds / 3600:.1f} h'} left"
 
 
 Watcher: TypeAlias = Callable[[Progress], object]
 """Called at every step; an exception in it ends the solve."""
 
 
-def steps_of(what: str, watcher: Watcher) -> Callable[[str, int, int, float], None]:
-    """Tell a watcher of the steps of whatever method solves something."""
+def steps_of(combination: str, watcher: Watcher) -> Callable[[str, int, int, float], None]:
+    """Return a callback that reports the steps of a method to the watcher."""
 
     def steps(method: str, step: int, changing: int, residual: float) -> None:
-        watcher(Progress(what, step, changing, residual, method=method))
+        watcher(Progress(combination, step, changing, residual, method=method))
 
     return steps

@@ -20,29 +20,29 @@ _SOURCES = Path(__file__).resolve().parents[3]
 
 @cache
 def commit() -> str | None:
-    """Commit of the sources that run, with "-dirty" after changes; None for an installed package."""
+    """Commit of the sources, with "-dirty" if they are modified; None for an installed package."""
     if not (_SOURCES / ".git").exists():
         return None
     describe = ("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
     try:
-        said = subprocess.run(
+        described = subprocess.run(
             ["git", "--no-optional-locks", "-C", str(_SOURCES), *describe], capture_output=True, text=True, check=True
         )
     except (OSError, subprocess.CalledProcessError):
         return None
-    return said.stdout.strip()
+    return described.stdout.strip()
 
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where an input comes from.
+    """Origin of an input: its file and content.
 
     Parameters
     ----------
     file : str or None
         Name of the input file; None for a model made in Python.
     sha256 : str
-        SHA-256 of the file's bytes; without a file of ``text`` in UTF-8.
+        SHA-256 of the file's bytes; without a file, of ``text`` in UTF-8.
     text : str
         The whole input as compact JSON.
     """
@@ -53,13 +53,13 @@ class Provenance:
 
     @classmethod
     def of(cls, tables: Mapping[str, Any], file: tuple[str, str] | None) -> Self:
-        """Make it of the input's tables, and of the name and the SHA-256 of its file."""
+        """Return the provenance of the input's tables, with the name and the SHA-256 of its file."""
         text = json.dumps(tables, separators=(",", ":"), ensure_ascii=False, default=_name)
         name, sha256 = file or (None, hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest())
         return cls(name, sha256, text)
 
     def json(self, options: Mapping[str, Any]) -> dict[str, Any]:
-        """Give the keys "program", "input" and "options" of ``results.json`` and ``path.json``."""
+        """The keys "program", "input" and "options" of ``results.json`` and ``path.json``."""
         return {
             "program": {"name": PROGRAM, "version": __version__, "commit": commit()},
             "input": {"file": self.file, "sha256": self.sha256, "model": json.loads(self.text)},
@@ -68,11 +68,11 @@ class Provenance:
 
     @property
     def metadata(self) -> dict[str, str]:
-        """Texts by name that pictures, VTU and Parquet files carry."""
+        """Metadata of pictures, VTU and Parquet files."""
         known = {"Software": f"{PROGRAM} {__version__}", "Commit": commit(), "Input": self.file}
         return {name: text for name, text in known.items() if text} | {"Input-SHA256": self.sha256}
 
 
 def _name(value: object) -> str:
-    """Name a path or a function, which JSON does not have."""
+    """Name a path or a function, for which JSON has no value."""
     return str(value) if isinstance(value, Path) else getattr(value, "__qualname__", type(value).__name__)

@@ -1,4 +1,4 @@
-"""Reading files that have an end."""
+"""Read regular files of limited size; pipes and devices are refused."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ _KINDS = {
     stat.S_IFBLK: "a device",
 }
 _FLAGS = ("O_BINARY", "O_CLOEXEC", "O_NOCTTY", "O_NONBLOCK")
-"""Opening a pipe must not wait for its writer. Some systems lack these flags."""
+"""Flags of `os.open`, as far as the system has them; O_NONBLOCK: opening a pipe does not wait for its writer."""
 _BLOCK = 1 << 20
+"""Bytes per read."""
 
 
 @contextmanager
 def open_regular(path: str | os.PathLike[str], largest: int) -> Iterator[BinaryIO]:
-    """Open a regular file, or a link to one, of at most so many bytes; pipes and devices may be endless.
+    """Open a regular file, or a link to one, of at most ``largest`` bytes.
 
-    An OSError says in ``strerror`` what was found and what is allowed.
+    Other files raise an OSError, whose ``strerror`` names the kind of file found and the kind allowed.
     """
     file = os.open(path, os.O_RDONLY | sum(getattr(os, flag, 0) for flag in _FLAGS))
     try:
@@ -36,21 +37,21 @@ def open_regular(path: str | os.PathLike[str], largest: int) -> Iterator[BinaryI
         yield opened
 
 
-def _require_regular(path: str | os.PathLike[str], result: os.stat_result, largest: int) -> None:
-    if stat.S_ISDIR(result.st_mode):
+def _require_regular(path: str | os.PathLike[str], status: os.stat_result, largest: int) -> None:
+    if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, "it is a directory; only regular files are read", os.fspath(path))
-    if not stat.S_ISREG(result.st_mode):
-        kind = _KINDS.get(stat.S_IFMT(result.st_mode), "none")
+    if not stat.S_ISREG(status.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "no file")
         raise OSError(errno.EINVAL, f"it is {kind}; only regular files are read", os.fspath(path))
-    if result.st_size > largest:
+    if status.st_size > largest:
         raise _too_large(path, largest)
 
 
 def read_regular(path: str | os.PathLike[str], largest: int) -> bytes:
-    """Read a regular file of at most so many bytes, also if it grows or its size is unknown."""
+    """Read a regular file of at most ``largest`` bytes, also if it grows or its size is unknown."""
     content = bytearray()
     with open_regular(path, largest) as file:
-        # Bit by bit: to read up to a size takes memory of that size.
+        # In blocks: one read of ``largest`` bytes would allocate as many.
         while block := file.read(_BLOCK):
             content += block
             if len(content) > largest:
@@ -60,5 +61,5 @@ def read_regular(path: str | os.PathLike[str], largest: int) -> bytes:
 
 def _too_large(path: str | os.PathLike[str], largest: int) -> OSError:
     return OSError(
-        errno.EFBIG, f"the file is larger than {largest // 10**6} MB, the most there may be", os.fspath(path)
+        errno.EFBIG, f"the file is larger than {largest // 10**6} MB, the largest size allowed", os.fspath(path)
     )

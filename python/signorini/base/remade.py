@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 FEW = 4
-"""Largest number of entries that are written out."""
+"""Largest number of entries that a repr shows."""
 
 
 class Brief:
-    """Base of frozen dataclasses with ``repr=False``, whose own would write out every array; theirs are read only.
+    """Base class of frozen dataclasses with ``repr=False``: a short repr and read-only arrays.
 
     Examples
     --------
@@ -31,24 +31,24 @@ class Brief:
     """
 
     def __post_init__(self) -> None:
-        """Close the arrays to writing."""
+        """Make the arrays read-only."""
         self._close_arrays()
 
     def _close_arrays(self) -> None:
-        """Let nobody write into arrays that others have been computed from."""
+        """Make the arrays read-only: other values have been computed from them."""
         for value in self.__dict__.values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
 
     def __repr__(self) -> str:
-        """Name every public field but those with ``repr=False``."""
+        """Show every public field, except those with ``repr=False``."""
         named = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]  # its heirs are dataclasses
         shown = ", ".join(f"{name}={short(getattr(self, name))}" for name in named if name[0] != "_")
         return f"{type(self).__name__}({shown})"
 
 
 def short(value: Any) -> str:
-    """Write a value in few words: of arrays the shape, of mappings the first names."""
+    """Show a value briefly: the shape of an array, the first names of a mapping."""
     match value:
         case np.ndarray():
             return f"array{value.shape}" if value.size > FEW else f"array({value.tolist()})"
@@ -60,7 +60,7 @@ def short(value: Any) -> str:
             named = [repr(name) for name in list(value)[:FEW]]
             more = f", ... {len(value)} in all" if len(value) > FEW else ""
             return f"{{{', '.join(named)}{more}}}"
-        case tuple() | list() if len(value) <= FEW and all(isinstance(one, int | float | str) for one in value):
+        case tuple() | list() if len(value) <= FEW and all(isinstance(item, int | float | str) for item in value):
             return f"({', '.join(map(short, value))})"
         case tuple() | list():
             return f"{len(value)} {type(value[0]).__name__}" if value else "()"
@@ -74,20 +74,20 @@ def short(value: Any) -> str:
 
 
 class Remade(Brief):
-    """Base of immutable dataclasses that are pickled by their fields, without cached properties.
+    """Base class of immutable dataclasses that are pickled by their fields, without cached properties.
 
-    Fields in ``_made`` are left out, too. They are made again from the others on demand, with the same bits. A copy,
-    shallow or deep, shares them, since they are immutable.
+    Fields in ``_made`` are not pickled either: they are recomputed from the others on access, bit-identically. Copies,
+    shallow or deep, share them.
     """
 
     _made: ClassVar[Mapping[str, Callable[[Any], object]]] = {}
 
     def __getstate__(self) -> dict[str, Any]:
-        """Give the fields that are pickled."""
+        """Return the pickled fields."""
         return {name: getattr(self, name) for name in self._names() if name not in self._made}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take them back."""
+        """Restore the pickled fields."""
         self.__dict__.update(state)
         self._close_arrays()
 
@@ -96,25 +96,25 @@ class Remade(Brief):
         return self._with(dict(self.__dict__))
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        """Copy every field but those that can be made again, which are shared."""
-        result = self._with({})
-        memo[id(self)] = result
-        result.__setstate__({name: deepcopy(value, memo) for name, value in self.__getstate__().items()})
-        result.__dict__.update({name: self.__dict__[name] for name in self._made if name in self.__dict__})
-        return result
+        """Copy the pickled fields, and share the others."""
+        copy = self._with({})
+        memo[id(self)] = copy
+        copy.__setstate__({name: deepcopy(value, memo) for name, value in self.__getstate__().items()})
+        copy.__dict__.update({name: self.__dict__[name] for name in self._made if name in self.__dict__})
+        return copy
 
     def _with(self, state: dict[str, Any]) -> Self:
-        result = object.__new__(type(self))
-        result.__dict__.update(state)
-        return result
+        made = object.__new__(type(self))
+        made.__dict__.update(state)
+        return made
 
     def _names(self) -> list[str]:
         return [field.name for field in fields(self)]  # type: ignore[arg-type]  # its heirs are dataclasses
 
-    if not TYPE_CHECKING:  # To a type checker every name would be an attribute.
+    if not TYPE_CHECKING:  # A type checker would accept any attribute.
 
         def __getattr__(self, name: str) -> Any:
-            """Make a missing field; called for missing attributes only."""
+            """Recompute a field in ``_made``; called for missing attributes only."""
             if name not in type(self)._made:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
             value = self.__dict__[name] = type(self)._made[name](self)

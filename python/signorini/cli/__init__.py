@@ -1,4 +1,4 @@
-"""The command line: solve, check, path, schema."""
+"""The command line: solve, check, path, import-dxf, schema."""
 
 from signorini.cli.commands import app, main
 

@@ -24,9 +24,10 @@ from signorini.cli.streams import progress_line, visible
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, SignoriniError
 from signorini_command import ASKED
 
-_MOST_REASONS = 20
-_SHORT = 0.999
-"""Part of the limit of equilibrium at which a path ends that stops short of it."""
+_MAX_REASONS = 20
+"""Combinations without equilibrium whose reason is printed."""
+_BEFORE_LIMIT = 0.999
+"""Suggested end of a path, relative to the limit of equilibrium."""
 _OPTIONS = {
     "start": "--from",
     "add": "--add",
@@ -40,12 +41,12 @@ _OPTIONS = {
     "no_error": "--no-error",
 }
 _OPTIONS |= {role: f"--{role}" for role in ("outline", "holes", "zones", "points", "lines")}
-"""What the arguments of `signorini.path` and of `read_dxf` are called on the command line."""
+"""Options of the command line by argument of `signorini.path` and `read_dxf`."""
 
 app = typer.Typer(
     name="signorini",
-    help="Plates on supports that can let go: finite elements for Reissner-Mindlin plates, one-sided supports solved "
-    "exactly, every result with a certificate.",
+    help="Finite elements for Reissner-Mindlin plates on one-sided supports: contact is solved exactly, and every "
+    "result has a certificate.",
     epilog="Example: signorini solve slab.toml writes slab-results/ and prints the reactions. Exit codes: 0 solved, "
     "2 bad input, 3 no equilibrium in some combination, 4 not certified.",
     no_args_is_help=True,
@@ -56,7 +57,7 @@ app = typer.Typer(
 )
 
 NoError = Annotated[
-    bool, typer.Option("--no-error", help="Leave ± out: solve no other meshes, as mesh.error = false does.")
+    bool, typer.Option("--no-error", help="Do not estimate mesh errors (±), as with mesh.error = false.")
 ]
 InputFile = Annotated[Path, typer.Argument(metavar="FILE", help="The input file, TOML.", show_default=False)]
 
@@ -65,7 +66,7 @@ def main() -> None:
     """Run the command line; the process ends with its exit code."""
     signal.signal(signal.SIGTERM, _terminate)
     for stream in (sys.stdout, sys.stderr):
-        # A name or symbol that the terminal's encoding lacks must not end the run.
+        # A character outside the terminal's encoding must not raise.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
@@ -75,12 +76,12 @@ def main() -> None:
 
 
 def _terminate(number: int, frame: FrameType | None) -> None:
-    """Unwind, so that files half written are removed."""
+    """Raise SystemExit, so that contexts remove incomplete files."""
     sys.exit(interrupts.TERMINATED)
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+def _version(requested: bool) -> None:
+    if requested:
         streams.stdout().print(f"signorini {signorini.__version__}")
         raise typer.Exit
 
@@ -103,12 +104,12 @@ def solve(
         typer.Option("-o", "--output", metavar="DIR", help="Directory of the results. [default: FILE-results]"),
     ] = None,
     threads: Annotated[
-        int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one a core]")
+        int | None, typer.Option(min=1, max=4096, metavar="N", help="Use at most N threads. [default: one per core]")
     ] = None,
     pictures: Annotated[
         Literal["all", "governing", "none"] | None,
         typer.Option(
-            help="Combinations that have pictures. [default: all of up to four, of more those that govern]",
+            help="Combinations with pictures. [default: all if there are at most four, else the governing ones]",
             show_default=False,
         ),
     ] = None,
@@ -116,12 +117,12 @@ def solve(
 ) -> None:
     """Solve every combination; write results.json, reactions.csv, .vtu files and pictures; print a table.
 
-    Of many combinations write combinations.parquet, envelopes, and all of this for those that govern.
+    For many combinations write combinations.parquet and envelopes, and all files for the governing combinations.
     """
     from signorini.plot.artist import Artist, cores
 
-    alone = pictures == "none" or threads == 1 or cores() == 1
-    with _messages(file), nullcontext() if alone else Artist() as artist:
+    without_artist = pictures == "none" or threads == 1 or cores() == 1
+    with _messages(file), nullcontext() if without_artist else Artist() as artist:
         from signorini.analysis.estimate import estimates_of
         from signorini.cli.tables import print_results
         from signorini.output.directory import former_results, room_for
@@ -129,21 +130,21 @@ def solve(
         from signorini.output.writing import write_results
 
         if threads is not None:
-            # Rust's threads start at their first use and read this then.
+            # Read when the threads of Rust start, at their first use.
             os.environ["RAYON_NUM_THREADS"] = str(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")
         try:
-            with room_for(directory, model) as room, progress_line() as show:
-                table = room / TABLE if model.tabulated else None
-                with interrupts.at_once(room):
+            with room_for(directory, model) as temporary, progress_line() as show:
+                table = temporary / TABLE if model.tabulated else None
+                with interrupts.exit_on_signal(temporary):
                     results = signorini.solve(model, progress=show, table=table)
                     estimates = estimates_of(results, show, table) if model.estimated else None
                 show("writing the results")
                 write_results(results, directory, estimates, table, pictures, artist.drawn if artist else None)
         except SignoriniError:
             if former_results(directory):
-                streams.stderr().print(f"Nothing is written; {visible(directory)} holds the results of an earlier run.")
+                streams.stderr().print(f"No files are written; {visible(directory)} has the results of an earlier run.")
             raise
         print_results(streams.stdout(), results, estimates)
         streams.stdout().print(f"Written to {visible(directory)}{os.sep}")
@@ -151,7 +152,7 @@ def solve(
 
 
 @app.command(
-    short_help="Mesh and draw the model, see whether it can stand.",
+    short_help="Mesh and draw the model, check its equilibrium.",
     epilog="Example: signorini check slab.toml -o slab.svg",
 )
 def check(
@@ -164,7 +165,7 @@ def check(
     ] = None,
     nodes: Annotated[bool, typer.Option("--nodes", help="Write the numbers of the nodes, from 1.")] = False,
 ) -> None:
-    """Validate, mesh, draw, and see whether the supports can balance every combination; solve nothing."""
+    """Validate, mesh and draw the model, and check that the supports can balance every combination, without solving."""
     with _messages(file):
         from signorini.analysis.check import check as checked
         from signorini.analysis.check import pictures_of, require_free, require_picture
@@ -173,8 +174,8 @@ def check(
         model = signorini.load(file)
         picture = output if output is not None else file.with_name(f"{file.stem}-check.png")
         require_picture(picture)
-        for file_of_ours in pictures_of(model, picture) if output is None else ():
-            require_free(file_of_ours)
+        for planned in pictures_of(model, picture) if output is None else ():
+            require_free(planned)
         result = checked(model)
         drawn = result.save_picture(picture, nodes)
         print_check(streams.stdout(), result)
@@ -202,7 +203,7 @@ def path(
         typer.Option(metavar="T", help="The largest t. [default: to the end of equilibrium or of the events]"),
     ] = None,
     steps: Annotated[
-        int | None, typer.Option(metavar="N", help="How many evenly spaced t are solved. [default: 50]")
+        int | None, typer.Option(metavar="N", help="Number of equally spaced t to solve. [default: 50]")
     ] = None,
     at: Annotated[str | None, typer.Option(metavar="T,T", help="The t to solve instead: 0.5,1,1.5.")] = None,
     when: Annotated[
@@ -218,9 +219,9 @@ def path(
     ] = None,
     no_error: NoError = False,
 ) -> None:
-    """Follow one load as another grows: at which t supports open or close, and where equilibrium ends.
+    """Follow one load as another grows: the t at which supports open or close, and at which equilibrium ends.
 
-    Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes what it has.
+    Write path.json, path.csv and path.png; print the events. Ctrl-C ends the path and writes the results up to there.
     """
     with _messages(file):
         from signorini.analysis.estimate import estimate_asked
@@ -230,10 +231,14 @@ def path(
 
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-path")
-        with room_for_path(directory) as room, progress_line() as show, interrupts.at_once(room, interrupts.PATIENT):
+        with (
+            room_for_path(directory) as temporary,
+            progress_line() as show,
+            interrupts.exit_on_signal(temporary, interrupts.PATH_GRACE),
+        ):
             chosen = None if at is None else _numbers(at)
             result = signorini.path(
-                model, start, add, until, show, steps=steps, at=chosen, when=when or (), events=_which(events)
+                model, start, add, until, show, steps=steps, at=chosen, when=when or (), events=_events(events)
             )
             try:
                 estimate = estimate_asked(result, show)
@@ -246,42 +251,40 @@ def path(
             raise typer.Exit(interrupts.INTERRUPTED)
         if result.ending == "stopped":
             why = "rounding decides which points are in contact. "
-            short = _SHORT * result.limit
-            if result.end < short < (until or math.inf) and math.isfinite(short):
-                why += f"Stop short of t = {result.limit:.6g}, where equilibrium ends: --until {short:.6g}. Or take"
+            before = _BEFORE_LIMIT * result.limit
+            if result.end < before < (until or math.inf) and math.isfinite(before):
+                why += f"Equilibrium ends at t = {result.limit:.6g}: stop before it with --until {before:.6g}. Or use"
             else:
-                why += "Take"
+                why += "Use"
             why += " another mesh size, smaller or larger, or give rigid supports a stiffness"
             if result.ends_with_the_mesh:
                 why = (
-                    f"to t = {result.limit:.6g}, reactions on the outlines of the supports balance the load, but not "
-                    "at the contact points of this mesh. Take a finer mesh there"
+                    f"up to t = {result.limit:.6g}, reactions on the outlines of the supports balance the load, but "
+                    "reactions at the contact points of this mesh do not. Refine the mesh at the supports"
                 )
-            raise NotCertifiedError(f"the path was followed to t = {result.end:.6g} only; beyond, {why}.")
+            raise NotCertifiedError(f"the path was followed to t = {result.end:.6g} only: beyond it {why}.")
 
 
 def _loaded(file: Path, no_error: bool) -> signorini.Model:
-    """Load a model, with ``no_error`` one that asks for no half-widths."""
+    """Load a model; ``no_error`` sets mesh.error = false."""
     model = signorini.load(file)
     if not no_error:
         return model
     if model.mesh.accuracy is not None:
-        raise InputError("mesh.accuracy needs ±. Leave --no-error out, or mesh.accuracy.", place="no_error")
+        raise InputError("mesh.accuracy needs ±. Remove --no-error or mesh.accuracy.", place="no_error")
     return model.model_copy(update={"mesh": model.mesh.model_copy(update={"error": False})})
 
 
 def _numbers(text: str) -> list[float]:
-    """Numbers with commas between them."""
+    """Parse numbers separated by commas."""
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:
-        raise InputError(
-            f"found {text!r}; it must be numbers with commas between them: 0.5,1,1.5.", place="at"
-        ) from None
+        raise InputError(f"found {text!r}; it must be numbers separated by commas: 0.5,1,1.5.", place="at") from None
 
 
-def _which(events: str) -> Literal["named", "all"]:
-    """What may stand for events."""
+def _events(events: str) -> Literal["named", "all"]:
+    """Validate the option ``--events``."""
     from signorini.base.arguments import known
 
     return "all" if known(events, ("named", "all"), "choice", "events", "It") == "all" else "named"
@@ -299,31 +302,28 @@ def import_dxf(
     ] = None,
     outline: Annotated[
         list[str] | None,
-        typer.Option(metavar="LAYER", help="Layer of the outline. [default: that of this name, or the largest one's]"),
+        typer.Option(metavar="LAYER", help="Layer of the outline. [default: outline, or that of the largest loop]"),
     ] = None,
     holes: Annotated[
         list[str] | None,
-        typer.Option(metavar="LAYER", help="Of holes. [default: that of this name, or the outline's]"),
+        typer.Option(metavar="LAYER", help="Layer of holes. [default: holes, or that of the outline]"),
     ] = None,
-    zones: Annotated[
-        list[str] | None, typer.Option(metavar="LAYER", help="Of parts made otherwise. [default: that of this name]")
-    ] = None,
+    zones: Annotated[list[str] | None, typer.Option(metavar="LAYER", help="Layer of zones. [default: zones]")] = None,
     points: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="LAYER", help="Of supports at points, with their footprints. [default: that of this name]"
-        ),
+        typer.Option(metavar="LAYER", help="Layer of supports at points, with their footprints. [default: points]"),
     ] = None,
     lines: Annotated[
-        list[str] | None, typer.Option(metavar="LAYER", help="Of supports along lines. [default: that of this name]")
+        list[str] | None, typer.Option(metavar="LAYER", help="Layer of supports along lines. [default: lines]")
     ] = None,
     unit: Annotated[
-        str | None, typer.Option(metavar="UNIT", help=f"Of the drawing: {', '.join(METRES)}. [default: its header's]")
+        str | None,
+        typer.Option(metavar="UNIT", help=f"Unit of the drawing: {', '.join(METRES)}. [default: that of its header]"),
     ] = None,
 ) -> None:
-    """Make an input file from a drawing: outline, holes, zones, and points and lines that it may stand on.
+    """Make an input file from a drawing: outline, holes, zones, and supports at points and along lines.
 
-    Say what was taken from the drawing and what was left. Options of layers may be repeated: --zones A --zones B.
+    Print the shapes that were used and that were left out. Layer options can be repeated: --zones A --zones B.
     """
     with _messages():
         from signorini.base.files import replacing
@@ -332,22 +332,23 @@ def import_dxf(
 
         target = output if output is not None else file.with_suffix(".toml")
         if target.exists():
-            raise InputError(f"{target} exists already; give another name with -o, or remove it.", place="output")
+            raise InputError(f"{target} exists; give another name with -o, or remove the file.", place="output")
         named = {"outline": outline, "holes": holes, "zones": zones, "points": points, "lines": lines}
         result = read_dxf(file, {role: layers for role, layers in named.items() if layers}, unit)
         try:
-            with replacing(target) as aside:
-                aside.write_text(drawing_as_toml(result, file.stem), encoding="utf-8")
+            with replacing(target) as temporary:
+                temporary.write_text(drawing_as_toml(result, file.stem), encoding="utf-8")
         except OSError as error:
             raise SignoriniError(f"{target} cannot be written: {error.strerror}.") from None
-        out, errors = streams.stdout(), [one.line for one in result.lost]
-        for sort, things in (("Taken", result.took), ("Left", [one for one in result.left if one not in errors])):
-            for thing in things:
-                say(out, visible(f"{sort}: {thing}"))
-        for thing in errors:
-            say(streams.stderr(), visible(f"Error: not taken as drawn: {thing}"))
-        stands = bool(result.points or result.lines)
-        assumed, missing = (", and that supports act both ways", "") if stands else ("", "supports and ")
+        out, errors = streams.stdout(), [lost.line for lost in result.lost]
+        left_out = [line for line in result.left if line not in errors]
+        for heading, lines_of in (("Used", result.took), ("Left out", left_out)):
+            for line in lines_of:
+                say(out, visible(f"{heading}: {line}"))
+        for line in errors:
+            say(streams.stderr(), visible(f"Error: not used as drawn: {line}"))
+        supported = bool(result.points or result.lines)
+        assumed, missing = (", supports that act in both directions", "") if supported else ("", "supports and ")
         say(out, visible(f"Written to {target}. Assumed: material and thickness{assumed}. Add {missing}loads."))
         if errors:
             raise typer.Exit(InputError.exit_code)
@@ -357,10 +358,10 @@ def import_dxf(
     short_help="Print the JSON Schema of the input file.", epilog="Example: signorini schema > signorini.schema.json"
 )
 def schema() -> None:
-    """Print the JSON Schema of the input file, with which editors complete and check it."""
+    """Print the JSON Schema of the input file, for completion and checks in editors."""
     with _messages():
         try:
-            # Here what is shown is all there is: a part of it is no schema.
+            # The output is the only result: an incomplete schema is an error.
             sys.stdout.write(json.dumps(signorini.schema(), indent=2, ensure_ascii=False) + "\n")
             sys.stdout.flush()
         except BrokenPipeError:
@@ -368,20 +369,20 @@ def schema() -> None:
             raise typer.Exit(1) from None
         except OSError as error:
             streams.discard(sys.stdout)
-            raise SignoriniError(f"standard output takes no more of the schema: {error.strerror}.") from None
+            raise SignoriniError(f"the schema cannot be written to standard output: {error.strerror}.") from None
 
 
 def _refuse(unbalanced: Mapping[str, str], count: int) -> None:
-    """End with the exit code of no equilibrium if a combination has none; say why of the first few."""
+    """Raise NoEquilibriumError if combinations have no equilibrium, with the reasons of the first few."""
     if count:
-        reasons = [f"{name}: {message}" for name, message in unbalanced.items()][:_MOST_REASONS]
+        reasons = [f"{name}: {message}" for name, message in unbalanced.items()][:_MAX_REASONS]
         more = [f"And {count - len(reasons)} more."] if count > len(reasons) else []
         raise NoEquilibriumError("\n".join(reasons + more))
 
 
 @contextmanager
 def _messages(file: Path | None = None) -> Iterator[None]:
-    """Turn what can go wrong with an input file into a message on standard error and an exit code."""
+    """Context that converts errors to a message on standard error and an exit code."""
     try:
         yield
     except InputError as error:
@@ -395,23 +396,23 @@ def _messages(file: Path | None = None) -> Iterator[None]:
     except SignoriniError as error:
         _end(f"Error: {error}", error.exit_code)
     except KeyboardInterrupt:
-        _end(interrupts.SAID, interrupts.INTERRUPTED)
+        _end(interrupts.MESSAGE, interrupts.INTERRUPTED)
     except SystemExit as ending:
         if ending.code == interrupts.TERMINATED:
-            say(streams.stderr(), interrupts.SAID)
+            say(streams.stderr(), interrupts.MESSAGE)
         raise
     except MemoryError:
-        _end("Error: not enough memory. Take a coarser mesh.", SignoriniError.exit_code)
+        _end("Error: not enough memory. Use a coarser mesh.", SignoriniError.exit_code)
     except typer.Exit:
         raise
     except BaseException as error:
         if ASKED:
-            _end(interrupts.SAID, interrupts.INTERRUPTED)
-        # What Rust calls a panic arrives as an exception that is none of Python's ordinary ones.
+            _end(interrupts.MESSAGE, interrupts.INTERRUPTED)
+        # A Rust panic arrives as a BaseException that is not an Exception.
         if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
             raise
         _end(
-            f"Internal error ({type(error).__name__}: {' '.join(str(error).split())}). This is a fault of signorini "
+            f"Internal error ({type(error).__name__}: {' '.join(str(error).split())}). This is a bug of signorini "
             f"{signorini.__version__}; please report it with the input file.",
             SignoriniError.exit_code,
         )

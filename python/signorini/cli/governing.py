@@ -1,4 +1,4 @@
-"""What governs among many combinations, as tables."""
+"""Tables of extremes over combinations, with the governing combinations."""
 
 from __future__ import annotations
 
@@ -39,43 +39,43 @@ from signorini.singularities.named import excluding
 from signorini.singularities.singularity import Singularity
 
 Widths = Mapping[str, Any] | None
-"""Half-widths of an envelope, as in results.json; None where there are none."""
+"""Half-widths of an envelope, as in results.json; None without half-widths."""
 
-_MOST_NAMED = 5
-"""Combinations without equilibrium that are named; the rest are in the files."""
-_MOST_PROBES = 6
-"""Probes of which the extremes are listed, eight rows each."""
-_MOST_LISTED, _MOST_COMBINATIONS = 40, 40
-"""Bearings and combinations up to which reactions are tables of both."""
-_MOST_BEARINGS = 12
-"""Bearings of which the governing reactions are listed; of more they are in a file alone."""
+_MAX_NAMED = 5
+"""Combinations without equilibrium that are named; the others are in the files."""
+_MAX_PROBES = 6
+"""Largest number of probes whose extremes are listed, eight rows each."""
+_MAX_LISTED, _MAX_COMBINATIONS = 40, 40
+"""Largest numbers of bearings and combinations with a table of all reactions."""
+_MAX_BEARINGS = 12
+"""Largest number of bearings whose governing reactions are listed; those of more are in a file only."""
 
 
 def print_combined(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print how many were solved, and the extremes with the combinations that they come from; of groups each apart."""
+    """Print the number of solved combinations, and for each group the extremes with their combinations."""
     combined, model = results.combined, results.model
     total = len(combined.combinations)
     say(console, Text(f"{total} combinations", style="bold") + Text(f": {combined.solved} solved"))
     if combined.solved < total:
         names = list(combined.unbalanced)
-        more = total - combined.solved - len(names[:_MOST_NAMED])
-        listed = ", ".join(names[:_MOST_NAMED]) + (f" and {more} more" if more else "")
+        more = total - combined.solved - len(names[:_MAX_NAMED])
+        listed = ", ".join(names[:_MAX_NAMED]) + (f" and {more} more" if more else "")
         say(console, f"{total - combined.solved} without equilibrium: {listed}", style="bold red")
     if combined.not_unique:
-        say(console, f"{combined.not_unique} not unique: the least of equal answers are given", style="yellow")
+        say(console, f"{combined.not_unique} not unique: the least-norm solutions are shown", style="yellow")
     console.print()
     for group, count in model.effective_combinations.groups.items() or (("", total),):
         if group:
             say(console, Text(group, style="bold") + Text(f": {count} combinations"))
-        result = envelope_json(results, estimates, group)
-        if result is None:
-            say(console, "none has an equilibrium", style="bold red")
+        envelope = envelope_json(results, estimates, group)
+        if envelope is None:
+            say(console, "no combination has an equilibrium", style="bold red")
             console.print()
             continue
-        _print_fields(console, results, group, result, labels)
-        _print_supports(console, results, group, result["plus_minus"], labels)
-        _print_probes(console, results, result, labels)
-        _print_enveloped(console, results, result, labels)
+        _print_fields(console, results, group, envelope, labels)
+        _print_supports(console, results, group, envelope["plus_minus"], labels)
+        _print_probes(console, results, envelope, labels)
+        _print_enveloped(console, results, envelope, labels)
         print_governing(console, results, estimates, labels, group)
     print_bearings(console, results, estimates, labels)
     figures = ", ".join(f"{name} {combined.certificate[name]:.1e}" for name in FIGURES)
@@ -89,7 +89,7 @@ def print_combined(console: Console, results: Results, estimates: Estimates | No
 
 
 MeanRow = tuple[str, Sequence[Sequence[str]]]
-"""A field, and cells of its largest and smallest mean: the number, where, the width and, if told, the combination."""
+"""A field, and the cells of its largest and smallest mean: number, place, width and, if shown, combination."""
 
 
 def print_means(
@@ -99,7 +99,7 @@ def print_means(
     units: Units,
     labels: Labels | None = None,
 ) -> None:
-    """Say what extremes of moments and shears exclude, and print the means at these places."""
+    """Print the places excluded from extremes of moments and shears, and the means at these places."""
     for sentence in excluded(singular, units):
         say(console, sentence)
     unit = in_unit(units.length)
@@ -107,16 +107,16 @@ def print_means(
     shown = Grid([Column("mean there"), *numbers("largest"), *columns, *numbers("smallest"), *columns])
     for name, cells in rows:
         if any(cells):
-            most, least = (of or [""] * (1 + len(columns)) for of in cells)
-            shown.add(name, *most, *least)
+            largest, smallest = (side or [""] * (1 + len(columns)) for side in cells)
+            shown.add(name, *largest, *smallest)
     shown.show(console)
 
 
 def print_bearings(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print the reaction of each bearing in each combination, where both are few enough to be read."""
+    """Print the reaction of each bearing in each combination, unless there are too many of them."""
     layout, rows, model = results.combined.layout, results.combined.rows, results.model
     points = any(bearing.point is not None for bearing in layout.bearings)
-    few = len(results) <= _MOST_COMBINATIONS and 1 < len(layout.bearings) <= _MOST_LISTED
+    few = len(results) <= _MAX_COMBINATIONS and 1 < len(layout.bearings) <= _MAX_LISTED
     if rows is None or not few or not (points or model.tabulated):
         return
     columns, names = [bearing.column(model) for bearing in layout.bearings], _names(model, layout.bearings)
@@ -124,76 +124,76 @@ def print_bearings(console: Console, results: Results, estimates: Estimates | No
     largest = size_of(values[~np.isnan(values)])
     unit = in_unit(model.units.force)
     shown = Grid([Column("combination", coded=labels.numbered), *numbers(*(f"{name}{unit}" for name in names))])
-    for row, of_row in enumerate(values.T.tolist()):
+    for row, reactions in enumerate(values.T.tolist()):
         widths = [None if estimates is None else estimates.half_width(column, row) for column in columns]
-        solved = not np.isnan(of_row).all()
-        cells = _cells(of_row, widths, largest) if solved else [""] * len(of_row)
+        solved = not np.isnan(reactions).all()
+        cells = _cells(reactions, widths, largest) if solved else [""] * len(reactions)
         shown.add(labels.cell(results.key(row)), *cells)
     say(console, "reaction of each bearing")
     shown.show(console, apart=True)
 
 
 def _cells(values: Sequence[float], widths: Sequence[float | None], largest: float) -> list[str]:
-    """Write numbers, with half-widths if one of them has one."""
+    """Write numbers, with half-widths if any is known."""
     if all(width is None for width in widths):
         return [number(value, largest) for value in values]
     return [estimated(value, width, largest) for value, width in zip(values, widths, strict=True)]
 
 
 def _names(model: Model, bearings: Sequence[Bearing]) -> list[str]:
-    """Names of bearings: of a support at one point that of the support."""
-    points = [one.support for one in bearings]
+    """Names of bearings: the support's name, with the number of the point if the support has several."""
+    supports = [bearing.support for bearing in bearings]
     return [
-        f"{model.support[one.support].name}[{one.point}]"
-        if points.count(one.support) > 1
-        else model.support[one.support].name
-        for one in bearings
+        f"{model.support[bearing.support].name}[{bearing.point}]"
+        if supports.count(bearing.support) > 1
+        else model.support[bearing.support].name
+        for bearing in bearings
     ]
 
 
 def _print_extreme_reactions(
     console: Console, results: Results, reactions: Sequence[Governing], labels: Labels
 ) -> None:
-    """Print the largest and smallest reaction of each of many bearings; of very many those with the largest."""
+    """Print the largest and smallest reactions of the bearings with the largest reactions."""
     model, size = results.model, results.discretisation.mesh.size
     pairs = list(zip(reactions[::2], reactions[1::2], strict=True))
-    most = sorted(pairs, key=lambda pair: -max(abs(one.own) for one in pair))[:_MOST_LISTED]
-    largest, by = size_of([one.own for one in reactions]), Column("of", coded=labels.numbered)
+    listed = sorted(pairs, key=lambda pair: -max(abs(extreme.own) for extreme in pair))[:_MAX_LISTED]
+    largest, by = size_of([extreme.own for extreme in reactions]), Column("of", coded=labels.numbered)
     at, unit = Column(f"at{in_unit(model.units.length)}", number=True, spare=True), in_unit(model.units.force)
     shown = Grid([Column("bearing"), at, *numbers(f"largest reaction{unit}"), by, *numbers("smallest"), by])
     names = _names(model, [high.bearing for high, _ in pairs])
     for name, (high, low) in zip(names, pairs, strict=True):
-        if (high, low) in most:
+        if (high, low) in listed:
             place = point(high.bearing.at, size) if high.bearing.at else ""
-            (first,), (last,) = (_cells([one.own], [one.own_width], largest) for one in (high, low))
-            shown.add(name, place, first, labels.cell(high.combination), last, labels.cell(low.combination))
+            (most,), (least,) = (_cells([extreme.own], [extreme.own_width], largest) for extreme in (high, low))
+            shown.add(name, place, most, labels.cell(high.combination), least, labels.cell(low.combination))
     shown.show(console)
 
 
 def print_governing(
     console: Console, results: Results, estimates: Estimates | None, labels: Labels, group: str = ""
 ) -> None:
-    """Print the largest and the smallest reaction of each bearing, with those of all others in that combination."""
+    """Print the largest and the smallest reaction of each bearing, with the other reactions in that combination."""
     model, reactions = results.model, governing_reactions(results, estimates, group)
-    if len(reactions) > 2 * _MOST_BEARINGS:
+    if len(reactions) > 2 * _MAX_BEARINGS:
         _print_extreme_reactions(console, results, reactions, labels)
         bearings = f"{f'{group}, ' if group else ''}{len(reactions) // 2} bearings"
         say(console, f"{bearings}: {GOVERNING} has the largest and smallest reaction of each")
         console.print()
-    if not 2 < len(reactions) <= 2 * _MOST_BEARINGS:
+    if not 2 < len(reactions) <= 2 * _MAX_BEARINGS:
         return
-    names = _names(model, [one.bearing for one in reactions[::2]])
-    largest = size_of([one.reactions for one in reactions])
+    names = _names(model, [extreme.bearing for extreme in reactions[::2]])
+    largest = size_of([extreme.reactions for extreme in reactions])
     unit = in_unit(model.units.force)
     titles = [f"{name}{unit}" for name in names]
     shown = Grid([Column("reaction"), Column("of", coded=labels.numbered), *numbers(*titles)])
-    for index, one in enumerate(reactions):
-        side = "largest" if one.largest else "smallest"
-        cells = [*map(Text, _cells(one.reactions, one.widths, largest))]
+    for index, extreme in enumerate(reactions):
+        side = "largest" if extreme.largest else "smallest"
+        cells = [*map(Text, _cells(extreme.reactions, extreme.widths, largest))]
         cells[index // 2].stylize("bold")
-        shown.add(f"{side} {names[index // 2]}", labels.cell(one.combination), *cells)
-    of = f" in {group}" if group else ""
-    say(console, f"largest and smallest reaction of each bearing{of}, beside it what the others do then")
+        shown.add(f"{side} {names[index // 2]}", labels.cell(extreme.combination), *cells)
+    in_group = f" in {group}" if group else ""
+    say(console, f"largest and smallest reaction of each bearing{in_group}, with the others in that combination")
     shown.show(console, apart=True)
 
 
@@ -206,23 +206,23 @@ def _print_fields(console: Console, results: Results, group: str, enveloped: Map
     columns = [*numbers("largest"), at, by, *numbers("smallest"), at, by]
     shown, mesh = Grid([Column("field"), *columns], unknown=UNSETTLED), results.discretisation.mesh
     for plate, name in product(results.model.plates or ("",), envelope.layout.fields):
-        of, path = on_plate(name, plate), (*(("plates", plate) if plate else ()), "fields", name)
-        ends, places = envelope.field(of), envelope.places_of(of)
+        field, path = on_plate(name, plate), (*(("plates", plate) if plate else ()), "fields", name)
+        ends, places = envelope.field(field), envelope.places_of(field)
         most, least = (
-            [cell(value, widths, (*path, side), size_of([ends.max, ends.min])), point(at.tolist(), mesh.size)]
-            for side, value, at in (("max", ends.max, places[0]), ("min", ends.min, places[1]))
+            [cell(value, widths, (*path, side), size_of([ends.max, ends.min])), point(place.tolist(), mesh.size)]
+            for side, value, place in (("max", ends.max, places[0]), ("min", ends.min, places[1]))
         )
         label = FIELDS[name].label(units)
         label = f"{plate}: {label}" if plate else label
         shown.add(label, *most, labels.cell(results.key(ends.max_by)), *least, labels.cell(results.key(ends.min_by)))
-        told = (enveloped["plates"][plate] if plate else enveloped)["fields"][name]
+        values = (enveloped["plates"][plate] if plate else enveloped)["fields"][name]
         if name in PEAKING:
             cells: list[list[str]] = [[], []]
-            for side, into in zip(MEAN_SIDES, cells, strict=True):
-                if told[side] is not None:
-                    into.append(cell(told[side], widths, (*path, side), size_of([ends.max, ends.min])))
-                    into += [point(told[f"{side}_at"], mesh.size), length(told[f"{side}_width"])]
-                    into.append(labels.cell(told[f"{side}_by"]))
+            for side, side_cells in zip(MEAN_SIDES, cells, strict=True):
+                if values[side] is not None:
+                    side_cells.append(cell(values[side], widths, (*path, side), size_of([ends.max, ends.min])))
+                    side_cells += [point(values[f"{side}_at"], mesh.size), length(values[f"{side}_width"])]
+                    side_cells.append(labels.cell(values[f"{side}_by"]))
             means.append((label, cells))
     shown.show(console)
     cases = frozenset(results.model.effective_combinations.cases_of(group))
@@ -232,12 +232,12 @@ def _print_fields(console: Console, results: Results, group: str, enveloped: Map
 
 
 def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any], labels: Labels) -> None:
-    """Print the extremes of the fields at probes, a row each, and which combinations these are of."""
+    """Print the extremes of the fields at probes with their combinations, a row per probe and field."""
     probes, units, widths = envelope["probes"], results.model.units, envelope["plus_minus"]
     if not probes:
         return
-    if len(probes) > _MOST_PROBES:
-        say(console, f"{len(probes)} probes: {JSON} has what is largest and smallest at each")
+    if len(probes) > _MAX_PROBES:
+        say(console, f"{len(probes)} probes: {JSON} has the extremes of each")
         console.print()
         return
     where = f"at{in_unit(units.length)}"
@@ -246,11 +246,11 @@ def _print_probes(console: Console, results: Results, envelope: Mapping[str, Any
     for field in LINEAR:
         size = size_of([[probe[field]["max"], probe[field]["min"]] for probe in probes])
         for index, probe in enumerate(probes):
-            of, path = probe[field], ("probes", index, field)
-            most, least = (cell(of[end], widths, (*path, end), size, 5) for end in ("max", "min"))
-            at = point(probe["at"], results.discretisation.mesh.size)
-            by_most, by_least = labels.cell(of["max_by"]), labels.cell(of["min_by"])
-            shown.add(at, FIELDS[field].label(units), most, by_most, least, by_least)
+            values, path = probe[field], ("probes", index, field)
+            most, least = (cell(values[end], widths, (*path, end), size, 5) for end in ("max", "min"))
+            place = point(probe["at"], results.discretisation.mesh.size)
+            by_most, by_least = labels.cell(values["max_by"]), labels.cell(values["min_by"])
+            shown.add(place, FIELDS[field].label(units), most, by_most, least, by_least)
     shown.show(console, apart=True)
 
 
@@ -275,11 +275,11 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
         of_support = place_of(model, index)
         if support.place == "at" and open_in.any():
             gaps = [whole[f"gap_at:{support.name}[{number}]"] for number in range(1, len(open_in) + 1)]
-            at = int(np.where(open_in > 0, [ends.max for ends in gaps], -np.inf).argmax())
-            gap = cell(gaps[at].max, widths, (*of_support, "points", at, "gap", "max"))
+            widest = int(np.where(open_in > 0, [ends.max for ends in gaps], -np.inf).argmax())
+            gap = cell(gaps[widest].max, widths, (*of_support, "points", widest, "gap", "max"))
             opening = f"{gap} {units.length}".rstrip()
-            where = point(points.positions[at].tolist())
-            by_gap = labels.said(results.key(gaps[at].max_by))
+            where = point(points.positions[widest].tolist())
+            by_gap = labels.in_sentence(results.key(gaps[widest].max_by))
             say(console, f"{support.name}: widest gap {opening} at {where} in {by_gap}")
         if (area := layout.at_rest.get(index)) is not None:
             pressed, touching = whole[f"max_pressure:{support.name}"], whole[f"contact_area:{support.name}"]
@@ -289,13 +289,13 @@ def _print_supports(console: Console, results: Results, group: str, widths: Widt
             where = point(area.pressure_places[whole.along[index].ends[0]].tolist(), results.discretisation.mesh.size)
             extent = float(points.weights.sum())
             least = in_contact(support.name, touching_cell, touching.min, extent, "area", unit_of(units.length, 2))
-            by_pressure, by_area = (labels.said(results.key(row)) for row in (pressed.max_by, touching.min_by))
+            by_pressure, by_area = (labels.in_sentence(results.key(row)) for row in (pressed.max_by, touching.min_by))
             say(console, f"{support.name}: largest pressure {highest} at {where} in {by_pressure}")
-            say(console, f"{least}, the least, in {by_area}")
+            say(console, f"{least}, the smallest, in {by_area}")
 
 
 def _print_lines(console: Console, results: Results, group: str, widths: Widths) -> None:
-    """Print the largest and smallest reaction per length of each line, and which combinations these are of."""
+    """Print the largest and smallest reaction per length of each line with their combinations."""
     whole, model = results.combined.over(group), results.model
     lines = [(index, model.support[index].name) for index in whole.layout.lines]
     most, least = ([whole[f"{side}_per_length:{name}"] for _, name in lines] for side in SIDES)
@@ -311,17 +311,18 @@ def _print_lines(console: Console, results: Results, group: str, widths: Widths)
 
 
 def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, Any], labels: Labels) -> None:
-    """Print the extremes of sections and strips over many combinations, and which these are."""
+    """Print the extremes of sections and strips with their combinations."""
     units, widths, by = results.model.units, envelope["plus_minus"], Column("of", coded=labels.numbered)
     if envelope["sections"]:
         shown = Grid([Column("section"), *numbers("largest"), by, *numbers("smallest"), by])
-        for one in THROUGH:
-            size = size_of([[section[one.name]["max"], section[one.name]["min"]] for section in envelope["sections"]])
-            for index, section in enumerate(envelope["sections"]):
-                of, path = section[one.name], ("sections", index, one.name)
-                most, least = (cell(of[end], widths, (*path, end), size) for end in SIDES)
-                by_most, by_least = labels.cell(of["max_by"]), labels.cell(of["min_by"])
-                shown.add(f"{section['name']}, {in_title(one, units)}", most, by_most, least, by_least)
+        for quantity in THROUGH:
+            ends = [section[quantity.name] for section in envelope["sections"]]
+            size = size_of([[values["max"], values["min"]] for values in ends])
+            for index, (section, values) in enumerate(zip(envelope["sections"], ends, strict=True)):
+                path = ("sections", index, quantity.name)
+                most, least = (cell(values[end], widths, (*path, end), size) for end in SIDES)
+                by_most, by_least = labels.cell(values["max_by"]), labels.cell(values["min_by"])
+                shown.add(f"{section['name']}, {in_title(quantity, units)}", most, by_most, least, by_least)
         shown.show(console, apart=True)
     if envelope["strips"]:
         where = f"at{in_unit(units.length)}"
@@ -329,12 +330,12 @@ def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, 
         shown = Grid([Column("strip"), *columns])
         for index, strip in enumerate(envelope["strips"]):
             moments = [station["moment"] for station in strip["stations"]]
-            size, cells = size_of([[of["max"], of["min"]] for of in moments]), []
+            size, cells = size_of([[moment["max"], moment["min"]] for moment in moments]), []
             for end in SIDES:
-                result = [of[end] for of in moments]
-                at = result.index(max(result) if end == "max" else min(result))
-                within = ("strips", index, "stations", at, "moment", end)
-                cells += [cell(result[at], widths, within, size, 5), point(strip["stations"][at]["at"])]
-                cells.append(labels.cell(moments[at][f"{end}_by"]))
+                values = [moment[end] for moment in moments]
+                station = values.index(max(values) if end == "max" else min(values))
+                strip_path = ("strips", index, "stations", station, "moment", end)
+                cells += [cell(values[station], widths, strip_path, size, 5), point(strip["stations"][station]["at"])]
+                cells.append(labels.cell(moments[station][f"{end}_by"]))
             shown.add(strip["name"], *cells)
         shown.show(console, apart=True)

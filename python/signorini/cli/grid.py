@@ -1,4 +1,4 @@
-"""Numbers, lines and tables on the terminal: broken between words, never in a number, a point or before a unit."""
+"""Numbers, lines and tables on the terminal. Lines break between words, not within a number, a point or a unit."""
 
 from __future__ import annotations
 
@@ -20,28 +20,29 @@ Line = Sequence[Text]
 
 _GAP = "   "
 _LONGEST_WORD = 32
-"""Signs of a word from which on it may be broken."""
+"""Characters; longer words may be divided."""
 _GLUE = "\ue000"
-"""Stands, while lines are broken, for a space at which none may be."""
-_TOGETHER = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[±+−-]) (?=[\d?])|\[[^\[\]]{1,40}\]")
-"""The space between a number and its unit, or its sign; a point, or a unit behind a title."""
-_JOINT = re.compile(r"[^+:;,/_|]*[+:;,/_|]|[^+:;,/_|]+")
-"""A part of a word, with the sign behind it that joins it to the next."""
+"""Replaces a space at which a line must not break."""
+_UNBREAKABLE = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[±+−-]) (?=[\d?])|\[[^\[\]]{1,40}\]")
+"""The space between a number and its unit or sign; a point [x, y]; the unit of a title."""
+_WORD_PART = re.compile(r"[^+:;,/_|]*[+:;,/_|]|[^+:;,/_|]+")
+"""A part of a word with the separator after it."""
 _PAGE = 120
-"""Signs within which rows stand side by side, also where there is no end to a line, as in a file."""
-_LEAST, _SPARE = 16, 24
-"""Widths that a column of words keeps where it has them, or the table is turned; and a spare one, or it is dropped."""
+"""Largest width of a transposed table, in characters, also in a file."""
+_MIN_TEXT, _MIN_OPTIONAL = 16, 24
+"""Smallest widths, in characters, of a text column before the table is transposed, and of an optional column before it
+is dropped."""
 
 
 def say(console: Console, text: Cell, style: str = "") -> None:
-    """Print a text, its lines broken between words where the console ends."""
+    """Print a text; lines break between words at the width of the console."""
     for line in str(text).split("\n") if isinstance(text, str) else [text]:
-        for part in _broken(console, _glued(line), console.width):
+        for part in _wrapped(console, _glued(line), console.width):
             console.print(part, style=style)
 
 
 def say_checked(console: Console, elements: Sequence[int], asked: bool) -> None:
-    """Say what the certificate checks and what ± estimates; ``elements`` are the sizes of the meshes compared."""
+    """Print the scope of the certificate and of ±; ``elements`` are the the elements of the compared meshes."""
     say(console, f"The certificate checks the solution of this mesh. {compared(elements, asked)}")
 
 
@@ -50,36 +51,36 @@ class Column:
     """A column of a table."""
 
     title: str
-    number: bool = False  # whether its cells are at the right, and never broken
-    spare: bool = False  # whether it goes first where there is no room
-    coded: bool = False  # whether the code before a colon stands for the cell where there is no room
+    number: bool = False  # right-aligned, never wrapped
+    spare: bool = False  # optional: dropped if the console is too narrow
+    coded: bool = False  # shortened to the code before the colon if the console is too narrow
 
 
 def numbers(*titles: str) -> list[Column]:
-    """Make columns of numbers."""
+    """Return columns of numbers with these titles."""
     return [Column(title, number=True) for title in titles]
 
 
 @dataclass
 class Grid:
-    """A table of which the first ``heads`` columns say what a row is.
+    """A table; the first ``heads`` columns are row headings.
 
-    Where the console is too narrow, titles and words are broken between words, then spare columns are dropped, and then
-    the table is turned: its rows stand side by side, as many as there is room for.
+    On a narrow console, text is wrapped first, then optional columns are dropped, then the table is transposed in
+    blocks of rows.
     """
 
     columns: Sequence[Column]
     heads: int = 1
     rows: list[list[Text]] = field(default_factory=list)
-    last_apart: bool = False
-    unknown: str = ""  # what to say below where a half-width is not known
+    last_apart: bool = False  # a rule above the last row
+    unknown: str = ""  # note below a table with an unknown half-width
 
     def add(self, *cells: Cell) -> None:
-        """Add a row, below all others."""
+        """Append a row."""
         self.rows.append([_glued(cell) for cell in cells])
 
     def show(self, console: Console, apart: bool = False) -> None:
-        """Print a table that has rows, and below it the meaning of "± ?"; ``apart`` adds an empty line."""
+        """Print the table, unless it is empty, and the note about "± ?"; ``apart`` adds an empty line."""
         if not self.rows:
             return
         self._show(console)
@@ -104,19 +105,19 @@ class Grid:
             kept.remove(spare[-1])
         self._print(console, kept, widths)
 
-    def _widths(self, kept: Sequence[int], room: int) -> list[int] | None:
-        """Widths of columns in so much room, the widest of them narrowed first; None where it is too little."""
+    def _widths(self, kept: Sequence[int], width: int) -> list[int] | None:
+        """Widths of columns that fit ``width``, by narrowing the widest first; None if they do not fit."""
         titles = [_glued(self.columns[index].title) for index in kept]
         widths, least = [], []
         for title, index in zip(titles, kept, strict=True):
-            whole = [row[index] for row in self.rows]
-            widths.append(max(cell.cell_len for cell in (title, *whole)))
+            cells = [row[index] for row in self.rows]
+            widths.append(max(cell.cell_len for cell in (title, *cells)))
             column = self.columns[index]
-            needed = (cell.cell_len if column.number else _longest_word(cell) for cell in whole)
-            wanted = 0 if column.number else min(widths[-1], _SPARE if column.spare else _LEAST)
+            needed = (cell.cell_len if column.number else _longest_word(cell) for cell in cells)
+            wanted = 0 if column.number else min(widths[-1], _MIN_OPTIONAL if column.spare else _MIN_TEXT)
             least.append(max([wanted, _longest_word(title), *needed]))
-        excess = sum(widths) + len(_GAP) * (len(kept) - 1) - room
-        if sum(least) + len(_GAP) * (len(kept) - 1) > room:
+        excess = sum(widths) + len(_GAP) * (len(kept) - 1) - width
+        if sum(least) + len(_GAP) * (len(kept) - 1) > width:
             return None
         for _ in range(excess):
             widest = max((i for i in range(len(kept)) if widths[i] > least[i]), key=lambda i: widths[i] - 1e-3 * i)
@@ -132,13 +133,13 @@ class Grid:
         for place, row in enumerate([head, *([row[index] for index in kept] for row in self.rows)]):
             if place == 1 or (place == len(self.rows) and self.last_apart):
                 console.print(rule)
-            cells = [_broken(console, cell, width) for cell, width in zip(row, widths, strict=True)]
+            cells = [_wrapped(console, cell, width) for cell, width in zip(row, widths, strict=True)]
             for level in range(max(map(len, cells))):
                 console.print(_line(columns, widths, [cell[level] if level < len(cell) else Text() for cell in cells]))
 
     def show_turned(self, console: Console) -> None:
-        """Print it with its rows side by side, as many as there is room for."""
-        room = min(console.width, _PAGE)
+        """Print the transposed table, in blocks of as many rows as fit side by side."""
+        width = min(console.width, _PAGE)
         first = Text(" ").join(_glued(column.title) for column in self.columns[: self.heads] if column.title)
         heads = [Text(" ").join(cell for cell in row[: self.heads] if cell) for row in self.rows]
         names = [column.title for column in self.columns[self.heads :]]
@@ -146,26 +147,26 @@ class Grid:
         while begin < len(self.rows):
             count = len(self.rows) - begin
             while True:
-                mine = self.rows[begin : begin + count]
+                rows = self.rows[begin : begin + count]
                 columns = [Column(head.plain) for head in heads[begin : begin + count]]
-                part = Grid([Column(first.plain), *columns])
+                block = Grid([Column(first.plain), *columns])
                 for index, name in enumerate(names, start=self.heads):
-                    part.add(name, *(row[index] for row in mine))
+                    block.add(name, *(row[index] for row in rows))
                 kept = list(range(count + 1))
-                widths = part._widths(kept, room)
+                widths = block._widths(kept, width)
                 if widths is not None or count == 1:
                     break
                 count -= 1
             if begin:
                 console.print()
-            part._print(console, kept, widths or [room // 2 - len(_GAP)] * 2)
+            block._print(console, kept, widths or [width // 2 - len(_GAP)] * 2)
             begin += count
 
 
 def _glued(cell: Cell) -> Text:
-    """Put glue where no line may be broken."""
+    """Replace the spaces at which a line must not break."""
     text = Text(cell) if isinstance(cell, str) else cell.copy()
-    text.plain = _TOGETHER.sub(lambda result: result[0].replace(" ", _GLUE), text.plain)
+    text.plain = _UNBREAKABLE.sub(lambda match: match[0].replace(" ", _GLUE), text.plain)
     return text
 
 
@@ -173,27 +174,27 @@ def _longest_word(text: Text) -> int:
     return min(max(map(cell_len, text.plain.split(" ")), default=0), _LONGEST_WORD)
 
 
-def _filled(word: str, width: int) -> str:
-    """Divide a word into parts that fit a line, each as long as it may be.
+def _divided(word: str, width: int) -> str:
+    """Divide a word at separators into parts of at most ``width`` characters.
 
     Examples
     --------
-    >>> _filled("ULS:1.35G1+1.35G2+1.5Q", 12)
+    >>> _divided("ULS:1.35G1+1.35G2+1.5Q", 12)
     'ULS:1.35G1+ 1.35G2+1.5Q'
     """
     parts = [""]
-    for piece in _JOINT.findall(word):
+    for piece in _WORD_PART.findall(word):
         if parts[-1] and len(parts[-1]) + len(piece) > width:
             parts.append("")
         parts[-1] += piece
     return " ".join(parts)
 
 
-def _broken(console: Console, text: Text, width: int) -> list[Text]:
-    """Break a glued text into lines, words that are longer than a line behind signs that join their parts."""
+def _wrapped(console: Console, text: Text, width: int) -> list[Text]:
+    """Wrap a glued text; words longer than a line are divided at separators."""
     if max(map(cell_len, text.plain.split(" "))) > width:
         text = text.copy()
-        text.plain = " ".join(_filled(word, width) for word in text.plain.split(" "))
+        text.plain = " ".join(_divided(word, width) for word in text.plain.split(" "))
     lines = list(text.wrap(console, width))
     for line in lines:
         line.plain = line.plain.replace(_GLUE, " ")
@@ -202,44 +203,45 @@ def _broken(console: Console, text: Text, width: int) -> list[Text]:
 
 
 def _line(columns: Iterable[Column], widths: Iterable[int], cells: Iterable[Text]) -> Text:
-    """Put cells beside each other."""
-    result = []
+    """Join the cells of a row."""
+    padded = []
     for column, width, cell in zip(columns, widths, cells, strict=True):
         space = " " * (width - cell.cell_len)
-        result.append(Text.assemble(space, cell) if column.number else Text.assemble(cell, space))
-    line = Text(_GAP).join(result)
+        padded.append(Text.assemble(space, cell) if column.number else Text.assemble(cell, space))
+    line = Text(_GAP).join(padded)
     line.rstrip()
     return line
 
 
 UNKNOWN = "± ?"
-UNSETTLED = f"{UNKNOWN}: does not settle from mesh to mesh, near what is named below as singular or unresolved"
+UNSETTLED = f"{UNKNOWN}: does not converge with the mesh; it is near a place listed below as singular or unresolved"
 
 
 def cell(
     value: float, widths: Mapping[str, Any] | None, path: Sequence[str | int], largest: float = 0.0, digits: int = 6
 ) -> str:
-    """Write a number, with its half-width where there are any."""
+    """Write a number with its half-width, if there are half-widths; ``path`` is its place in them."""
     if widths is None:
         return number(value, largest, digits)
-    result: Any = widths
-    for part in path:
-        result = result[part]
-    return estimated(value, result, largest, digits)
+    width: Any = widths
+    for key in path:
+        width = width[key]
+    return estimated(value, width, largest, digits)
 
 
-def in_contact(name: str, part: str, value: float, whole: float, what: str, unit: str) -> str:
-    """Say on which part of its length or area a support holds."""
-    if not whole:
-        return f"{name}: others hold the plate all over it"
-    return f"{name}: in contact on {min(100.0, 100.0 * value / whole):.3g} % of its {what}, {part} of {whole:.6g}{unit}"
+def in_contact(name: str, shown: str, value: float, total: float, measure: str, unit: str) -> str:
+    """Write the contact length or area of a support; ``shown`` is ``value`` with its half-width."""
+    if not total:
+        return f"{name}: the plate is held by other supports everywhere on it"
+    percent = min(100.0, 100.0 * value / total)
+    return f"{name}: in contact on {percent:.3g} % of its {measure}, {shown} of {total:.6g}{unit}"
 
 
-def in_title(one: Quantity, units: Units) -> str:
-    """Name a force through a section, with its unit."""
-    return f"{one.name}{in_unit(one.unit(units))}"
+def in_title(quantity: Quantity, units: Units) -> str:
+    """Name of a quantity with its unit."""
+    return f"{quantity.name}{in_unit(quantity.unit(units))}"
 
 
 def unit_of(length: str, power: int = 1) -> str:
-    """Write a unit behind a number."""
+    """Unit to append to a number; empty without a label."""
     return f" {length}{'²' if power == 2 else ''}" if length else ""

@@ -1,4 +1,4 @@
-"""Ctrl-C and termination while native code runs, which no signal unwinds."""
+"""Handle SIGINT and SIGTERM while Rust code runs."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from pathlib import Path
 
 INTERRUPTED = 130
 TERMINATED = 143
-SAID = "Interrupted; nothing is written."
+MESSAGE = "Interrupted; no files are written."
 
 _GRACE = 1.0
-"""Seconds in which Python code unwinds by itself."""
-PATIENT = 30.0
-"""Seconds for a cancelled solve to end and write its files."""
+"""Seconds for Python code to unwind after a signal."""
+PATH_GRACE = 30.0
+"""Seconds for a cancelled load path to end and write its files."""
 
 
 @contextmanager
-def at_once(room: Path, grace: float = _GRACE) -> Iterator[None]:
-    """End the process within so many seconds after a signal, also while native code is running.
+def exit_on_signal(temporary: Path, grace: float = _GRACE) -> Iterator[None]:
+    """Context that ends the process within ``grace`` seconds after a signal, also while Rust code runs.
 
-    Open files must be in the temporary directory, which is removed then. Python runs its signal handlers between its
-    own instructions, so a factorization of a minute would delay them by a minute. The interpreter writes every signal
-    to a pipe at once; a thread reads it there, and ends the process if the handlers have not ended it in time.
+    Python runs signal handlers between its instructions, so a factorization delays them. The interpreter also writes
+    each signal to a pipe immediately. A thread reads the pipe and ends the process if the handlers do not. It then
+    removes the directory ``temporary``, which must contain all open files.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -35,25 +35,25 @@ def at_once(room: Path, grace: float = _GRACE) -> Iterator[None]:
     read, write = os.pipe()
     os.set_blocking(write, False)
     former = signal.set_wakeup_fd(write, warn_on_full_buffer=False)
-    left = threading.Event()
-    watcher = threading.Thread(target=_watch, args=(read, left, room, grace), daemon=True)
+    finished = threading.Event()
+    watcher = threading.Thread(target=_watch, args=(read, finished, temporary, grace), daemon=True)
     watcher.start()
     try:
         yield
     finally:
-        left.set()
+        finished.set()
         signal.set_wakeup_fd(former)
         os.close(write)
         watcher.join()
 
 
-def _watch(read: int, left: threading.Event, room: Path, grace: float) -> None:
+def _watch(read: int, finished: threading.Event, temporary: Path, grace: float) -> None:
     codes = {signal.SIGINT: INTERRUPTED, signal.SIGTERM: TERMINATED}
     while signals := os.read(read, 1):
         code = codes.get(signal.Signals(signals[0]))
-        if code is not None and not left.wait(grace):
-            shutil.rmtree(room, ignore_errors=True)
-            sys.stderr.write(f"{SAID}\n")
+        if code is not None and not finished.wait(grace):
+            shutil.rmtree(temporary, ignore_errors=True)
+            sys.stderr.write(f"{MESSAGE}\n")
             sys.stderr.flush()
             os._exit(code)
     os.close(read)

@@ -1,7 +1,7 @@
-"""Standard output and standard error, whose readers may have gone.
+"""Standard output and standard error with a tolerance for closed pipes and full disks.
 
-Results are in files; the output is a copy. So a reader that has gone, as in ``signorini solve f.toml | head``, or a
-full disk behind a redirection, does not change the end of a run.
+Results are in files; the output is a copy. A closed pipe, as in ``signorini solve f.toml | head``, or a full disk
+does not change the exit code.
 """
 
 from __future__ import annotations
@@ -18,48 +18,48 @@ from rich.text import Text
 
 from signorini.base.progress import Progress
 
-_WIDTH_OF_FILES = 100_000
-"""Where the output is no terminal, tables keep their width, so that programs find a row on a line."""
+_FILE_WIDTH = 100_000
+"""Columns of an output that is not a terminal: each table row stays on one line, for programs that read it."""
 
 
 def stdout() -> Console:
-    """Give the console for the messages of a run."""
+    """Return the console of standard output."""
     return _console(sys.stdout)
 
 
 def stderr() -> Console:
-    """Give the console of why it ends as it does."""
+    """Return the console of standard error."""
     return _console(sys.stderr)
 
 
 def flush() -> None:
-    """Flush the stream without raising, at the end of the process."""
+    """Flush both streams at the end of the process, without raising."""
     for stream in (sys.stdout, sys.stderr):
-        _Shown(stream).flush()
+        _Tolerant(stream).flush()
 
 
 def discard(stream: IO[str]) -> None:
     """Discard all further output, including the buffer."""
-    # A stream that tests put there has no file behind it.
+    # Streams of tests have no file descriptor.
     with suppress(OSError, ValueError):
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, stream.fileno())
-        os.close(nowhere)
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, stream.fileno())
+        os.close(null)
 
 
 def visible(text: object) -> str:
-    r"""Replace terminal control characters, such as an escape in a file name, by readable ones.
+    r"""Replace terminal control characters, such as an escape in a file name, by printable escapes.
 
     Examples
     --------
     >>> visible("slab\x1b[31m.toml: no such file.") == r"slab\x1b[31m.toml: no such file."
     True
     """
-    return "".join(sign if sign.isprintable() or sign == "\n" else repr(sign)[1:-1] for sign in str(text))
+    return "".join(char if char.isprintable() or char == "\n" else repr(char)[1:-1] for char in str(text))
 
 
-class _Shown:
-    """A stream that accepts all output, with or without a reader."""
+class _Tolerant:
+    """A stream that discards its output after an OSError."""
 
     def __init__(self, stream: IO[str]) -> None:
         self._stream = stream
@@ -82,52 +82,52 @@ class _Shown:
 
 
 def _console(stream: IO[str]) -> Console:
-    """Make a console that takes text as it is: no markup, no colours guessed, no lines broken."""
-    shown: Any = _Shown(stream)
-    console = Console(file=shown, markup=False, highlight=False, emoji=False, soft_wrap=True)
+    """Return a console without markup, highlighting and line breaks."""
+    tolerant: Any = _Tolerant(stream)
+    console = Console(file=tolerant, markup=False, highlight=False, emoji=False, soft_wrap=True)
     if not console.is_terminal:
-        console.width = _WIDTH_OF_FILES
+        console.width = _FILE_WIDTH
     return console
 
 
-_BESIDE = 4
-"""Columns that the turning mark takes, and one to spare."""
-_EVERY = 60.0
-"""Seconds between lines of a log: a run of hours leaves a few pages."""
+_SPINNER_WIDTH = 4
+"""Columns of the spinner with its margins."""
+_LOG_INTERVAL = 60.0
+"""Seconds between lines of a log: a run of hours gives a few pages."""
 
 
 @contextmanager
 def progress_line() -> Iterator[Callable[[object], None]]:
-    """Give a function that shows its argument on standard error: on a terminal in place of the last one's.
+    """Context with a function that shows progress on standard error.
 
-    Elsewhere it is a line of its own, with the seconds since the beginning, if there was none for a minute. How far a
-    mesh came on the way to an accuracy stays on a terminal.
+    On a terminal a message replaces the previous one; messages about refined meshes remain. Otherwise at most one line
+    per minute is printed, with the seconds since the start.
     """
     console = Console(stderr=True, markup=False, highlight=False, emoji=False)
     if not sys.stderr.isatty() or console.is_dumb_terminal:
-        yield _now_and_then()
+        yield _log_lines()
         return
     with console.status("", spinner="line") as status:
 
-        def show(said: object) -> None:
-            if isinstance(said, Progress) and said.stage == "refined":
-                console.print(str(said))
+        def show(message: object) -> None:
+            if isinstance(message, Progress) and message.stage == "refined":
+                console.print(str(message))
                 return
-            text = Text(" ".join(str(said).split()))
-            text.truncate(max(console.width - _BESIDE, 1), overflow="ellipsis")
+            text = Text(" ".join(str(message).split()))
+            text.truncate(max(console.width - _SPINNER_WIDTH, 1), overflow="ellipsis")
             status.update(text)
 
         yield show
 
 
-def _now_and_then() -> Callable[[object], None]:
-    console, begun, told = stderr(), time.monotonic(), 0.0
+def _log_lines() -> Callable[[object], None]:
+    console, start, printed = stderr(), time.monotonic(), 0.0
 
-    def show(said: object) -> None:
-        nonlocal told
-        since = time.monotonic() - begun
-        if since >= told + _EVERY:
-            told = since
-            console.print(visible(f"after {since:.0f} s: {' '.join(str(said).split())}"))
+    def show(message: object) -> None:
+        nonlocal printed
+        elapsed = time.monotonic() - start
+        if elapsed >= printed + _LOG_INTERVAL:
+            printed = elapsed
+            console.print(visible(f"after {elapsed:.0f} s: {' '.join(str(message).split())}"))
 
     return show

@@ -1,4 +1,4 @@
-"""What is solved, or checked, on the terminal: every combination, of several a summary first."""
+"""Print results or a check on the terminal: the tables of each combination, for several a summary."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit, number, size_of
 from signorini.cli.governing import MeanRow, print_bearings, print_combined, print_governing, print_means
 from signorini.cli.grid import UNSETTLED, Column, Grid, cell, in_title, numbers, say, say_checked, unit_of
-from signorini.cli.sentences import MOST_KINDS, SEVERAL, Labels, kind_of, lifted, of_bolts, resting, too_wide
+from signorini.cli.sentences import MAX_KINDS, SEVERAL, Labels, kind_of, lifted, of_bolts, resting, too_wide
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
 from signorini.errors import length, point
@@ -43,17 +43,18 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import Singularity
 
 Widths = Mapping[str, Any] | None
-"""Half-widths as in results.json; None where there are none."""
+"""Half-widths as in results.json; None without half-widths."""
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
-_MOST_POINTS = 20
-"""Points of supports whose reactions are listed; of more the largest."""
-_MOST_OPEN = 8
-"""Open points named where not all points are listed; where more are open their number says enough."""
-_MOST_WARNINGS = 20
+_MAX_POINTS = 20
+"""Points of supports whose reactions are listed; of more, those with the largest."""
+_MAX_OPEN = 8
+"""Largest number of open points that are listed if not all points are; more are only counted."""
+_MAX_WARNINGS = 20
+"""Warnings, and snapped shapes, that are listed."""
 
 
 def print_results(console: Console, results: Results, estimates: Estimates | None) -> None:
-    """Print every combination: supports, their points, certificate, extremes, probes; then what is seldom meant."""
+    """Print every combination: supports, points, certificate, extremes, probes; then warnings and singularities."""
     discretisation, labels = results.discretisation, Labels(results)
     _print_model(console, discretisation)
     if results.model.tabulated:
@@ -69,31 +70,31 @@ def print_results(console: Console, results: Results, estimates: Estimates | Non
             print_bearings(console, results, estimates, labels)
             for group in (*results.model.effective_combinations.groups,) or ("",):
                 print_governing(console, results, estimates, labels, group)
-            say(console, f"{JSON} has everything of every combination.")
+            say(console, f"{JSON} has all results of every combination.")
     for result in results.full.values() if not results.model.tabulated and len(results) < SEVERAL else ():
         console.print()
         if result.status == "solved":
-            _print_result(console, result, _of(estimates, result), results.limits[result.name])
+            _print_result(console, result, _estimate(estimates, result), results.limits[result.name])
         else:
             say(console, f"{result.name}: no equilibrium", style="bold red")
     console.print()
     _print_refinement(console, results)
     warnings |= {sentence: [] for sentence in too_wide(results, estimates)}
-    told = {sentence: [labels.code(name) for name in names] for sentence, names in warnings.items()}
-    _print_warnings(console, told, len(results))
-    named = [one for result in results.full.values() for one in result.singular]
+    coded = {sentence: [labels.code(name) for name in names] for sentence, names in warnings.items()}
+    _print_warnings(console, coded, len(results))
+    singular = [singularity for result in results.full.values() for singularity in result.singular]
     if results.model.tabulated:
-        named = [*singularities(discretisation, results.model.effective_combinations.cases)]
-    _print_singular(console, named, results.model, f" All in {JSON}.")
-    for said in labels.listed():
-        say(console, said)
+        singular = [*singularities(discretisation, results.model.effective_combinations.cases)]
+    _print_singular(console, singular, results.model, f" All in {JSON}.")
+    for line in labels.listed():
+        say(console, line)
     if labels.named:
         console.print()
     _print_legend(console, discretisation.model.support)
 
 
 def _print_refinement(console: Console, results: Results) -> None:
-    """Print the meshes on the way to an accuracy that was asked for."""
+    """Print the meshes of the refinement to ``mesh.accuracy``."""
     if not results.refinement:
         return
     shown = Grid([*numbers("elements", "dofs", "largest ±"), Column("of")])
@@ -106,7 +107,7 @@ def _print_refinement(console: Console, results: Results) -> None:
 
 
 def print_check(console: Console, check: Check) -> None:
-    """Print a model's size, its supports and the resultants of its combinations."""
+    """Print the size of a model, its supports, and the load resultants of its combinations."""
     discretisation = check.discretisation
     model, units = discretisation.model, discretisation.model.units
     _print_model(console, discretisation)
@@ -124,21 +125,21 @@ def print_check(console: Console, check: Check) -> None:
         supports.add(_symbol(support, console), support.name, describe(support), *map(str, counts))
     supports.show(console, apart=True)
     if totals := case_totals(discretisation):
-        say(console, f"load cases in all: {', '.join(f'{case} {total}' for case, total in totals.items())}")
+        say(console, f"total of each load case: {', '.join(f'{case} {total}' for case, total in totals.items())}")
         console.print()
     titles = (f"load{in_unit(units.force)}", f"acts at{in_unit(units.length)}", "balanced", "limit")
     loads = Grid([Column("combination"), *numbers(*titles)])
     largest = size_of([resultant.force for resultant in check.resultants])
-    listed = [r for number, r in enumerate(check.resultants) if number < ASKED or r.message]
+    listed = [resultant for number, resultant in enumerate(check.resultants) if number < ASKED or resultant.message]
     for resultant in listed[: 2 * ASKED]:
-        at = point(resultant.at, discretisation.mesh.size) if resultant.at else f"moment {point(resultant.couple)}"
+        place = point(resultant.at, discretisation.mesh.size) if resultant.at else f"moment {point(resultant.couple)}"
         verdict = Text("no", style="bold red") if resultant.message else Text("just" if resultant.brink else "yes")
         limit = f"{resultant.limit[0]} at {resultant.limit[1]:.4g}" if resultant.limit else "none"
-        loads.add(resultant.name, number(resultant.force, largest), at, verdict, limit)
+        loads.add(resultant.name, number(resultant.force, largest), place, verdict, limit)
     loads.show(console)
-    if left := len(check.resultants) - len(listed[: 2 * ASKED]):
+    if more := len(check.resultants) - len(listed[: 2 * ASKED]):
         unbalanced = sum(bool(resultant.message) for resultant in check.resultants)
-        say(console, f"and {left} more; of all {len(check.resultants)} combinations {unbalanced} cannot be balanced")
+        say(console, f"and {more} more; {unbalanced} of all {len(check.resultants)} combinations cannot be balanced")
     console.print()
     _print_warnings(console, dict.fromkeys(check.warnings, ()))
     _print_singular(console, check.singular, model)
@@ -156,10 +157,10 @@ def _print_model(console: Console, discretisation: Discretisation) -> None:
         f"{discretisation.mesh.node_count} nodes, {discretisation.dof_count} dofs, "
         f"{one_sided} one-sided contact points",
     )
-    for one in discretisation.snapped[:_MOST_WARNINGS]:
-        begin, end = (", ".join(length(part, discretisation.mesh.size) for part in at) for at in (one.begin, one.end))
-        say(console, f"snapped: {one.what} from [{begin}] to [{end}], onto {one.onto}")
-    if (more := len(discretisation.snapped) - _MOST_WARNINGS) > 0:
+    for move in discretisation.snapped[:_MAX_WARNINGS]:
+        begin, end = (", ".join(length(x, discretisation.mesh.size) for x in xs) for xs in (move.begin, move.end))
+        say(console, f"snapped: {move.what} from [{begin}] to [{end}], onto {move.onto}")
+    if (more := len(discretisation.snapped) - _MAX_WARNINGS) > 0:
         say(console, f"snapped: {more} more, in results.json")
 
 
@@ -173,7 +174,7 @@ def _elements(discretisation: Discretisation) -> str:
     return " and ".join(f"{many} elements {kind}" for kind, many in kinds.items() if many)
 
 
-def _of(estimates: Estimates | None, result: Result) -> Estimate | None:
+def _estimate(estimates: Estimates | None, result: Result) -> Estimate | None:
     return None if estimates is None else estimates[result.name]
 
 
@@ -196,8 +197,8 @@ def _print_summary(console: Console, results: Results, estimates: Estimates | No
         pairs = (("max", result.deflection.max()), ("min", result.deflection.min()))
         ends = (cell(float(end), widths, ("deflection", name), size) for name, end in pairs)
         reactions = (
-            cell(result.reaction, widths, (*place_of(model, index), "reaction"), load)
-            for index, result in enumerate(result.supports)
+            cell(support.reaction, widths, (*place_of(model, index), "reaction"), load)
+            for index, support in enumerate(result.supports)
         )
         opened = sum(support.open_count for support in result.supports)
         shown.add(labels.cell(result.name), *ends, str(opened), *reactions)
@@ -207,12 +208,12 @@ def _print_summary(console: Console, results: Results, estimates: Estimates | No
     solved = [result for result in results.full.values() if result.status == "solved"]
     for name, sentence in ((result.name, lifted(result)) for result in solved):
         if sentence:
-            say(console, f"{labels.said(name)}: {sentence}")
+            say(console, f"{labels.in_sentence(name)}: {sentence}")
     console.print()
 
 
 def _print_largest(console: Console, results: Results, estimates: Estimates | None, labels: Labels) -> None:
-    """Print the largest and smallest moments and shears of all combinations, the worst certificate and the meshes."""
+    """Print the extremes of moments and shears over all combinations, the worst certificate and the meshes of ±."""
     solved = [result for result in results.full.values() if result.status == "solved"]
     if not solved:
         return
@@ -222,22 +223,22 @@ def _print_largest(console: Console, results: Results, estimates: Estimates | No
     columns = [*numbers("largest", where), by, *numbers("smallest", where), by]
     shown, means = Grid([Column("moments and shears"), *columns], unknown=UNSETTLED), list[MeanRow]()
     for name in RESULTANTS:
-        scale, cells = max(largest_of(one)[FIELDS[name].kind] for one in solved), []
-        most = max(solved, key=lambda one: one.extremes[name].max)
-        least = min(solved, key=lambda one: one.extremes[name].min)
-        for side, one in (("max", most), ("min", least)):
-            value, at = getattr(one.extremes[name], side), getattr(one.extremes[name], f"{side}_at")
-            cells += [cell(value, _widths(estimates, one), ("fields", name, side), scale, 5)]
-            cells += [point(at, size), labels.cell(one.name)]
+        scale, cells = max(largest_of(result)[FIELDS[name].kind] for result in solved), []
+        most = max(solved, key=lambda result: result.extremes[name].max)
+        least = min(solved, key=lambda result: result.extremes[name].min)
+        for side, result in (("max", most), ("min", least)):
+            value, place = getattr(result.extremes[name], side), getattr(result.extremes[name], f"{side}_at")
+            cells += [cell(value, _widths(estimates, result), ("fields", name, side), scale, 5)]
+            cells += [point(place, size), labels.cell(result.name)]
         shown.add(FIELDS[name].label(model.units), *cells)
-        means.append(_means(solved, name, scale, lambda one: _widths(estimates, one), labels))
+        means.append(_means(solved, name, scale, lambda result: _widths(estimates, result), labels))
     shown.show(console)
-    singular = {number: [each for one in solved for each in one.excluding(number)] for number in PEAKS}
+    singular = {number: [each for result in solved for each in result.excluding(number)] for number in PEAKS}
     print_means(console, singular, means, model.units, labels)
     console.print()
-    worst = ", ".join(f"{name} {max(getattr(one.certificate, name) for one in solved):.1e}" for name in FIGURES)
+    worst = ", ".join(f"{name} {max(getattr(result.certificate, name) for result in solved):.1e}" for name in FIGURES)
     say(console, f"worst certificate passed: {worst}")
-    estimate = _of(estimates, solved[0])
+    estimate = _estimate(estimates, solved[0])
     say_checked(console, () if estimate is None else estimate.elements, model.estimated)
     console.print()
 
@@ -245,26 +246,26 @@ def _print_largest(console: Console, results: Results, estimates: Estimates | No
 def _means(
     results: Sequence[Result], name: str, size: float, widths: Callable[[Result], Widths], labels: Labels | None = None
 ) -> MeanRow:
-    """Cells of the largest and smallest mean of a field over some results, where there are any."""
+    """Cells of the largest and smallest mean of a field over several results; empty without means."""
     cells: list[list[str]] = []
     for side, sign in zip(MEAN_SIDES, (1.0, -1.0), strict=True):
-        told = [one for one in results if not np.isnan(getattr(one.extremes[name], side))]
-        most = max(told, key=lambda one: sign * getattr(one.extremes[name], side), default=None)
+        with_mean = [result for result in results if not np.isnan(getattr(result.extremes[name], side))]
+        most = max(with_mean, key=lambda result: sign * getattr(result.extremes[name], side), default=None)
         cells.append([])
         if most is not None:
-            value, at, width = (getattr(most.extremes[name], f"{side}{part}") for part in ("", "_at", "_width"))
-            number_there = cell(value, widths(most), ("fields", name, side), size, 5)
+            value, place, width = (getattr(most.extremes[name], f"{side}{part}") for part in ("", "_at", "_width"))
+            mean = cell(value, widths(most), ("fields", name, side), size, 5)
             by = [labels.cell(most.name)] if labels else []
-            cells[-1] = [number_there, point(at, most.mesh.size), length(width), *by]
+            cells[-1] = [mean, point(place, most.mesh.size), length(width), *by]
     return FIELDS[name].label(results[0].model.units), cells
 
 
 def _print_result(console: Console, result: Result, estimate: Estimate | None, limit: tuple[str, float] | None) -> None:
     units, largest = result.model.units, largest_of(result)
     widths, load = None if estimate is None else estimate.plus_minus, largest["reaction"]
-    before = f" after {' and '.join(result.unsettled)} did not settle" if result.unsettled else ""
-    how = f": solved by {result.method}{before}, {result.iterations} {result.counted}"
-    say(console, Text(result.name, style="bold") + Text(how))
+    failed = f" after {' and '.join(result.unsettled)} did not converge" if result.unsettled else ""
+    method = f": solved by {result.method}{failed}, {result.iterations} {result.counted}"
+    say(console, Text(result.name, style="bold") + Text(method))
     columns = [Column(""), Column("support"), Column("kind", spare=True)]
     rows = Grid([*columns, *numbers(f"reaction{in_unit(units.force)}", "closed", "open")], heads=2)
     for index, (support, values) in enumerate(zip(result.model.support, result.supports, strict=True)):
@@ -274,9 +275,9 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
     if len(result.supports) > 1:
         rows.last_apart = True
         grounded = zip(result.model.support, result.supports, strict=True)
-        total = sum(one.reaction for support, one in grounded if support.between is None)
-        closed = sum(result.closed_count for result in result.supports)
-        opened = sum(result.open_count for result in result.supports)
+        total = sum(values.reaction for support, values in grounded if support.between is None)
+        closed = sum(values.closed_count for values in result.supports)
+        opened = sum(values.open_count for values in result.supports)
         rows.add("", "all", "", number(total, load), str(closed), str(opened))
     rows.show(console)
     _print_lines(console, result, widths, largest)
@@ -285,11 +286,11 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
         if sentence:
             say(console, sentence)
     for name, plate in result.plates.items() or [("", result)]:
-        own = widths if not name or widths is None else widths["plates"][name]
-        _print_deflection(console, plate, own, f"{name}: " if name else "")
-        _print_extremes(console, plate, own, largest_of(plate))
+        plate_widths = widths if not name or widths is None else widths["plates"][name]
+        _print_deflection(console, plate, plate_widths, f"{name}: " if name else "")
+        _print_extremes(console, plate, plate_widths, largest_of(plate))
     if limit is not None:
-        say(console, f"equilibrium would end with {limit[0]} at {limit[1]:.4g} times its factor")
+        say(console, f"Equilibrium ends at {limit[1]:.4g} × case {limit[0]}, other cases unchanged")
     say(console, f"certificate {result.certificate}", style="" if result.certificate.passed else "bold red")
     say_checked(console, () if estimate is None else estimate.elements, result.model.estimated)
     if result.probes:
@@ -299,7 +300,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
 
 
 def _print_lines(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print the largest and smallest reaction per length of each line, and its largest concentrated force."""
+    """Print the extremes of the reaction per length of each line, and its largest concentrated force."""
     units, size, where = result.model.units, result.mesh.size, f"at{in_unit(result.model.units.length)}"
     titles = f"largest{in_unit(units.force_by_length(-1))}", where, "smallest", where
     shown = Grid([Column("reaction per length"), *numbers(*titles, f"corner{in_unit(units.force)}", where)])
@@ -307,8 +308,8 @@ def _print_lines(console: Console, result: Result, widths: Widths, largest: Mapp
     for index, line in lines:
         of_support, cells = place_of(result.model, index), list[str]()
         for name in ("max_per_length", "min_per_length"):
-            value, at = getattr(line, name), getattr(line, f"{name}_at")
-            cells += [cell(value, widths, (*of_support, name), largest["per_length"]), point(at, size)]
+            value, place = getattr(line, name), getattr(line, f"{name}_at")
+            cells += [cell(value, widths, (*of_support, name), largest["per_length"]), point(place, size)]
         if len(line.corners):
             most = int(np.abs(line.corner_reactions).argmax())
             path = (*of_support, "corners", most, "reaction")
@@ -321,51 +322,51 @@ def _print_lines(console: Console, result: Result, widths: Widths, largest: Mapp
 
 
 def _print_points(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Reactions of point supports, of many the largest."""
+    """Print reactions of point supports; of many, those with the largest."""
     supports, units, size = result.supports, result.model.units, result.mesh.size
-    every = [(i, at) for i, one in enumerate(supports) if one.place == "at" for at in range(len(one.reactions))]
+    every = [(i, k) for i, values in enumerate(supports) if values.place == "at" for k in range(len(values.reactions))]
     if not every:
         return
-    most = sorted(every, key=lambda one: -abs(supports[one[0]].reactions[one[1]]))[:_MOST_POINTS]
+    listed = sorted(every, key=lambda pair: -abs(supports[pair[0]].reactions[pair[1]]))[:_MAX_POINTS]
     titles = [f"at{in_unit(units.length)}", f"reaction{in_unit(units.force)}"]
-    tightened = any(supports[index].preloads is not None for index, _ in most)
-    titles += [f"{one.name.replace('_', ' ')}{in_unit(units.force)}" for one in AT_BOLTS if tightened]
+    tightened = any(supports[index].preloads is not None for index, _ in listed)
+    titles += [f"{quantity.name.replace('_', ' ')}{in_unit(units.force)}" for quantity in AT_BOLTS if tightened]
     titles.append(f"gap{in_unit(units.length)}")
     shown = Grid([Column("point"), *numbers(*titles), Column("state")])
-    for index, at in sorted(most):
-        one, path = supports[index], (*place_of(result.model, index), "points", at)
-        name = f"{one.name}[{at + 1}]" if len(one.reactions) > 1 else one.name
-        gap = cell(float(one.gaps[at]), widths, (*path, "gap"), largest["deflection"])
-        reaction = cell(float(one.reactions[at]), widths, (*path, "reaction"), largest["reaction"])
-        place = point(one.positions[at].tolist(), size)
-        before = [""] * len(AT_BOLTS) * tightened
-        if one.bolt_forces:
-            columns = ((of.name, float(one.bolt_forces[of.name][at])) for of in AT_BOLTS)
-            before = [cell(value, widths, (*path, name), largest["reaction"]) for name, value in columns]
-        shown.add(name, place, reaction, *before, gap, one.states[at])
+    for index, k in sorted(listed):
+        values, path = supports[index], (*place_of(result.model, index), "points", k)
+        name = f"{values.name}[{k + 1}]" if len(values.reactions) > 1 else values.name
+        gap = cell(float(values.gaps[k]), widths, (*path, "gap"), largest["deflection"])
+        reaction = cell(float(values.reactions[k]), widths, (*path, "reaction"), largest["reaction"])
+        place = point(values.positions[k].tolist(), size)
+        bolts = [""] * len(AT_BOLTS) * tightened
+        if values.bolt_forces:
+            columns = ((quantity.name, float(values.bolt_forces[quantity.name][k])) for quantity in AT_BOLTS)
+            bolts = [cell(value, widths, (*path, name), largest["reaction"]) for name, value in columns]
+        shown.add(name, place, reaction, *bolts, gap, values.states[k])
     console.print()
     shown.show(console)
-    if left := len(every) - len(most):
-        say(console, f"and {left} more points of smaller reactions, all in reactions.csv")
+    if more := len(every) - len(listed):
+        say(console, f"and {more} more points with smaller reactions, all in reactions.csv")
         for values in result.supports:
-            if values.place == "at" and 0 < values.open_count <= _MOST_OPEN:
+            if values.place == "at" and 0 < values.open_count <= _MAX_OPEN:
                 places = (point(at, size) for at in values.positions[~values.closed].tolist())
                 say(console, f"{values.name}, open: {', '.join(places)}")
     console.print()
 
 
-def _print_deflection(console: Console, result: Result, widths: Widths, of: str) -> None:
+def _print_deflection(console: Console, result: Result, widths: Widths, prefix: str) -> None:
     unit, largest = unit_of(result.model.units.length), size_of(result.deflection)
     values = result.extremes["deflection"]
     parts = (
         f"{name} {cell(value, widths, ('deflection', name), largest)}{unit} at {point(at, result.mesh.size)}"
         for name, value, at in (("max", values.max, values.max_at), ("min", values.min, values.min_at))
     )
-    say(console, f"{of}deflection, positive down: {', '.join(parts)}")
+    say(console, f"{prefix}deflection, positive down: {', '.join(parts)}")
 
 
 def _print_extremes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print the largest and smallest moments and shears, what these exclude, and the means there."""
+    """Print the extremes of moments and shears, the excluded places, and the means there."""
     units, size = result.model.units, result.mesh.size
     where = f"at{in_unit(units.length)}"
     shown = Grid([Column("moments and shears"), *numbers("largest", where, "smallest", where)], unknown=UNSETTLED)
@@ -375,38 +376,38 @@ def _print_extremes(console: Console, result: Result, widths: Widths, largest: M
         for side, value, at in (("max", values.max, values.max_at), ("min", values.min, values.min_at)):
             cells += [cell(value, widths, ("fields", name, side), largest[kind], 5), point(at, size)]
         shown.add(FIELDS[name].label(units), *cells)
-        means.append(_means([result], name, largest[kind], lambda one: widths))
+        means.append(_means([result], name, largest[kind], lambda _: widths))
     console.print()
     shown.show(console)
     print_means(console, {number: result.excluding(number) for number in PEAKS}, means, units)
 
 
 def _print_probes(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print the fields at probes, a row each, and a column a probe."""
+    """Print the fields at probes, a row per field and a column per probe."""
     units = result.model.units
     touching = any(probe.pressure is not None for probe in result.probes)
-    told = [one for one in AT_PROBES if one.name in LINEAR or (one.name == "pressure" and touching)]
-    shown = Grid([Column(f"at{in_unit(units.length)}"), *numbers(*(one.label(units) for one in told))])
+    quantities = [each for each in AT_PROBES if each.name in LINEAR or (each.name == "pressure" and touching)]
+    shown = Grid([Column(f"at{in_unit(units.length)}"), *numbers(*(each.label(units) for each in quantities))])
     plates = [f"{probe.plate} " if probe.plate else "" for probe in result.model.probe for _ in probe.at]
     for index, probe in enumerate(result.probes):
         cells = []
-        for one in told:
-            path = ("probes", index, *one.path)
+        for quantity in quantities:
+            path = ("probes", index, *quantity.path)
             value = float(result.numbers[result.catalogue.by_path[path]])
-            cells.append("" if np.isnan(value) else cell(value, widths, path, largest[one.kind], 5))
+            cells.append("" if np.isnan(value) else cell(value, widths, path, largest[quantity.kind], 5))
         shown.add(f"{plates[index]}{point(probe.at, result.mesh.size)}", *cells)
     shown.show_turned(console)
 
 
 def _print_through(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print a row each section, and a row each strip with its largest and smallest mean moment and where they are."""
+    """Print a row per section, and a row per strip with the extremes of its mean moment."""
     units, size = result.model.units, result.mesh.size
     if result.sections:
         console.print()
-        shown = Grid([Column("section"), *numbers(*(in_title(one, units) for one in THROUGH))])
+        shown = Grid([Column("section"), *numbers(*(in_title(quantity, units) for quantity in THROUGH))])
         for index, section in enumerate(result.sections):
-            values = ((one, getattr(section, one.name), ("sections", index, one.name)) for one in THROUGH)
-            shown.add(section.name, *(cell(value, widths, path, largest[one.kind]) for one, value, path in values))
+            values = ((each, getattr(section, each.name), ("sections", index, each.name)) for each in THROUGH)
+            shown.add(section.name, *(cell(value, widths, path, largest[each.kind]) for each, value, path in values))
         shown.show(console)
     if result.strips:
         console.print()
@@ -414,64 +415,62 @@ def _print_through(console: Console, result: Result, widths: Widths, largest: Ma
         shown = Grid([Column("strip"), *numbers(f"largest mean {in_title(MEANS[0], units)}", where, "smallest", where)])
         for index, strip in enumerate(result.strips):
             cells = []
-            for key, of in (("max_moment", strip.sagging), ("min_moment", strip.hogging)):
-                cells.append(cell(of.moment, widths, ("strips", index, key), largest["moment"], 5))
-                cells.append(point(of.at, size))
+            for key, station in (("max_moment", strip.sagging), ("min_moment", strip.hogging)):
+                cells.append(cell(station.moment, widths, ("strips", index, key), largest["moment"], 5))
+                cells.append(point(station.at, size))
             shown.add(strip.name, *cells)
         shown.show(console)
 
 
 def _by_sentence(results: Results, estimates: Estimates | None) -> dict[str, list[str]]:
-    """Every warning once, with the combinations that it is about."""
+    """Warnings with the names of their combinations."""
     values: dict[str, list[str]] = {}
     for result in results.full.values():
-        of_mesh = () if estimates is None else estimates[result.name].warnings
-        for sentence in (*result.warnings, *of_mesh):
+        mesh_warnings = () if estimates is None else estimates[result.name].warnings
+        for sentence in (*result.warnings, *mesh_warnings):
             values.setdefault(sentence, []).append(result.name)
     return values
 
 
-def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], of: int = 0) -> None:
-    """Print every sentence once; ``of`` combinations there are."""
-    for sentence, names in list(warnings.items())[:_MOST_WARNINGS]:
-        about = list(names)
-        where = f" ({', '.join(about)})" if 0 < len(about) < of else ""
+def _print_warnings(console: Console, warnings: Mapping[str, Iterable[str]], combinations: int = 0) -> None:
+    """Print each warning with its combinations, unless it applies to all ``combinations``."""
+    for sentence, names in list(warnings.items())[:_MAX_WARNINGS]:
+        affected = list(names)
+        where = f" ({', '.join(affected)})" if 0 < len(affected) < combinations else ""
         say(console, f"Warning{where}: {sentence}", style="yellow")
-    if (left := len(warnings) - _MOST_WARNINGS) > 0:
-        say(console, f"And {left} more warnings, all in results.json.", style="yellow")
+    if (more := len(warnings) - _MAX_WARNINGS) > 0:
+        say(console, f"And {more} more warnings, all in results.json.", style="yellow")
     if warnings:
         console.print()
 
 
 def _print_singular(console: Console, named: Iterable[Singularity], model: Model, rest: str = "") -> None:
-    """Say in a line what has no limit as the mesh is refined, and in one what this mesh is too coarse for.
+    """Print a line about singular results and a line about results that this mesh does not resolve.
 
-    Every kind with its first place, and how many there are; loads have no names: their cases are told. ``rest`` says
-    where all are.
+    Each kind has its first place and the number of others; a load is identified by its case. ``rest`` is appended.
     """
     cases, every = {load.case for load in model.load}, list(dict.fromkeys(named))
     for word, limited in (("Singular", False), ("Unresolved", True)):
-        those = [one for one in every if one.limited == limited]
+        selected = [singularity for singularity in every if singularity.limited == limited]
         kinds: dict[str, list[Singularity]] = {}
-        for one in those:
-            of = f' (case "{one.source}")' if one.source in cases else ""
-            plate = f"{one.plate}: " if one.plate else ""
-            kinds.setdefault(plate + kind_of(one) + of, []).append(one)
+        for each in selected:
+            case = f' (case "{each.source}")' if each.source in cases else ""
+            plate = f"{each.plate}: " if each.plate else ""
+            kinds.setdefault(plate + kind_of(each) + case, []).append(each)
         if not kinds:
             continue
-        result = []
-        for kind, alike in list(kinds.items())[:MOST_KINDS]:
-            count = sum(1 if one.line else len(one.where) for one in alike)
-            where = f" at {point(alike[0].where[0])}" if alike[0].where else ""
-            result.append(f"{kind}{where}{f' and {count - 1} more' if count > 1 else ''}")
-        result += [f"{len(kinds) - MOST_KINDS} more kinds"] * (len(kinds) > MOST_KINDS)
-        *most, last = dict.fromkeys(number for one in those for number in one.numbers)
-        numbers_there = " and ".join(filter(None, (", ".join(most), last)))
-        is_or_are, has = ("are", "have") if most else ("is", "has")
+        listed = []
+        for kind, same_kind in list(kinds.items())[:MAX_KINDS]:
+            count = sum(1 if each.line else len(each.where) for each in same_kind)
+            where = f" at {point(same_kind[0].where[0])}" if same_kind[0].where else ""
+            listed.append(f"{kind}{where}{f' and {count - 1} more' if count > 1 else ''}")
+        listed += [f"{len(kinds) - MAX_KINDS} more kinds"] * (len(kinds) > MAX_KINDS)
+        *first, last = dict.fromkeys(number for each in selected for number in each.numbers)
+        quantities = " and ".join(filter(None, (", ".join(first), last)))
+        is_or_are, has = ("are", "have") if first else ("is", "has")
         means = f"{is_or_are} too small on this mesh" if limited else f"{has} no limit as the mesh is refined"
-        advice = " ".join(dict.fromkeys(one.advice for one in those))
-        said = f"{word}, {numbers_there} {means}: {'; '.join(result)}. {advice}{rest}"
-        say(console, said, style="yellow")
+        advice = " ".join(dict.fromkeys(each.advice for each in selected))
+        say(console, f"{word}, {quantities} {means}: {'; '.join(listed)}. {advice}{rest}", style="yellow")
     if every:
         console.print()
 
@@ -479,9 +478,9 @@ def _print_singular(console: Console, named: Iterable[Singularity], model: Model
 def _print_legend(console: Console, supports: Sequence[Support]) -> None:
     marks = _marks(console)
     used = {kind for support in supports for kind in kinds(support)}
-    said = [f"{marks[kind]} {meaning}" for kind, meaning in MEANINGS.items() if kind in used]
-    said += [f"without {marks['elastic']}: rigid"] * any(not support.gives_way for support in supports)
-    say(console, "  ".join(said))
+    entries = [f"{marks[kind]} {meaning}" for kind, meaning in MEANINGS.items() if kind in used]
+    entries += [f"without {marks['elastic']}: rigid"] * any(not support.is_compliant for support in supports)
+    say(console, "  ".join(entries))
 
 
 def _symbol(support: Support, console: Console) -> str:

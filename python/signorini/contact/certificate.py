@@ -1,14 +1,15 @@
-"""The certificate: how far an answer is from a solution, computed by code that did not solve it.
+"""The certificate: errors of an answer, computed from the statement of the problem alone.
 
-It takes the displacements, reactions and the statement of the problem, and recomputes gaps, nodal forces and the
-three global balances from them. It reads no factor, no condensed matrix, and no status.
+From displacements u and reactions λ it recomputes gaps Gu − Cλ − g, nodal forces F − Ku − Gᵀλ and the global balance.
+It uses no factor, no condensed matrix and no status of a solver.
 """
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -19,56 +20,57 @@ from signorini.discretise.loads import CANCELLED
 from signorini.discretise.rows import Bools, Floats, Ints
 
 TOLERANCE = 1e-8
+"""Largest error of a certified answer, relative to the size of each figure."""
 CERTIFIABLE = 1e-4
-"""Part of the forces that act which arithmetic may leave unknown. What is out of balance all over a plate adds up as
-in a random walk and loads add up plainly, so that an answer is wrong by hardly more; a larger part would excuse all."""
+"""Largest rounding, relative to the acting forces, of a certified answer.
+
+Roundings all over a plate add up as in a random walk, loads add up directly: the answer has hardly a larger error."""
 _ROUNDINGS = 4.0
-"""Units of rounding, of the internal and contact forces that cancel at a node, below which no imbalance can be seen."""
-_NO_LEVER = 1e-12
-"""Part of what supports have in one resultant below which they have none in another: couples have no force but for the
-rounding of their rows, some units of it times the shape functions' slopes."""
+"""Smallest imbalance that is significant, in machine epsilons times the internal and contact forces at a node."""
+_RANK = 1e-12
+"""Rank tolerance of supports' rows over rigid motions, relative to the largest singular value."""
 _NIL = 1e-6
-"""Deflections below this part of F a²/D are rounding of the elimination."""
+"""Largest deflection, relative to F a²/D, that is rounding of the elimination."""
 _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
-"""Part of a size which, as a scale, turns the tolerance into that size's rounding."""
+"""Factor (9e-8) that converts a size into a scale at which `TOLERANCE` equals the rounding of the size."""
 _CANCELLED = CANCELLED / TOLERANCE
-"""As `_UNSEEN`, of loads that are added: as much of them counts as nothing where they cancel."""
+"""The same factor (4e-7) for the rounding of loads that cancel."""
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
+"""Names of the errors, in the order in which they are shown."""
 LIMITED = ("tension", "equilibrium", "balance")
-"""Figures that the rounding of the plate's own forces may limit."""
+"""Errors that may be compared with the rounding of the plate's forces."""
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """Errors of an answer, each relative to a size stated here; ``passed`` means all are within tolerance.
+    """Errors of an answer, each relative to a size stated here; ``passed`` means that all are within tolerance.
 
     Parameters
     ----------
     penetration : float
-        Deepest penetration, or largest violation of a held deflection, over the largest deflection, or, where supports
-        leave none, a millionth of the deflection F a²/D by which the load F scales on a plate of size a, or 10⁻⁷ of the
-        slopes that are given times a. Violations of held slopes count over the largest slope, or this deflection by a.
+        Largest penetration (Gu − Cλ − g)₊ or violation of a held deflection, relative to the largest deflection. This
+        size is at least 10⁻⁶ F a²/D for a load F on a plate of size a, and 10⁻⁷ a times the prescribed slopes.
+        Violations of held slopes are relative to the largest slope, at least this size over a.
     tension : float
-        Largest reaction of the wrong sign over the largest reaction or nodal load.
+        Largest reaction of the wrong sign, or beyond its limit, relative to the largest reaction or nodal load.
     complementarity : float
-        Largest lesser one of a reaction and its gap, each over the size that it is judged by above.
+        Largest min(reaction, gap), each relative to its size above.
     equilibrium : float
-        Largest nodal force out of balance over the largest nodal load (couples over the element size).
+        Largest nodal force F − Ku − Gᵀλ relative to the largest nodal load; couples over the element size.
     balance : float
-        Largest of the three global resultants out of balance over the sum of the load's magnitudes.
+        Largest global resultant of loads and reactions (force, two moments over a) relative to the sum of magnitudes.
     tension_limit, equilibrium_limit, balance_limit : float
-        What double precision can show of the three for this plate: internal forces of thin plates, and forces by which
-        supports push against each other, are so much larger than the loads that their rounding counts. A figure over
-        the tolerance is judged by its limit; 0 where none is.
+        Rounding of these errors in double precision. Internal forces of thin plates, and forces of supports that push
+        against each other, are far larger than the loads, so that it may exceed the tolerance. An error above the
+        tolerance is compared with its limit; 0 if none is.
     rounding : float
-        Where a figure is judged by its limit, what rounding may be of the forces that act: of loads, of reactions, and,
-        where settlements move the plate, of what bends it. Over 1e-4 that certifies nothing. 0 where no figure is.
+        Largest limit that was used, relative to the acting forces: loads, reactions, and with settlements the forces
+        that bend the plate. Above 1e-4 the answer is not certified. 0 if no limit was used.
     lost : float
-        Where curvatures or loads that balance themselves act beside others: largest of force and two moments by which
-        reactions miss the resultant of those others, over the sum of their magnitudes or the largest total of a
-        support, or, if more, the largest of the least forces of the acting supports that make it up, over the largest
-        reaction. Over 1e-4 the others are lost in the rounding of what has no resultant. 0 where all has one, or
-        nothing.
+        Used if curvatures or self-equilibrated loads act together with others. The resultant of the others that
+        reactions miss, relative to the sum of their magnitudes or the largest total of a support; or, if larger, the
+        largest of the least-norm support forces with this resultant, relative to the largest reaction. Above 1e-4 the
+        others are lost in rounding. Otherwise 0.
     """
 
     penetration: float
@@ -84,22 +86,27 @@ class Certificate:
 
     @property
     def limited(self) -> bool:
-        """Whether arithmetic limits a figure that passed."""
+        """Whether the certificate passed with an error above the tolerance, within the rounding."""
         return self.passed and max(self.tension, self.equilibrium, self.balance) > TOLERANCE
 
     @classmethod
-    def worst(cls, of: Sequence[Self]) -> Self:
-        """Take the largest of every figure."""
-        return cls(**{figure.name: max(getattr(one, figure.name) for one in of) for figure in fields(cls)})
+    def worst(cls, certificates: Sequence[Self]) -> Self:
+        """Take the largest of each figure over certificates."""
+        return cls(
+            **{
+                figure.name: max(getattr(certificate, figure.name) for certificate in certificates)
+                for figure in fields(cls)
+            }
+        )
 
     @property
     def passed(self) -> bool:
-        """Whether every figure is within tolerance, or within a limit that still certifies."""
+        """Whether each error is within the tolerance or its limit, and rounding is small enough."""
         within = (getattr(self, name) <= max(TOLERANCE, getattr(self, f"{name}_limit", 0.0)) for name in FIGURES)
         return all(within) and self.rounding <= CERTIFIABLE and self.lost <= CERTIFIABLE
 
     def __str__(self) -> str:
-        """Say it in a line."""
+        """Describe the certificate in a line."""
         figures = ", ".join(f"{name} {getattr(self, name):.1e}" for name in FIGURES)
         limits = ", ".join(f"{name} to {getattr(self, f'{name}_limit'):.0e}" for name in LIMITED)
         note = f"; arithmetic limits {limits}" if self.limited or self.rounding > CERTIFIABLE else ""
@@ -116,14 +123,13 @@ def certify(
     pieces: Sequence[Ints] = (),
     beside: Sequence[CaseLoad] = (),
 ) -> Certificate:
-    """Judge displacements ``hi + lo`` (3n,) and the contact points' reactions (m,) under a load.
+    """Certify displacements u = ``hi + lo`` (3n,) and reactions λ (m,) of contact points under a load.
 
-    ``pieces`` (m,) are pieces of the laws on which they claim to be solutions: how far points are off such a piece
-    counts as complementarity too. An answer at both ends of a stretch that stands on the same pieces proves all
-    between them, which is linear. ``beside`` are the loads that this one is the sum of: their rounding, and
-    that of the reactions to them, is none of the answer's fault where they cancel.
+    Each entry of ``pieces`` (m,) is a set of pieces of the laws that must contain the answer: the distance from it
+    counts as complementarity. Two answers on the same pieces certify all linear combinations between them.
+    ``beside`` are the loads whose sum this load is: where they cancel, their rounding is tolerated.
     """
-    sets = [those[None] for those in pieces]
+    sets = [set_of_pieces[None] for set_of_pieces in pieces]
     return certify_each(discretisation, [load], hi[None], lo[None], reaction[None], sets, [beside])[0]
 
 
@@ -137,303 +143,388 @@ def certify_each(
     beside: Sequence[Sequence[CaseLoad]] = (),
     imbalance: Floats | None = None,
 ) -> list[Certificate]:
-    """Judge answers (k,) to as many loads as `certify` does each, from arrays of one more dimension in front.
+    """Certify k answers to k loads; all arrays have an additional first dimension k, see `certify`.
 
-    ``imbalance`` (k, 3n) are the residuals of plate and springs alone, where they are known.
+    ``imbalance`` (k, 3n) is F − Ku of plate and springs, if known.
     """
-    contacts, held, size = discretisation.contacts, discretisation.held, discretisation.mesh.size
-    nodal = np.array([load.nodal for load in loads])
-    beside = beside or [()] * len(loads)
-    deflected, reached = (
-        np.array([sum(float(of(discretisation, part.nodal)) for part in parts) for parts in beside])
-        for of in (loaded_deflection, reaching)
-    )
     imbalance = imbalances(discretisation, loads, hi, lo) if imbalance is None else imbalance
+    answers = _Answers(discretisation, loads, hi, lo, reaction, pieces, beside or [()] * len(loads), imbalance)
     with np.errstate(invalid="ignore"):
-        pushes = (discretisation.contact_rows.T @ reaction.T).T
-        at_holds = np.where(held.dofs, imbalance - pushes, 0.0)
-        at_free = np.where(held.dofs, 0.0, imbalance - pushes)
+        errors = {name: getattr(answers, name)() for name in FIGURES}
+        lost = [answers.lost(row) for row in range(len(loads))]
+    rows = ({name: float(values[row]) for name, values in errors.items()} for row in range(len(loads)))
+    return [answers.certificate(row, figures, lost[row]) for row, figures in enumerate(rows)]
 
-        travels = _travels(discretisation, hi, lo)
-        force = np.where(contacts.slope, reaction / size, reaction)
-        slip = np.where(held.dofs, hi + lo - held.values, 0.0)
-        springs = discretisation.springs
-        # Travel counts by its rounding, and at its own point: a stop far away must not excuse what happens at others.
-        lever = np.where(contacts.slope, size, 1.0)
-        travel, idle = _UNSEEN * lever * np.abs(contacts.distance), ~nodal.any(axis=1)
-        # Slopes that are given deflect the plate between nodes that are held.
-        turned = max(
+
+@dataclass(frozen=True, eq=False)
+class _Answers:
+    """k answers to k loads; the methods named in `FIGURES` are their errors (k,), each a formula.
+
+    ``imbalance`` (k, 3n) is F − Ku of plate and springs; the other fields are the arguments of `certify_each`.
+    """
+
+    discretisation: Discretisation
+    loads: Sequence[CaseLoad]
+    hi: Floats
+    lo: Floats
+    reaction: Floats
+    pieces: Sequence[Ints]
+    beside: Sequence[Sequence[CaseLoad]]
+    imbalance: Floats
+
+    def penetration(self) -> Floats:
+        """Largest (Gu − Cλ − g)₊ over points and |u − ū| over held dofs, relative to `length` or `slope`."""
+        held = self.discretisation.held
+        slip = np.where(held.dofs, self.hi + self.lo - held.values, 0.0).reshape(len(self.hi), -1, 3)
+        return maximum(
+            largest_magnitudes(self._off_laws[0]),
+            ratio(largest_magnitudes(slip[:, :, 0]), self.length),
+            ratio(largest_magnitudes(slip[:, :, 1:]), self.slope),
+        )
+
+    def tension(self) -> Floats:
+        """Largest distance of a reaction λ from the range of its law, relative to `reaction_size`."""
+        return largest_magnitudes(self._off_laws[2])
+
+    def complementarity(self) -> Floats:
+        """Largest min(λ, g + Cλ − Gu), relative to the sizes of both; also the distance from given pieces."""
+        sizes = self._travels, self.reaction, self._lengths, self._units
+        contacts = self.discretisation.contacts
+        off = [self._off_laws[1], *(_off_pieces(contacts, pieces, *sizes) for pieces in self.pieces)]
+        return largest_magnitudes(np.max(off, axis=0))
+
+    def equilibrium(self) -> Floats:
+        """Largest |F − Ku − Gᵀλ| at free dofs, relative to `force_size`."""
+        residual = np.where(self.discretisation.held.dofs, 0.0, self.imbalance - self.pushes)
+        return ratio(by_force(residual, self.element_size), self.force_size)
+
+    def balance(self) -> Floats:
+        """Largest |Rᵀ(F − forces of supports)| over rigid motions R, relative to `resultant_size`."""
+        return ratio(self._resultants[0], self.resultant_size)
+
+    def lost(self, row: int) -> float:
+        """``Certificate.lost`` of an answer."""
+        discretisation, load, supports = self.discretisation, self.loads[row], self.support_forces[row]
+        if load.all_weighs or not load.weighing.any():
+            return 0.0
+        (missing,), _ = resultants_and_sizes(discretisation, load.weighing[None], supports[None])
+        # Loads that cancel have the rounding of their parts.
+        of_parts = sum(float(reaching(discretisation, part.weighing)) for part in self.beside[row])
+        of_loads = max(float(reaching(discretisation, load.weighing)), _CANCELLED * of_parts)
+        holding, pull, reaction = self.holding[row], self.pull[row], self.reaction[row]
+        totals = np.abs(_totals(discretisation, holding, pull, reaction)).max()
+        relative = float(ratio(missing, maximum(of_loads, totals)))
+        if not relative > 0.0:
+            return relative
+        motions, held = discretisation.scaled_motions, discretisation.held.dofs
+        # A couple over the plate's size is compared with forces.
+        slopes = np.flatnonzero(held) % 3 > 0, discretisation.springs.slope, discretisation.contacts.slope
+        arm = np.where(np.concatenate(slopes), discretisation.mesh.size, 1.0)
+        forces = np.concatenate([holding[held], pull, reaction]) / arm
+        blocks = [motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions]
+        largest = np.abs(forces).max(initial=0.0)
+        acting = np.abs(forces) > _UNSEEN * largest
+        resultant = np.einsum("ij,i->j", motions, load.weighing - supports)
+        rows = (np.concatenate(blocks) * arm[:, None])[acting]
+        least_norm = np.abs(np.linalg.lstsq(rows.T, resultant, rcond=_RANK)[0]).max(initial=0.0)
+        # At least half of the loads' mean share of a support: nodal forces of a pressure have both signs.
+        return max(relative, float(ratio(least_norm, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
+
+    def certificate(self, row: int, figures: dict[str, float], lost: float) -> Certificate:
+        """Certificate of an answer; errors above the tolerance are compared with their rounding."""
+        worst = max(figures[name] for name in LIMITED)
+        if worst <= TOLERANCE or not np.isfinite(worst):
+            return Certificate(**figures, lost=lost)
+        discretisation, held = self.discretisation, self.discretisation.held.dofs
+        answer = discretisation, self.hi[row], self.lo[row], self.reaction[row]
+        sizes = self.force_size[row], self.reaction_size[row], self.resultant_size[row]
+        force, reaction, resultant = map(float, sizes)
+        epsilon = _ROUNDINGS * float(np.finfo(float).eps)
+        # Roundings of dofs add up as in a random walk; held dofs contribute to the resultants too.
+        random_walk = np.sqrt(discretisation.dof_count)
+        at_nodes = epsilon * sum(forces_at_nodes(*answer, ~held))
+        of_resultant = random_walk * (epsilon * sum(forces_at_nodes(*answer, np.ones_like(held))))
+        # Under settlements the load may be zero: forces that bend the plate, and forces of supports, count as well.
+        deflection = float(np.abs(bending_part(discretisation, self.hi[row][None, ::3])).max())
+        bending = rigidity(discretisation, discretisation.thickness.min()) * deflection / discretisation.mesh.size**4
+        bending = max(force, bending * float(discretisation.mesh.element_area.sum()))
+        pushing = float(maximum(resultant, reaching(discretisation, push_magnitudes(*answer))))
+        # A reaction that only balances rounding may have either sign.
+        limits = {
+            "tension": (random_walk * at_nodes, reaction, reaction),
+            "equilibrium": (at_nodes, force, bending),
+            "balance": (of_resultant, resultant, pushing),
+        }
+        judged = [limits[name] for name in LIMITED if figures[name] > TOLERANCE]
+        return Certificate(
+            **figures,
+            **{f"{name}_limit": float(ratio(rounding, size)) for name, (rounding, size, _) in limits.items()},
+            rounding=max(float(ratio(rounding, acting)) for rounding, _, acting in judged),
+            lost=lost,
+        )
+
+    @cached_property
+    def nodal(self) -> Floats:
+        """Loads F (k, 3n)."""
+        return np.array([load.nodal for load in self.loads])
+
+    @cached_property
+    def pushes(self) -> Floats:
+        """Gᵀλ (k, 3n)."""
+        return np.asarray((self.discretisation.contact_rows.T @ self.reaction.T).T)
+
+    @cached_property
+    def holding(self) -> Floats:
+        """F − Ku − Gᵀλ at held dofs (k, 3n), which their supports carry; 0 at others."""
+        return np.where(self.discretisation.held.dofs, self.imbalance - self.pushes, 0.0)
+
+    @cached_property
+    def pull(self) -> Floats:
+        """Upward forces (k, s) of springs."""
+        return self.discretisation.spring_forces(self.hi, self.lo)
+
+    @cached_property
+    def support_forces(self) -> Floats:
+        """Nodal forces (k, 3n) of all supports, positive against the loads."""
+        return np.asarray(self.holding + (self.discretisation.spring_rows.T @ self.pull.T).T + self.pushes)
+
+    @cached_property
+    def unloaded(self) -> Bools:
+        """Whether loads (k,) are zero, so that only settlements and preloads act."""
+        return np.asarray(~self.nodal.any(axis=1))
+
+    @cached_property
+    def travel(self) -> Floats:
+        """Rounding (m,) of the distances g of points: a distant stop must not excuse errors at other points."""
+        contacts = self.discretisation.contacts
+        return _UNSEEN * np.where(contacts.slope, self.discretisation.mesh.size, 1.0) * np.abs(contacts.distance)
+
+    @cached_property
+    def length(self) -> Floats:
+        """Size (k,) of deflections, at least the rounding of those due to loads, slopes and settlements."""
+        held, contacts, springs = self.discretisation.held, self.discretisation.contacts, self.discretisation.springs
+        size = self.discretisation.mesh.size
+        prescribed = max(
             float(np.abs(held.values.reshape(-1, 3)[:, 1:]).max(initial=0.0)),
             float(np.abs(contacts.distance[contacts.slope]).max(initial=0.0)),
         )
-        deflection, slopes = hi[:, ::3], hi.reshape(len(hi), -1, 3)[:, :, 1:]
-        length = maximum(
-            largest_magnitudes(deflection),
-            _NIL * loaded_deflection(discretisation, nodal),
-            _UNSEEN * deflected,
-            _UNSEEN * turned * size,
-            idle * travel.max(initial=0.0),
-            idle * _UNSEEN * (np.abs(springs.base) * np.where(springs.slope, size, 1.0)).max(initial=0.0),
+        return maximum(
+            largest_magnitudes(self.hi[:, ::3]),
+            _NIL * loaded_deflection(self.discretisation, self.nodal),
+            _UNSEEN * self._of_parts(loaded_deflection),
+            _UNSEEN * prescribed * size,
+            self.unloaded * self.travel.max(initial=0.0),
+            self.unloaded * _UNSEEN * (np.abs(springs.base) * np.where(springs.slope, size, 1.0)).max(initial=0.0),
         )
-        slope = maximum(largest_magnitudes(slopes), length / size)
-        lengths = np.where(contacts.slope, slope[:, None], np.maximum(travel, length[:, None]))
-        lengths += length[:, None] == 0.0
 
-        across = float(np.sqrt(discretisation.mesh.element_area.mean()))
-        # Forces count from what bending to the deflection takes, less the rigid motion in it; under no load, from what
-        # shearing to the travel does.
-        part = np.minimum(np.abs(bending_part(discretisation, deflection)), length[:, None])
-        bent = np.where(idle, length, largest_magnitudes(part))
+    @cached_property
+    def slope(self) -> Floats:
+        """Size (k,) of slopes."""
+        slopes = self.hi.reshape(len(self.hi), -1, 3)[:, :, 1:]
+        return maximum(largest_magnitudes(slopes), self.length / self.discretisation.mesh.size)
+
+    @cached_property
+    def element_size(self) -> float:
+        """Root of the mean area of elements."""
+        return float(np.sqrt(self.discretisation.mesh.element_area.mean()))
+
+    @cached_property
+    def least_force(self) -> Floats:
+        """Least size (k,) of forces: preloads, the rounding of bending by the deflection and of loads that cancel.
+
+        Without loads also the rounding of shear by the travel.
+        """
+        discretisation, size = self.discretisation, self.discretisation.mesh.size
+        part = np.minimum(np.abs(bending_part(discretisation, self.hi[:, ::3])), self.length[:, None])
+        bent = np.where(self.unloaded, self.length, largest_magnitudes(part))
         bending = rigidity(discretisation, discretisation.thickness.max()) * bent / size**2
-        # What bolts are tightened to acts as loads do.
-        rest = maximum(_UNSEEN * bending, _CANCELLED * reached, float(np.abs(contacts.preload).max(initial=0.0)))
+        preload = float(np.abs(discretisation.contacts.preload).max(initial=0.0))
+        least = maximum(_UNSEEN * bending, _CANCELLED * self._of_parts(reaching), preload)
         shear = discretisation.model.young * discretisation.thickness.max()
-        rest = np.where(idle, maximum(rest, shear * maximum(_UNSEEN * length, travel.max(initial=0.0))), rest)
-        by_load = by_force(nodal, across)
-        by_supports = maximum(by_force(at_holds, across), largest_magnitudes(force))
-        scale = maximum(np.where(by_load != 0.0, by_load, by_supports), rest)
-        pressing = maximum(scale, largest_magnitudes(force))
-        unit = np.where(contacts.slope, size, 1.0) * np.where(pressing != 0.0, pressing, 1.0)[:, None]
-        too_far, too_near, beyond = off_laws(contacts, travels, reaction, lengths, unit)
-        too_near = np.max(
-            [too_near, *(_off_pieces(contacts, those, travels, reaction, lengths, unit) for those in pieces)], axis=0
-        )
-        pull = discretisation.spring_forces(hi, lo)
-        against = at_holds + (discretisation.spring_rows.T @ pull.T).T + pushes
-        out_of_balance, total = resultants_and_sizes(discretisation, nodal, against)
-        by_name = {
-            "penetration": maximum(
-                largest_magnitudes(too_far),
-                ratio(largest_magnitudes(slip[:, ::3]), length),
-                ratio(largest_magnitudes(slip.reshape(slopes.shape[0], -1, 3)[:, :, 1:]), slope),
-            ),
-            "tension": largest_magnitudes(beyond),
-            "complementarity": largest_magnitudes(too_near),
-            "equilibrium": ratio(by_force(at_free, across), scale),
-            "balance": ratio(out_of_balance, maximum(total, rest)),
-        }
-        of_each = zip(loads, beside, against, at_holds, pull, reaction, strict=True)
-        lost = [_lost(discretisation, *one) for one in of_each]
-    certificates = []
-    for row, load_lost in enumerate(lost):
-        figures = {name: float(values[row]) for name, values in by_name.items()}
-        sizes = float(scale[row]), float(pressing[row]), float(maximum(total, rest)[row])
-        certificates.append(_judged(discretisation, figures, load_lost, sizes, hi[row], lo[row], reaction[row]))
-    return certificates
+        sheared = shear * maximum(_UNSEEN * self.length, self.travel.max(initial=0.0))
+        return np.where(self.unloaded, maximum(least, sheared), least)
+
+    @cached_property
+    def force_size(self) -> Floats:
+        """Size (k,) of nodal forces: the largest load, without loads the largest force of a support."""
+        by_load = by_force(self.nodal, self.element_size)
+        by_supports = maximum(by_force(self.holding, self.element_size), self._largest_reaction)
+        return maximum(np.where(by_load != 0.0, by_load, by_supports), self.least_force)
+
+    @cached_property
+    def reaction_size(self) -> Floats:
+        """Size (k,) of reactions: the largest reaction, at least `force_size`."""
+        return maximum(self.force_size, self._largest_reaction)
+
+    @cached_property
+    def resultant_size(self) -> Floats:
+        """Size (k,) of resultants: the sum of magnitudes of loads, or of forces of supports."""
+        return maximum(self._resultants[1], self.least_force)
+
+    def _of_parts(self, size: Callable[[Discretisation, Floats], Floats]) -> Floats:
+        """Sums (k,) of a size over the loads whose sum each load is."""
+        sizes = [sum(float(size(self.discretisation, part.nodal)) for part in parts) for parts in self.beside]
+        return np.array(sizes)
+
+    @cached_property
+    def _largest_reaction(self) -> Floats:
+        contacts, size = self.discretisation.contacts, self.discretisation.mesh.size
+        return largest_magnitudes(np.where(contacts.slope, self.reaction / size, self.reaction))
+
+    @cached_property
+    def _resultants(self) -> tuple[Floats, Floats]:
+        return resultants_and_sizes(self.discretisation, self.nodal, self.support_forces)
+
+    @cached_property
+    def _travels(self) -> Floats:
+        """Travels Gu − g (k, m) of points."""
+        rows, distance = self.discretisation.contacts.rows.arrays, self.discretisation.contacts.distance
+        answers = zip(self.hi, self.lo, strict=True)
+        return -np.array([self.discretisation.plate.openings(*rows, distance, high, low) for high, low in answers])
+
+    @cached_property
+    def _lengths(self) -> Floats:
+        """Size (k, m) of each point's travel; 1 where all sizes are 0."""
+        at_points = np.maximum(self.travel, self.length[:, None])
+        lengths = np.where(self.discretisation.contacts.slope, self.slope[:, None], at_points)
+        return np.asarray(lengths + (self.length[:, None] == 0.0))
+
+    @cached_property
+    def _units(self) -> Floats:
+        """Size (k, m) of each point's reaction; couples of points on a slope are larger by the plate's size."""
+        size = self.reaction_size
+        unit = np.where(self.discretisation.contacts.slope, self.discretisation.mesh.size, 1.0)
+        return np.asarray(unit * np.where(size != 0.0, size, 1.0)[:, None])
+
+    @cached_property
+    def _off_laws(self) -> tuple[Floats, Floats, Floats]:
+        sizes = self._lengths, self._units
+        return off_laws(self.discretisation.contacts, self._travels, self.reaction, *sizes)
 
 
 def imbalances(discretisation: Discretisation, loads: Sequence[CaseLoad], hi: Floats, lo: Floats) -> Floats:
-    """F - Ku (k, 3n) of plate and springs, at displacements hi + lo (k, 3n)."""
+    """F − Ku (k, 3n) of plate and springs at displacements u = hi + lo (k, 3n)."""
     springs = discretisation.springs.arrays
-    each = zip(loads, hi, lo, strict=True)
-    return np.array([discretisation.plate.residual(springs, load.nodal, one, rest) for load, one, rest in each])
-
-
-def _judged(
-    discretisation: Discretisation,
-    figures: dict[str, float],
-    lost: float,
-    sizes: tuple[float, float, float],
-    hi: Floats,
-    lo: Floats,
-    reaction: Floats,
-) -> Certificate:
-    """Certify figures by sizes of imbalances, reactions and resultants, or by what double precision can show."""
-    worst = max(figures[name] for name in LIMITED)
-    if worst <= TOLERANCE or not np.isfinite(worst):
-        return Certificate(**figures, lost=lost)
-    held, (scale, pressing, size) = discretisation.held, sizes
-
-    def left_by_rounding(at: Bools) -> float:
-        return _ROUNDINGS * float(np.finfo(float).eps) * sum(forces_at_nodes(discretisation, hi, lo, reaction, at))
-
-    at_nodes = left_by_rounding(~held.dofs)
-    # Roundings of the dofs add up as in a random walk; those of the dofs held are in the resultants too.
-    many = np.sqrt(discretisation.dof_count)
-    resultant = many * left_by_rounding(np.ones_like(held.dofs))
-    # Beside settlements a load may be nothing: what bends the plate, and what supports push with, count as well.
-    bent = float(np.abs(bending_part(discretisation, hi[None, ::3])).max())
-    bending = rigidity(discretisation, discretisation.thickness.min()) * bent / discretisation.mesh.size**4
-    bending = max(scale, bending * float(discretisation.mesh.element_area.sum()))
-    pushing = float(maximum(size, reaching(discretisation, push_magnitudes(discretisation, hi, lo, reaction))))
-    # A reaction that balances nothing but rounding may have either sign.
-    limits = {
-        "tension": (many * at_nodes, pressing, pressing),
-        "equilibrium": (at_nodes, scale, bending),
-        "balance": (resultant, size, pushing),
-    }
-    judged = [limits[name] for name in LIMITED if figures[name] > TOLERANCE]
-    return Certificate(
-        **figures,
-        **{f"{name}_limit": float(ratio(rounding, loads)) for name, (rounding, loads, _) in limits.items()},
-        rounding=max(float(ratio(rounding, acting)) for rounding, _, acting in judged),
-        lost=lost,
-    )
+    answers = zip(loads, hi, lo, strict=True)
+    return np.array([discretisation.plate.residual(springs, load.nodal, high, low) for load, high, low in answers])
 
 
 def certified(
     discretisation: Discretisation, load: CaseLoad, answer: Answer, beside: Sequence[CaseLoad] = ()
 ) -> tuple[Answer, Certificate]:
-    """Judge an answer, and where it fails what stands for it; that which passes, or else the last."""
-    for turn in answer.in_turn:
-        certificate = certify(discretisation, load, turn.hi, turn.lo, turn.reaction, beside=beside)
+    """Certify an answer; if that fails, certify the fallback. Return the one that passes, or else the last."""
+    for candidate in answer.in_turn:
+        certificate = certify(discretisation, load, candidate.hi, candidate.lo, candidate.reaction, beside=beside)
         if certificate.passed:
             break
-    return turn, certificate
+    return candidate, certificate
 
 
 def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
-    """Deflection below which that of a load is rounding."""
+    """Largest deflection under a load that is rounding."""
     return _NIL * float(loaded_deflection(discretisation, load.nodal))
-
-
-def _travels(discretisation: Discretisation, hi: Floats, lo: Floats) -> Floats:
-    contacts = discretisation.contacts
-    rows = contacts.rows.arrays
-    return -np.array(
-        [discretisation.plate.openings(*rows, contacts.distance, *one) for one in zip(hi, lo, strict=True)]
-    )
 
 
 def off_laws(
     contacts: ContactPoints, travels: Floats, reaction: Floats, lengths: Floats, sizes: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """How far points (k, m) have gone beyond their laws, fall short of them, and are beyond what these can give.
+    """Distances (k, m) of points from their laws: penetration, gap, and force out of range.
 
-    A point that reacts is off its law by a travel; on a flat piece by a force, if that is less.
+    The first two are travels relative to ``lengths`` (k, m), or forces relative to ``sizes`` (k, m) on a piece of slope
+    0, if these are less. A straight law has no gap.
     """
     result = np.zeros((3, *travels.shape))
-    for law, at in contacts.by_law:
-        travel, scale, unit = travels[:, at] / contacts.unit[at], contacts.scale[at], contacts.unit[at]
-        force = reaction[:, at] / scale
+    for law, points in contacts.by_law:
+        travel, scale, unit = travels[:, points] / contacts.unit[points], contacts.scale[points], contacts.unit[points]
+        force = reaction[:, points] / scale
         least, most = law.forces
-        given = np.clip(force, least, most)
-        low, high = law.travels(given)
-        result[2][:, at] = scale * np.abs(force - given) / sizes[:, at]
-        flat = scale * np.abs(given - law.flat_force(travel)) / sizes[:, at]
-        for which, off in enumerate((travel - high, low - travel)):
-            result[which][:, at] = np.minimum(np.maximum(off, 0.0) * unit / lengths[:, at], flat)
+        force_in_range = np.clip(force, least, most)
+        low, high = law.travels(force_in_range)
+        result[2][:, points] = scale * np.abs(force - force_in_range) / sizes[:, points]
+        flat = scale * np.abs(force_in_range - law.flat_force(travel)) / sizes[:, points]
+        for row, distance in enumerate((travel - high, low - travel)):
+            result[row][:, points] = np.minimum(np.maximum(distance, 0.0) * unit / lengths[:, points], flat)
         if law.straight:
-            result[0][:, at] = result[:2, :, at].max(axis=0)
-            result[1][:, at] = 0.0
+            result[0][:, points] = result[:2, :, points].max(axis=0)
+            result[1][:, points] = 0.0
     return result[0], result[1], result[2]
 
 
 def _off_pieces(
     contacts: ContactPoints, pieces: Ints, travels: Floats, reaction: Floats, lengths: Floats, sizes: Floats
 ) -> Floats:
-    """How far points (k, m) are off the lines of pieces of their laws; straight laws have but one."""
+    """Distances (k, m) of points from the lines of given pieces of their laws; 0 for straight laws."""
     result = np.zeros(travels.shape)
     for number, law in enumerate(contacts.laws):
-        if law.straight or not (mine := contacts.law == number).any():
+        if law.straight or not (of_law := contacts.law == number).any():
             continue
-        at = np.broadcast_to(mine, travels.shape).nonzero()
-        piece = np.broadcast_to(pieces, travels.shape)[at]
-        anchor, slope, scale = law.anchors[piece], law.slopes[piece], contacts.scale[at[1]]
-        unit = contacts.unit[at[1]]
-        force = reaction[at] / scale
-        flat = scale * np.abs(force - anchor[:, 1]) / sizes[at]
+        entries = np.broadcast_to(of_law, travels.shape).nonzero()
+        piece = np.broadcast_to(pieces, travels.shape)[entries]
+        anchor, slope, scale = law.anchors[piece], law.slopes[piece], contacts.scale[entries[1]]
+        unit = contacts.unit[entries[1]]
+        force = reaction[entries] / scale
+        flat = scale * np.abs(force - anchor[:, 1]) / sizes[entries]
         along = (force - anchor[:, 1]) / np.where(slope == 0.0, np.inf, slope)
-        away = np.abs(travels[at] - unit * (anchor[:, 0] + along)) / lengths[at]
-        result[at] = np.where(slope == 0.0, flat, away)
+        distance = np.abs(travels[entries] - unit * (anchor[:, 0] + along)) / lengths[entries]
+        result[entries] = np.where(slope == 0.0, flat, distance)
     return result
 
 
-def _lost(
-    discretisation: Discretisation,
-    load: CaseLoad,
-    beside: Sequence[CaseLoad],
-    against: Floats,
-    at_holds: Floats,
-    pull: Floats,
-    reaction: Floats,
-) -> float:
-    """What the forces of supports (3n,) leave of the loads that have a resultant, where there are others too.
-
-    The resultant that is missed counts over these loads or the largest total of a support, and the least forces of
-    acting supports that make it up over the largest that acts: supports near each other need more.
-    """
-    if load.all_weighs or not load.weighing.any():
-        return 0.0
-    (missing,), _ = resultants_and_sizes(discretisation, load.weighing[None], against[None])
-    # Loads that cancel can miss the rounding of their parts.
-    of_parts = sum(float(reaching(discretisation, part.weighing)) for part in beside)
-    of_loads = max(float(reaching(discretisation, load.weighing)), _CANCELLED * of_parts)
-    totals = np.abs(_totals(discretisation, at_holds, pull, reaction)).max()
-    part = float(ratio(missing, maximum(of_loads, totals)))
-    if not part > 0.0:
-        return part
-    motions, held = discretisation.scaled_motions, discretisation.held.dofs
-    # A couple counts as a force at the plate's size.
-    slope = np.concatenate([np.flatnonzero(held) % 3 > 0, discretisation.springs.slope, discretisation.contacts.slope])
-    arm = np.where(slope, discretisation.mesh.size, 1.0)
-    forces = np.concatenate([at_holds[held], pull, reaction]) / arm
-    moved = [motions[held], discretisation.spring_rows @ motions, discretisation.contact_rows @ motions]
-    rows = np.concatenate(moved) * arm[:, None]
-    largest = np.abs(forces).max(initial=0.0)
-    acting = np.abs(forces) > _UNSEEN * largest
-    resultant = np.einsum("ij,i->j", motions, load.weighing - against)
-    making = np.linalg.lstsq(rows[acting].T, resultant, rcond=_NO_LEVER)[0]
-    # Of the loads at least half a mean share, since nodal forces of a pressure have both signs.
-    most = np.abs(making).max(initial=0.0)
-    return max(part, float(ratio(most, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
-
-
 def _totals(discretisation: Discretisation, at_holds: Floats, pull: Floats, reaction: Floats) -> Floats:
-    """Upward force (s,) of every support; of those that hold a node together the first has it."""
-    contacts, many = discretisation.contacts, len(discretisation.model.support)
+    """Upward force (s,) of every support; the force of a shared node is that of its first support."""
+    contacts, count = discretisation.contacts, len(discretisation.model.support)
     forces = np.where(contacts.slope, 0.0, contacts.direction * reaction)
     at_nodes = discretisation.held.dofs[::3]
     return np.asarray(
-        np.bincount(discretisation.held.support[::3][at_nodes], at_holds[::3][at_nodes], many)
-        + np.bincount(discretisation.springs.support, np.where(discretisation.springs.slope, 0.0, pull), many)
-        + np.bincount(contacts.support, forces, many)
+        np.bincount(discretisation.held.support[::3][at_nodes], at_holds[::3][at_nodes], count)
+        + np.bincount(discretisation.springs.support, np.where(discretisation.springs.slope, 0.0, pull), count)
+        + np.bincount(contacts.support, forces, count)
     )
 
 
 def forces_at_nodes(
-    discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats, at: Bools | None = None
+    discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats, dofs: Bools | None = None
 ) -> tuple[float, float]:
-    """Largest sum of what cancels at one of some dofs (3n,), or of the free ones: in the plate, and between supports.
+    """Largest sums of magnitudes at one of the dofs in a mask (3n,): of internal forces, and of forces of supports.
 
-    Their rounding is what arithmetic leaves out of balance.
+    By default the dofs are the free ones. The rounding of these sums is the least imbalance that is significant.
     """
-    at = ~discretisation.held.dofs if at is None else at
-    across = float(np.sqrt(discretisation.mesh.element_area.mean()))
-    internal = discretisation.plate.internal_magnitude(~at, hi, lo)
-    pushes = np.where(at, push_magnitudes(discretisation, hi, lo, reaction), 0.0)
-    return float(internal), float(by_force(pushes[None], across)[0])
+    dofs = ~discretisation.held.dofs if dofs is None else dofs
+    element_size = float(np.sqrt(discretisation.mesh.element_area.mean()))
+    internal = discretisation.plate.internal_magnitude(~dofs, hi, lo)
+    pushes = np.where(dofs, push_magnitudes(discretisation, hi, lo, reaction), 0.0)
+    return float(internal), float(by_force(pushes[None], element_size)[0])
 
 
 def push_magnitudes(discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats) -> Floats:
-    """Sums (3n,) of the magnitudes that supports push with.
+    """Sums (3n,) of magnitudes of forces of springs and contact points.
 
-    Those that nearly repeat each other push against each other, and their forces are carried as doubles.
+    Nearly redundant supports push against each other with large forces, which are rounded to doubles.
     """
     pull = np.abs(discretisation.spring_forces(hi, lo))
     return np.asarray(abs(discretisation.contact_rows).T @ np.abs(reaction) + abs(discretisation.spring_rows).T @ pull)
 
 
 def resultants_and_sizes(discretisation: Discretisation, nodal: Floats, against: Floats) -> tuple[Floats, Floats]:
-    """Largest resultants (k,) of loads (k, 3n) and of what supports set against them, and the whole sizes."""
-    # Threads of a linear algebra library would cost more than these sums.
+    """Largest resultants (k,) of loads minus supports' forces (k, 3n) each, and sums of magnitudes (k,)."""
+    # einsum uses no threads, which would cost more than these sums.
     resultant = np.einsum("ij,ki->kj", discretisation.scaled_motions, nodal - against)
     return largest_magnitudes(resultant), maximum(reaching(discretisation, nodal), reaching(discretisation, against))
 
 
 def reaching(discretisation: Discretisation, nodal: Floats) -> Floats:
-    """Sums (...,) of the magnitudes that nodal forces (..., 3n) have in a resultant."""
+    """Sums (...,) of magnitudes of nodal forces (..., 3n) in the resultant to which each contributes most."""
     return np.asarray((np.abs(nodal) * np.abs(discretisation.scaled_motions).max(axis=1)).sum(axis=-1))
 
 
 def bending_part(discretisation: Discretisation, deflection: Floats) -> Floats:
-    """Deflections (k, n) of the nodes without the rigid motions nearest to them."""
+    """Deflections (k, n) minus their least-squares rigid motion."""
     motions = discretisation.rigid_motions[::3]
     return np.asarray(deflection - (motions @ np.linalg.lstsq(motions, deflection.T)[0]).T)
 
 
 def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
-    """Deflections (...,) by which loads (..., 3n) scale on the plate."""
+    """Deflection scale F a²/D (...,) of loads (..., 3n) with sums of magnitudes F on a plate of size a."""
     forces, *couples = np.moveaxis(np.abs(nodal.reshape(*nodal.shape[:-1], -1, 3)).sum(axis=-2), -1, 0)
     size = discretisation.mesh.size
     loads = (forces + sum(couples) / size) * size**2
@@ -441,27 +532,27 @@ def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
 
 
 def rigidity(discretisation: Discretisation, thickness: float) -> float:
-    """Bending stiffness E t³/12 of a thickness, Poisson's ratio left out."""
+    """Bending stiffness E h³/12 of a thickness h, without Poisson's ratio."""
     return discretisation.model.young * float(thickness) ** 3 / 12
 
 
-def by_force(nodal: Floats, across: float) -> Floats:
-    """Largest of nodal forces (k, 3n); couples count by the force they are at an element's size apart."""
-    return largest_magnitudes(nodal.reshape(len(nodal), -1, 3) / [1.0, across, across])
+def by_force(nodal: Floats, element_size: float) -> Floats:
+    """Largest magnitude (k,) of nodal forces (k, 3n); couples are divided by the element size."""
+    return largest_magnitudes(nodal.reshape(len(nodal), -1, 3) / [1.0, element_size, element_size])
 
 
 def largest_magnitudes(values: Floats) -> Floats:
-    """Largest magnitudes (k,) of values (k, ...); NaN where there is one."""
+    """Largest magnitudes (k,) of values (k, ...); NaN if there is a NaN."""
     return np.asarray(np.abs(values).reshape(len(values), -1).max(axis=1, initial=0.0))
 
 
 def maximum(*sizes: Floats | float) -> Floats:
-    """The largest of each; NaN where there is one."""
+    """Elementwise maximum; NaN if there is a NaN."""
     return np.asarray(functools.reduce(np.maximum, sizes))
 
 
 def ratio(error: Floats | float, size: Floats | float) -> Floats:
-    """Errors over sizes: none of no error, infinite of no size."""
+    """Errors over sizes: 0/0 = 0, otherwise infinite for size 0."""
     error, size = np.asarray(error), np.asarray(size)
     part = np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), np.inf)
     return np.asarray(np.where(error == 0.0, 0.0, part))

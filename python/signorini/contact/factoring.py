@@ -21,10 +21,8 @@ from signorini.discretise.rows import Floats
 from signorini.equilibrium.balance import RigidFreedom, restraining_points
 from signorini.errors import InputError, SignoriniError
 
-Base = Literal["lemke", "active_set", "saddle"]
-"""The methods that have a factor of their own."""
-
-Method = Base | Literal["interior_point"]
+Method = Literal["lemke", "active_set", "saddle"]
+"""The methods; each has its own factor. "saddle" is the active set on the saddle-point system."""
 
 MOST_POINTS = 6000
 """Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
@@ -56,26 +54,19 @@ def method_of(discretisation: Discretisation) -> Method:
     return "active_set" if many else "lemke"
 
 
-def base_of(discretisation: Discretisation, method: Method) -> Base:
-    """The method whose factor a method uses: the interior point method is completed by another one."""
-    if method != "interior_point":
-        return method
-    return "active_set" if len(discretisation.contacts) > MOST_POINTS else "lemke"
-
-
-def can_be_factored(discretisation: Discretisation, base: Base) -> bool:
+def can_be_factored(discretisation: Discretisation, method: Method) -> bool:
     """Whether its points are few enough to be condensed, and memory is left for them and for one more factor."""
-    if base != "lemke":
+    if method != "lemke":
         # In the saddle-point system every point is one more unknown, beside nine dofs per element.
-        more = len(discretisation.contacts) // 9 if base == "saddle" else 0
+        more = len(discretisation.contacts) // 9 if method == "saddle" else 0
         return fits(needed(len(discretisation.mesh.elements) + more))
     points = len(discretisation.contacts)
     return points <= MOST_POINTS and fits(needed(len(discretisation.mesh.elements)) + needed_by_points(points))
 
 
-def factored(discretisation: Discretisation, freedom: RigidFreedom, base: Base) -> _core.ContactProblem:
+def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Method) -> _core.ContactProblem:
     """Order and factor; for Lemke's algorithm, condense."""
-    if base == "lemke":
+    if method == "lemke":
         points, advice = len(discretisation.contacts), "Take a coarser mesh, or give long lines and areas a stiffness."
         if discretisation.model.solver.method == "lemke":
             advice = 'Leave solver.method at "auto", which condenses fewer.'
@@ -88,24 +79,34 @@ def factored(discretisation: Discretisation, freedom: RigidFreedom, base: Base) 
         footprints = len(np.unique(discretisation.contacts.rows.further.owners))
         require_memory_for_footprints(footprints, discretisation.dof_count, ("support",))
     return core_problem(
-        discretisation, discretisation.contacts, regularization(discretisation, freedom), freedom.motions, base
+        discretisation, discretisation.contacts, regularization(discretisation, freedom), freedom.motions, method
     )
 
 
 def core_problem(
-    discretisation: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, base: Base
+    discretisation: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, method: Method
 ) -> _core.ContactProblem:
     """Order and factor for a method; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
     free = available()
+    elements, rows, further = contacts.rows.arrays
     try:
         return _core.ContactProblem(
             discretisation.plate,
             discretisation.held.dofs,
             discretisation.springs.arrays,
-            (*contacts.rows.arrays, contacts.distance, contacts.law, contacts.scale, contacts.unit, carried),
+            {
+                "elements": elements,
+                "rows": rows,
+                "further": further,
+                "distance": contacts.distance,
+                "law": contacts.law,
+                "scale": contacts.scale,
+                "unit": contacts.unit,
+                "regularization": carried,
+            },
             [(law.vertices, law.ends) for law in contacts.laws],
             motions.T @ discretisation.scaled_motions.T,
-            base,
+            method,
             room=None if math.isinf(free) else int(free),
         )
     except RuntimeError as error:

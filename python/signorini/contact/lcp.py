@@ -19,8 +19,8 @@ from signorini.errors import InputError
 class Lcp(NamedTuple):
     """w = Mz + q with w, z ≥ 0 and zᵀw = 0, over the vertices of the laws of contact points.
 
-    A point that only pushes has one row, a point with a limit or a law one row for each vertex. A point with a straight
-    law, whose reaction may have either sign, is eliminated.
+    A point that only pushes has one row; a point with a limit or a law has one row for each vertex. Points with a
+    straight law, whose reactions may have either sign, are eliminated.
 
     Parameters
     ----------
@@ -29,10 +29,10 @@ class Lcp(NamedTuple):
     points : (k,) array
         Contact point of each row, a row of the problem's G.
     gap_is_z : (k,) array
-        Rows that are exchanged: there z is the gap and w the reaction; elsewhere z is the reaction and w the gap. A row
-        of a limit or a law has in w the part before its vertex, and in z the part beyond it.
+        Rows in which z is the gap and w the reaction; in the others z is the reaction and w the gap. In a row of a
+        limit or a law, w is the part before the vertex, and z the part beyond it.
     reaction_from, gap_from : (k, 3) arrays
-        Terms a + b z + c w of each row, of which the reaction and the gap of its point are the sums.
+        Coefficients a, b, c of each row; the reaction and the gap of a point are the sums of a + b z + c w of its rows.
     """
 
     M: Floats
@@ -43,19 +43,19 @@ class Lcp(NamedTuple):
     gap_from: Floats
 
     def contact(self, z: Floats) -> tuple[Floats, Floats]:
-        """Reactions (k,) and gaps (k,) of ``points``, given z (k,); z need not solve the problem.
+        """Reactions λ (k,) and gaps (k,) of ``points`` from z (k,), which need not be a solution.
 
-        Rows of one point have the same. Gaps are ρ = g − Gu + Cλ, negative where a point has yielded.
-        `signorini.recover` makes of the reactions a certified result.
+        Rows of one point have equal values. Gaps are ρ = g − Gu + Cλ, negative where a point has yielded.
+        `signorini.recover` computes a certified result from the reactions.
         """
-        known = np.column_stack([np.ones_like(z), z, self.M @ z + self.q])
-        each = ((terms * known).sum(axis=1) for terms in (self.reaction_from, self.gap_from))
-        reaction, gap = (np.asarray(np.bincount(self.points, terms), np.float64)[self.points] for terms in each)
+        terms_of_rows = np.column_stack([np.ones_like(z), z, self.M @ z + self.q])
+        sums = ((terms * terms_of_rows).sum(axis=1) for terms in (self.reaction_from, self.gap_from))
+        reaction, gap = (np.asarray(np.bincount(self.points, terms), np.float64)[self.points] for terms in sums)
         return reaction, gap
 
 
 def lcp_of(matrix: Floats, q: Floats, points: Ints, w_is_force: Bools, contacts: ContactPoints) -> Lcp:
-    """Pose an LCP whose rows belong to the vertices of the laws of contact points, as the core orders them."""
+    """Pose an LCP with rows for the vertices of the laws of contact points, in the core's order."""
     reaction, gap = np.zeros((2, len(q), 3))
     reaction[np.arange(len(q)), np.where(w_is_force, 2, 1)] = 1.0
     gap[np.arange(len(q)), np.where(w_is_force, 1, 2)] = 1.0
@@ -73,12 +73,12 @@ def lcp_of(matrix: Floats, q: Floats, points: Ints, w_is_force: Bools, contacts:
 def _along(law: Law, unit: float, scale: float, w_is_force: Bools) -> tuple[Floats, Floats]:
     """Terms (v, 3) of a point's force and travel in the rows of its law's vertices.
 
-    The point begins on the first piece that holds, or on the first that does not. w is the distance to a vertex, z the
-    distance beyond it: a force on a piece that holds, else a travel.
+    The base piece is the first one with a slope, or the first one without. w is the distance to a vertex, z the
+    distance beyond it: a force on a piece with a slope, else a travel.
     """
     holds, vertex = law.slopes > 0.0, np.arange(len(law.slopes) - 1)
-    for wanted in (True, False):
-        base = int(np.argmax(holds == wanted))
+    for on_holding in (True, False):
+        base = int(np.argmax(holds == on_holding))
         upward = vertex >= base
         before, beyond = vertex + ~upward, vertex + upward
         if holds[before].sum() == w_is_force.sum():
@@ -90,7 +90,7 @@ def _along(law: Law, unit: float, scale: float, w_is_force: Bools) -> tuple[Floa
     with np.errstate(divide="ignore"):
         compliance = unit / (scale * law.slopes)
     sign = np.where(upward, 1.0, -1.0)
-    # Travel and force of a unit along each piece.
+    # Travel and force along each piece per unit of w or z.
     along = np.array([np.where(holds, compliance, 1.0), holds])
     result = np.zeros((2, len(vertex), 3))
     result[:, :, 1] = sign * along[:, beyond]
@@ -114,22 +114,22 @@ def lemke(
 
         w = M z + q,   z ≥ 0,   w ≥ 0,   zᵀw = 0.
 
-    Of the paper's dual, ``lemke(P, -s)``, z are the reactions and w the gaps. The path is finite for every M, also of
-    degenerate problems. M and q are scaled by powers of two first; z and w are solved for afresh on the last basis.
+    In the paper's dual, ``lemke(P, -s)``, z are the reactions and w the gaps. The path is finite for every M, and for
+    degenerate problems. M and q are scaled by powers of two; z and w are solved for again on the last basis.
 
     Parameters
     ----------
     M : (m, m) array_like
-        Any square matrix, symmetric or not, in the units of w over those of z.
+        Any square matrix, in the units of w over those of z.
     q : (m,) array_like
         In the units of w.
     covering : (m,) array_like, optional
         The covering vector d > 0 of w = M z + q + d z₀, in the units of w; ones by default.
     start : (m,) array_like of bool, optional
-        Where z is basic in the solution of a similar problem, `LcpSolution.basis`: the path then begins there, and ends
-        there without a pivot if it is the solution.
+        Mask of basic z in the solution of a similar problem, `LcpSolution.basis`, at which the path begins. No pivot is
+        made if it is the solution.
     max_pivots : int, optional
-        The most pivots to make; 50 (m + 100) by default.
+        Largest number of pivots; 50 (m + 100) by default.
 
     Returns
     -------
@@ -137,23 +137,23 @@ def lemke(
         ``status``, one of
 
         - "solved": ``z`` and ``w`` (m,) are a solution, ``basis`` (m,) is True where z is basic;
-        - "ray": the path left along a secondary ray ``ray`` (m,), v ≥ 0. If M is copositive-plus, as every positive
-          semidefinite matrix is, Mᵀv ≤ 0 and qᵀv < 0 prove that there is no solution. Of other M it says nothing;
+        - "ray": the path ended in a secondary ray ``ray`` (m,), v ≥ 0. If M is copositive-plus, as every positive
+          semidefinite matrix is, Mᵀv ≤ 0 and qᵀv < 0 prove that no solution exists. For other M it proves no such fact;
         - "pivot_limit": the limit was reached, or rounding kept every basis infeasible.
 
-        z and w are NaN unless it is solved; ``pivots`` counts, and ``message`` says the status in a sentence.
+        z and w are NaN unless solved. ``pivots`` is the number of pivots, ``message`` describes the status.
 
     Raises
     ------
     InputError
-        If the shapes do not fit each other, numbers are not finite, or the covering vector is not positive.
+        If the shapes do not match, numbers are not finite, or the covering vector is not positive.
 
     Notes
     -----
-    A path takes a few m pivots on plates, each of the order of m² operations, and 2ᵐ at the worst (Murty 1978).
+    On plates a path takes a few m pivots of O(m²) operations each; the worst case is 2ᵐ pivots (Murty 1978).
 
-    With rows and columns of M scaled to largest entries of about one, numbers below 1e-11 of the largest by which q is
-    negative are rounding of the elimination: to q = [-1, -1e-12] the second entry is zero.
+    Rows and columns of M are scaled to largest entries of about one. Then numbers below 1e-11 max(−q) count as zero: in
+    q = [-1, -1e-12] the second entry does.
 
     References
     ----------
@@ -169,28 +169,29 @@ def lemke(
     >>> result.status, (239 * result.z).round(9).tolist(), result.basis.tolist()
     ('solved', [0.0, 1.0, 7.0], [False, True, True])
 
-    A similar problem begins where this one ended:
+    A similar problem starts from this solution:
 
     >>> lemke(M, [-1, -1, -1.01], start=result.basis).pivots
     0
 
-    One that has no solution, and the proof of it:
+    A problem without a solution, and the proof:
 
     >>> M, q = [[1, -1], [-1, 1]], [-1, -1]
-    >>> none = lemke(M, q)
-    >>> none.status, none.ray.tolist(), (none.ray @ M).tolist(), float(none.ray @ q)
+    >>> result = lemke(M, q)
+    >>> result.status, result.ray.tolist(), (result.ray @ M).tolist(), float(result.ray @ q)
     ('ray', [1.0, 1.0], [0.0, 0.0], -2.0)
     """
     matrix, vector = array(M, "M", 2), array(q, "q", 1)
-    above = None if covering is None else array(covering, "covering", 1)
+    covering_vector = None if covering is None else array(covering, "covering", 1)
     if max_pivots is not None and (not isinstance(max_pivots, int | np.integer) or max_pivots < 0):
         raise InputError(f"found {max_pivots!r}; it must be a whole number, 0 or more.", place="max_pivots")
-    basis = None if start is None else np.asarray(start)
-    if basis is not None and (basis.dtype != np.bool_ or basis.ndim != 1):
+    start_basis = None if start is None else np.asarray(start)
+    if start_basis is not None and (start_basis.dtype != np.bool_ or start_basis.ndim != 1):
         raise InputError(
-            f"found an array of {basis.dtype}, shape {basis.shape}; it must be one of bool, as basis is.", place="start"
+            f"found an array of {start_basis.dtype}, shape {start_basis.shape}; it must be one of bool, as basis is.",
+            place="start",
         )
     try:
-        return _core.lemke(matrix, vector, above, max_pivots, basis)
+        return _core.lemke(matrix, vector, covering_vector, max_pivots, start_basis)
     except ValueError as error:
         raise InputError(f"{error}.") from None

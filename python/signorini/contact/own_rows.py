@@ -1,4 +1,4 @@
-"""A contact problem with rows of one's own: any linear bounds on the displacements, beside the model's supports."""
+"""A contact problem with additional rows: linear bounds on displacements, in addition to the model's supports."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError
 
 _REPEATED = 1e-10
-"""Least eigenvalue of P over two-sided rows, its diagonal scaled to 1, that is more than the rounding of P."""
+"""Largest rounding of eigenvalues of P over two-sided rows, with its diagonal scaled to 1."""
 
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class RowProblem(Brief):
-    """The paper's problem over the model's contact points and, behind them, rows of one's own; see `with_rows`.
+    """The paper's problem over the model's contact points, followed by additional rows; see `with_rows`.
 
     Parameters
     ----------
@@ -51,12 +51,12 @@ class RowProblem(Brief):
 
     @property
     def compliance(self) -> Floats:
-        """Inverse stiffness (m + r,) of every row; 0 where it is rigid."""
+        """C (m + r,), the inverse stiffness of every row; 0 if rigid."""
         return np.concatenate([self.problem.compliance, self.row_compliance])
 
     @property
     def two_sided(self) -> Bools:
-        """Rows (m + r,) that are equations."""
+        """Whether rows (m + r,) are equations."""
         return np.concatenate([self.problem.two_sided, self.row_two_sided])
 
     def dual(self, load: Floats) -> tuple[Floats, Floats]:
@@ -68,47 +68,52 @@ class RowProblem(Brief):
             If the load is not 3n finite numbers.
         """
         matrix, s = self.problem.dual(load)
-        across = self.problem.G @ self._moved
-        own = self.rows @ self._moved
-        whole = np.block([[matrix, across], [across.T, 0.5 * (own + own.T) + np.diag(self.row_compliance)]])
+        coupling = self.problem.G @ self._moved
+        block = self.rows @ self._moved
+        whole = np.block([[matrix, coupling], [coupling.T, 0.5 * (block + block.T) + np.diag(self.row_compliance)]])
         return whole, np.concatenate([s, self.rows @ self.problem.free(load) - self.row_gaps])
 
     @cached_property
     def _moved(self) -> Floats:
-        """Displacements (3n, r) under each row as a load."""
+        """K⁻¹ Gᵀ (3n, r) of the additional rows."""
         columns = [self.problem.free(self.rows[[i]].toarray()[0], held=False) for i in range(self.rows.shape[0])]
         return np.column_stack(columns) if columns else np.zeros((self.rows.shape[1], 0))
 
     def solve(self, load: Floats) -> Floats:
-        """Reactions (m + r,) under one nodal load (3n,), by Lemke's algorithm once two-sided rows are eliminated.
+        """Reactions (m + r,) under one nodal load (3n,), by Lemke's algorithm after two-sided rows are eliminated.
 
-        `signorini.recover` makes a certified result of them.
+        `signorini.recover` computes a certified result from them.
 
         Raises
         ------
         InputError
-            If no displacements agree with all rows, or two-sided rows repeat each other.
+            If no displacements satisfy all rows, or two-sided rows are linearly dependent.
         """
         matrix, s = self.dual(load)
-        both, one = self.two_sided, ~self.two_sided
-        among = matrix[np.ix_(both, both)]
-        unit = 1.0 / np.sqrt(np.diag(among))
-        least = np.linalg.eigvalsh(among * unit * unit[:, None])[:1]
-        if not (least > _REPEATED).all():
-            raise InputError("two-sided rows repeat each other. Leave out those that follow from others.", "G")
-        follow = np.linalg.solve(among, np.column_stack([matrix[np.ix_(both, one)], s[both]]))
-        coupled = matrix[np.ix_(one, both)]
+        two_sided, one_sided = self.two_sided, ~self.two_sided
+        matrix_two_sided = matrix[np.ix_(two_sided, two_sided)]
+        unit = 1.0 / np.sqrt(np.diag(matrix_two_sided))
+        least_eigenvalue = np.linalg.eigvalsh(matrix_two_sided * unit * unit[:, None])[:1]
+        if not (least_eigenvalue > _REPEATED).all():
+            raise InputError("two-sided rows repeat each other. Leave out rows that are combinations of others.", "G")
+        eliminated = np.linalg.solve(
+            matrix_two_sided, np.column_stack([matrix[np.ix_(two_sided, one_sided)], s[two_sided]])
+        )
+        coupled = matrix[np.ix_(one_sided, two_sided)]
         answer = lemke(
-            matrix[np.ix_(one, one)] - coupled @ follow[:, :-1], coupled @ follow[:, -1] - s[one], max_pivots=None
+            matrix[np.ix_(one_sided, one_sided)] - coupled @ eliminated[:, :-1],
+            coupled @ eliminated[:, -1] - s[one_sided],
+            max_pivots=None,
         )
         if answer.status != "solved":
             raise InputError(
-                "some contradict each other: no displacements agree with all. Correct a gap, or give a flexibility.",
+                "rows contradict each other: no displacements satisfy all of them. Correct a gap, or give a "
+                "flexibility.",
                 place="G",
             )
         reactions = np.zeros(len(s))
-        reactions[one] = answer.z
-        reactions[both] = follow[:, -1] - follow[:, :-1] @ answer.z
+        reactions[one_sided] = answer.z
+        reactions[two_sided] = eliminated[:, -1] - eliminated[:, :-1] @ answer.z
         return reactions
 
 
@@ -120,34 +125,34 @@ def with_rows(
     two_sided: ArrayLike | None = None,
     flexibility: ArrayLike | None = None,
 ) -> RowProblem:
-    """Put rows of one's own beside those of a model's contact points: G u − C λ ≤ g, with λ ≥ 0 acting as −Gᵀλ.
+    """Add rows to those of a model's contact points: G u − C λ ≤ g, with reactions λ ≥ 0 that act as −Gᵀλ.
 
-    A row may couple any dofs: the difference of two deflections, a mean, a slope. `ContactProblem.rows_at` gives those
-    of points. Their reactions are no support's: results have them among the loads.
+    A row may couple any dofs: the difference of two deflections, a mean, a slope. `ContactProblem.rows_at` gives rows
+    of points. In results their reactions are part of the loads.
 
     Parameters
     ----------
     problem : ContactProblem
-        Its K has to be regular: held dofs, springs and two-sided points at nodes hold the plate without these rows.
+        Its K must be regular: held dofs, springs and two-sided points at nodes hold the plate without these rows.
     G : (r, 3n) array_like or sparse array
-        In the order of dofs that `ContactProblem` documents, and the frames of its nodes.
+        In the order and the nodal axes of dofs that `ContactProblem` documents.
     gaps : (r,) array_like
-        g, in the units of G u: lengths where G is of deflections with coefficients of 1.
+        g, in the units of G u: lengths if G has deflections with coefficients of 1.
     two_sided : (r,) array_like of bool, optional
-        Rows that are equations, G u − C λ = g, with λ of either sign; by default none.
+        Rows that are equations, G u − C λ = g, with λ of either sign; all False by default.
     flexibility : (r,) array_like, optional
-        The diagonal of C ≥ 0, gap over reaction; by default 0, rigid.
+        Diagonal of C ≥ 0, gap over reaction; 0 (rigid) by default.
 
     Raises
     ------
     InputError
-        If the shapes do not fit each other, or a rigid row acts on held dofs alone.
+        If the shapes do not match, or a rigid row acts on held dofs only.
     SignoriniError
         If K is not regular.
 
     Examples
     --------
-    The free corner of a plate may sink by no more than 1 mm beyond the middle of its edge, by a stop between the two.
+    The free corner of a plate may sink by at most 1 mm more than the middle of its edge.
 
     >>> from signorini import Model, contact_problem, recover
     >>> model = Model(
@@ -171,33 +176,34 @@ def with_rows(
     count, size = result.shape[0], problem.discretisation.dof_count
     if not all(law.only_pushes or law.straight for law, _ in problem.discretisation.contacts.by_law):
         raise InputError(
-            "found supports with a limit or a law; rows of one's own go with supports that have neither.",
+            "found supports with a limit or a law; additional rows need supports without them.",
             place="problem",
         )
     if result.shape[1] != size:
         raise InputError(f"found an array of shape {result.shape}; it must have {size} columns, one a dof.", place="G")
-    bounds = _one_a_row(gaps, count, "gaps")
-    soft = np.zeros(count) if flexibility is None else _one_a_row(flexibility, count, "flexibility")
-    both = np.zeros(count, np.bool_) if two_sided is None else np.asarray(two_sided)
-    if both.shape != (count,) or both.dtype != np.bool_:
+    bounds = _per_row(gaps, count, "gaps")
+    compliance = np.zeros(count) if flexibility is None else _per_row(flexibility, count, "flexibility")
+    equations = np.zeros(count, np.bool_) if two_sided is None else np.asarray(two_sided)
+    if equations.shape != (count,) or equations.dtype != np.bool_:
         raise InputError(
-            f"found an array of {both.dtype}, shape {both.shape}; it must be {count} of bool, one a row.", "two_sided"
+            f"found an array of {equations.dtype}, shape {equations.shape}; it must be {count} of bool, one a row.",
+            "two_sided",
         )
     if not np.isfinite(result.data).all():
         raise InputError("found numbers that are not finite; all must be.", place="G")
-    if (soft < 0).any():
-        raise InputError(f"found {soft.min():g}; none must be less than 0.", place="flexibility")
-    idle = (abs(result[:, ~problem.held]).sum(axis=1) == 0) & (soft == 0)
-    if idle.any():
+    if (compliance < 0).any():
+        raise InputError(f"found {compliance.min():g}; all must be 0 or more.", place="flexibility")
+    without_effect = (abs(result[:, ~problem.held]).sum(axis=1) == 0) & (compliance == 0)
+    if without_effect.any():
         raise InputError(
-            f"row {int(np.argmax(idle))} acts on held dofs alone; it moves nothing. Leave it out.", place="G"
+            f"row {int(np.argmax(without_effect))} acts on held dofs alone, which cannot move. Leave it out.", place="G"
         )
-    rows = RowProblem(problem, result, bounds, soft, both)
+    rows = RowProblem(problem, result, bounds, compliance, equations)
     problem.free(np.zeros(size))
     return rows
 
 
-def _one_a_row(value: ArrayLike, count: int, place: str) -> Floats:
+def _per_row(value: ArrayLike, count: int, place: str) -> Floats:
     result = array(value, place, 1)
     if len(result) != count or not np.isfinite(result).all():
         raise InputError(f"found {len(result)} numbers; they must be {count}, one a row, and finite.", place=place)

@@ -15,9 +15,8 @@ from scipy.sparse import csc_array, csr_array
 from signorini import _core
 from signorini.base.arguments import checked, known, made_by, vector
 from signorini.base.arguments import points as points_of_plate
-from signorini.base.memory import require_memory_for_interior_point
 from signorini.base.remade import Remade
-from signorini.contact.factoring import Method, base_of, core_problem, factored, method_of, regularization
+from signorini.contact.factoring import Method, core_problem, factored, method_of, regularization
 from signorini.contact.lcp import Lcp, lcp_of
 from signorini.contact.selection import Answer, chosen
 from signorini.discretise import CaseLoad, Discretisation, discretise
@@ -29,14 +28,16 @@ from signorini.model import Model
 
 _PARTS = ("w", "θx", "θy")
 _NO_PART = 1e-14
-"""Coefficient of a row below which it is rounding of the place in its element."""
+"""Zero tolerance for coefficients of a row of ones: smaller ones are rounding of the location in the element."""
 Form = Literal["auto", "dual", "stiffness"]
 Steps: TypeAlias = Callable[[int, int, float], object]
-"""Called with a step's number, the contact points it changed and its relative imbalance; what it raises ends it."""
+"""Called with the number of a step, the contact points it changed and the relative residual; an exception in it ends
+the solution.
+"""
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
-_METHODS: tuple[Method, ...] = ("lemke", "active_set", "saddle", "interior_point")
+_METHODS: tuple[Method, ...] = ("lemke", "active_set", "saddle")
 _NOT_OUTLINE = {"thickness", "element", "shear_factor"}
-"""What a plate may change and keep its mesh."""
+"""Tables of a model that may change on the same mesh."""
 _LOAD = "Take discretisation.load(combination) or one of discretisation.cases."
 """How to come by a load with its nodal forces and curvatures."""
 
@@ -67,7 +68,7 @@ class Statement:
 
     @property
     def settlements(self) -> Floats:
-        """What of `gaps` (m,) is the settlement of the base in the row's direction; the rest is free travel, ≥ 0."""
+        """Settlement of the base within `gaps` (m,), in the direction of the row; the rest is free travel, ≥ 0."""
         return self.discretisation.contacts.settlement
 
     @property
@@ -102,7 +103,7 @@ class Statement:
 
     @property
     def held_values(self) -> Floats:
-        """Prescribed values (3n,) of held dofs, the paper's u₀: settlements and rotations; 0 elsewhere."""
+        """Prescribed values (3n,) of held dofs, the paper's u₀: settlements and rotations; 0 at other dofs."""
         return self.discretisation.held.values
 
     @property
@@ -115,9 +116,9 @@ class Statement:
         return np.broadcast_to([1.0, 0.0], (self.mesh.node_count, 2)) if frames is None else frames
 
     def rows_at(self, points: ArrayLike, of: Literal["w", "θx", "θy"] = "w") -> csr_array:
-        """Rows (q, 3n) that take the displacements to the deflection, or a slope, at points (q, 2) of the plate.
+        """Rows (q, 3n) that map displacements to the deflection, or a slope, at points (q, 2) of the plate.
 
-        Of `mitc9` between nodes a slope has a part in its elements' own middle, without their loads.
+        Between nodes a slope of `mitc9` also has a part of the elements' internal dofs, without their loads.
 
         Raises
         ------
@@ -166,14 +167,15 @@ class Statement:
 class ContactProblem(Statement, Remade):
     """A discretised model on its supports, factored once and condensed onto its contact points.
 
-    Dof 3i is the deflection w of node i of `mesh`, positive down; 3i + 1 and 3i + 2 are its slopes θx ≈ ∂w/∂x and
-    θy ≈ ∂w/∂y, or where an edge askew holds one slope alone, those along its `frames`. `K`, `G` and loads go over every
-    dof, in this order, which the mesh alone decides; `held` marks those at prescribed values. Loads are work-conjugate:
-    forces down on w, couples on slopes.
+    Dof 3i is the deflection w of node i of `mesh`, positive down; 3i + 1 and 3i + 2 are its slopes θx ≈ ∂w/∂x and θy ≈
+    ∂w/∂y, or, where an oblique edge holds one slope, the slopes along its `frames`. `K`, `G` and loads go over every
+    dof in this order, which depends on the mesh alone; `held` marks dofs with prescribed values. Loads are
+    work-conjugate: forces down on w, couples on slopes.
 
     Contact points are the rows of `G`, support by support in the order of the model: +w where the support pushes up, −w
-    where it holds down; of travel both ways first those that push up. Their unknowns are reactions λ ≥ 0 and gaps
-    ρ = `gaps` − Gu + `compliance`·λ ≥ 0; two-sided points, which `two_sided` marks, have ρ = 0 and λ of either sign.
+    where it holds down; with travel in both directions the rows that push up are first. Their unknowns are reactions λ
+    ≥ 0 and gaps ρ = `gaps` − Gu + `compliance`·λ ≥ 0; two-sided points, marked by `two_sided`, have ρ = 0 and λ of
+    either sign.
 
     Examples
     --------
@@ -214,15 +216,14 @@ class ContactProblem(Statement, Remade):
     @property
     def core(self) -> _core.ContactProblem:
         """The plate factored for the method, and its contact points."""
-        base = base_of(self.discretisation, self.method)
-        if base not in self._cores:
-            result = self.discretisation
-            self._cores[base] = (
-                factored(result, self.freedom, base)
+        method, result = self.method, self.discretisation
+        if method not in self._cores:
+            self._cores[method] = (
+                factored(result, self.freedom, method)
                 if self.unmoved is None
-                else self.unmoved.by(base).core.with_distance(result.contacts.distance)
+                else self.unmoved.by(method).core.with_distance(result.contacts.distance)
             )
-        return self._cores[base]
+        return self._cores[method]
 
     def without_factor(self) -> ContactProblem:
         """The same problem, to be factored again when something first needs it."""
@@ -236,14 +237,13 @@ class ContactProblem(Statement, Remade):
     @property
     def is_factored(self) -> bool:
         """Whether there is a core already."""
-        own = base_of(self.discretisation, self.method) in self._cores
-        return own or (self.unmoved is not None and self.unmoved.by(self.method).is_factored)
+        return self.method in self._cores or (self.unmoved is not None and self.unmoved.by(self.method).is_factored)
 
     def lcp(self, load: Floats, form: Form = "auto") -> Lcp:
         """Pose the LCP of one nodal load (3n,).
 
         "stiffness" has the gaps for unknowns. "dual" has the reactions, but gaps at points whose stiffness the factor
-        carries: elastic ones softer than the plate in shear, but for footprints, and, where one-sided supports alone
+        carries: elastic ones softer than the plate in shear, except footprints, and, where one-sided supports alone
         hold the plate, as many as it has rigid motions. ``gap_is_z`` marks them. "auto" takes the better conditioned
         one, `better_form`.
 
@@ -301,12 +301,12 @@ class ContactProblem(Statement, Remade):
     def dual(self, load: Floats) -> tuple[Floats, Floats]:
         """P (m, m) and s (m,) of the paper's (26) and (27), over every row of ``G``: gap = P·reaction − s.
 
-        P = G K⁻¹ Gᵀ + C and s = G K⁻¹ f − g with K of the plate, held dofs and springs, but of no contact point,
-        whatever stiffness that has; C is `compliance` on the diagonal. Where held dofs have values, K⁻¹ f is the
-        displacement under the load with these values. Two-sided points are among the rows: their gap is 0 and their
-        reaction has either sign, so where there are any, P and −s are not yet an LCP. That of `lcp` has eliminated
-        them. P and s know no limit and no law but by C: a point that gives its `limits` has a gap below 0, by what it
-        has yielded, and ``lemke(P, -s)`` may pass its limit. `lcp` has a row for each vertex of such a law.
+        P = G K⁻¹ Gᵀ + C and s = G K⁻¹ f − g, with K of the plate, held dofs and springs, without contact points; C is
+        `compliance` on the diagonal. Where held dofs have values, K⁻¹ f is the displacement under the load with these
+        values. Two-sided points are among the rows: their gap is 0 and their reaction has either sign. P and −s are
+        therefore an LCP only without two-sided points; `lcp` eliminates them. P and s contain laws by C alone: a point
+        at its `limits` has a gap below 0, minus its yield travel, and the solution of ``lemke(P, -s)`` may exceed the
+        limit. `lcp` has a row for each vertex of such a law.
 
         Raises
         ------
@@ -377,11 +377,11 @@ class ContactProblem(Statement, Remade):
         return self if method == self.method else replace(self, method=method, reference=None)
 
     def with_model(self, model: Model) -> ContactProblem:
-        """Pose another model on this one's mesh, as a sweep over gaps, stiffnesses, supports, thickness or loads does.
+        """Pose another model on the same mesh, for a sweep over gaps, stiffnesses, supports, thickness or loads.
 
-        Dofs, and the order of all arrays over them, stay as they are, whatever the other model would have the mesh
-        follow; so do contact points, as long as the supports are where they were. P is the same for all loads, gaps and
-        settlements of contact points, so for these it is enough to change s, which falls by what `gaps` rise.
+        Dofs and the order of all arrays stay, whatever lines the other model would have the mesh follow. So do contact
+        points if the supports stay in place. P is the same for all loads, gaps and settlements of contact points: for
+        these change s only, which decreases by the increase of `gaps`.
 
         Raises
         ------
@@ -423,10 +423,10 @@ class ContactProblem(Statement, Remade):
         return contact_problem(discretise(model, self.mesh))
 
     def near(self, load: Floats, progress: Steps | None = None) -> ContactProblem:
-        """Pose the same problem for loads not unlike a nodal one (3n,), with whose contact set an active set begins.
+        """Pose the same problem for loads similar to a nodal load (3n,), from whose contact set the active set starts.
 
-        Its solution is found here. Any load has the same answer, sooner or later; without an active set, or a solution,
-        and beside points that hold both ways, nothing changes. ``progress`` as for `solve`.
+        The solution of that load is computed here. The start does not change any answer. It has no effect without an
+        active set, without a solution, and on points with ``resists = "both"``. ``progress`` as for `solve`.
         """
         load = vector(load, self.discretisation.dof_count, "load")
         if self.method != "active_set" or self.discretisation.contacts.two_sided.any():
@@ -447,18 +447,14 @@ class ContactProblem(Statement, Remade):
         if start is not None:
             made_by(start, Answer, "Take what solve returned for another load.", "start")
         held = self.discretisation.held.values
-        if self.method == "interior_point":
-            require_memory_for_interior_point(len(load.nodal), len(self.gaps))
-            solution = self.core.solve_by_interior_point(load.nodal, held, progress=progress)
-        else:
-            form = self.better_form if form == "auto" else form
-            near = self.reference if start is None else start.solution
-            try:
-                solution = self.core.solve(load.nodal, held, form, near, progress)
-            except ValueError as error:
-                if near is None:
-                    raise
-                raise InputError(f"{error}.", place="start") from None
+        form = self.better_form if form == "auto" else form
+        near = self.reference if start is None else start.solution
+        try:
+            solution = self.core.solve(load.nodal, held, form, near, progress)
+        except ValueError as error:
+            if near is None:
+                raise
+            raise InputError(f"{error}.", place="start") from None
         answer = Answer.of(self.discretisation, solution)
         return chosen(self.discretisation, self.freedom, load.nodal, answer)
 
@@ -481,8 +477,7 @@ def contact_problem(model: Model | Discretisation) -> ContactProblem:
         If it does not fit into memory.
     """
     problem = unfactored(model if isinstance(model, Discretisation) else discretise(model))
-    base = base_of(problem.discretisation, problem.method)
-    return replace(problem, _cores={base: factored(problem.discretisation, problem.freedom, base)})
+    return replace(problem, _cores={problem.method: factored(problem.discretisation, problem.freedom, problem.method)})
 
 
 def unfactored(discretisation: Discretisation) -> ContactProblem:

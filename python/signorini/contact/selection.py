@@ -1,10 +1,10 @@
-"""An answer to a contact problem, and of answers that are equally right the least: in reactions, then in deflection.
+"""The answer to a contact problem and, among equally right answers, the one of least norm.
 
-Solutions of the contact problem make a convex set: any displacement of one goes with any reactions of another. So the
-two are chosen apart, by rules that know no order of supports, points or pivots: reactions by their least sum of squares
-and, where the plate may still move between its supports, the deflection by its least integral of w². docs/theory.md,
-section 5, has the weights. Each is a small least-squares problem with inequalities, solved as a least-distance problem
-(Lawson and Hanson 1974, *Solving Least Squares Problems*, chapter 23).
+The solutions of a contact problem are a convex set: any displacement of one solution and the reactions of another make
+a solution. So both are chosen independently, by rules without any order of supports, points or pivots: reactions by
+their least weighted sum of squares and, if the plate can move between its supports, the deflection by its least ∫ w².
+docs/theory.md, section 5, has the weights. Each is a small least-squares problem with inequalities, solved as a
+least-distance problem (Lawson and Hanson 1974, *Solving Least Squares Problems*, chapter 23).
 """
 
 from __future__ import annotations
@@ -29,19 +29,21 @@ from signorini.equilibrium.balance import RigidFreedom, describe_motion
 _AGAINST_EACH_OTHER = 1e6
 """Times the least reactions that others may be: ten of sixteen digits are left for their sum."""
 _ACTIVE = 1e-10
-"""Part of the largest multiplier below which one is rounding."""
+"""Zero tolerance for multipliers, relative to the largest."""
 _OF_SUMS = 64 * float(np.finfo(float).eps)
-"""What a few sums of products of the free least leave of it."""
+"""Rounding of the unconstrained minimum, relative to the sum of the magnitudes of its terms."""
 _NIL = 1e-11
-"""Part of the largest force, or deflection, below which solvers take one for rounding."""
+"""Zero tolerance for forces and deflections, relative to the largest."""
 _HARDLY = 1e-6
-"""Part of the deflection by which reactions scale on the plate below which none counts: supports leave it none."""
+"""Smallest deflection that counts, relative to the sum of reactions over D/a²."""
 _STILL = 1e-12
-"""Part of a motion by which a pushing point moves that is rounding: points on a line hold nothing about it."""
+"""Zero tolerance for the motion of a pushing point, relative to the largest: points on a line do not hold turning about
+it.
+"""
 _MOVED = 1e-9
-"""Part of a direction of size one below which a point takes no part in it."""
+"""Smallest share of a point in a direction of unit size."""
 _ROUNDING = 16 * float(np.finfo(float).eps)
-"""What sums of a few products round off."""
+"""Rounding of a sum of a few products, relative to its terms."""
 _DOUBTFUL = 1e-9
 """As `_NIL`, where all that hangs on it is whether a combination is solved by itself."""
 Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
@@ -49,7 +51,7 @@ Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
 
 @dataclass(frozen=True)
 class NotUnique:
-    """What the load and the supports leave open, so that the answer shown is the least of many.
+    """Freedom that load and supports leave: the answer shown is the one of least norm.
 
     Parameters
     ----------
@@ -68,7 +70,7 @@ class NotUnique:
 
     @property
     def otherwise(self) -> str:
-        """What else would be as right."""
+        """The alternative answers, in words."""
         if self.what == "reactions":
             return f"reactions of {', '.join(self.supports)} could be shared otherwise"
         return f"the plate could rest elsewhere, {self.motion}"
@@ -84,11 +86,11 @@ class Answer(Remade):
     """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
 
     Displacements ``hi + lo`` (3n,) are the sum of two doubles. ``reaction``, ``gap``, ``closed`` and ``piece`` (m,) are
-    those of every contact point, and the piece of its law that it is on; the gap of one that yields is minus the travel
-    by which it has. Reactions of two-sided points are those of all that repeat them, too. ``shared`` (m + r,) has the
-    reaction of every contact point and, behind these, of every repeated one, each with its own share. ``not_unique`` is
-    empty where this is the only answer; ``somehow`` is what the solver came to, where this was chosen instead.
-    ``solution`` is the solver's own, for other loads of the same problem to begin with; not pickled.
+    those of every contact point, ``piece`` being the piece of its law; the gap of a yielding point is minus its yield
+    travel. The reaction of a two-sided point includes those of repeated points. ``shared`` (m + r,) has the reaction of
+    every contact point and of every repeated point, each with its own share. ``not_unique`` is empty if the answer is
+    unique; ``somehow`` is the solver's answer if another one was chosen. ``solution`` is the solver's, a start for
+    other loads of the same problem; it is not pickled.
     """
 
     status: Literal["solved", "no_equilibrium", "unsolved"]
@@ -111,7 +113,7 @@ class Answer(Remade):
     _made = MappingProxyType({"solution": lambda answer: None})
 
     def on(self, plate: OfWhole) -> Self:
-        """What it is of one of several plates."""
+        """The part of one of several plates."""
         mine, points = plate.points[: len(plate.own.contacts)], plate.points
         own = {key: getattr(self, key)[mine] for key in ("reaction", "gap", "closed", "piece")}
         own |= {"hi": self.hi[plate.dofs], "lo": self.lo[plate.dofs], "shared": self.shared[points]}
@@ -119,9 +121,10 @@ class Answer(Remade):
 
     @property
     def in_turn(self) -> tuple[Self, ...]:
-        """The answer itself, then what stands where arithmetic does not carry the choice: what the solver came to.
+        """The answer itself, then the solver's answer as a fallback.
 
-        Not where supports there push against each other so hard that their sum has lost the load's digits.
+        There is no fallback if its supports push against each other so strongly that their sum has lost the digits of
+        the load.
         """
         if self.somehow is None:
             return (self,)
@@ -159,10 +162,10 @@ def chosen(
     answer: Answer,
     elsewhere: Elsewhere | None = None,
 ) -> Answer:
-    """Return the least of the answers to a nodal load (3n,) that are as right as this one, and say so if there are any.
+    """Return the least-norm answer to a nodal load (3n,) among the equally right ones, and record the freedom.
 
-    On a load path ``elsewhere`` gives reactions (m,) of other loads just before and after: points that push there hold
-    the plate here too, so that it moves on without a jump. It is called where the plate could move.
+    On a load path ``elsewhere`` returns reactions (m,) just before and after: points that push there hold the plate
+    here too, so that the path has no jump. It is called if the plate can move.
     """
     if answer.status != "solved":
         return answer
@@ -178,7 +181,7 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
         return np.ones(len(reaction), np.bool_)
     several = np.zeros(len(reaction), np.bool_)
     if discretisation.shared:
-        # Where every point is closed gaps are rounding, of what the reactions bend the plate by.
+        # If every point is closed, gaps are rounding relative to the bending by the reactions.
         travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(discretisation.contacts.distance).max()
         touching = np.abs(gap) <= _DOUBTFUL * (travel + _bending(discretisation, reaction))[:, None]
         several |= np.any([touching[:, one.points].sum(axis=1) > 1 for one in discretisation.shared], axis=0)
@@ -194,7 +197,7 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
 
 
 def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer: Answer) -> Answer:
-    """Shift reactions among points that share them, each over what it stands for, until their squares are least."""
+    """Redistribute reactions among points that share them, to the least weighted sum of squares."""
     points, count = discretisation.points, len(answer.reaction)
     together: list[Iterable[int]] = list(discretisation.held_together)
     reaction, closed, piece = answer.shared.copy(), answer.closed.copy(), answer.piece.copy()
@@ -266,9 +269,9 @@ def _merged(sets: Sequence[Iterable[int]]) -> list[set[int]]:
 
 
 def _force(discretisation: Discretisation, nodal: Floats, answer: Answer) -> float:
-    """The largest nodal load or reaction; without load what bends the plate by its deflection.
+    """Largest nodal load or reaction; without load the force that bends the plate by its deflection.
 
-    Couples count by the force they are at the plate's size apart.
+    Couples count as forces with the plate's size as lever arm.
     """
     size = discretisation.mesh.size
     forces = np.abs(nodal.reshape(-1, 3)).max(axis=0) / [1.0, size, size]
@@ -284,7 +287,7 @@ def _with_least_deflection(
 ) -> Answer:
     contacts, nothing = discretisation.contacts, _NIL * _force(discretisation, nodal, answer)
     pushing = _holding(contacts, answer.reaction, nothing)
-    # Of a load without a resultant the plate's own forces may leave more in its stops than that.
+    # Under a load without resultant, internal forces leave larger rounding in the stops.
     rounding = np.finfo(float).eps * discretisation.plate.internal_magnitude(
         discretisation.held.dofs, answer.hi, answer.lo
     )
@@ -300,7 +303,7 @@ def _with_least_deflection(
     if not free.shape[1]:
         return answer
     idle = ~contacts.two_sided & ~pushing
-    # What pushes so little does not push, and what is so near to its limit yields.
+    # Reactions within rounding of zero are zero; those within rounding of a limit yield.
     flat = contacts.forces_on(contacts.pieces_at(answer.reaction, nothing))
     settled = np.where(idle, flat, answer.reaction)
     travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, answer.hi, answer.lo)
@@ -323,7 +326,7 @@ def _with_least_deflection(
     travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
     back, on = contacts.room(travel, settled)
     length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(contacts.distance))
-    # Of where the plate was, the motion leaves a rounding.
+    # The motion has rounding relative to the position before it.
     nil = np.maximum(_NIL * length, _ROUNDING * float(np.abs(answer.hi[::3]).max()))
     touching = ~idle | (np.minimum(back, on) <= nil)
     closed = touching | (settled != 0.0)
@@ -349,7 +352,7 @@ def _in_words(ways: Floats, discretisation: Discretisation) -> str:
         case 1:
             return describe_motion(ways[:, 0] / np.abs(ways[:, 0]).max(), discretisation)
         case 2:
-            return "by two rigid motions and what is between them"
+            return "by any combination of two rigid motions"
         case _:
             return "by any small rigid motion"
 
@@ -386,7 +389,7 @@ def _steepest_in_cone(sides: Floats, cost: Floats) -> Floats:
 
 
 def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats:
-    """The y with C y ≤ r, r ≥ 0, that minimises ‖A y + b‖; 0 where arithmetic tells no better one."""
+    """The y with C y ≤ r, r ≥ 0, that minimises ‖A y + b‖; 0 if the solver fails."""
     from scipy.optimize import nnls
 
     q, r = np.linalg.qr(matrix)
@@ -411,7 +414,7 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
     for _ in kept:
         rests = kept[on]
         y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
-        # It is what is left of the free least, whose rounding it has.
+        # y has the rounding of the unconstrained minimum, from which it is computed.
         rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _OF_SUMS * (np.abs(sides) @ np.abs(free))
         over = (sides @ y - room - rounding)[kept]
         if not (over > 0.0).any():

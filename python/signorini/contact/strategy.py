@@ -10,9 +10,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from signorini.base.memory import fits, needed_by_interior_point
 from signorini.contact.certificate import CERTIFIABLE, Certificate, certified, forces_at_nodes
-from signorini.contact.factoring import Method, base_of, can_be_factored
+from signorini.contact.factoring import Method, can_be_factored
 from signorini.contact.problem import ContactProblem, Form, Steps
 from signorini.contact.selection import Answer
 from signorini.discretise import CaseLoad, Discretisation
@@ -32,13 +31,12 @@ _PIVOTS = 64
 """Pivots of Lemke's algorithm between two calls of the callback; each pivot reads the tableau once."""
 
 
-_FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle", "interior_point")
+_FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle")
 """Methods that take over, in turn, where one does not settle; a prescribed one is only the first."""
 WORDS: dict[Method, str] = {
     "lemke": "Lemke's algorithm",
     "active_set": "the active set",
     "saddle": "the saddle-point system",
-    "interior_point": "the interior point method",
 }
 """Names of the methods in progress reports."""
 Told: TypeAlias = Callable[[str, int, int, float], object]
@@ -57,7 +55,7 @@ class BudgetSpent(Exception):
 
 
 class Budget:
-    """Remaining operations of the fallback methods, for a plate of so many dofs and contact points."""
+    """Remaining operations of the fallback methods, given the numbers of dofs and contact points."""
 
     def __init__(self, dofs: int, points: int) -> None:
         self._left = _MOST
@@ -85,7 +83,7 @@ class Budget:
         factor = _A_FACTOR * math.pow(self._dofs, _FILL)
         newton = _A_SOLVE * self._dofs + _FACTORED * factor
         saddle = _A_FACTOR * math.pow(self._dofs + self._points, _FILL)
-        return {"lemke": pivots, "active_set": newton, "saddle": saddle, "interior_point": factor}[method]
+        return {"lemke": pivots, "active_set": newton, "saddle": saddle}[method]
 
 
 class Attempt(NamedTuple):
@@ -121,7 +119,7 @@ def attempts(problem: ContactProblem) -> Iterator[Attempt]:
     """
     if problem.reference is not None:
         yield Attempt(problem)
-    for other in _methods(replace(problem, reference=None)):
+    for other in posed_for_methods(replace(problem, reference=None)):
         if other.method != "lemke":
             yield Attempt(other)
             continue
@@ -131,30 +129,12 @@ def attempts(problem: ContactProblem) -> Iterator[Attempt]:
             yield Attempt(other, "dual" if other.better_form == "stiffness" else "stiffness")
 
 
-def methods_along(problem: ContactProblem) -> Iterator[ContactProblem]:
-    """Problems that can follow a load path, in turn."""
-    base = base_of(problem.discretisation, problem.method)
-    for other in _methods(problem):
-        if other is problem or other.method not in ("interior_point", base):
-            yield other
-
-
-def _methods(problem: ContactProblem) -> Iterator[ContactProblem]:
-    """The problem, and posed for the methods that take over."""
+def posed_for_methods(problem: ContactProblem) -> Iterator[ContactProblem]:
+    """The problem, then posed for the methods that take over, as far as memory allows."""
     yield problem
     for other in map(problem.by, _FALLBACKS):
-        if other is not problem and _fits(other):
+        if other is not problem and (other.is_factored or can_be_factored(other.discretisation, other.method)):
             yield other
-
-
-def _fits(problem: ContactProblem) -> bool:
-    """Whether memory is left for a method, and its points can be condensed."""
-    discretisation = problem.discretisation
-    if not (problem.is_factored or can_be_factored(discretisation, base_of(discretisation, problem.method))):
-        return False
-    if problem.method != "interior_point":
-        return True
-    return fits(needed_by_interior_point(discretisation.dof_count, len(discretisation.contacts)))
 
 
 def answered(
@@ -167,8 +147,8 @@ def answered(
     """Solve one load and certify the answer; after a failure try the other form and every other method.
 
     Fallback methods have a `Budget`. ``progress`` is called in all of them, and an exception in it ends the solve.
-    ``beside`` is that of `certify`; ``start`` is an answer of the same problem to another load, from which the
-    problem's own method starts.
+    ``beside`` is that of `certify`. The problem's own method starts from ``start``, an answer of the same problem to
+    another load.
     """
     discretisation = problem.discretisation
     budget = Budget(discretisation.dof_count, len(discretisation.contacts))
@@ -221,9 +201,8 @@ def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: A
     # If other figures failed too, their reasons apply.
     if certificate.lost > CERTIFIABLE and replace(certificate, lost=0.0).passed:
         why = [
-            f"Over {CERTIFIABLE:g} that proves nothing: a stress-free curvature, or a load that balances itself, is so "
-            "much larger than the others that these are lost in its rounding. Correct it, or give it a combination of "
-            "its own."
+            f"The limit is {CERTIFIABLE:g}: a stress-free curvature, or a load that balances itself, is so large that "
+            "the other loads are lost in its rounding. Correct it, or give it a combination of its own."
         ]
     return (
         f'"{name}" is refused, its certificate {certificate}.{vain}{"".join(f" {reason}" for reason in why if reason)}'

@@ -12,28 +12,30 @@ from scipy.sparse import csr_array
 
 from signorini.base.components import components
 from signorini.base.remade import Brief
-from signorini.discretise.laws import can_let_go
+from signorini.discretise.laws import holds_deflection
 from signorini.discretise.meshing import room_beside, sharp_corner, to_follow
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.discretise.zones import Zones
-from signorini.errors import InputError, Problems, path_in_words, point
+from signorini.errors import InputError, Problems, format_place, point
 from signorini.mesh import Mesh
-from signorini.model import Model, Support
+from signorini.model import Model
 
 PARALLEL = np.sin(np.radians(10.0))
-"""Directions closer than this count as one: a rim's tangent, from its parabolas, is not quite square to a radius."""
+"""Sine of the largest angle (10°) between directions that count as parallel.
+
+The tangent of a curved edge, a parabola, is not exactly normal to the radius."""
 CONSISTENT = 1e-9
-"""Part of the largest settlement, gap or rotation by which those at one place may differ: their rounding."""
+"""Relative tolerance for equal settlements, gaps or rotations at one point: formulas are rounded."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Which nodes move together.
+    """Rigid bodies of nodes.
 
-    ``leaders`` (n,) are the nodes that each of ``points`` (n, 2) follows; a node in no body follows itself. ``inside``
-    (n,) marks nodes of a body, leaders included, ``rigid`` (ne,) elements all of whose nodes are of one body.
+    ``leaders`` (n,) is the leader of each node at ``points`` (n, 2); a node in no body is its own leader. ``inside``
+    (n,) marks nodes of bodies, leaders included; ``rigid`` (ne,) marks elements whose nodes all belong to one body.
     """
 
     points: Floats
@@ -43,7 +45,7 @@ class Bodies:
 
     @classmethod
     def of(cls, mesh: Mesh, zones: Zones, problems: Problems) -> Self:
-        """Join the nodes of rigid zones; zones that share a node are one body. Cut elements are among the problems."""
+        """Join the nodes of rigid zones; zones that share a node are one body. Elements cut by a zone are problems."""
         numbers = [number for number, zone in enumerate(zones.model.zone) if zone.rigid]
         for number in numbers:
             with problems.collected():
@@ -62,7 +64,7 @@ class Bodies:
 
     @cached_property
     def motion(self) -> csr_array:
-        """Displacements of all nodes by those of the nodes that lead them (3n, 3n)."""
+        """B (3n, 3n) of u = B u_leaders: displacements of all nodes from those of their leaders."""
         n, dofs = len(self.points), 3 * self.leaders
         following = np.flatnonzero(self.leaders != np.arange(n))
         arms = self.points[following] - self.points[self.leaders[following]]
@@ -73,7 +75,7 @@ class Bodies:
         return csr_array((np.append(np.ones(3 * n), arms.ravel()), (rows, columns)), shape=(3 * n, 3 * n))
 
     def onto_leaders(self, rows: csr_array) -> csr_array:
-        """Rows (m, 3n) over all nodes as rows over those that lead them."""
+        """G B (m, 3n): rows G over all nodes as rows over the leaders."""
         return csr_array(rows @ self.motion) if self.inside.any() else rows
 
 
@@ -82,20 +84,20 @@ def _require_followed(mesh: Mesh, zones: Zones, number: int) -> None:
     cut = np.flatnonzero(zones.parted[number])
     if not len(cut) and zones.inside[number].any():
         return
-    at = f" at {point(mesh.points[mesh.elements[cut[0], :4]].mean(axis=0), mesh.size)}" if len(cut) else ""
+    where = f" at {point(mesh.points[mesh.elements[cut[0], :4]].mean(axis=0), mesh.size)}" if len(cut) else ""
     region = zones.model.zone[number].region
     advice = to_follow(zones.model, "around it", room_beside(zones.model, region))
     if (sharp := sharp_corner(region)) is not None:
-        advice = f"Its corner at {point(sharp, mesh.size)} is sharper than 24°, which meshes do not follow. Blunt it."
+        advice = f"Its corner at {point(sharp, mesh.size)} is sharper than 24°, which meshes cannot follow. Blunt it."
     raise InputError(
-        f"The outline of this rigid zone cuts the element{at}, and elements are rigid as a whole. {advice}",
+        f"The outline of this rigid zone cuts the element{where}, and elements are rigid as a whole. {advice}",
         place=("zone", number, "area"),
     )
 
 
 @dataclass(frozen=True, eq=False)
 class _Slope:
-    """A slope along a unit direction (2,), held at that of a rotation (2,), by a support."""
+    """Constraint of a support: the slope along a unit direction (2,) equals that of a rotation (2,)."""
 
     direction: Floats
     rotation: Floats
@@ -104,9 +106,10 @@ class _Slope:
 
 @dataclass(eq=False)
 class Holds:
-    """Collects what supports hold at nodes: deflections, and slopes along directions, at prescribed values.
+    """Collects the deflections and slopes that supports prescribe at nodes.
 
-    Nodes of rigid bodies have no dofs of their own to hold: there contact points that hold both ways do it.
+    ``by`` gives for each node and support the number of the support's point and the deflection. Nodes of rigid bodies
+    have no free dofs: two-sided contact points hold them.
     """
 
     bodies: Bodies
@@ -114,7 +117,7 @@ class Holds:
     slopes: dict[int, list[_Slope]] = field(default_factory=dict)
 
     def deflections(self, mesh: Mesh, placed: Placed, nodes: Ints, numbers: Ints) -> None:
-        """Hold deflections of nodes, points of a support by number; supports that do so share their reactions."""
+        """Hold the deflections of nodes; ``numbers`` are those of the support's points."""
         settlement = placed.support.settlement(*mesh.points[nodes].T, place=(*placed.place, "settlement"))
         for node, value, number in zip(nodes.tolist(), settlement.tolist(), numbers.tolist(), strict=True):
             if not self.bodies.inside[node]:
@@ -126,20 +129,20 @@ class Holds:
             self.slopes.setdefault(node, []).append(_Slope(np.array(direction), rotation, support))
 
     def settle(self) -> Held:
-        """Turn what was collected into dofs and frames; nodes held at different values are refused."""
+        """Return the held dofs, values and frames; refuse nodes held at different values."""
         points = self.bodies.points
         held = np.zeros((len(points), 3), dtype=np.bool_)
         value = np.zeros((len(points), 3))
         support = np.full((len(points), 3), -1, dtype=np.int64)
         frames = np.tile([1.0, 0.0], (len(points), 1))
-        largest = max((abs(at) for by in self.by.values() for _, at in by.values()), default=0.0)
+        largest = max((abs(settlement) for by in self.by.values() for _, settlement in by.values()), default=0.0)
         size = float(np.ptp(points, axis=0).max())
         rounding = rounding_of(largest, points)
         for node, by in self.by.items():
             (first, (_, deflection)), *others = by.items()
-            for other, (_, asked) in others:
-                if abs(asked - deflection) > rounding:
-                    raise contradiction(points[node], size, first, other, abs(asked - deflection))
+            for other, (_, deflection_of_other) in others:
+                if abs(deflection_of_other - deflection) > rounding:
+                    raise contradiction(points[node], size, first, other, abs(deflection_of_other - deflection))
             held[node, 0], value[node, 0], support[node, 0] = True, deflection, first
         for node, slopes in self.slopes.items():
             begin = slopes[0]
@@ -167,18 +170,18 @@ class Holds:
 
 
 def rounding_of(largest: float, points: Floats) -> float:
-    """By how much deflections may differ that are the same: formulas of coordinates, of points (n, 2), are rounded."""
+    """Tolerance for equal deflections up to ``largest``: formulas in the coordinates of points (n, 2) are rounded."""
     size = float(np.ptp(points, axis=0).max())
     return max(CONSISTENT * min(largest, size), float(np.finfo(float).eps * np.abs(points).max()))
 
 
-def contradiction(at: Floats, size: float, one: int, other: int, by: float) -> InputError:
-    """Say that two supports, by number, ask for different deflections at a place."""
+def contradiction(position: Floats, size: float, first: int, second: int, difference: float) -> InputError:
+    """Error of two supports, by index, that prescribe different deflections at a position."""
     return InputError(
-        f"Supports contradict each other at {point(at, size)}: what {path_in_words(('support', int(one)))} and "
-        f"{path_in_words(('support', int(other)))} ask for there differs by {by:.3g}. Correct a gap or a settlement, "
-        "or give a stiffness.",
-        place=("support", int(other)),
+        f"Supports contradict each other at {point(position, size)}: the deflections that "
+        f"{format_place(('support', int(first)))} and {format_place(('support', int(second)))} prescribe there "
+        f"differ by {difference:.3g}. Correct a gap or a settlement, or give a stiffness.",
+        place=("support", int(second)),
     )
 
 
@@ -187,36 +190,40 @@ def _cross(a: Floats, b: Floats) -> float:
 
 
 def _rotation_of(basis: list[_Slope]) -> Floats:
-    """The rotation (2,) whose slopes along two directions are those prescribed."""
+    """The rotation (2,) with the prescribed slopes along two directions."""
     directions = np.array([slope.direction for slope in basis])
-    wanted = np.array([slope.direction @ slope.rotation for slope in basis])
-    return np.asarray(np.linalg.solve(directions, wanted)) if wanted.any() else np.zeros(2)
+    slopes = np.array([slope.direction @ slope.rotation for slope in basis])
+    return np.asarray(np.linalg.solve(directions, slopes)) if slopes.any() else np.zeros(2)
 
 
-def _require_one_rotation(basis: list[_Slope], slopes: list[_Slope], at: Floats) -> None:
-    """Refuse slopes that the prescribed ones of a basis do not agree with; directions as good as parallel are one."""
+def _require_one_rotation(basis: list[_Slope], slopes: list[_Slope], position: Floats) -> None:
+    """Refuse slopes that contradict the prescribed rotation of the basis; nearly parallel directions count as one."""
     largest = max(float(np.abs(slope.rotation).max()) for slope in slopes)
     if largest == 0.0:
         return
     for slope in slopes:
-        alike = next((one for one in basis if abs(_cross(one.direction, slope.direction)) <= PARALLEL), None)
-        along = slope.direction if alike is None else alike.direction
-        there = _rotation_of(basis) if alike is None else alike.rotation
-        if abs(along @ (slope.rotation - there)) > CONSISTENT * largest:
+        parallel = next(
+            (basis_slope for basis_slope in basis if abs(_cross(basis_slope.direction, slope.direction)) <= PARALLEL),
+            None,
+        )
+        along = slope.direction if parallel is None else parallel.direction
+        prescribed = _rotation_of(basis) if parallel is None else parallel.rotation
+        if abs(along @ (slope.rotation - prescribed)) > CONSISTENT * largest:
             raise InputError(
-                f"found the slopes {point(slope.rotation)} at {point(at)}, where support[{basis[0].support + 1}] "
-                f"prescribes {point(there)}. Prescribe the same, or let one of them not hold the slope.",
+                f"found the slopes {point(slope.rotation)} at {point(position)}, where support[{basis[0].support + 1}] "
+                f"prescribes {point(prescribed)}. Prescribe the same, or let one of them not hold the slope.",
                 place=("support", slope.support, "rotation"),
             )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Held(Brief):
-    """Held dofs (3n,), their values, the supports that hold them, and frames (n, 2), or None for x and y.
+    """Held dofs (3n,), their values (3n,), and the nodes' axes.
 
-    ``support`` (3n,) names of several the first, and −1 where there is none; ``holders`` (k, 2) are all pairs of a node
-    and a support that holds its deflection, by node, and ``numbers`` (k,) which of the support's points that is, from
-    0; 0 along lines. Nodes of ``bodies`` are held by contact points.
+    ``support`` (3n,) is the index of the first support that holds the dof, −1 if free. ``holders`` (k, 2) are all
+    pairs (node, support) in which the support holds the node's deflection, sorted by node. ``numbers`` (k,) is the
+    number of the support's point, from 0; 0 along lines. ``frames`` (n, 2) are the cosine and sine of each node's
+    first axis; None if all axes are x and y. Nodes of ``bodies`` are held by contact points.
     """
 
     dofs: Bools
@@ -228,7 +235,7 @@ class Held(Brief):
     bodies: Bodies
 
     def to_global(self, rotations: Floats) -> Floats:
-        """Turn rotations (n, 2) from the frames to x and y."""
+        """Transform rotations (n, 2) from nodal axes to x and y."""
         if self.frames is None:
             return rotations
         c, s = self.frames.T
@@ -236,7 +243,7 @@ class Held(Brief):
         return np.column_stack([c * first - s * second, s * first + c * second])
 
     def from_global(self, covector: Floats) -> Floats:
-        """Turn nodal couples (n, 2) from x and y into the frames."""
+        """Transform nodal couples (n, 2) from x and y to nodal axes."""
         if self.frames is None:
             return covector
         c, s = self.frames.T
@@ -244,7 +251,7 @@ class Held(Brief):
         return np.column_stack([c * x + s * y, c * y - s * x])
 
     def rigid_motions(self, points: Floats, middle: Floats) -> Floats:
-        """Nodal vectors (3n, 3), of the motions w = 1, w = x − x0, w = y − y0 of points (n, 2) about a middle."""
+        """Rigid-body modes R (3n, 3) of nodes at points (n, 2): w = 1, x − x0, y − y0 about a middle (x0, y0)."""
         motions = np.zeros((len(points), 3, 3))
         motions[:, 0, 0] = 1.0
         motions[:, 0, 1:] = points - middle
@@ -256,7 +263,7 @@ class Held(Brief):
 
 
 def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Problems) -> Held:
-    """Dofs that supports hold at nodes: bilateral, rigid, and where the mesh has nodes for them."""
+    """Dofs held by rigid two-sided supports at nodes of the mesh."""
     holds = Holds(bodies)
     for placed in supports:
         with problems.collected():
@@ -266,38 +273,33 @@ def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Probl
     return Holds(bodies).settle()
 
 
-def holds_deflection(support: Support) -> bool:
-    """Whether a support holds the deflection both ways, rigidly and without a gap."""
-    return support.is_rigid and not support.is_bolt and not can_let_go(support)
-
-
 def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:
-    """Slopes θx, θy (q, 2) at which a support holds those that it holds."""
+    """Slopes θx, θy (q, 2) that a support prescribes at positions (q, 2)."""
     rotation = placed.support.rotation
     if rotation is None:
         return np.zeros((len(positions), 2))
-    return np.column_stack([one(*positions.T, place=(*placed.place, "rotation")) for one in rotation])
+    return np.column_stack([component(*positions.T, place=(*placed.place, "rotation")) for component in rotation])
 
 
 def sides_that_hold_turns(model: Model, mesh: Mesh) -> Ints:
-    """Sides (k, 3) of edges at which a support holds a slope or a twist, support by support."""
-    held = [mesh.edges[name] for one in model.support if one.turns_held for name in one.edge or ()]
+    """Sides (k, 3) of the edges along which supports hold a slope or a twist, support by support."""
+    held = [mesh.edges[name] for support in model.support if support.holds_rotation for name in support.edge or ()]
     return np.concatenate([np.zeros((0, 3), np.int64), *held])
 
 
 def _collect(mesh: Mesh, holds: Holds, placed: Placed) -> None:
-    """Hold deflections and slopes at nodes of a support's edge or line, or at those that its points are at."""
+    """Hold deflections and slopes at nodes of a support's edge or line, or at the nodes of its points."""
     support, tangents = placed.support, dict[int, list[tuple[float, float]]]()
     if placed.sides is not None:
         nodes, _ = edge_nodes(mesh, placed.sides)
         numbers = np.zeros_like(nodes)
-        if support.turns_held:
+        if support.holds_rotation:
             tangents = tangents_at_nodes(mesh, placed.sides)
     else:
         (numbers,) = np.nonzero(placed.nodes >= 0)
         nodes = placed.nodes[numbers]
         if "slope" in support.fixed:
-            # Across these two are both axes.
+            # The normals of these two directions are both axes.
             tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
     if holds_deflection(support):
         holds.deflections(mesh, placed, nodes, numbers)
@@ -311,7 +313,7 @@ def _collect(mesh: Mesh, holds: Holds, placed: Placed) -> None:
 
 
 def tangents_at_nodes(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:
-    """Tangents at every node of mesh edges: one where they run on smoothly, two where they turn a corner."""
+    """Tangents at every node of mesh edges: one if the edge is smooth there, two at a corner."""
     result: dict[int, list[tuple[float, float]]] = {}
     for nodes, units in zip(triples.tolist(), quadratic_tangents(mesh, triples).tolist(), strict=True):
         for node, (tx, ty) in zip(nodes, units, strict=True):

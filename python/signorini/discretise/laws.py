@@ -1,32 +1,36 @@
-"""Laws of contact points: force over travel."""
+"""Laws of contact points, force over travel; and the laws of supports: no other module reads their keys for these."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.errors import InputError, Place
+from signorini.expression import Field
+from signorini.expression.levels import Level
 from signorini.model import Support
+from signorini.model.field import PointFieldScalar
 
 _ROUNDING = 1e-12
-"""Part by which slopes of a drawn line differ that is straight: its points are rounded."""
+"""Relative tolerance for equal slopes of neighbouring pieces: points of a polyline are rounded."""
 
 
 @dataclass(frozen=True)
 class Law:
-    """A nondecreasing polyline of force over travel, a monotone graph (Moreau 1965; Rockafellar 1970, section 24).
+    """Nondecreasing polyline of force over travel, a monotone graph (Moreau 1965; Rockafellar 1970, section 24).
 
     Parameters
     ----------
     vertices : tuple of (travel, force)
-        One at least, none below the one before it.
+        At least one; travels and forces do not decrease.
     ends : (float, float)
-        Slopes before the first vertex and beyond the last; infinite where the point is rigid.
+        Slopes before the first vertex and after the last; infinite where the point is rigid.
     """
 
     vertices: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
@@ -34,17 +38,18 @@ class Law:
 
     @classmethod
     def drawn(cls, points: Sequence[tuple[float, float]], both: bool) -> Law:
-        """Take force over travel from no travel on, and before it none; or, if ``both``, alike or as it is drawn.
+        """Return the law through points (travel, force); the last slope continues.
 
-        Points in which the slope does not change are left out, as the last one, at which the last slope goes on.
+        If not ``both``, the force is zero before the first point. If ``both``, the law is odd where the first travel
+        is 0, else the first slope continues too. Points at which the slope does not change are omitted.
 
         Examples
         --------
         >>> Law.drawn([(0.0, 0.0), (0.5, 2.0), (1.0, 2.0)], both=True)
         Law(vertices=((-0.5, -2.0), (0.5, 2.0)), ends=(0.0, 0.0))
         """
-        alike = both and points[0][0] == 0.0
-        vertices = (*((-t, -f) for t, f in reversed(points[1:])), *points) if alike else tuple(points)
+        odd = both and points[0][0] == 0.0
+        vertices = (*((-t, -f) for t, f in reversed(points[1:])), *points) if odd else tuple(points)
         inner = cls(vertices).slopes[1:-1]
         slopes = np.array([inner[0] if both else 0.0, *inner, inner[-1]])
         turns = ~np.isclose(slopes[:-1], slopes[1:], rtol=_ROUNDING, atol=0.0)
@@ -53,7 +58,7 @@ class Law:
 
     @cached_property
     def slopes(self) -> Floats:
-        """Slope (p,) of every piece, in the order of travel; a straight law has one piece."""
+        """Slope (p,) of every piece in the order of travel; a straight law has one piece."""
         steps = np.diff(np.reshape(self.vertices, (-1, 2)), axis=0)
         with np.errstate(divide="ignore"):
             inner = steps[:, 1] / steps[:, 0]
@@ -61,20 +66,20 @@ class Law:
 
     @cached_property
     def at_ends(self) -> Bools:
-        """Whether pieces (p,) are the first or the last one."""
+        """Whether each piece (p,) is the first or the last one."""
         number = np.arange(len(self.slopes))
         return np.asarray((number == 0) | (number == number[-1]))
 
     @cached_property
     def corners(self) -> Floats:
-        """A vertex (p, 2) of every piece: where it begins, of the first where it ends."""
+        """First vertex (p, 2) of every piece; for the first piece, its last vertex."""
         return np.array(self.vertices[:1] if self.straight else [self.vertices[0], *self.vertices])
 
     @cached_property
     def anchors(self) -> Floats:
-        """Travel and force (p, 2) of a point on the line of every piece: the point without force, or else the corner.
+        """Travel and force (p, 2) of a reference point on each piece: its zero of force if it has one, else `corners`.
 
-        Forces near zero keep their digits beside a distant vertex.
+        Forces near zero keep their digits even if the vertex is distant.
 
         Examples
         --------
@@ -86,7 +91,7 @@ class Law:
         inner = np.zeros(len(result), np.bool_) if self.straight else ~self.at_ends
         for piece in np.flatnonzero((self.slopes > 0.0) & (least <= 0.0) & (most >= 0.0)):
             (travel, force), slope = result[piece], self.slopes[piece]
-            # The core takes the same differences, so that both have the same rounding.
+            # The core forms the same differences, so that both round alike.
             terms = travel, force / slope
             if inner[piece] and np.isfinite(slope):
                 beyond, above = self.vertices[piece]
@@ -110,74 +115,77 @@ class Law:
 
     @cached_property
     def straight(self) -> bool:
-        """Whether it is one line, so that a point never lets go or yields."""
+        """Whether the law is one line: the point neither lets go nor yields."""
         return len(self.vertices) == 1 and self.ends[0] == self.ends[1]
 
     @property
     def only_pushes(self) -> bool:
-        """Whether it pushes with one slope and without limit."""
+        """Whether the law is λ = k max(s, 0): no tension, one slope, no limit."""
         return len(self.vertices) == 1 and self.ends[0] == 0.0
 
     @property
     def pushing(self) -> Law:
-        """One that pushes only, as stiff as this is at most."""
+        """The law λ = k max(s, 0) with the largest slope k of this law."""
         return Law(ends=(0.0, float(self.slopes.max())))
 
     @cached_property
     def forces(self) -> tuple[float, float]:
-        """The least and the largest force that it can give."""
+        """Least and largest force; infinite if unlimited."""
         (first, last), (before, beyond) = (self.vertices[0][1], self.vertices[-1][1]), self.ends
         return -np.inf if before > 0.0 else first, np.inf if beyond > 0.0 else last
 
     @cached_property
     def at_rest(self) -> tuple[float, float]:
-        """The least and the largest force that it can give without travel."""
+        """Least and largest force at zero travel."""
         forces = [force for travel, force in self.vertices if travel == 0.0] or [float(self.force_at(0.0))]
         before, beyond = self.ends
         return -np.inf if before == np.inf else min(forces), np.inf if beyond == np.inf else max(forces)
 
     def force_at(self, travel: ArrayLike) -> Floats:
-        """Force at travels, as if it were elastic before its first vertex too where it pushes only.
+        """Force at travels; a law without tension is continued linearly before its first vertex.
 
         Examples
         --------
         >>> Law.drawn([(0.0, 0.0), (0.5, 2.0), (1.0, 2.0)], both=False).force_at([-0.5, 0.25, 3.0]).tolist()
         [-2.0, 1.0, 2.0]
         """
-        at, travels = np.asarray(travel, dtype=np.float64), [vertex[0] for vertex in self.vertices]
+        travels, vertex_travels = np.asarray(travel, dtype=np.float64), [vertex[0] for vertex in self.vertices]
         first = int(self.ends[0] == 0.0)
-        piece = np.minimum(np.maximum(np.searchsorted(travels, at, "right"), first), len(self.slopes) - 1)
-        return np.asarray(self.anchors[piece, 1] + self.slopes[piece] * (at - self.anchors[piece, 0]))
+        piece = np.minimum(np.maximum(np.searchsorted(vertex_travels, travels, "right"), first), len(self.slopes) - 1)
+        return np.asarray(self.anchors[piece, 1] + self.slopes[piece] * (travels - self.anchors[piece, 0]))
 
-    def pieces_at(self, force: Floats, nothing: Floats, flat: bool = True) -> Ints:
-        """Pieces (..., k) on which it has forces (..., k), but for so much; at a vertex one that is flat, or is not."""
+    def pieces_at(self, force: Floats, tolerance: Floats, flat: bool = True) -> Ints:
+        """Pieces (..., k) that contain forces (..., k) within a tolerance (..., k).
+
+        Where several pieces do, choose one with slope 0 if ``flat``, else one with a slope.
+        """
         if self.straight:
             return np.zeros(force.shape, np.int64)
-        at = self.corners[1:, 1]
-        first = np.searchsorted(at, force - nothing, "left")
-        last = np.searchsorted(at, force + nothing, "right")
-        wanted = np.flatnonzero((self.slopes == 0.0) == flat)
-        candidate = np.append(wanted, len(self.slopes))[np.searchsorted(wanted, first)]
+        vertex_forces = self.corners[1:, 1]
+        first = np.searchsorted(vertex_forces, force - tolerance, "left")
+        last = np.searchsorted(vertex_forces, force + tolerance, "right")
+        candidates = np.flatnonzero((self.slopes == 0.0) == flat)
+        candidate = np.append(candidates, len(self.slopes))[np.searchsorted(candidates, first)]
         return np.where(candidate <= last, candidate, first)
 
     def flat_force(self, travel: ArrayLike) -> Floats:
-        """Force of the flat piece that travels are within; infinite where there is none.
+        """Force of the piece with slope 0 that contains each travel; infinite where the piece there has a slope.
 
         Examples
         --------
         >>> Law(((0.0, 0.0), (0.01, 5.0)), (0.0, 0.0)).flat_force([-1.0, 0.0, 0.005, 0.02]).tolist()
         [0.0, 0.0, inf, 5.0]
         """
-        at = np.asarray(travel, dtype=np.float64)
+        travels = np.asarray(travel, dtype=np.float64)
         ends = [-np.inf, *(vertex[0] for vertex in self.vertices), np.inf]
-        result = np.full_like(at, np.inf)
+        result = np.full_like(travels, np.inf)
         for piece, (slope, (_, force)) in enumerate(zip(self.slopes, self.corners, strict=True)):
             if slope == 0.0:
-                result[(ends[piece] <= at) & (at <= ends[piece + 1])] = force
+                result[(ends[piece] <= travels) & (travels <= ends[piece + 1])] = force
         return result
 
     def travels(self, force: ArrayLike) -> tuple[Floats, Floats]:
-        """Least and largest travel at forces that it can give; infinite where it goes on without more force.
+        """Least and largest travel at forces within the law's range; infinite on an unbounded piece with slope 0.
 
         Examples
         --------
@@ -189,7 +197,7 @@ class Law:
         result = []
         sides: tuple[tuple[Literal["left", "right"], float], ...] = (("left", -np.inf), ("right", np.inf))
         for side, endless in sides:
-            # The vertices below a force, or, for the largest travel, not above it, are before its piece.
+            # The number of vertices below the force (not above it, for the largest travel) is the piece's index.
             piece = np.minimum(np.searchsorted(forces, at_force, side), len(self.slopes) - 1)
             slope, flat = self.slopes[piece], self.slopes[piece] == 0.0
             along = (at_force - self.anchors[piece, 1]) / np.where(flat, 1.0, slope)
@@ -201,11 +209,18 @@ LAWS = tuple(Law(ends=(0.0, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(ends=(slope, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(((0.0, 0.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 LAWS += tuple(Law(((-travel, -1.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
-"""Of supports that push, that hold both ways, and the same with a limit of 1; each with a spring, and rigid."""
+"""Unit laws, each with slope 1 and rigid: one-sided, two-sided, one-sided with limit 1, two-sided with limit 1."""
+_TWO_SIDED = LAWS[2]
+"""The two-sided unit law with slope 1."""
+
+
+def resists_both(support: Support) -> bool:
+    """Whether a support resists motion both downwards and upwards, perhaps after a gap."""
+    return support.fix is not None or support.resists == "both"
 
 
 def acts_both_ways(support: Support) -> bool:
-    """Whether a support acts downwards and upwards from no travel on: its gap is 0 and no direction is free.
+    """Whether a support resists motion both downwards and upwards, without a gap.
 
     Examples
     --------
@@ -214,12 +229,11 @@ def acts_both_ways(support: Support) -> bool:
     >>> acts_both_ways(Support(area="all", resists="down", stiffness=1e7))
     False
     """
-    both = support.fix is not None or support.resists == "both"
-    return both and support.gap.is_constant and support.gap.value == 0.0
+    return resists_both(support) and support.gap.is_constant and support.gap.value == 0.0
 
 
 def can_let_go(support: Support) -> bool:
-    """Whether the law of a support has a kink: the support lets go, yields, or changes its slope.
+    """Whether the law of a support has a kink: it lets go, yields, or changes its slope.
 
     Examples
     --------
@@ -233,7 +247,119 @@ def can_let_go(support: Support) -> bool:
     return support.law is not None and not Law.drawn(support.law, both=True).straight
 
 
-def laws_of(both: bool, limited: bool) -> tuple[Law, Law]:
-    """Give the laws of a support with a spring, and without."""
-    at = 4 * limited + 2 * both
-    return LAWS[at], LAWS[at + 1]
+def holds_deflection(support: Support) -> bool:
+    """Whether a support prescribes the deflection: rigid, two-sided, without a gap, no bolt."""
+    return support.is_rigid and not support.is_bolt and not can_let_go(support)
+
+
+def is_unyielding(support: Support) -> bool:
+    """Whether a support on the deflection is rigid without a limit."""
+    return support.is_rigid and not support.can_yield
+
+
+def is_elastic(support: Support) -> bool:
+    """Whether a support has a stiffness; a law that rises without travel has none."""
+    return support.modulus is not None
+
+
+def field_of(support: Support) -> Field | None:
+    """Table of a support's stiffness, which may be 0 in part of the support; None if it has none."""
+    return support.stiffness if isinstance(support.stiffness, Field) else None
+
+
+def formulas_of(support: Support) -> tuple[PointFieldScalar, ...]:
+    """Formulas that vary along a support: stiffness, limit, gap and settlement, as far as it has them."""
+    formulas = support.modulus, support.limit, support.gap, support.settlement
+    return tuple(formula for formula in formulas if formula is not None)
+
+
+def jumps_of(support: Support) -> list[Level]:
+    """Levels at which an elastic support's stiffness, limit, gap or settlement jumps; none for a rigid support."""
+    if not is_elastic(support):
+        return []
+    return [level for formula in formulas_of(support) for level in formula.levels if level.jumps]
+
+
+def steps_of(support: Support) -> list[Level]:
+    """Levels at which the quadrature is divided: jumps, and with a limit also kinks of limit and stiffness.
+
+    So the integral of the limit, which is the limit load, is accurate.
+    """
+    if support.modulus is None or support.limit is None:
+        return jumps_of(support)
+    kinks = [level for formula in (support.modulus, support.limit) for level in formula.levels if not level.jumps]
+    return jumps_of(support) + kinks
+
+
+def modulus_at(support: Support, positions: Floats, place: Place) -> Floats | None:
+    """Stiffness (q,) per point, length or area at positions (q, 2); None for a rigid support."""
+    if support.modulus is None:
+        return None
+    return support.modulus(*positions.T, above=0.0, place=(*place, "stiffness"))
+
+
+def levels_of(support: Support, positions: Floats, place: Place) -> tuple[Floats, Floats]:
+    """Deflections (q,) at positions (q, 2) at which a support begins to push the plate up, and to hold it down."""
+    gap = support.gap(*positions.T, at_least=0.0, place=(*place, "gap"))
+    settlement = support.settlement(*positions.T, place=(*place, "settlement"))
+    return settlement + gap, settlement - gap
+
+
+class Graphs(NamedTuple):
+    """Laws of points that push the plate up (``direction`` 1) or down (−1): columns (m,) as in `ContactPoints`."""
+
+    direction: float
+    distance: Floats
+    settlement: Floats
+    law: Ints
+    scale: Floats
+    unit: Floats
+    laws: tuple[Law, ...]
+
+    @classmethod
+    def linear(cls, stiffness: Floats, base: Floats) -> Graphs:
+        """Springs with force ``stiffness`` (row·u − ``base``)."""
+        law, unit = np.zeros(len(base), np.int64), np.ones(len(base))
+        return cls(1.0, 0.0 + base, base, law, stiffness, unit, (_TWO_SIDED,))
+
+
+def graphs_of(
+    support: Support, positions: Floats, weights: Floats, stiffest: Floats, slopes: Floats, place: Place
+) -> list[Graphs]:
+    """Laws of a support's points (m,) at positions (m, 2), one for each direction in which it acts after a gap.
+
+    ``weights`` (m,) are 1, lengths or areas, ``stiffest`` (m,) bounds the stiffness of springs. ``slopes`` (m,) are
+    prescribed slopes, NaN for points on the deflection.
+    """
+    on_deflection = bool(np.isnan(slopes).all())
+    settlement = support.settlement(*positions.T, place=(*place, "settlement")) if on_deflection else slopes
+    gap = support.gap(*positions.T, at_least=0.0, place=(*place, "gap"))
+    both = resists_both(support) and not gap.any()
+    elastic, stiffness = np.zeros(len(weights), np.bool_), np.ones(len(weights))
+    if (modulus := modulus_at(support, positions, place)) is not None:
+        stiffness = weights * modulus
+        if support.law is not None and (stiffness >= stiffest).any():
+            raise InputError(
+                f"found a part that rises by {float(modulus[0]):.4g} for a travel of 1, which is as good as rigid. "
+                "Draw it without travel, or less steep.",
+                place=(*place, "law"),
+            )
+        elastic = stiffness < stiffest
+        if both and support.limit is None:
+            # A straight law with C > 0 is a spring, never an equation.
+            elastic, stiffness = np.ones(len(weights), np.bool_), np.minimum(stiffness, stiffest)
+    if support.law is not None:
+        laws: tuple[Law, ...] = (Law.drawn(support.law, both=both),)
+        law, scale, unit = np.zeros(len(weights), np.int64), weights, np.ones(len(weights))
+    elif support.limit is not None:
+        laws, law = LAWS, np.where(elastic, 4, 5) + 2 * both
+        scale = weights * support.limit(*positions.T, above=0.0, place=(*place, "limit"))
+        unit = np.where(elastic, scale / stiffness, 1.0)
+    else:
+        laws, law = LAWS, np.where(elastic, 0, 1) + 2 * both
+        scale, unit = np.where(elastic, stiffness, 1.0), np.ones(len(weights))
+    directions = [1.0] * (both or support.resists != "up") + [-1.0] * (not both and support.resists != "down")
+    return [
+        Graphs(direction, gap + direction * settlement, direction * settlement, law, scale, unit, laws)
+        for direction in directions
+    ]

@@ -1,4 +1,4 @@
-"""Loads as work-equivalent nodal forces; those of moving loads' positions are made when they are asked for."""
+"""Loads as work-equivalent nodal forces; positions of moving loads are evaluated on demand."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from signorini import _core
 from signorini.discretise.held import Held
 from signorini.discretise.placed import Footprints
 from signorini.discretise.places import along_curve, in_area, located, mesh_edges
-from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature
+from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, among, crossed, cut_by
 from signorini.discretise.rows import Floats, Ints
 from signorini.discretise.sections import Sections
@@ -23,27 +23,27 @@ from signorini.model import Load, Model, Moving
 from signorini.model.load import Wheel
 from signorini.shapes import Polygon
 
-_GAUSS = 3
 _GAUSS_VARYING = 5
-"""Gauss points a direction where the load varies, and on thirds of a circle: of what turns three times around it three
-points miss 2 %, and of a circle inside one element the deflection 2e-5."""
+"""Number of Gauss points in each direction for a load that varies, and on thirds of a circle.
+
+Three points integrate cos 3φ around a circle with an error of 2 %."""
 CANCELLED = 16 * float(np.finfo(float).eps)
-"""Part of two loads below which their sum is rounding: a plate held up by its buoyancy must not drift away on it."""
+"""Relative tolerance for a zero sum of two loads: a plate that floats must not drift on rounding."""
 _BALANCED = 1e-12
-"""Part of the magnitudes that a resultant is made of below which it is their rounding."""
+"""Tolerance for a zero resultant, relative to the sum of magnitudes."""
 _NOTHING = 1e-9
-"""Part of a print that is rounding where it ends with the plate."""
+"""Tolerance for a wheel's print on the plate, relative to its area."""
 
 
 @dataclass(frozen=True, eq=False)
 class CaseLoad:
-    """One load case, or a combination of them, ``acting``.
+    """Load vector f of a load case, or of a combination of the cases ``acting``.
 
-    ``nodal`` (3n,) are forces and couples in the nodes' frames, ``curvature`` (3,) stress-free kx, ky, kxy, ``couples``
-    (2e,) act on the centre rotations of elements. ``weighing`` (3n,) is what of ``nodal`` has a resultant: without
-    stress-free curvatures, and without loads that balance themselves. ``through`` (3s,) is what of the moment, twist
-    and shear of each section the load itself does where its line is; of nodal forces nothing. ``plates`` are what is on
-    each of several plates; they alone know of curvatures and sections.
+    ``nodal`` (3n,) are forces and couples in nodal axes, ``curvature`` (3,) the stress-free kx, ky, kxy, ``couples``
+    (2e,) couples on the centre rotations of elements. ``weighing`` (3n,) is the part of ``nodal`` that can have a
+    resultant: it excludes stress-free curvatures and self-equilibrated loads. ``through`` (3s,) is the direct
+    contribution of the load to moment, twist and shear of each section, in addition to that of nodal forces.
+    ``plates`` are the loads on each of several plates; curvatures and sections are stored there only.
     """
 
     nodal: Floats
@@ -56,26 +56,26 @@ class CaseLoad:
 
     @classmethod
     def none(cls, nodes: int, elements: int) -> CaseLoad:
-        """No load on a mesh of so many nodes and elements."""
+        """The zero load on a mesh of ``nodes`` nodes and ``elements`` elements."""
         nodal = np.zeros(3 * nodes)
         return cls(nodal, np.zeros(3), np.zeros(2 * elements), nodal)
 
     @classmethod
     def join(cls, plates: Sequence[CaseLoad]) -> CaseLoad:
-        """Put loads on several plates together."""
+        """Join the loads on several plates."""
         nodal, couples, weighing = (
-            np.concatenate([getattr(one, key) for one in plates]) for key in ("nodal", "couples", "weighing")
+            np.concatenate([getattr(load, key) for load in plates]) for key in ("nodal", "couples", "weighing")
         )
-        acting = frozenset().union(*(one.acting for one in plates))
+        acting = frozenset().union(*(load.acting for load in plates))
         return cls(nodal, np.zeros(3), couples, weighing, np.zeros(()), acting, tuple(plates))
 
     @property
     def all_weighs(self) -> bool:
-        """Whether there is nothing else than what has a resultant."""
+        """Whether ``weighing`` is all of ``nodal``."""
         return self.weighing is self.nodal
 
     def __add__(self, other: CaseLoad) -> CaseLoad:
-        """Let both act; where they cancel but for rounding, nothing does."""
+        """Sum of two loads; entries that cancel up to rounding are 0."""
         nodal = _sum(self.nodal, other.nodal)
         return CaseLoad(
             nodal,
@@ -84,7 +84,7 @@ class CaseLoad:
             nodal if self.all_weighs and other.all_weighs else _sum(self.weighing, other.weighing),
             self.through + other.through,
             self.acting | other.acting,
-            tuple(one + more for one, more in zip(self.plates, other.plates, strict=True)),
+            tuple(load + added for load, added in zip(self.plates, other.plates, strict=True)),
         )
 
     def __rmul__(self, factor: float) -> CaseLoad:
@@ -93,7 +93,7 @@ class CaseLoad:
         weighing = nodal if self.all_weighs else factor * self.weighing
         acting = self.acting if factor else frozenset()
         through = factor * self.through
-        plates = tuple(factor * one for one in self.plates)
+        plates = tuple(factor * load for load in self.plates)
         return CaseLoad(nodal, factor * self.curvature, factor * self.couples, weighing, through, acting, plates)
 
 
@@ -103,7 +103,7 @@ def _sum(a: Floats, b: Floats) -> Floats:
 
 
 def loaded_sides(model: Model, mesh: Mesh, problems: Problems) -> dict[int, Ints | None]:
-    """Of every load by its number the sides (k, 3) along which it acts; None where the mesh follows no line of it."""
+    """Sides (k, 3) along which each load acts, by its index; None if the mesh does not follow its line."""
     result = {}
     for index, load in enumerate(model.load):
         with problems.collected():
@@ -122,24 +122,24 @@ def case_loads(
     sides: Mapping[int, Ints | None],
     problems: Problems,
 ) -> dict[str, CaseLoad]:
-    """Every load case of the model, by name, of loads whose sides are known."""
+    """Load cases by name; ``sides`` are those of `loaded_sides`, and loads without an entry are left out."""
     model = zones.model
     cases: dict[str, CaseLoad] = {}
     motions = held.rigid_motions(mesh.points, mesh.middle) / [1.0, mesh.size, mesh.size]
     footprints = Footprints(mesh, model.support)
-    for index, along in sides.items():
+    for index, sides_of_load in sides.items():
         load = model.load[index]
         with problems.collected():
             onto = Onto(mesh, sections)
-            result = _weighed(motions, _load(zones, onto, plate, footprints, load, along, ("load", index)))
+            result = _weighed(motions, _load(zones, onto, plate, footprints, load, sides_of_load, ("load", index)))
             cases[load.case] = cases[load.case] + result if load.case in cases else result
-    # Preloads are tightened beside these: as cases they have a factor and no load.
+    # Bolts are tightened by `analysis.tightening`: the case of a preload has a factor and a zero load.
     cases |= {case: CaseLoad.none(mesh.node_count, len(mesh.elements)) for case in model.preload_cases}
     return {case: replace(_weighed(motions, load), acting=frozenset([case])) for case, load in cases.items()}
 
 
 def _weighed(motions: Floats, load: CaseLoad) -> CaseLoad:
-    """A load of which nothing weighs if it balances itself."""
+    """Set ``weighing`` to 0 if the load is self-equilibrated."""
     resultant = np.abs(motions.T @ load.weighing)
     balanced = (resultant <= _BALANCED * (np.abs(motions).T @ np.abs(load.weighing))).all()
     return replace(load, weighing=np.zeros_like(load.nodal)) if balanced and load.nodal.any() else load
@@ -158,15 +158,18 @@ def _load(
     match load.kind:
         case "pressure":
             assert load.pressure is not None
-            order = _GAUSS if load.pressure.is_constant else _GAUSS_VARYING
+            order = GAUSS if load.pressure.is_constant else _GAUSS_VARYING
             formula, key = load.pressure, (*place, "pressure")
-            over = in_area(mesh, model.plate, where.region, place, order, levels=formula.levels)
-            onto.spread(over, Spread(where.region, order, formula.levels, lambda _, at: formula(*at.T, place=key)))
+            quadrature = in_area(mesh, model.plate, where.region, place, order, levels=formula.levels)
+            onto.spread(
+                quadrature,
+                Spread(where.region, order, formula.levels, lambda _, positions: formula(*positions.T, place=key)),
+            )
         case "self_weight":
             _weigh(zones, onto)
         case "line_load":
             assert load.line_load is not None
-            order = _GAUSS if load.line_load.is_constant and where.key != "circle" else _GAUSS_VARYING
+            order = GAUSS if load.line_load.is_constant and where.key != "circle" else _GAUSS_VARYING
             formula = load.line_load
 
             def along(levels: Levels) -> Quadrature:
@@ -178,15 +181,15 @@ def _load(
         case "force":
             assert load.force is not None
             spread = footprints.of(load, place)
-            for over, shape in zip(spread, where.footprints, strict=True):
-                onto.spread(over, Spread.even(shape, load.force / over.total))
+            for quadrature, shape in zip(spread, where.footprints, strict=True):
+                onto.spread(quadrature, Spread.even(shape, load.force / quadrature.total))
             if not spread:
                 onto.push(located(mesh, where.points, (*place, "at")).times(load.force))
         case "moment" | "couple_about":
             assert load.couple is not None
             spread = footprints.of(load, place)
-            for over, shape in zip(spread, where.footprints, strict=True):
-                onto.spread(over, Spread(shape, _GAUSS, (), _turning(over, load.couple)))
+            for quadrature, shape in zip(spread, where.footprints, strict=True):
+                onto.spread(quadrature, Spread(shape, GAUSS, (), _turning(quadrature, load.couple)))
             if not spread:
                 onto.twist(plate, located(mesh, where.points, (*place, "at")), load.couple)
         case "curvature":
@@ -197,7 +200,7 @@ def _load(
 
 
 class Onto:
-    """Nodal forces of what acts on a mesh, and what it does at sections, as they are summed."""
+    """Sums the nodal forces of loads on a mesh and their direct contributions to sections."""
 
     def __init__(self, mesh: Mesh, sections: Sections) -> None:
         self.mesh, self._sections = mesh, sections
@@ -207,28 +210,28 @@ class Onto:
 
     @property
     def load(self) -> CaseLoad:
-        """All of it."""
+        """The sum."""
         return CaseLoad(self._nodal, np.zeros(3), self._couples, self._nodal, self.through)
 
     def push(self, forces: Quadrature) -> None:
-        """Add forces that points weigh."""
+        """Add point forces; the weights are forces."""
         self._add(forces)
         self.through += self._sections.of_points(forces)
 
     def draw(self, along: Callable[[Levels], Quadrature]) -> None:
-        """Add forces along a line, whose points are divided where levels change sign."""
+        """Add forces along a line; ``along`` gives its quadrature, divided where levels change sign."""
         whole = along(())
         self._add(whole)
         self.through += self._sections.of_line(whole, along)
 
-    def spread(self, over: Quadrature, spread: Spread) -> None:
+    def spread(self, quadrature: Quadrature, spread: Spread) -> None:
         """Add a pressure, integrated at points."""
-        forces = over.times(spread.pressure(over.elements, over.positions))
+        forces = quadrature.times(spread.pressure(quadrature.elements, quadrature.positions))
         self._add(forces)
         self.through += self._sections.of_spread(forces, spread)
 
     def twist(self, plate: _core.Plate, points: LineQuadrature, moment: tuple[float, float]) -> None:
-        """Add a couple at each of some points."""
+        """Add a couple (mx, my) at each point."""
         dofs = (3 * self.mesh.elements[points.elements][:, :, None] + np.arange(3)).reshape(-1, 24)
         for field_, couple in enumerate(moment, start=1):
             rows, centre = plate.interpolation_rows(points.elements, points.xi, field_)
@@ -243,54 +246,54 @@ class Onto:
 def _weigh(zones: Zones, onto: Onto) -> None:
     """Add the plate's weight."""
     formulas = dict.fromkeys(zones.formulas)
-    order = _GAUSS if all(formula.is_constant for formula in formulas) else _GAUSS_VARYING
+    order = GAUSS if all(formula.is_constant for formula in formulas) else _GAUSS_VARYING
     levels: Levels = [level for formula in formulas for level in formula.levels]
     parted = [*levels, *zones.borders] if zones.parted.any() else levels
 
     def weight(elements: Ints, positions: Floats) -> Floats:
-        made = zones.at(elements, positions)
-        return np.asarray(zones.unit_weights[made.material] * zones.nominal(made.thickness, positions))
+        section = zones.at(elements, positions)
+        return np.asarray(zones.unit_weights[section.material] * zones.nominal(section.thickness, positions))
 
     onto.spread(_over_plate(zones, onto.mesh, order, levels), Spread(None, order, parted, weight))
 
 
 def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrature:
-    """Points all over the plate to integrate its thickness by."""
-    over = area_quadrature(mesh, None, order, levels=levels)
+    """Quadrature over the plate; elements cut by borders of zones are divided there."""
+    quadrature = area_quadrature(mesh, None, order, levels=levels)
     parted = np.flatnonzero(zones.parted.any(axis=0))
     if not len(parted):
-        return over
+        return quadrature
     levels = [*levels, *zones.borders]
     cut = cut_by(mesh, parted, among(levels, crossed(mesh, parted, levels)), order)
-    return Quadrature.join([over.pick(~np.isin(over.elements, parted)), cut.points])
+    return Quadrature.join([quadrature.pick(~np.isin(quadrature.elements, parted)), cut.points])
 
 
-def _turning(over: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:
+def _turning(quadrature: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:
     """The pressure that varies linearly over a footprint and whose resultant is a couple."""
-    # From the middle, and by the footprint's own size: the three products are then of one size.
-    middle = over.weights @ over.positions / over.total
-    size = np.sqrt(over.total)
+    # Coordinates from the middle, relative to the footprint's size, balance the three equations.
+    middle = quadrature.weights @ quadrature.positions / quadrature.total
+    size = np.sqrt(quadrature.total)
 
     def linear(positions: Floats) -> Floats:
         return np.column_stack([np.ones(len(positions)), (positions - middle) / size])
 
-    at = linear(over.positions)
+    basis = linear(quadrature.positions)
     resultant = np.array([0.0, *couple]) / [1.0, size, size]
-    pressure = np.linalg.solve(at.T @ (over.weights[:, None] * at), resultant)
+    pressure = np.linalg.solve(basis.T @ (quadrature.weights[:, None] * basis), resultant)
     return lambda _, positions: np.asarray(linear(positions) @ pressure)
 
 
 class Cases(Mapping[str, CaseLoad]):
-    """Load cases by name: those that stay where they are, and every position of moving loads.
+    """Load cases by name: static ones, and every position of moving loads.
 
-    Wheels, or parts of their prints, that are not on the plate do not act.
+    Wheels off the plate, and parts of their prints off the plate, do not act.
     """
 
     def __init__(
-        self, still: Mapping[str, CaseLoad], moving: tuple[Moving, ...], mesh: Mesh, sections: Sections
+        self, static: Mapping[str, CaseLoad], moving: tuple[Moving, ...], mesh: Mesh, sections: Sections
     ) -> None:
-        self._still = still
-        self._places = {at: (load, s) for load in moving for at, s in load.positions.items()}
+        self._still = static
+        self._places = {case: (load, s) for load in moving for case, s in load.positions.items()}
         self._mesh, self._sections = mesh, sections
 
     def __getitem__(self, case: str) -> CaseLoad:
@@ -311,20 +314,20 @@ class Cases(Mapping[str, CaseLoad]):
         return len(self._still) + len(self._places)
 
     def partly_off(self) -> Iterator[tuple[str, str, int, float]]:
-        """Where wheels' prints are partly off the plate: moving load, position, axle from 1, part of the force lost.
+        """Yield wheels' prints partly off the plate: moving load, position, axle from 1, part of the force lost.
 
-        Wheels wholly off it have not arrived yet, or are gone.
+        Wheels entirely off the plate are ignored.
         """
         for name, (load, travelled) in self._places.items():
             if load.patch is None:
                 continue
             wheels = load.wheels(travelled)
-            prints = np.array([_print(at, direction, load.patch) for at, direction, _ in wheels])
+            prints = np.array([_print(position, direction, load.patch) for position, direction, _ in wheels])
             inside = self._mesh.locate(prints.reshape(-1, 2)).inside.reshape(-1, 4)
             for wheel in np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1)).tolist():
                 shape = Polygon(tuple(map(tuple, prints[wheel].tolist())))
-                on = float(area_quadrature(self._mesh, shape, _GAUSS).weights.sum())
-                lost = 1.0 - on / (load.patch[0] * load.patch[1])
+                covered = float(area_quadrature(self._mesh, shape, GAUSS).weights.sum())
+                lost = 1.0 - covered / (load.patch[0] * load.patch[1])
                 if lost > _NOTHING:
                     yield load.case, name, wheel * len(load.axles) // len(wheels) + 1, lost
 
@@ -332,22 +335,22 @@ class Cases(Mapping[str, CaseLoad]):
 def _position(onto: Onto, wheels: list[Wheel], patch: tuple[float, float] | None) -> CaseLoad:
     mesh = onto.mesh
     if patch is None:
-        positions = np.array([at for at, _, _ in wheels])
+        positions = np.array([positions_on_plate for positions_on_plate, _, _ in wheels])
         where = mesh.locate(positions)
         forces = np.array([force for _, _, force in wheels])
-        on, at = where.inside, positions[where.inside]
-        onto.push(Quadrature(where.elements[on], where.xi[on], forces[on], at))
+        on_plate, positions_on_plate = where.inside, positions[where.inside]
+        onto.push(Quadrature(where.elements[on_plate], where.xi[on_plate], forces[on_plate], positions_on_plate))
     else:
         for middle, direction, force in wheels:
             shape = Polygon(_print(middle, direction, patch))
-            onto.spread(area_quadrature(mesh, shape, _GAUSS), Spread.even(shape, force / (patch[0] * patch[1])))
+            onto.spread(area_quadrature(mesh, shape, GAUSS), Spread.even(shape, force / (patch[0] * patch[1])))
     return onto.load
 
 
 def _print(
-    at: tuple[float, float], direction: tuple[float, float], patch: tuple[float, float]
+    centre: tuple[float, float], direction: tuple[float, float], patch: tuple[float, float]
 ) -> tuple[tuple[float, float], ...]:
-    """Corners of a wheel's print."""
-    (x, y), (tx, ty), (length, width) = at, direction, patch
+    """Corners (4, 2) of a wheel's print, of size (length, width) along and across a direction."""
+    (x, y), (tx, ty), (length, width) = centre, direction, patch
     corners = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
     return tuple((x + a * length * tx - b * width * ty, y + a * length * ty + b * width * tx) for a, b in corners)

@@ -1,4 +1,4 @@
-"""The mesh that a model asks for; it follows the outlines and lines of loads and supports where it can."""
+"""Meshes along the plate's outline and, where possible, outlines and lines of zones, supports and loads."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from signorini.base.memory import elements_that_fit, require_memory
+from signorini.discretise.laws import formulas_of, is_elastic
 from signorini.discretise.rows import Floats
 from signorini.discretise.snapping import Snapped, snapped
 from signorini.errors import InputError, Place, Problems
@@ -33,8 +34,8 @@ from signorini.model import (
     Zone,
 )
 from signorini.model.field import PointFieldScalar
-from signorini.model.where import Acting, Located, Where, worth_following
-from signorini.model.whole import acting_on, follows_in_rows
+from signorini.model.where import Acting, Located, Where, mesh_follows
+from signorini.model.whole import follows_in_rows, supports_and_loads
 from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.distances import distances
 from signorini.shapes.extent import diameter
@@ -43,29 +44,28 @@ from signorini.shapes.outlines import Box, Contour, Point, along_arc, along_side
 Line: TypeAlias = Region | Curve
 
 _AROUND = 12
-"""Elements around a circle at least."""
+"""Least number of elements around a circle."""
 _LEAST = 0.125
-"""Part of the element size below which room is not made: so near things are seldom meant to be apart."""
+"""Least size of local refinement at borders, relative to the element size."""
 _LEAST_BESIDE_LINES = 0.25
-"""The same of lines: many small elements along them would cost more than following them brings."""
+"""The same at lines, where smaller elements would be many."""
 _FOLLOWED = 0.55 * _LEAST_BESIDE_LINES
-"""Distance over the element size below which elements of the least size do not follow a line."""
+"""Least distance of a line from other geometry, relative to the element size, at which the mesh can follow it."""
 _SHARP = 0.42
-"""Smallest angle, 24° in radians, between two lines that the mesher follows both."""
+"""Smallest angle in radians (24°) between two lines that the mesher can follow."""
 _EVERY = 5
-"""Degrees of the chords that arcs are drawn by here."""
+"""Angle in degrees of the chords that approximate arcs in this module."""
 _TOUCHING = 5e-4
-"""Part of the plate's diameter by which things meet: such chords are up to so far off an arc."""
+"""Distance at which lines count as touching, relative to the plate's diameter: the error of chords of 5°."""
 _FINEST = 1e-8
-"""Part of the plate's coordinates below which rounding would tell in the shapes of elements: from 1e-9 nodes of rows
-with other elements beside them miss each other."""
+"""Least element size relative to the largest coordinate; at 1e-9 rounding separates nodes that should coincide."""
 
 
 def mesh_of(model: Model, mesh: Mesh | None = None) -> tuple[Mesh, Model, tuple[Snapped, ...]]:
-    """Mesh the model's plate, or read its mesh; a mesh that is given is taken as it is.
+    """Mesh the model's plate, read its mesh file, or take the mesh that is passed.
 
-    In the model nodes that it names by number have become points, and what ``mesh.snap`` asks for is moved; what was is
-    told.
+    In the returned model, supports and loads at node numbers are at points, and ``mesh.snap`` is applied. The third
+    value lists the items that moved.
     """
     plate = model.plate
     if isinstance(plate, MeshPlate):
@@ -79,10 +79,10 @@ def _made(model: Model, plate: OutlinedPlate) -> Mesh:
     divisions = model.divisions
     _require_sizes(model, plate)
     if divisions is None:
-        made = _outlined(model, plate)
-        require_memory(len(made.elements), ("mesh",))
-        _require_element(plate, made)
-        return made
+        mesh = _outlined(model, plate)
+        require_memory(len(mesh.elements), ("mesh",))
+        _require_element(plate, mesh)
+        return mesh
     require_memory(math.prod(divisions), ("mesh",))
     try:
         return _patterned(model, plate, divisions)
@@ -104,23 +104,23 @@ def _require_sizes(model: Model, plate: OutlinedPlate) -> None:
 
 
 def to_follow(model: Model, where: str = "there", size: float | None = None) -> str:
-    """Say what to do for a mesh to follow what it goes across: where elements are to be smaller, and of what size."""
+    """Advice on how to make the mesh follow a line that cuts elements: smaller elements, of a size, somewhere."""
     if isinstance(model.plate, MeshPlate):
         return "Make the mesh with sides along it."
     if model.plate.element == "q8r" and model.divisions is not None:
         return "Leave element out: q8r has rows alone."
     if model.mesh.divisions is not None and not follows_in_rows(model):
         return "Give mesh.size, not divisions."
-    of = "smaller elements" if size is None else f"elements of {size:.2g} or less"
-    return f"Take {of} {where}{'' if size is None else ' (mesh.refine)'}."
+    elements = "smaller elements" if size is None else f"elements of {size:.2g} or less"
+    return f"Take {elements} {where}{'' if size is None else ' (mesh.refine)'}."
 
 
 def sharp_corner(region: Region) -> Floats | None:
-    """The sharpest corner (2,) of a region's outline, if it is sharper than lines that the mesh follows may meet."""
+    """The sharpest corner (2,) of a region's outline if its angle is too small for the mesher, else None."""
     least, result = _SHARP, None
     for loop in region.loops:
-        back, on = np.roll(loop, 1, axis=0) - loop, np.roll(loop, -1, axis=0) - loop
-        cross, dot = back[:, 0] * on[:, 1] - back[:, 1] * on[:, 0], (back * on).sum(axis=1)
+        back, onward = np.roll(loop, 1, axis=0) - loop, np.roll(loop, -1, axis=0) - loop
+        cross, dot = back[:, 0] * onward[:, 1] - back[:, 1] * onward[:, 0], (back * onward).sum(axis=1)
         angles = np.abs(np.arctan2(cross, dot))
         if angles.min() < least:
             least, result = float(angles.min()), np.asarray(loop[angles.argmin()])
@@ -128,7 +128,7 @@ def sharp_corner(region: Region) -> Floats | None:
 
 
 def room_beside(model: Model, region: Region) -> float | None:
-    """Least distance of a region's sides from other lines along the axes that a rectangle's rows follow, if any."""
+    """Least distance of a region's sides from other lines that rows of elements follow; None without rows."""
     if not isinstance(model.plate, RectanglePlate) or model.divisions is None:
         return None
     (x, y), (a, b) = model.plate.origin, model.plate.size
@@ -147,7 +147,7 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
     place = ("plate", "file")
     points: Mapping[int, Point] = {}
     try:
-        if any(item.nodes is not None for item in acting_on(model)):
+        if any(item.nodes is not None for item in supports_and_loads(model)):
             in_file, points = read_numbered(plate.file)
             mesh = in_file if mesh is None else mesh
         elif mesh is None:
@@ -176,7 +176,7 @@ def _require_element(plate: MeshPlate | OutlinedPlate, mesh: Mesh) -> None:
 
 
 def _at_nodes(model: Model, points: Mapping[int, Point]) -> Model:
-    """Put supports and loads that name nodes at their points."""
+    """Replace node numbers of supports and loads by points."""
     problems, update = Problems(), dict[str, object]()
     for key in ("support", "load"):
         items: list[Support | Load] = list(getattr(model, key))
@@ -190,10 +190,10 @@ def _at_nodes(model: Model, points: Mapping[int, Point]) -> Model:
                             place=(key, i, "nodes", position),
                         )
             if item.nodes is not None:
-                at = tuple(points[number] for number in item.nodes if number in points)
-                items[i] = item.model_copy(update={"at": at, "nodes": None})
+                points_of_nodes = tuple(points[number] for number in item.nodes if number in points)
+                items[i] = item.model_copy(update={"at": points_of_nodes, "nodes": None})
         update[key] = tuple(items)
-    problems.tell()
+    problems.raise_collected()
     return model.varied(**update)
 
 
@@ -205,7 +205,11 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
             shapes = [*(zone.region for zone in model.zone), *_acted_on(model), *steps]
             x_lines = [line for shape in shapes for line in shape.x_lines]
             y_lines = [line for shape in shapes for line in shape.y_lines]
-            refined = [(box, one.size) for one in model.mesh.refine for box in one.boxes((x, y, x + a, y + b))]
+            refined = [
+                (box, refinement.size)
+                for refinement in model.mesh.refine
+                for box in refinement.boxes((x, y, x + a, y + b))
+            ]
             x_lesser = [line for section in _sections(model) for line in section.x_lines]
             y_lesser = [line for section in _sections(model) for line in section.y_lines]
             lines = x_lines, y_lines, refined, x_lesser, y_lesser
@@ -220,10 +224,10 @@ def _patterned(model: Model, plate: OutlinedPlate, divisions: tuple[int, int]) -
 
 
 def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
-    """A mesh along the outline, holes, borders of zones, circles, and straight lines of supports, loads and jumps."""
+    """Mesh along the outline, holes, borders of zones, circles, and straight lines of supports, loads and jumps."""
     size = plate.element_size(model.mesh)
     borders = [*(zone.region for zone in model.zone), *_rings(model, size)]
-    walls = [along for item in acting_on(model) if isinstance(along := item.where.curve, Polyline)]
+    walls = [along for item in supports_and_loads(model) if isinstance(along := item.where.curve, Polyline)]
     lines = [(np.array(list(arcs_of(border))).reshape(-1, 6), False) for border in borders]
     lines += [(_straight(wall), True) for wall in walls]
     lines += [(_straight(border), False) for border in borders]
@@ -233,8 +237,8 @@ def _outlined(model: Model, plate: OutlinedPlate) -> Mesh:
     lines += [(_straight(shape), False) for shape in [*_acted_on(model), *_sections(model)] if shape not in walls]
     refined = [rows for number, part in enumerate(model.mesh.refine) for rows in _refined(plate, part, number)]
     if _area(plate) <= MOST * size**2:
-        refined += [room(borders, plate.contours, size, _stood_on(model))]
-    points = [at for part in model.mesh.refine for at in part.where.points]
+        refined += [room(borders, plate.contours, size, _refined_beside(model))]
+    points = [position for part in model.mesh.refine for position in part.where.points]
     try:
         return outlined(
             plate.contours,
@@ -254,14 +258,14 @@ def _straight(shape: Region | Curve) -> Floats:
 
 
 def _axes(model: Model, plate: OutlinedPlate) -> Axes:
-    """The axes that the outline asks for, or else what is on the plate, in the order of the file."""
+    """Axes of the mesh's normal form: the outline decides, then zones, supports, loads and probes in file order."""
     around = [contour.points() for contour in plate.contours]
     sides = [0.5 * (points + np.roll(points, 1, axis=0)) for points in around]
     zones = [_marks(zone.region) for zone in model.zone]
-    placed: list[Located] = [*model.mesh.refine, *acting_on(model)]
+    placed: list[Located] = [*model.mesh.refine, *supports_and_loads(model)]
     items = [_marks_of(item.where, plate) for item in placed]
     drawn: list[Section | Strip | Moving] = [*model.section, *model.strip, *model.moving]
-    lines = [np.array(one.line) for one in drawn]
+    lines = [np.array(item.line) for item in drawn]
     probes = [np.array(probe.at) for probe in model.probe]
     return axes_of([np.concatenate([*around, *sides]), *zones, *items, *lines, *probes])
 
@@ -276,7 +280,7 @@ def _edges(where: Where, plate: OutlinedPlate) -> list[Floats]:
 
 
 def _marks(shape: Region | Curve) -> Floats:
-    """Points (k, 2) that tell a shape from its mirror images."""
+    """Points (k, 2) by which a shape differs from its mirror images."""
     segments, circles, arcs = shape.outline.segments, shape.outline.circles, shape.outline.arcs
     across = circles[:, None, :2] + circles[:, 2:, None] * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
     return np.concatenate([segments.mean(axis=1), *(part.reshape(-1, 2) for part in (segments, across, arcs))])
@@ -302,9 +306,13 @@ def _place_of(plate: OutlinedPlate, error: OutlineError) -> Place:
 
 
 def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Floats]:
-    """Straight pieces (k, 5) with the size that is asked for at a place."""
+    """Yield straight pieces (x0, y0, x1, y1, size) (k, 5) of a refinement."""
     where = part.where
-    chains = [np.array([at, at]) for at in where.points] + _edges(where, plate) + list(where.outline.segments)
+    chains = (
+        [np.array([position, position]) for position in where.points]
+        + _edges(where, plate)
+        + list(where.outline.segments)
+    )
     for x, y, radius in where.outline.circles.tolist():
         ring = circle((x, y), radius, "").points()
         chains.append(np.vstack([ring, ring[:1]]))
@@ -316,7 +324,7 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
         if inside.area > MOST * part.size**2:
             message = f"found {part.size:g}; there would be more than {MOST:g} elements in this area. Take larger ones."
             raise InputError(message, place=("mesh", "refine", number, "size"))
-        # Between points twice a size apart sizes grow by a third at most.
+        # Between points two sizes apart, element sizes grow by at most a third.
         x, y = (_spread(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
         grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         held = grid[inside.contains(grid)]
@@ -324,15 +332,15 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
 
 
 def _spread(low: float, high: float, step: float) -> Floats:
-    """Middles of equal parts no longer than a step; rounding makes no further part."""
+    """Middles of the fewest equal parts of an interval that are no longer than a step, up to rounding."""
     count = math.ceil((high - low) / step - 1e-6)
     return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
 
 
 def _rings(model: Model, size: float) -> tuple[Ring, ...]:
-    """Circles along which supports and loads are, each once, but for those that are small beside elements."""
-    rings = [item.where.curve for item in acting_on(model)]
-    return tuple(dict.fromkeys(one for one in rings if isinstance(one, Ring) and worth_following(one, size)))
+    """Distinct circles along which supports and loads act, except circles small beside elements."""
+    rings = [item.where.curve for item in supports_and_loads(model)]
+    return tuple(dict.fromkeys(ring for ring in rings if isinstance(ring, Ring) and mesh_follows(ring, size)))
 
 
 def _sections(model: Model) -> list[Polyline]:
@@ -341,11 +349,11 @@ def _sections(model: Model) -> list[Polyline]:
 
 def _acted_on(model: Model) -> list[Region | Curve]:
     """Outlines and lines of supports and loads."""
-    return [shape for item in acting_on(model) for shape in item.where.shapes]
+    return [shape for item in supports_and_loads(model) for shape in item.where.shapes]
 
 
-def _stood_on(model: Model) -> list[Region | Curve]:
-    """What is followed beside other things by smaller elements: lines, and areas and footprints of supports."""
+def _refined_beside(model: Model) -> list[Region | Curve]:
+    """Geometry that small elements follow: lines of supports and loads, areas and footprints of supports."""
     lines = [load.where.curve for load in model.load]
     of_supports = [shape for support in model.support for shape in support.where.shapes]
     return [*of_supports, *(line for line in lines if line is not None)]
@@ -359,13 +367,13 @@ def _radii(model: Model, center: Point, outer: float) -> list[float]:
 
 
 def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
-    """Where expressions jump, as far as a mesh may follow it, within a box and that of what each acts on."""
+    """Yield curves along which expressions jump and a mesh may follow, each with the box that contains it."""
     items: list[tuple[Acting | Zone | None, PointFieldScalar | None]] = [(None, model.plate.thickness)]
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
-        if support.area is None and (support.modulus is None or support.at is not None):
-            continue  # it acts at nodes, or at points of its own
-        items += [(support, value) for value in (support.stiffness, support.limit, support.gap, support.settlement)]
+        if support.area is None and (not is_elastic(support) or support.at is not None):
+            continue  # it acts at nodes or at its own points, where formulas are evaluated
+        items += [(support, formula) for formula in formulas_of(support)]
     for load in model.load:
         items += [(load, value) for value in (load.pressure, load.line_load)]
     for item, formula in items:
@@ -382,25 +390,25 @@ def _within(item: Acting | Zone | None, box: Box) -> Box:
 
 
 def arcs_of(border: Line) -> Iterator[tuple[float, ...]]:
-    """Yield arcs, of circles their quarters, each by three points."""
+    """Yield arcs and quarters of circles, each by three points."""
     for x, y, radius in border.outline.circles.tolist():
         for begin, through, end in circle((x, y), radius, "").sides:
-            assert through is not None  # a circle is of arcs
+            assert through is not None  # a circle consists of arcs
             yield (*begin, *through, *end)
     yield from (tuple(arc) for arc in border.outline.arcs.reshape(-1, 6).tolist())
 
 
 def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, lines: Sequence[Line] = ()) -> Floats:
-    """Give straight pieces with sizes (k, 5) that let a mesh of elements of a size follow borders and lines.
+    """Straight pieces (x0, y0, x1, y1, size) (k, 5) where elements smaller than ``size`` are needed.
 
-    They are short sides and small circles of borders, and where a side, or a straight part of a line, is near to
-    another one, or to one of the plate's contours, that it does not meet. Parts of one line are not asked for each
-    other's sake, nor those that are nearer to something else than can be followed.
+    They are short sides and small circles of borders, and parts of sides and lines near to other geometry that they do
+    not touch. Sides of one line do not count as near to each other. Parts of lines too near to be followed are left
+    out.
     """
     sides: list[tuple[Floats, int | None]] = [(side, None) for border in borders for side in _sides_of(border)]
     sides += [(side, number) for number, line in enumerate(lines) for side in line.outline.segments[:, None]]
-    every = [*sides, *((_chords(*side), -1) for contour in contours for side in contour.sides)]
-    boxes = np.array([[*side.min(axis=(0, 1)), *side.max(axis=(0, 1))] for side, _ in every]).reshape(-1, 4)
+    obstacles = [*sides, *((_chords(*side), -1) for contour in contours for side in contour.sides)]
+    boxes = np.array([[*side.min(axis=(0, 1)), *side.max(axis=(0, 1))] for side, _ in obstacles]).reshape(-1, 4)
     touching = _TOUCHING * max(diameter(contour.points()) for contour in contours)
     outline = np.vstack([contour.points() for contour in contours])
     bounds = outline.min(axis=0) - size, outline.max(axis=0) + size
@@ -408,22 +416,22 @@ def room(borders: Sequence[Line], contours: Sequence[Contour], size: float, line
     for (side, number), box in zip(sides, boxes, strict=False):
         length = float(np.hypot(*(side[:, 1] - side[:, 0]).T).sum())
         closed = bool((side[0, 0] == side[-1, 1]).all())
-        own = np.inf if number is not None else length / _AROUND if closed else length
+        own_size = np.inf if number is not None else length / _AROUND if closed else length
         pieces = _divided(_clipped(side, *bounds), 0.5 * size)
-        apart = np.full(len(pieces), min(own, size))
+        apart = np.full(len(pieces), min(own_size, size))
         close = ((boxes[:, :2] <= box[2:] + size) & (boxes[:, 2:] >= box[:2] - size)).all(axis=1)
-        for other, of in (every[at] for at in np.flatnonzero(close)):
-            alike = other is side or (number is not None and of == number)
-            if not alike and not _meet(side, other, touching):
+        for other, line in (obstacles[index] for index in np.flatnonzero(close)):
+            same_line = other is side or (number is not None and line == number)
+            if not same_line and not _meet(side, other, touching):
                 apart = np.minimum(apart, _distance(pieces.mean(axis=1), other))
         near = (apart < size) & ((number is None) | (apart > _FOLLOWED * size))
-        sizes = np.maximum(apart[near], min((_LEAST if number is None else _LEAST_BESIDE_LINES) * size, own))
+        sizes = np.maximum(apart[near], min((_LEAST if number is None else _LEAST_BESIDE_LINES) * size, own_size))
         result.append(np.column_stack([pieces[near].reshape(-1, 4), sizes]))
     return np.concatenate(result)
 
 
 def _sides_of(border: Line) -> Iterator[Floats]:
-    """Yield straight sides, and circles and arcs by their chords, (k, 2, 2)."""
+    """Yield chords (k, 2, 2) of each side, arc and circle."""
     yield from border.outline.segments[:, None]
     for arc in border.outline.arcs.tolist():
         yield _chords(*arc)
@@ -438,24 +446,24 @@ def _chords(a: Point, through: Point | None, b: Point) -> Floats:
 
 
 def _clipped(chords: Floats, low: Floats, high: Floats) -> Floats:
-    """What of chords (k, 2, 2) is in a box (Liang and Barsky 1984): circles in another unit are kilometres long."""
+    """Parts of chords (k, 2, 2) inside a box (Liang & Barsky 1984): circles may be far larger than the plate."""
     begin, along = chords[:, 0], chords[:, 1] - chords[:, 0]
     still = along == 0.0
     beside = (still & ((begin < low) | (begin > high))).any(axis=1)
-    at = (np.stack([low, high])[:, None] - begin) / np.where(still, 1.0, along)
-    enters = np.where(still, 0.0, at.min(axis=0)).max(axis=1).clip(0.0)
-    leaves = np.where(still, 1.0, at.max(axis=0)).min(axis=1).clip(None, 1.0)
+    parameters = (np.stack([low, high])[:, None] - begin) / np.where(still, 1.0, along)
+    enters = np.where(still, 0.0, parameters.min(axis=0)).max(axis=1).clip(0.0)
+    leaves = np.where(still, 1.0, parameters.max(axis=0)).min(axis=1).clip(None, 1.0)
     ends = begin[:, None] + np.stack([enters, leaves], axis=1)[..., None] * along[:, None]
-    # Those that are wholly in it stay as they are.
+    # Chords entirely inside are not rounded.
     ends = np.where(((enters == 0.0) & (leaves == 1.0))[:, None, None], chords, ends)
     return np.asarray(ends[~beside & (enters < leaves)])
 
 
 def _divided(side: Floats, longest: float) -> Floats:
-    """Pieces (q, 2, 2) of chords that are no longer."""
+    """Equal pieces (q, 2, 2) of chords, no longer than ``longest``."""
     parts = [np.zeros((0, 2, 2))]
     for a, b in side:
-        # Rounding makes no further piece.
+        # The tolerance avoids one piece more by rounding.
         count = max(1, int(np.ceil(np.hypot(*(b - a)) / longest - 1e-6)))
         stations = a + np.linspace(0.0, 1.0, count + 1)[:, None] * (b - a)
         parts.append(np.stack([stations[:-1], stations[1:]], axis=1))
@@ -467,11 +475,11 @@ def _distance(points: Floats, chords: Floats) -> Floats:
     return np.asarray(distances(points, chords[:, 0], chords[:, 1]).min(axis=1))
 
 
-def _meet(one: Floats, other: Floats, touching: float) -> bool:
-    """Whether chords cross or touch others."""
-    if min(_distance(one.reshape(-1, 2), other).min(), _distance(other.reshape(-1, 2), one).min()) <= touching:
+def _meet(chords: Floats, others: Floats, touching: float) -> bool:
+    """Whether chords (k, 2, 2) cross or touch others."""
+    if min(_distance(chords.reshape(-1, 2), others).min(), _distance(others.reshape(-1, 2), chords).min()) <= touching:
         return True
-    (a, b), (c, d) = ((part[..., 0, :], part[..., 1, :]) for part in (one[:, None], other[None]))
+    (a, b), (c, d) = ((part[..., 0, :], part[..., 1, :]) for part in (chords[:, None], others[None]))
 
     def turn(p: Floats, q: Floats, r: Floats) -> Floats:
         u, v = q - p, r - p

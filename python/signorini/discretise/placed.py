@@ -1,4 +1,4 @@
-"""Where every support is on the mesh, found once; and the footprints of points."""
+"""Placement of supports on the mesh, and footprints of points."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from functools import cached_property
 
 import numpy as np
 
+from signorini.discretise.laws import resists_both
 from signorini.discretise.places import edge_sides, located, mesh_edges, points_in_holes
-from signorini.discretise.quadrature import LineQuadrature, Quadrature, area_quadrature, off_plate
+from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, area_quadrature, off_plate
 from signorini.discretise.rows import Floats, Ints, Rows, interpolated
 from signorini.errors import InputError, Place, Problems, point
 from signorini.mesh import Mesh
@@ -22,22 +23,21 @@ from signorini.shapes.outlines import closed
 from signorini.shapes.regions import inside as within
 from signorini.shapes.regions import overlap
 
-_GAUSS = 3
 _LEAST = 1e-9
-"""Size of a footprint, over the plate's, below which its coordinates have not the digits to tell it from a point."""
+"""Least size of a footprint relative to the plate's: smaller ones are lost in the rounding of coordinates."""
 _HOLE_SLACK = 1e-3
 """Relative tolerance for the area of a hole in the mesh."""
 _OFF_MIDDLE = 0.01
-"""Largest distance of a footprint's middle from its point, relative to its width; its force then acts at the point."""
+"""Largest distance of a footprint's middle from its point, relative to the root of its area."""
 _PARALLEL = 1e-9
-"""Sine of the angle up to which directions are one."""
+"""Sine of the largest angle between directions that count as parallel."""
 
 
 class Footprints:
-    """Footprints on a mesh; of all supports those on edges say where edges of symmetry are.
+    """Footprints on a mesh; ``supports`` define the edges of symmetry.
 
-    A footprint that an edge of symmetry cuts through its middle counts as far as it is on the plate: there the plate
-    stands for two or four of them. Holes in it are no part of it: a washer is an annulus.
+    A footprint may lie half outside an edge of symmetry through its middle; only the part on the plate counts. Holes of
+    the plate are not part of a footprint: a washer over a hole is an annulus.
     """
 
     def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:
@@ -45,7 +45,7 @@ class Footprints:
         self._supports = supports
 
     def of(self, item: Acting, place: Place) -> list[Quadrature]:
-        """Quadrature over the footprint of every point, all on the plate; none where points are points."""
+        """Quadrature over the footprint of every point; empty where points have no footprint."""
         points, shapes = item.where.points, item.where.footprints
         if not shapes:
             return []
@@ -63,52 +63,57 @@ class Footprints:
         for index in np.flatnonzero(
             mesh.locate(np.array(points)).inside | points_in_holes(mesh, np.array(points))
         ).tolist():
-            at, shape = points[index], shapes[index]
-            result.append(area_quadrature(mesh, shape, _GAUSS))
+            centre, shape = points[index], shapes[index]
+            result.append(area_quadrature(mesh, shape, GAUSS))
             with problems.collected():
-                self._require_on_plate(at, shape, result[-1], (*place, "at", *([index] if len(points) > 1 else [])))
-        problems.tell()
+                self._require_on_plate(centre, shape, result[-1], (*place, "at", *([index] if len(points) > 1 else [])))
+        problems.raise_collected()
         return result
 
-    def _require_on_plate(self, at: tuple[float, float], shape: Whole, over: Quadrature, place: Place) -> None:
-        """Refuse a footprint beyond the plate; it may cover the hole that its point is in, and holes within it."""
-        mesh, said = self._mesh, f"The footprint of the point {point(at, self._mesh.size)}"
-        if over.total == 0.0:
-            raise InputError(f"{said} lies in a hole. Make it larger than the hole, or move the point.", place=place)
-        hollow, part = self._hollow(at, shape), self._on_plate(at, shape)
-        missing = off_plate(mesh, shape, over, part)
+    def _require_on_plate(
+        self, centre: tuple[float, float], shape: Whole, quadrature: Quadrature, place: Place
+    ) -> None:
+        """Refuse a footprint beyond the plate; it may cover the hole around its point, and holes inside it."""
+        mesh, subject = self._mesh, f"The footprint of the point {point(centre, self._mesh.size)}"
+        if quadrature.total == 0.0:
+            raise InputError(f"{subject} lies in a hole. Make it larger than the hole, or move the point.", place=place)
+        hollow, part = self._hollow(centre, shape), self._on_plate(centre, shape)
+        missing = off_plate(mesh, shape, quadrature, part)
         if missing > (1.0 + _HOLE_SLACK) * part * hollow:
             raise InputError(
-                f"{said} has {100 * (missing - part * hollow) / shape.area:.3g} % of its area off the plate. Move the "
-                "point or make the footprint smaller. A hole may be within it, and an edge of symmetry may cut it "
+                f"{subject} has {100 * (missing - part * hollow) / shape.area:.3g} % of its area off the plate. Move "
+                "the point or make the footprint smaller. A hole may be within it, and an edge of symmetry may cut it "
                 "through its middle.",
                 place=place,
             )
-        middle = over.weights @ over.positions / over.total
-        if hollow and part == 1.0 and math.dist(middle, at) > _OFF_MIDDLE * math.sqrt(shape.area):
+        middle = quadrature.weights @ quadrature.positions / quadrature.total
+        if hollow and part == 1.0 and math.dist(middle, centre) > _OFF_MIDDLE * math.sqrt(shape.area):
             raise InputError(
-                f"{said} has its middle at {point(middle, mesh.size)}, without the holes in it. Put the point into the "
-                "middle of the hole, or move the footprint off the hole.",
+                f"{subject} has its middle at {point(middle, mesh.size)}, without the holes in it. Put the point into "
+                "the middle of the hole, or move the footprint off the hole.",
                 place=place,
             )
 
-    def _hollow(self, at: tuple[float, float], shape: Whole) -> float:
-        """Area of a footprint over holes of the plate that are within it, and over the one that its point is in."""
+    def _hollow(self, centre: tuple[float, float], shape: Whole) -> float:
+        """Area of a footprint over holes of the plate: holes inside it, and the hole around its point."""
         (around,), result = shape.loops, 0.0
         for hole in self._mesh.holes:
             if (hole.min(axis=0) > around.max(axis=0)).any() or (hole.max(axis=0) < around.min(axis=0)).any():
                 continue
             common, size = overlap(around, hole), overlap(hole, hole)
-            if common >= (1.0 - _HOLE_SLACK) * size or within(np.array([at]), closed(hole.tolist()))[0]:
+            if common >= (1.0 - _HOLE_SLACK) * size or within(np.array([centre]), closed(hole.tolist()))[0]:
                 result += common
         return result
 
-    def _on_plate(self, at: tuple[float, float], shape: Whole) -> float:
-        """Part of a footprint that has to be on the plate: all, unless edges of symmetry cut it through its middle."""
-        begin, ahead = self._axes[:, 0], self._axes[:, 1] - self._axes[:, 0]
-        length = np.hypot(*ahead.T)
-        normals = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / length[:, None]
-        off, along = np.abs(((at - begin) * normals).sum(axis=1)), ((at - begin) * ahead).sum(axis=1) / length
+    def _on_plate(self, centre: tuple[float, float], shape: Whole) -> float:
+        """Part of a footprint that must be on the plate: 1, or less if edges of symmetry cut it through its middle."""
+        begin, direction = self._axes[:, 0], self._axes[:, 1] - self._axes[:, 0]
+        length = np.hypot(*direction.T)
+        normals = np.column_stack([-direction[:, 1], direction[:, 0]]) / length[:, None]
+        off, along = (
+            np.abs(((centre - begin) * normals).sum(axis=1)),
+            ((centre - begin) * direction).sum(axis=1) / length,
+        )
         slack = self._mesh.near.place
         through = np.unique(normals[(off <= slack) & (along >= -slack) & (along <= length + slack)].round(9), axis=0)
         if not isinstance(shape, Circle):
@@ -122,7 +127,7 @@ class Footprints:
 
     @cached_property
     def _axes(self) -> Floats:
-        """Ends (k, 2, 2) of the sides of elements along edges of symmetry, the plate on their left."""
+        """Ends (k, 2, 2) of element sides along edges of symmetry, with the plate on their left."""
         triples = [np.zeros((0, 3), np.int64)]
         for index, support in enumerate(self._supports):
             if support.edge is not None and "slope" in support.fixed and "w" not in support.fixed:
@@ -131,20 +136,25 @@ class Footprints:
 
 
 def means_over(mesh: Mesh, frames: Floats | None, footprints: Sequence[Quadrature], field: int = 0) -> Rows:
-    """Rows of the mean of w, θx or θy (field 0, 1, 2) over each footprint, which spread a force or couple evenly."""
-    over, owners = Quadrature.join(footprints), np.repeat(np.arange(len(footprints)), [len(one) for one in footprints])
-    parts = over.weights / np.repeat([one.total for one in footprints], [len(one) for one in footprints])
-    rows = interpolated(mesh, frames, over.elements, over.xi, field)
-    return Rows.over(owners, over.elements, parts[:, None] * rows.coefficients, mesh.elements)
+    """Rows of the mean of w, θx or θy (field 0, 1, 2) over each footprint; their transpose spreads a force evenly."""
+    points, owners = (
+        Quadrature.join(footprints),
+        np.repeat(np.arange(len(footprints)), [len(footprint) for footprint in footprints]),
+    )
+    parts = points.weights / np.repeat(
+        [footprint.total for footprint in footprints], [len(footprint) for footprint in footprints]
+    )
+    rows = interpolated(mesh, frames, points.elements, points.xi, field)
+    return Rows.summed(owners, points.elements, parts[:, None] * rows.coefficients, mesh.elements)
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A support, at a place of the model, on the mesh.
+    """A support on the mesh; ``place`` is its path in the model.
 
-    ``nodes`` (q,) are those that its ``points`` coincide with, −1 where there is none; ``sides`` (k, 3) those of
-    elements along its edge, line or circle, if the mesh follows it; ``footprints`` what each of its points is spread
-    over, if it is: such points coincide with no node.
+    ``nodes`` (q,) are the nodes at its ``points``, −1 for a point between nodes or with a footprint. ``sides`` (k, 3)
+    are element sides along its edge, line or circle; None if the mesh does not follow it. ``footprints`` is the
+    quadrature over each point's footprint.
     """
 
     place: Place
@@ -156,12 +166,12 @@ class Placed:
 
     @property
     def index(self) -> int:
-        """Which support of the model it is."""
+        """Index of the support in the model."""
         return int(self.place[1])
 
 
 def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
-    """Place every support on the plate, including those between it and other plates; collect misplaced ones."""
+    """Place every support on the plate, supports between plates included; collect errors of misplaced ones."""
     result = []
     on_mesh = Footprints(mesh, model.support)
     taken, both = np.zeros((0, 2)), np.zeros(0, np.bool_)
@@ -174,7 +184,7 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
                 points = located(mesh, support.at, (*place, "at"), in_holes=support.has_footprint)
                 nodes = np.full(len(support.at), -1)
             if points is not None and not footprints and support.between is None:
-                holds = support.fix is not None or support.resists in (None, "both")
+                holds = resists_both(support)
                 points, nodes = _at_one_place(mesh, points, taken if holds else taken[both])
                 taken = np.concatenate([taken, points.positions])
                 both = np.append(both, np.full(len(points.positions), holds))
@@ -185,18 +195,18 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
 
 
 def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[LineQuadrature, Ints]:
-    """Put points that are all but at a node, or at a point (k, 2) that is taken, at just that; return the nodes too.
+    """Move points within tolerance of a node, or of a point in ``taken`` (k, 2), exactly onto it; return the nodes too.
 
-    Where one of two points holds both ways, what they say of the plate is then the same, and not nearly the same, which
-    rounding would take for two things. Of two that only press one may always let go.
+    Two-sided points at one place then have equal rows. Nearly equal rows would be independent by rounding. One-sided
+    points need no such care, since either may let go.
     """
     nodes = mesh.nodes_at(sampled.positions)
     positions = np.where((nodes >= 0)[:, None], mesh.points[nodes], sampled.positions)
     if len(taken):
         reach = mesh.near.place * np.array([-1.0, -1.0, 1.0, 1.0])
-        mine, others = BoxTree.build(np.tile(taken, 2) + reach).pairs(positions)
-        # Of several the first, which others are at too.
-        for point, other in sorted(zip(mine.tolist(), others.tolist(), strict=True), reverse=True):
+        indices, others = BoxTree.build(np.tile(taken, 2) + reach).pairs(positions)
+        # Reverse order: the first point in ``taken`` is assigned last and wins.
+        for point, other in sorted(zip(indices.tolist(), others.tolist(), strict=True), reverse=True):
             positions[point] = positions[point] if nodes[point] >= 0 else taken[other]
     if (positions == sampled.positions).all():
         return sampled, nodes

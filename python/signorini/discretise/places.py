@@ -1,9 +1,9 @@
-"""Where supports and loads act: from the words of the model to points of the mesh.
+"""Where supports and loads act: from keys of the model to points of the mesh.
 
-An area that the plate does not yield to acts on the mean of every element, and at points on its outline. Points within
-an element would outnumber the deflections that answer them. The means alone end half an element short of the outline,
-where a plate that tips rests. The corners of elements there carry it instead: they leave the midsides between them to
-answer the means, so that pressures are answered as well as by the means alone (docs/theory.md, section 5).
+A rigid area acts on the mean deflection of every element, and at points on its outline. More points within an element
+would outnumber its free deflections. The means alone end half an element short of the outline, on which a tipping plate
+rests. So corners of elements on the outline carry forces too. The midsides between them remain free to satisfy the
+means, so that pressures are as accurate as with means alone (docs/theory.md, section 5).
 """
 
 from __future__ import annotations
@@ -37,32 +37,35 @@ from signorini.shapes.outlines import Point, along_arc, closed
 from signorini.shapes.regions import inside, overlap
 
 _SECTOR_SLACK = 1e-3
-"""Part of a circle that a sector's outline, made of parabolas, may leave out; and of a hole that its own may."""
+"""Tolerance for circles of sectors and for holes, relative to their size: parabolas approximate their outlines."""
 _TURN = 360
-"""Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""
+"""Number of points of a full circle; the error of chords is 4e-5 of the radius."""
 STRIP = 1e-2
-"""Part of an element's area that each point on the outline stands for: enough to act where a bed is a little stiff."""
+"""Area of each point on the outline, relative to its element's area."""
 MOST = 0.25
-"""Part that all on it stand for at most, however many corners an outline has there."""
+"""Largest area of all outline points of an element, relative to the element's area."""
 _ON_OUTLINE = 1e-4
-"""Distance, over the plate's diameter, within which a point is on the hull; that of a circle is a polygon."""
+"""Tolerance for points on a hull, relative to the plate's diameter: the hull of a circle is a polygon."""
 _APART = 0.25
-"""Distance, over an element's size, below which one of two points is enough: sides may cross an outline in a corner."""
+"""Least distance of points on an outline, relative to the element's size."""
 _FOUR = 4
-"""Points on the hull, whether of a circle or a rectangle, that hold both slopes and prefer no direction."""
+"""Least number of points on a hull: they hold both slopes alike, on a circle and on a rectangle."""
 _NUDGE = 1e-4
-"""Distance, over an element's size, at which to look for the elements around a point."""
+"""Distance, relative to the element's size, at which elements around a point are searched."""
 _WITH_FOOTPRINTS = ("support", "load", "contact")
 """Tables whose points may have footprints."""
 _ROUND = np.radians(22.5 + 45.0 * np.arange(8))
+"""Angles in radians of the eight directions in which elements around a point are searched."""
 
 
-def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place, in_holes: bool = False) -> LineQuadrature:
-    """Points given by their coordinates; those that are not on the plate, or in a hole of it, are refused.
+def located(
+    mesh: Mesh, coordinates: tuple[tuple[float, float], ...], place: Place, in_holes: bool = False
+) -> LineQuadrature:
+    """Locate points by their coordinates; refuse points off the plate or in a hole.
 
-    A footprint's point may be ``in_holes``; it is then in the element nearest to it.
+    With ``in_holes``, as for footprints, a point in a hole belongs to the nearest element.
     """
-    positions = np.array(at, dtype=np.float64)
+    positions = np.array(coordinates, dtype=np.float64)
     where = mesh.locate(positions)
     if not where.inside.all():
         low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
@@ -71,23 +74,25 @@ def located(mesh: Mesh, at: tuple[tuple[float, float], ...], place: Place, in_ho
         holes, problems = points_in_holes(mesh, positions), Problems()
         washer = " For a washer over the hole give a radius larger than the hole." * (place[0] in _WITH_FOOTPRINTS)
         for i in np.flatnonzero(~where.inside & ~(holes & in_holes)).tolist():
-            said = f"{'but in a hole' if holes[i] else beyond}. Move the point onto the plate.{washer * bool(holes[i])}"
+            reason = (
+                f"{'but in a hole' if holes[i] else beyond}. Move the point onto the plate.{washer * bool(holes[i])}"
+            )
             with problems.collected():
                 raise InputError(
-                    f"The point {point(at[i])} is not on the plate, {said}",
-                    place=(*place, i) if len(at) > 1 else place,
+                    f"The point {point(coordinates[i])} is not on the plate, {reason}",
+                    place=(*place, i) if len(coordinates) > 1 else place,
                 )
-        problems.tell()
+        problems.raise_collected()
         elements = np.where(where.inside, where.elements, mesh.beside(positions))
         middles = mesh.inward(elements, np.zeros_like(positions), 0.0)
         where = Location(elements, np.where(where.inside[:, None], where.xi, middles))
-    # A point of a circle is all but on the curved side that stands for it.
+    # A point on a circle lies within tolerance of the parabola that approximates it.
     xi = mesh.onto_curved_sides(where, mesh.near.written)
     return LineQuadrature(where.elements, xi, np.ones(len(positions)), positions, np.zeros_like(positions), positions)
 
 
 def points_in_holes(mesh: Mesh, points: Floats) -> Bools:
-    """Which points (q, 2) are in a hole of the plate."""
+    """Whether points (q, 2) are in a hole of the plate."""
     result = np.zeros(len(points), np.bool_)
     for hole in mesh.holes:
         result |= inside(points, closed(hole.tolist()))
@@ -95,23 +100,23 @@ def points_in_holes(mesh: Mesh, points: Floats) -> Bools:
 
 
 def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
-    """Sides of elements (k, 3) that make up edges, all of which the mesh has to have."""
+    """Element sides (k, 3) of named edges; refuse names that the mesh does not have."""
     problems = [
         InputError(unknown("edge", name, mesh.edges, "This mesh"), place=(*place, "edge", position))
         for position, name in enumerate(names)
         if name not in mesh.edges
     ]
     if problems:
-        raise InputError.of(problems)
+        raise InputError.combined(problems)
     sides = np.concatenate([mesh.edges[name] for name in names])
     if len(np.unique(sides[:, 1])) < len(sides):
-        said = ", ".join(f'"{name}"' for name in names)
-        raise InputError(f"{said} have sides in common. Name each part of the boundary once.", place=(*place, "edge"))
+        listed = ", ".join(f'"{name}"' for name in names)
+        raise InputError(f"{listed} have sides in common. Name each part of the boundary once.", place=(*place, "edge"))
     return sides
 
 
 def mesh_edges(mesh: Mesh, plate: Plate, where: Where, place: Place) -> Ints | None:
-    """Sides of elements (k, 3) that make up edges, a line or a circle; None if the mesh does not follow it."""
+    """Element sides (k, 3) along edges, a line or a circle; None if the mesh does not follow it."""
     if where.edges:
         return edge_sides(mesh, where.edges, place)
     along = where.curve
@@ -123,9 +128,9 @@ def mesh_edges(mesh: Mesh, plate: Plate, where: Where, place: Place) -> Ints | N
 
 
 def sides_beside(mesh: Mesh, where: Where, followed: Ints | None) -> Ints:
-    """Sides (k, 3) that a line or circle parts: all of those that follow it, else those it covers by half.
+    """Sides (k, 3) across which a line load makes shears jump: those that follow it, else those that it half covers.
 
-    A line that ends a little beside a node is not followed, but parts the sides that it covers all the same.
+    A line that ends beside a node is not followed, but shears jump across the sides that it covers.
     """
     if followed is not None:
         return followed
@@ -144,12 +149,12 @@ def along_curve(
 ) -> LineQuadrature:
     """Gauss points of edges, a line or a circle, divided where levels change sign; weights are lengths.
 
-    ``sides`` are those of `mesh_edges`. If ``at_ends`` is not 0, so many points of Lobatto's rule on pieces at ends and
-    corners.
+    ``sides`` are those of `mesh_edges`. ``at_ends``, unless 0, is the number of points of Lobatto's rule on pieces at
+    ends and corners.
     """
     if sides is not None:
         return edge_quadrature(mesh, sides, order, at_ends > 0, levels)
-    assert where.curve is not None  # what is on no edge is on a line or a circle
+    assert where.curve is not None  # without edges, there is a line or a circle
     points = curve_quadrature(mesh, where.curve, order, at_ends, levels)
     _require_on_plate(mesh, plate, where.curve, points, f"The {where.key}", (*place, where.key))
     return points
@@ -158,7 +163,7 @@ def along_curve(
 def in_area(
     mesh: Mesh,
     plate: Plate,
-    wanted: Region | None,
+    region: Region | None,
     place: Place,
     order: int,
     to_outline: Bools | None = None,
@@ -166,26 +171,29 @@ def in_area(
     off: float = OFF,
     follow: bool = False,
 ) -> Quadrature:
-    """Quadrature of a region, or all of the plate, whose elements are cut where levels change sign; weights are areas.
+    """Quadrature of a region, or of the whole plate, with elements cut where levels change sign; weights are areas.
 
-    Elements (ne,) marked have points on its outline. Arcs that the mesh follows may be the sides that stand for them.
+    Elements (ne,) in ``to_outline`` have points on the outline. With ``follow``, arcs that the mesh follows are
+    replaced by element sides.
     """
-    points = area_quadrature(mesh, wanted, order, to_outline, levels, off, follow)
-    if wanted is not None:
-        _require_on_plate(mesh, plate, wanted, points, "The area", (*place, "area"))
+    points = area_quadrature(mesh, region, order, to_outline, levels, off, follow)
+    if region is not None:
+        _require_on_plate(mesh, plate, region, points, "The area", (*place, "area"))
     return points
 
 
 def _require_on_plate(
-    mesh: Mesh, plate: Plate, shape: Region | Curve, points: Quadrature, what: str, place: Place
+    mesh: Mesh, plate: Plate, shape: Region | Curve, points: Quadrature, subject: str, place: Place
 ) -> None:
-    """Refuse what leaves the plate, but for areas over its holes, of which the inside of an annulus is one.
+    """Refuse geometry that leaves the plate; areas may cover holes, the inside of an annulus included.
 
-    A sector stands for the whole plate and cuts circles about its center.
+    A sector represents the whole plate, so circles about its center may leave it.
     """
     if points.total == 0:
         apart = length(_apart(mesh, shape), mesh.size)
-        raise InputError(f"{what} is not on the plate: it misses it by {apart}. Move it onto the plate.", place=place)
+        raise InputError(
+            f"{subject} is not on the plate: it misses it by {apart}. Move it onto the plate.", place=place
+        )
     whole = shape.length if isinstance(shape, Polyline | Ring) else shape.area
     missing = off_plate(mesh, shape, points)
     beyond = slack = 0.0
@@ -200,16 +208,16 @@ def _require_on_plate(
             beyond, slack = (1.0 - plate.sector / 360.0) * whole, _SECTOR_SLACK * whole
     if missing > 0 and not isinstance(shape, Polyline | Ring):
         around, *holes = shape.loops
-        over = sum(overlap(around, one) - sum(overlap(hole, one) for hole in holes) for one in mesh.holes)
-        beyond, slack = beyond + over, slack + _SECTOR_SLACK * over
+        over_holes = sum(overlap(around, hole) - sum(overlap(inner, hole) for inner in holes) for hole in mesh.holes)
+        beyond, slack = beyond + over_holes, slack + _SECTOR_SLACK * over_holes
     missing = missing - beyond if missing > beyond + slack else 0.0
     if missing > 0:
         off = f"has {100 * missing / whole:.3g} % of its size off the plate{_how_far(mesh, shape)}"
-        raise InputError(f"{what} {off}. Cut it to the plate.", place=place)
+        raise InputError(f"{subject} {off}. Cut it to the plate.", place=place)
 
 
 def _apart(mesh: Mesh, shape: Region | Curve) -> float:
-    """Distance between an outline off the plate and the plate."""
+    """Distance between the plate and an outline off the plate."""
     drawn = Targets.along(shape.outline)
     begin, end = mesh.points[np.concatenate([mesh.boundary[:, :2], mesh.boundary[:, 1:]])].transpose(1, 0, 2)
     ends = np.concatenate([shape.outline.segments.reshape(-1, 2), shape.outline.arcs.reshape(-1, 2)])
@@ -217,19 +225,19 @@ def _apart(mesh: Mesh, shape: Region | Curve) -> float:
 
 
 def _how_far(mesh: Mesh, shape: Region | Curve) -> str:
-    """Say which corner of an outline is farthest off the plate, and how far."""
+    """Text that names the corner of an outline farthest off the plate, and its distance."""
     corners = shape.outline.segments.reshape(-1, 2) if isinstance(shape, Polyline | Ring) else shape.loops[0]
     corners = corners[~mesh.locate(corners).inside]
     if not len(corners):
         return ""
     sides = mesh.points[np.concatenate([mesh.boundary[:, :2], mesh.boundary[:, 1:]])]
     begin, end = sides.transpose(1, 0, 2)
-    far = distances(corners, begin, end).min(axis=1)
-    return f", up to {far.max():.3g} beyond it at {point(corners[far.argmax()], mesh.size)}"
+    distance = distances(corners, begin, end).min(axis=1)
+    return f", up to {distance.max():.3g} beyond it at {point(corners[distance.argmax()], mesh.size)}"
 
 
 def edge_nodes(mesh: Mesh, triples: Ints) -> tuple[Ints, Floats]:
-    """Every node (q,) of mesh edges once, and as its length (q,) the integral of its quadratic shape function."""
+    """Nodes (q,) of mesh edges, each once, and their lengths (q,), the integrals of the quadratic shape functions."""
     nodes, inverse = np.unique(triples, return_inverse=True)
     return nodes, np.bincount(inverse.ravel(), side_lengths(mesh, triples).ravel()).astype(np.float64)
 
@@ -250,9 +258,9 @@ def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:
 
 
 def outline(mesh: Mesh, plate: Plate, where: Where) -> Floats:
-    """Points (k, 2) whose hull is that of a place: its corners in order or ends, and points of circles.
+    """Corners (k, 2) of the convex hull of a support's or load's geometry, in order; circles by their points.
 
-    They are those of the input, whatever the mesh; only of a plate that is a mesh they are the mesh's.
+    Geometry is that of the input, independent of the mesh, unless the plate is itself a mesh.
     """
     if where.points:
         return np.array(where.points, dtype=np.float64)
@@ -264,7 +272,7 @@ def outline(mesh: Mesh, plate: Plate, where: Where) -> Floats:
 
 
 def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
-    """A region or curve, of which only circles about the center of a sector may leave the plate."""
+    """Points (k, 2) of a region or curve; circles about the center of a sector are cut to the sector."""
     drawn = shape.outline
     points = [drawn.segments.reshape(-1, 2)]
     points += [along_arc(*arc) for arc in drawn.arcs.tolist()]
@@ -280,7 +288,7 @@ def _of_shape(plate: Plate, shape: Region | Curve) -> Floats:
 
 
 def _edge(mesh: Mesh, plate: Plate, name: str | None) -> Floats:
-    """Points of an edge of the plate, of all where there is no name."""
+    """Points (k, 2) of an edge of the plate; without a name, of all edges."""
     if isinstance(plate, MeshPlate):
         return mesh.points[np.unique(mesh.boundary if name is None else mesh.edges[name])]
     if name is None:
@@ -289,58 +297,58 @@ def _edge(mesh: Mesh, plate: Plate, name: str | None) -> Floats:
 
 
 def _arc(center: Point, radius: float, sector: float) -> Floats:
-    """An arc from the x axis on, both its ends included."""
+    """Points (k, 2) of an arc that starts on the x axis, both ends included; ``sector`` is in degrees."""
     turn = np.radians(np.linspace(0.0, sector, 1 + int(np.ceil(_TURN * sector / 360.0))))
     return np.asarray(center + radius * np.column_stack([np.cos(turn), np.sin(turn)]))
 
 
 @dataclass(frozen=True, eq=False)
 class OutlinePoints:
-    """Points on the hull of an area: positions (v, 2), and up to four elements (v, 4) that share each; else −1."""
+    """Points on the hull of an area: positions (v, 2), and up to four elements (v, 4) around each, filled with −1."""
 
     positions: Floats
     shared: Ints
 
 
 def outline_points(mesh: Mesh, plate: Plate, where: Where, covered: Bools) -> OutlinePoints:
-    """Corners of an area that covers elements (ne,), and of elements on its outline, as far as they are on its hull."""
+    """Points of an area's outline on its hull: its own corners and those of the elements (ne,) that it covers."""
     size = float(np.sqrt(mesh.element_area[covered].mean()))
     corners, all_of_them = outline(mesh, plate, where), _candidates(mesh, where.region)
     candidates = _spread(all_of_them, _APART * size)
     if len(candidates) < _FOUR:
-        # Within an element or two: a mean and fewer points may hold one of two slopes, by which corner comes first.
+        # An area within one or two elements: fewer points would hold one slope only, depending on their order.
         candidates = _spread(all_of_them, _APART * float(np.ptp(corners, axis=0).min()))
     return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.diameter], size, covered)
 
 
 def missing_corners(mesh: Mesh, plate: Plate, where: Where, covered: Bools, reached: Floats) -> OutlinePoints:
-    """Corners of an area's hull at which none of its points (q, 2) is: tips, where a quadrature has no weight."""
+    """Corners of an area's hull without a point in ``reached`` (q, 2): tips, where the quadrature has no weight."""
     corners = np.zeros((0, 2)) if where.region is None else _corners(where.region)
     corners = corners[_off_hull(outline(mesh, plate, where), corners) <= _ON_OUTLINE * mesh.diameter]
     near = mesh.near.place
     along = np.sort(corners[:, 0])
     beside = np.searchsorted(along, reached[:, 0] - near) < np.searchsorted(along, reached[:, 0] + near, "right")
     if beside.any():
-        there, _ = BoxTree.build(np.hstack([reached[beside] - near, reached[beside] + near])).pairs(corners)
-        corners = np.delete(corners, there, axis=0)
+        reached_corners, _ = BoxTree.build(np.hstack([reached[beside] - near, reached[beside] + near])).pairs(corners)
+        corners = np.delete(corners, reached_corners, axis=0)
     if not len(corners):
         return OutlinePoints(corners, np.zeros((0, 4), np.int64))
     return _around(mesh, corners, float(np.sqrt(mesh.element_area[covered].min())), covered)
 
 
 def _around(mesh: Mesh, points: Floats, size: float, covered: Bools) -> OutlinePoints:
-    """Points with the covered elements around them."""
+    """Points with the covered elements around them; points without such an element are left out."""
     around = np.concatenate([np.zeros((1, 2)), _NUDGE * size * np.column_stack([np.cos(_ROUND), np.sin(_ROUND)])])
     near = mesh.locate((points[:, None] + around).reshape(-1, 2)).elements.reshape(len(points), len(around))
     near = np.sort(np.where((near >= 0) & covered[near], near, -1), axis=1)[:, ::-1]
     near[:, 1:][near[:, 1:] == near[:, :-1]] = -1
     shared = np.sort(near, axis=1)[:, :-5:-1]
-    some = shared[:, 0] >= 0
-    return OutlinePoints(points[some], shared[some])
+    covered_points = shared[:, 0] >= 0
+    return OutlinePoints(points[covered_points], shared[covered_points])
 
 
 def _candidates(mesh: Mesh, shape: Region | None) -> Floats:
-    """Corners (v, 2) of an area, then those of elements on its outline and where sides of elements cross it."""
+    """Corners (v, 2) of an area, then corners of elements on its outline and crossings with element sides."""
     if shape is None:
         return np.asarray(mesh.points[np.unique(mesh.boundary[:, [0, 2]])])
     along = _rim(shape)
@@ -353,7 +361,7 @@ def _candidates(mesh: Mesh, shape: Region | None) -> Floats:
 
 
 def _corners(shape: Region) -> Floats:
-    """Corners of a region (c, 2), and of its arcs the points farthest along x and y."""
+    """Corners (c, 2) of a region; for arcs and circles, the extreme points in x and y."""
     if isinstance(shape, Hollow):
         return _corners(shape.around)
     if isinstance(shape, Circle):
@@ -371,7 +379,7 @@ def _rim(shape: Region) -> Curve:
 
 
 def _spread(points: Floats, apart: float) -> Floats:
-    """Leave out points (v, 2) that are too near to one before them."""
+    """Leave out points (v, 2) nearer than ``apart`` to a previous one."""
     from scipy.spatial import cKDTree
 
     keep = np.ones(len(points), np.bool_)
@@ -381,5 +389,5 @@ def _spread(points: Floats, apart: float) -> Floats:
 
 
 def _off_hull(corners: Floats, points: Floats) -> Floats:
-    """Distance (v,) of points from the sides between corners (k, 2) of a hull, in order."""
+    """Distance (v,) of points (v, 2) from the boundary of a hull with corners (k, 2) in order."""
     return np.asarray(distances(points, corners, np.roll(corners, -1, axis=0)).min(axis=1))

@@ -1,4 +1,4 @@
-"""Springs and contact points as tables, and which of them are each support's."""
+"""Tables of springs and contact points, their partition, and their grouping by support."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ from signorini.discretise.rows import Bools, Floats, Ints, Pieces, Rows, Table
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Springs(Table, Brief):
-    """Linear springs: stiffness and base (m,); position (m, 2), weight and support of each, ``numbers`` as below.
+    """Linear springs with force k (row·u − base): ``stiffness`` k and ``base`` (s,).
 
-    ``slope`` marks those that act on a slope, with a couple.
+    ``positions`` (s, 2), ``weights`` (s,), ``support`` (s,) and ``numbers`` (s,) are as in `ContactPoints`. ``slope``
+    marks springs on a slope; their force is a couple.
     """
 
     rows: Rows
@@ -33,32 +34,35 @@ class Springs(Table, Brief):
 
     @property
     def direction(self) -> Floats:
-        """Which way (m,) each pushes the plate that presses it: up."""
+        """Direction (s,) of positive forces on the plate: up."""
         return np.ones(len(self))
 
     @property
     def averaged(self) -> Bools:
-        """Which (m,) act on means of elements: none."""
+        """Whether springs (s,) act on means of elements: never."""
         return np.zeros(len(self), np.bool_)
 
     @property
     def arrays(self) -> tuple[Ints, Floats, Ints, Floats, Floats]:
-        """Springs the way the core takes them."""
+        """Elements, coefficients and owners of rows, stiffness and base, as `_core` takes them."""
         return *self.rows.arrays, self.stiffness, self.base
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactPoints(Table, Brief):
-    """Contact points: each reacts with ``scale`` times the force of its law at (row·u − distance) / ``unit``.
+    """Contact points: the reaction is λ = ``scale`` · law((row·u − ``distance``) / ``unit``).
 
-    ``law`` (m,) numbers the `laws`. Of ``distance`` the part ``settlement`` is that of the base in the row's direction;
-    the rest is free travel.
-    ``tightened_to`` (m,) is the reaction to which bolts were last tightened, ``preload`` (m,) that of all points when
-    all bolts are tightened and before other loads act; 0 where no bolt is tightened.
-    ``direction`` is +1 where the support pushes the plate up and −1 where it holds it down (its row is turned round).
-    ``slope`` marks two-sided points that hold a slope instead of the deflection. ``shared`` (m, 4) names the elements
-    of which points of an averaged area stand for part, by their areas; −1 where there is none. ``numbers`` (m,) say
-    which of its support's points each is, as the input lists them from 0; 0 along lines and on areas.
+    ``rows`` G (m, 3n), ``distance`` g (m,). The part ``settlement`` (m,) of the distance is the settlement of the base
+    in the row's direction; the rest is the gap. ``law`` (m,) is the index of each point's law in ``laws``.
+
+    ``tightened_to`` (m,) is the reaction to which bolts were last tightened. ``preload`` (m,) is the reaction of every
+    point when all bolts are tightened and no other load acts. Both are 0 where no bolt is tightened.
+
+    ``direction`` (m,) is +1 where the support pushes the plate up, −1 where it holds it down; then the row has the
+    opposite sign. ``slope`` (m,) marks two-sided points that hold a slope. ``positions`` (m, 2) and ``weights`` (m,)
+    (1, length or area) are those of the quadrature. ``support`` (m,) is the index of the support, ``numbers`` (m,) the
+    point's number among its support's points, from 0; 0 along lines and on areas. ``shared`` (m, 4) are the elements
+    whose area an averaged point represents in part, filled with −1.
     """
 
     rows: Rows
@@ -80,157 +84,158 @@ class ContactPoints(Table, Brief):
 
     @classmethod
     def none(cls) -> Self:
-        """No point."""
-        none, who = np.zeros(0), np.zeros(0, np.int64)
+        """The empty table."""
+        zeros, ids = np.zeros(0), np.zeros(0, np.int64)
         flags, place = np.zeros(0, np.bool_), np.zeros((0, 2))
         shared = np.zeros((0, 4), np.int64)
-        columns = none, none, none, none, who, none, none, none, flags, place, none, who, shared, who
+        columns = zeros, zeros, zeros, zeros, ids, zeros, zeros, zeros, flags, place, zeros, ids, shared, ids
         return cls(Rows.join([]), *columns, LAWS)
 
     @classmethod
     def join(cls, parts: Sequence[Self]) -> Self:
-        """Put tables behind one another; equal laws have one number."""
+        """Concatenate tables; equal laws share one index."""
         laws = tuple(dict.fromkeys(law for part in parts for law in part.laws))
         numbers = [np.array([laws.index(law) for law in part.laws], np.int64)[part.law] for part in parts]
         return super().join([replace(part, law=law, laws=laws) for part, law in zip(parts, numbers, strict=True)])
 
     @cached_property
     def compliance(self) -> Floats:
-        """Travel over force (m,) where the law is steepest; 0 where it is rigid."""
+        """C (m,), the least compliance of each law, travel over force; 0 where it is rigid."""
         slope: Floats = np.array([law.slopes.max() for law in self.laws])[self.law]
         return np.asarray(self.unit / (self.scale * slope))
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Force over travel (m,) where the law is steepest; infinite where it is rigid."""
+        """1/C (m,), the largest slope of each law, force over travel; infinite where it is rigid."""
         slope: Floats = np.array([law.slopes.max() for law in self.laws])[self.law]
         return np.asarray(self.scale * slope / self.unit)
 
     @cached_property
     def limits(self) -> tuple[Floats, Floats]:
-        """Least and largest force (m,) that points can give; infinite where there is no end to it."""
+        """Least and largest reaction (m,) of points; infinite if unlimited."""
         least, most = np.array([law.forces for law in self.laws])[self.law].T
         return self.scale * least, self.scale * most
 
     @cached_property
     def limits_at_rest(self) -> tuple[Floats, Floats]:
-        """The same without travel: what rigid points can share among themselves."""
+        """Least and largest reaction (m,) at zero travel, within which rigid points can share a load."""
         least, most = np.array([law.at_rest for law in self.laws])[self.law].T
         return self.scale * least, self.scale * most
 
     def yield_on(self, pieces: Ints | Pieces) -> Bools:
-        """Whether points (..., m) give all they can on these pieces of their laws."""
+        """Whether points (..., m) yield: the piece of the law is the last one, with slope 0 and a force."""
         slopes, forces, ends, _ = self._pieces
         return np.asarray(((slopes == 0.0) & (forces != 0.0) & ends)[self.law, pieces])
 
     def open_on(self, pieces: Ints | Pieces) -> Bools:
-        """Whether points (..., m) do not react on these pieces of their laws, whatever their travel."""
+        """Whether points (..., m) are open: the piece of the law has slope 0 and no force."""
         slopes, forces, _, _ = self._pieces
         return np.asarray(((slopes == 0.0) & (forces == 0.0))[self.law, pieces])
 
     def flat_on(self, pieces: Ints | Pieces) -> Bools:
-        """Whether the force of points (..., m) does not depend on their travel on these pieces of their laws."""
+        """Whether the piece of the law of each point (..., m) has slope 0."""
         return np.asarray((self._pieces[0] == 0.0)[self.law, pieces])
 
     def forces_on(self, pieces: Ints | Pieces) -> Floats:
-        """Forces (..., m) that points have on these pieces of their laws, where they do not depend on the travel."""
+        """Forces (..., m) of points on pieces of slope 0 of their laws."""
         return np.asarray(self.scale * self._pieces[1][self.law, pieces])
 
     def range_on(self, pieces: Ints | Pieces) -> tuple[Floats, Floats]:
-        """Least and largest force (..., m) of points on these pieces of their laws."""
+        """Least and largest force (..., m) of points on given pieces of their laws."""
         ranges = self._pieces[3][self.law, pieces]
         return self.scale * ranges[..., 0], self.scale * ranges[..., 1]
 
     @cached_property
     def _pieces(self) -> tuple[Floats, Floats, Bools, Floats]:
-        """Slopes and forces (laws, p) of all pieces of the laws, whether they are ends, and ranges (laws, p, 2)."""
+        """Slopes, forces at corners and whether first or last (laws, p) of pieces; ranges of forces (laws, p, 2)."""
         shape = len(self.laws), max(len(law.slopes) for law in self.laws)
         slopes, forces, ends = np.full(shape, np.nan), np.zeros(shape), np.zeros(shape, np.bool_)
         ranges = np.zeros((*shape, 2))
         for number, law in enumerate(self.laws):
-            own = number, slice(len(law.slopes))
-            slopes[own], forces[own], ends[own] = law.slopes, law.corners[:, 1], law.at_ends
-            ranges[own] = law.ranges
+            entries = number, slice(len(law.slopes))
+            slopes[entries], forces[entries], ends[entries] = law.slopes, law.corners[:, 1], law.at_ends
+            ranges[entries] = law.ranges
         return slopes, forces, ends, ranges
 
     @cached_property
     def by_law(self) -> tuple[tuple[Law, Ints | slice], ...]:
-        """The laws that points have, and which points (k,) have each."""
+        """Each law in use with the indices (k,) of its points."""
         if (self.law[:1] == self.law).all():
             return ((self.laws[self.law[0]], slice(None)),) if len(self) else ()
         return tuple((self.laws[number], np.flatnonzero(self.law == number)) for number in np.unique(self.law))
 
     def room(self, travel: Floats, reaction: Floats) -> tuple[Floats, Floats]:
-        """How far points (m,) can travel back and on, from this travel, with the same reaction."""
-        back, on = np.zeros(len(self)), np.zeros(len(self))
-        for law, at in self.by_law:
-            low, high = law.travels(np.clip(reaction[at] / self.scale[at], *law.forces))
-            back[at], on[at] = travel[at] - self.unit[at] * low, self.unit[at] * high - travel[at]
-        return back, on
+        """Distances (m,) that points can travel backward and forward from a travel without a change of reaction."""
+        backward, forward = np.zeros(len(self)), np.zeros(len(self))
+        for law, points in self.by_law:
+            low, high = law.travels(np.clip(reaction[points] / self.scale[points], *law.forces))
+            backward[points] = travel[points] - self.unit[points] * low
+            forward[points] = self.unit[points] * high - travel[points]
+        return backward, forward
 
-    def pieces_at(self, reaction: Floats, nothing: Floats | float, flat: bool = True) -> Pieces:
-        """Pieces (..., m) of the laws on which points have these reactions (..., m), but for ``nothing``.
+    def pieces_at(self, reaction: Floats, tolerance: Floats | float, flat: bool = True) -> Pieces:
+        """Pieces (..., m) of the laws that contain the reactions (..., m) within a tolerance.
 
-        Where several are, a flat one, or else one that is not.
+        Where several pieces do, choose one with slope 0 if ``flat``, else one with a slope.
         """
         result = np.zeros(reaction.shape, np.uint8)
-        force, least = reaction / self.scale, nothing / self.scale
-        for law, at in self.by_law:
-            result[..., at] = law.pieces_at(force[..., at], least[..., at], flat)
+        force, law_tolerance = reaction / self.scale, tolerance / self.scale
+        for law, points in self.by_law:
+            result[..., points] = law.pieces_at(force[..., points], law_tolerance[..., points], flat)
         return result
 
     @cached_property
     def two_sided(self) -> Bools:
-        """Points (m,) with a straight law, Gu − Cλ = g: they neither let go nor yield."""
+        """Whether points (m,) have a straight law, Gu − Cλ = g: they neither let go nor yield."""
         return np.array([law.straight for law in self.laws], np.bool_)[self.law]
 
     @cached_property
     def equations(self) -> Bools:
-        """Points (m,) with a straight law of zero compliance, Gu = g: constraints that may depend on each other."""
+        """Whether points (m,) are constraints Gu = g: a straight law with C = 0. They may be linearly dependent."""
         return np.asarray(self.two_sided & (self.compliance == 0.0))
 
     @cached_property
     def holds_both_ways(self) -> Bools:
-        """Points (m,) that hold the plate both ways without a limit, so that it is not free to move there."""
+        """Whether points (m,) have forces without limit in both directions."""
         return np.asarray((self.limits[0] == -np.inf) & (self.limits[1] == np.inf))
 
     @cached_property
     def unyielding(self) -> Bools:
-        """Points (m,) that no force makes travel."""
+        """Whether the last piece of each point's law (m,) is rigid."""
         return np.isinf([law.ends[1] for law in self.laws])[self.law]
 
     @cached_property
     def rigid_ways(self) -> tuple[Bools, Bools]:
-        """Points (m,) that no force moves down, and points that no force moves up: vertical ends of their laws."""
+        """Whether points (m,) rigidly resist motion down, and motion up: rigid ends of their laws."""
         before, beyond = np.isinf([law.ends for law in self.laws])[self.law].T
         pushes_up = self.direction > 0.0
         return np.where(pushes_up, beyond, before), np.where(pushes_up, before, beyond)
 
     @property
     def averaged(self) -> Bools:
-        """Which (m,) are of areas that act on means of elements, and at points on their outline."""
+        """Whether points (m,) belong to areas that act on means of elements and at outline points."""
         return self.shared[:, 0] >= 0
 
 
 def partition(points: ContactPoints, tightened: Ints) -> tuple[Springs, ContactPoints]:
     """Split points into springs, with a straight law of compliance C > 0, and contact points, all others.
 
-    Tightening moves the laws of the supports ``tightened`` (t,), by number. Their points stay contact points, except
-    slopes.
+    Tightening changes the distances of the supports ``tightened`` (t,), by index: their points remain contact points,
+    except slopes.
     """
     linear = points.two_sided & ~points.equations & (points.slope | ~np.isin(points.support, tightened))
-    of = points.pick(np.flatnonzero(linear))
-    springs = Springs(of.rows, of.stiffness, of.distance, of.positions, of.weights, of.support, of.numbers, of.slope)
-    return springs, points.pick(~linear)
+    picked = points.pick(np.flatnonzero(linear))
+    places = picked.positions, picked.weights, picked.support, picked.numbers, picked.slope
+    return Springs(picked.rows, picked.stiffness, picked.distance, *places), points.pick(~linear)
 
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """What is one support's, by number: nodes (h,) whose deflection it holds, and springs (s,).
+    """Indices of one support's nodes, springs and contact points.
 
-    ``rows`` (ways, c) are its contact points that hold no slope; a point with travel both ways has two, the first
-    pushing the plate up. ``order`` (h + s + c,) leads from nodes, springs and contact points, one behind the other, to
-    the order of the input.
+    ``nodes`` (h,) are nodes whose deflection it holds, ``springs`` (s,) its springs, except on slopes. ``rows`` (1, c)
+    or (2, c) are its contact points, except on slopes; with a gap in both directions, row 0 has the points that push
+    up, row 1 those that hold down. ``order`` (h + s + c,) sorts nodes, springs and contact points as in the input.
     """
 
     nodes: Ints
@@ -240,7 +245,7 @@ class Parts:
 
 
 def parts_of(count: int, held: Held, springs: Springs, points: ContactPoints) -> tuple[Parts, ...]:
-    """Part what acts among so many supports."""
+    """Group held nodes, springs and contact points by support; ``count`` is the number of supports."""
     columns = zip(
         _grouped(held.holders[:, 1], count),
         _grouped(np.where(springs.slope, count, springs.support), count),
@@ -248,16 +253,16 @@ def parts_of(count: int, held: Held, springs: Springs, points: ContactPoints) ->
         strict=True,
     )
     result = []
-    for holding, own, mine in columns:
-        up = points.direction[mine] > 0
+    for holding, spring_indices, point_indices in columns:
+        up = points.direction[point_indices] > 0
         both = up.any() and not up.all()
-        rows = np.stack([mine[up], mine[~up]]) if both else mine.reshape(1, -1)
-        given = np.concatenate([held.numbers[holding], springs.numbers[own], points.numbers[rows[0]]])
-        result.append(Parts(held.holders[holding, 0], own, rows, np.argsort(given, kind="stable")))
+        rows = np.stack([point_indices[up], point_indices[~up]]) if both else point_indices.reshape(1, -1)
+        numbers = np.concatenate([held.numbers[holding], springs.numbers[spring_indices], points.numbers[rows[0]]])
+        result.append(Parts(held.holders[holding, 0], spring_indices, rows, np.argsort(numbers, kind="stable")))
     return tuple(result)
 
 
 def _grouped(owner: Ints, count: int) -> list[Ints]:
-    """Numbers of the entries of each of so many owners, in order; of any others none."""
+    """Indices of the entries of each of ``count`` owners; entries of other owners are left out."""
     order = np.argsort(owner, kind="stable")
     return np.split(order, np.searchsorted(owner[order], np.arange(1, count + 1)))[:count]

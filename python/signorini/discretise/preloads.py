@@ -21,16 +21,16 @@ def bolt_groups(
 
     A support with a preload has a group for each value of ``order``, and a [[tightening]] one for each of its sequence.
     """
-    (index,) = (at for at, support in enumerate(model.support) if support.name == bolt_round.support)
+    (index,) = (number for number, support in enumerate(model.support) if support.name == bolt_round.support)
     support = model.support[index]
-    (own,) = np.nonzero(contacts.support == index)
-    numbers = contacts.numbers[own]
-    force = support.on_points(bolt_round.force)(*contacts.positions[own].T, above=0.0, place=place)
+    (bolts,) = np.nonzero(contacts.support == index)
+    numbers = contacts.numbers[bolts]
+    force = support.on_points(bolt_round.force)(*contacts.positions[bolts].T, above=0.0, place=place)
     if support.preload is not None:
         order = np.broadcast_to(support.order or 1, support.point_count)[numbers]
-        return [(turn, own[order == turn], force[order == turn]) for turn in np.unique(order).tolist()]
+        return [(turn, bolts[order == turn], force[order == turn]) for turn in np.unique(order).tolist()]
     groups = [np.isin(numbers + 1, group) for group in bolt_round.sequence or (numbers + 1,)]
-    return [(turn, own[group], force[group]) for turn, group in enumerate(groups)]
+    return [(turn, bolts[group], force[group]) for turn, group in enumerate(groups)]
 
 
 def require_preloads(
@@ -55,14 +55,14 @@ def require_preloads(
             _require_free(model, index, contacts.numbers[(contacts.support == index) & ~followed])
             groups = bolt_groups(model, contacts, bolt_round, place)
             for factor, where in _factors(model, bolt_round, place):
-                for _, at, force in groups:
-                    if (beyond := factor * force > strength[at]).any():
+                for _, bolts, force in groups:
+                    if (beyond := factor * force > strength[bolts]).any():
                         worst = int(np.argmax(beyond))
                         times = "" if factor == 1.0 else f", {factor:g} times the preload of {bolt_round.support}"
                         raise InputError(
                             f"found {factor * force[worst]:g}{times}; at "
-                            f"{point(contacts.positions[at][worst], mesh.size)} the bolt gives "
-                            f"{strength[at][worst]:g} at most. Tighten it less, or raise its limit or law.",
+                            f"{point(contacts.positions[bolts][worst], mesh.size)} the bolt gives "
+                            f"{strength[bolts][worst]:g} at most. Tighten it less, or raise its limit or law.",
                             place=where,
                         )
 
@@ -74,8 +74,8 @@ def _require_free(model: Model, index: int, numbers: Ints) -> None:
     for number in range(support.point_count):
         if number not in numbers:
             raise InputError(
-                "rigid supports hold the plate both ways there, so that the bolt would carry its preload whatever "
-                "acts. Leave out its preload, or give those supports a stiffness.",
+                "rigid supports hold the plate both ways there, so that the force of the bolt would not depend on the "
+                "load. Leave out its preload, or give those supports a stiffness.",
                 place=("support", index, key, number),
             )
 

@@ -1,4 +1,4 @@
-"""Nodes of moments and shears: where they jump, one for each side."""
+"""Nodes of moments and shears; at a jump there is one node for each side."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from signorini.mesh.isoparametric import SIDES, real_sides
 from signorini.shapes import Region
 
 _BESIDE = 1e-3
-"""How far beside a side of an element its thickness is looked up, and at twice that, of the way to its middle."""
+"""Distance of the point that gives the thickness beside an element side, relative to the way to the middle."""
 _INSIDE = 1e-6
-"""How far from a node, towards the middle of the element, thickness is looked up: beyond rounding, near for a taper."""
+"""Distance of the point that gives the thickness at a node, relative to the way to the middle of the element."""
 _SAME = 1e-6
-"""Part of the thickness below which it does not jump: of a smooth one that is less than what its curvature makes."""
+"""Smallest relative jump of the thickness that counts as a step; extrapolation of a smooth thickness has less error."""
 _ASIDE = 0.05
-"""Distance beside a side, relative to that of the element's middle, at which a point is in an area or not."""
+"""Distance of the points that are tested against an area, relative to the way to the middle of the element."""
 _STATIONS = np.array([0.25, 0.75])
-"""Stations of a side at which both elements are compared; an outline that crosses the side differs at one alone."""
+"""Positions along a side, from 0 to 1, at which both elements are compared: an outline across it differs at one."""
 _ALIKE = 1e-9
-"""Part of a number by which that of another side differs in size by rounding, which picks another on every mesh."""
+"""Relative tolerance for equal magnitudes on two sides of a jump: without it rounding would choose the side."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Points in each element that they are on: the points' numbers (k,), in order, and where."""
+    """Points in each element that contains them: indices of points (k,), ascending, and locations."""
 
     point: Ints
     where: Location
 
     def larger(self, values: Floats) -> Floats:
-        """Of numbers (..., k, f) of every side the largest in size of each point: (..., q, f).
+        """Value of largest magnitude (..., q, f) of each point, from the values (..., k, f) on every side.
 
-        Of two that are alike in size, but for rounding, it is the positive one.
+        If two magnitudes are equal up to rounding, the positive value is taken.
         """
         first = np.flatnonzero(np.diff(self.point, prepend=-1))
         if len(first) == len(self.point):
@@ -50,7 +50,7 @@ class Sides:
         return np.where(high >= -(1.0 - _ALIKE) * low, high, low)
 
     def alike(self, values: Floats) -> Floats:
-        """Of a thickness (k,) of every side that of each point (q,), NaN where it jumps."""
+        """Thickness (q,) of each point from the thickness (k,) on every side; NaN where it jumps."""
         first = np.flatnonzero(np.diff(self.point, prepend=-1))
         high, low = (extreme.reduceat(values, first) for extreme in (np.maximum, np.minimum))
         return np.where(high - low <= _SAME * high, low, np.nan)
@@ -58,11 +58,11 @@ class Sides:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StressNodes(Remade):
-    """Nodes of moments and shears: the mesh's (n,), and behind them further ones (d,) on jumps.
+    """Nodes of moments and shears: the n nodes of the mesh, followed by d further ones on jumps, s = n + d.
 
-    ``further`` (d,) is the mesh's node that each further one is at: for every node on a jump there is one for each
-    further side. ``around`` (k,) are elements that have any of them, ``rows`` (k, 8) the nodes of these. Elements (ne,)
-    that are ``left_out`` count in no extreme and no scale of colours: rigid ones, and of zones that say so.
+    ``further`` (d,) is the mesh node of each further node: a mesh node on a jump has one stress node for each side.
+    ``around`` (k,) are the elements with such nodes, ``rows`` (k, 8) their stress nodes. Elements (ne,) in ``left_out``
+    are excluded from extremes and colour scales: rigid ones, and those of zones with ``extremes = false``.
     """
 
     mesh: Mesh
@@ -73,12 +73,12 @@ class StressNodes(Remade):
 
     @classmethod
     def of_mesh(cls, mesh: Mesh) -> Self:
-        """The nodes of a mesh, where nothing jumps."""
+        """Stress nodes of a mesh without jumps."""
         none = np.zeros(0, np.int64)
         return cls(mesh, none, none, np.zeros((0, 8), np.int64), np.zeros(len(mesh.elements), np.bool_))
 
     def counting(self, count: int) -> Bools:
-        """Which of the mesh's nodes (n,), or of these nodes (s,), are of an element that is not left out; else all."""
+        """Mask of mesh nodes (n,) or stress nodes (s,) that count in extremes; all if every element is left out."""
         elements = self.elements if count == self.count else self.mesh.elements
         result = np.zeros(count, np.bool_)
         result[elements[~self.left_out]] = True
@@ -86,17 +86,17 @@ class StressNodes(Remade):
 
     @cached_property
     def nodes(self) -> Ints:
-        """The mesh's node (n + d,) that each is at."""
+        """Mesh node (s,) of each stress node."""
         return np.concatenate([np.arange(self.mesh.node_count), self.further])
 
     @cached_property
     def points(self) -> Floats:
-        """Their positions (n + d, 2)."""
+        """Positions (s, 2)."""
         return np.asarray(self.mesh.points[self.nodes])
 
     @cached_property
     def elements(self) -> Ints:
-        """The elements (ne, 8) by these nodes."""
+        """Stress nodes (ne, 8) of the elements."""
         elements = self.mesh.elements
         if len(self.further):
             elements = elements.copy()
@@ -105,20 +105,20 @@ class StressNodes(Remade):
 
     @property
     def count(self) -> int:
-        """Number of nodes, n + d."""
+        """Number of stress nodes, s = n + d."""
         return self.mesh.node_count + len(self.further)
 
     def spread(self, values: Floats) -> Floats:
-        """Give nodal values (n, ...), or those at these nodes (s, ...), at these nodes."""
+        """Values (s, ...) at stress nodes from values at mesh nodes (n, ...) or at stress nodes (s, ...)."""
         return values if len(values) == self.count else np.asarray(values[self.nodes])
 
     def at(self, sides: Sides, values: Floats) -> Floats:
-        """Interpolate values (s, ...) at nodes of stresses to points on every side of a jump: (k, ...)."""
+        """Interpolate values (s, ...) at stress nodes to points on every side of a jump: (k, ...)."""
         shapes = self.mesh.shape_functions(sides.where.elements, sides.where.xi)
         return np.asarray(np.einsum("qi,qi...->q...", shapes, values[self.elements[sides.where.elements]]))
 
     def sides(self, positions: Floats, where: Location) -> Sides:
-        """Find points (q, 2) of the mesh, whose first elements are known, on every side of a jump."""
+        """Locate points (q, 2) on every side of a jump; ``where`` is one element of each."""
         if not len(self.further):
             return Sides(np.arange(len(positions)), where)
         return Sides(*self.mesh.holding(positions))
@@ -127,16 +127,16 @@ class StressNodes(Remade):
 def stress_nodes_of(
     mesh: Mesh, zones: Zones, along: Iterable[Ints], areas: Sequence[Region], rigid: Bools
 ) -> StressNodes:
-    """Part nodes on jumps: elements around a node that meet in sides without a jump have it in common.
+    """Split nodes on jumps: elements around a node share a stress node if they meet in sides without a jump.
 
-    Moments and shears jump with the section, and at rigid elements (ne,). Shears jump along sides (k, 3) that carry a
-    line force, and along the outlines of rigid areas, which do too. Moments jump where such a support holds a slope.
+    Moments and shears jump with the section, and at rigid elements (ne,). Shears jump along sides (k, 3) with a line
+    force, and along the outlines of rigid areas. Moments jump where such a support holds a slope.
     """
-    own = replace(StressNodes.of_mesh(mesh), left_out=rigid | zones.without_extremes)
+    nodes = replace(StressNodes.of_mesh(mesh), left_out=rigid | zones.without_extremes)
     on_lines = np.concatenate([np.zeros(0, np.int64), *(sides[:, 1] for sides in along)])
     uniform = not zones.model.zone and not any(level.jumps for level in zones.formulas[0].levels)
     if uniform and not len(on_lines) and not areas:
-        return own
+        return nodes
     sides = np.flatnonzero(real_sides(mesh.elements).ravel())
     triples = mesh.sides.reshape(-1, 3)
     order = sides[np.argsort(triples[sides, 1], kind="stable")]
@@ -147,12 +147,12 @@ def stress_nodes_of(
     for area in areas:
         jumps |= _on_outline(mesh, area, pairs)
     if not jumps.any():
-        return own
-    return _parted(own, pairs[~jumps], np.unique(triples[pairs[jumps, 0]]))
+        return nodes
+    return _parted(nodes, pairs[~jumps], np.unique(triples[pairs[jumps, 0]]))
 
 
 def solid_thickness(nodes: StressNodes, zones: Zones) -> Floats:
-    """Thickness (s,) at nodes of stresses, NaN where a section is given by its stiffness: it has no stresses."""
+    """Thickness (s,) at stress nodes; NaN where a section is given by its stiffness and has no stresses."""
     mesh = nodes.mesh
     if not zones.model.zone and zones.formulas[0].is_constant:
         solid = zones.model.plate.stiffness is None
@@ -166,23 +166,23 @@ def solid_thickness(nodes: StressNodes, zones: Zones) -> Floats:
 
 
 def _jumps(mesh: Mesh, zones: Zones, pairs: Ints) -> Bools:
-    """Whether what the plate is made of jumps between elements, at sides (k, 2) that are in two of them."""
+    """Whether the section jumps between two elements, at pairs of their common sides (k, 2)."""
     begin, end = mesh.corners_of_sides(pairs.ravel() // 4, pairs.ravel() % 4)
     elements, middle = pairs.ravel() // 4, 0.5 * (begin + end)
-    near, far = (
+    nearer, farther = (
         _made(mesh, zones, elements, mesh.inward(elements, middle, 1.0 - part)) for part in (_BESIDE, 2.0 * _BESIDE)
     )
-    # At the side itself, but for what curvature makes: of a taper nothing.
-    thickness = (2.0 * near[0] - far[0]).reshape(-1, 2)
+    # Linear extrapolation to the side: exact for a linear thickness.
+    thickness = (2.0 * nearer[0] - farther[0]).reshape(-1, 2)
     differs = np.abs(np.diff(thickness, axis=1)[:, 0]) > _SAME * thickness.max(axis=1)
-    return np.asarray(differs | (np.diff(near[1].reshape(-1, 2), axis=1)[:, 0] != 0))
+    return np.asarray(differs | (np.diff(nearer[1].reshape(-1, 2), axis=1)[:, 0] != 0))
 
 
 def _on_outline(mesh: Mesh, area: Region, pairs: Ints) -> Bools:
-    """Whether an area covers the element on one side alone, at sides (k, 2) that are in two of them."""
+    """Whether an area covers one of two elements only, at pairs of their common sides (k, 2)."""
     elements = np.repeat(pairs.ravel() // 4, 2)
     begin, end = (np.repeat(ends, 2, axis=0) for ends in mesh.corners_of_sides(pairs.ravel() // 4, pairs.ravel() % 4))
-    # The second element runs along the side the other way.
+    # The second element traverses the side in the opposite direction.
     station = np.stack([_STATIONS, _STATIONS[::-1]])[np.arange(pairs.size) % 2].ravel()[:, None]
     beside = mesh.inward(elements, begin + station * (end - begin), 1.0 - _ASIDE)
     covered = area.contains(mesh.map(elements, beside)).reshape(-1, 2, 2)
@@ -191,24 +191,26 @@ def _on_outline(mesh: Mesh, area: Region, pairs: Ints) -> Bools:
 
 def _made(mesh: Mesh, zones: Zones, elements: Ints, xi: Floats) -> tuple[Floats, Ints]:
     points = mesh.map(elements, xi)
-    made = zones.at(elements, points)
-    return zones.thickness(made, points), made.rigidity
+    section = zones.at(elements, points)
+    return zones.thickness(section, points), section.rigidity
 
 
-def _parted(own: StressNodes, joined: Ints, nodes: Ints) -> StressNodes:
-    """Part nodes (j,) between elements that no sides (k, 2) without a jump join there."""
-    mesh = own.mesh
+def _parted(stress_nodes: StressNodes, joined: Ints, nodes: Ints) -> StressNodes:
+    """Split nodes (j,) between elements that no common side without a jump (k, 2) joins."""
+    mesh = stress_nodes.mesh
     count = mesh.node_count
     on_jump = np.zeros(count, np.bool_)
     on_jump[nodes] = True
-    # Of every element the nodes on jumps, once: a triangle repeats one.
+    # Pairs (element, node on a jump), each once: a triangle repeats a node.
     element, local = np.nonzero(on_jump[mesh.elements])
     keys, place = np.unique(mesh.elements[element, local] + count * element, return_inverse=True)
     triples = mesh.sides.reshape(-1, 3)[joined[:, 0]]
     side, which = np.nonzero(on_jump[triples])
-    one, other = (np.searchsorted(keys, triples[side, which] + count * (joined[side, i] // 4)) for i in range(2))
-    group = components(len(keys), one, other)
-    # Of a node's groups that of the first element keeps the node's number.
+    first_entry, second_entry = (
+        np.searchsorted(keys, triples[side, which] + count * (joined[side, i] // 4)) for i in range(2)
+    )
+    group = components(len(keys), first_entry, second_entry)
+    # The group of the first element keeps the mesh node's index.
     node = keys % count
     first = np.full(group.max() + 1, len(keys))
     np.minimum.at(first, group, np.arange(len(keys)))
@@ -219,4 +221,4 @@ def _parted(own: StressNodes, joined: Ints, nodes: Ints) -> StressNodes:
     around, row = np.unique(element, return_inverse=True)
     rows = mesh.elements[around]
     rows[row, local] = number[group[place]]
-    return replace(own, further=node[first][by_node][further], around=around, rows=rows)
+    return replace(stress_nodes, further=node[first][by_node][further], around=around, rows=rows)

@@ -1,4 +1,4 @@
-"""The plate's thickness where its elements ask for it, and their sections where it jumps inside them."""
+"""Thickness of the plate at the elements' section points, and laminated sections of elements in which it jumps."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from signorini.errors import InputError, point
 from signorini.mesh import Mesh
 
 _RANGE = (1e-6, 1.0)
-"""Thickness over the plate's size in the domain (docs/domain.md): half the span, of which symmetry may leave a half."""
+"""Least and largest thickness relative to the plate's size (docs/domain.md)."""
 
 _ORDER = 4
-"""Gauss points a direction of the parts of an element that a step cuts: h³ of a linear thickness is exact."""
+"""Number of Gauss points in each direction on parts of a cut element: h³ of a linear thickness is exact."""
 
 _BESIDE = 2e-3
-"""How far beside a step its two thicknesses are looked up, in reference coordinates: well off any curve's chord."""
+"""Distance from a step, in reference coordinates, at which its two thicknesses are evaluated."""
 
 _SHORT = 1e-3
 """Smallest length of a piece of a step, relative to the element size, that has a direction."""
 
 _SOFTEST = 1e-9
-"""Least rigidity across a step over that along it: less would be lost in rounding where the step runs askew."""
+"""Least rigidity across a step relative to that along it; smaller values are lost in rounding where it is oblique."""
 
 _SAME = 1e-9
 """Smallest relative jump of the thickness that counts as a step; formulas may be continuous between branches."""
@@ -37,11 +37,11 @@ _SAME = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Thickness:
-    """Thickness (e, p) at every element's section points, or one number (1, 1) where it is constant.
+    """Thickness h (e, p) at the section points of every element, or (1, 1) where it is constant.
 
-    Of sections given by their stiffness it is that of a solid plate as stiff, and ``nominal``, (e, p) or (e, 1), what
-    is given beside it. ``layered`` are the elements (k,) inside which it jumps, and their rigidities (k, p, 9) as
-    `_core.Plate` takes them.
+    ``at_points`` is the thickness of an equivalent solid plate where the section is given by its stiffness. ``nominal``
+    (e, p) or (e, 1) is the thickness of the input. ``layered`` are the elements (k,) in which the thickness jumps, and
+    their rigidities (k, p, 9) as `_core.Plate` takes them.
     """
 
     at_points: Floats
@@ -49,15 +49,15 @@ class Thickness:
     layered: tuple[Ints, Floats] | None = None
 
     def max(self) -> float:
-        """Return the largest."""
+        """Return the largest thickness."""
         return float(self.at_points.max())
 
     def min(self) -> float:
-        """Return the least."""
+        """Return the least thickness."""
         return float(self.at_points.min())
 
     def least_at(self, mesh: Mesh, points: Floats) -> float:
-        """Return the least in all elements that some of the points (q, 2) are in; on borders the thinner side's."""
+        """Return the least thickness of all elements that contain points (q, 2)."""
         if self.at_points.size == 1 or not len(points):
             return self.min()
         _, where = mesh.holding(points)
@@ -71,14 +71,18 @@ class Thickness:
 
 @dataclass(frozen=True, eq=False)
 class PlateStiffness:
-    """How stiff the plate is by element (ne,): per area, against waves two elements long, and per point, in shear."""
+    """Stiffness of the plate by element (ne,).
+
+    ``in_waves`` is pressure over deflection for waves two elements long, ``in_shear`` the shear rigidity, a force over
+    a length.
+    """
 
     in_waves: Floats
     in_shear: Floats
 
     @classmethod
     def of(cls, mesh: Mesh, zones: Zones, thickness: Floats) -> Self:
-        """Take the thickness (ne, p) at the points of the elements' integrals, or (1, 1)."""
+        """Take the thickness (ne, p) at section points, or (1, 1)."""
         h = np.broadcast_to(thickness.mean(axis=1), len(mesh.elements))
         number = zones.of_elements.rigidity
         unit = np.array([[rigidity.in_waves, rigidity.in_shear] for rigidity in zones.rigidities])[number]
@@ -89,25 +93,25 @@ class PlateStiffness:
 
 
 def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
-    """Evaluate the thickness, which is refused where it is not that of a plate."""
+    """Evaluate the thickness; refuse values outside the domain of validity."""
     formulas, kind = zones.formulas, zones.model.plate.element
     cut_by_zones = zones.parted.any(axis=0)
     if not cut_by_zones.any() and all(formula.is_constant for formula in formulas):
         by_formula = np.array([formula.value for formula in formulas])
-        made = zones.of_elements
-        nominal = by_formula[made.thickness]
-        _require_plate(zones, mesh, nominal, made.thickness, mesh.points[mesh.elements[:, 0]])
-        value = zones.acting(made.rigidity, nominal)
+        section = zones.of_elements
+        nominal = by_formula[section.thickness]
+        _require_plate(zones, mesh, nominal, section.thickness, mesh.points[mesh.elements[:, 0]])
+        value = zones.acting(section.rigidity, nominal)
         if (value == value[0]).all():
             return Thickness(value[:1, None], nominal[:, None])
     xi = np.where(mesh.triangles[:, None, None], _core.section_points(kind, True), _core.section_points(kind))
     points = np.empty_like(xi)
-    for shapes, some in ((_core.serendipity, ~mesh.triangles), (_core.triangular, mesh.triangles)):
-        if some.any():
-            points[some] = shapes(xi[some][0])[0] @ mesh.nodes[some]
-    every = np.arange(len(mesh.elements))
-    result = _evaluated(zones, mesh, np.repeat(every, points.shape[1]), points.reshape(-1, 2))
-    at_points, nominal = (one.reshape(points.shape[:2]) for one in result[::2])
+    for shapes, mask in ((_core.serendipity, ~mesh.triangles), (_core.triangular, mesh.triangles)):
+        if mask.any():
+            points[mask] = shapes(xi[mask][0])[0] @ mesh.nodes[mask]
+    all_elements = np.arange(len(mesh.elements))
+    result = _evaluated(zones, mesh, np.repeat(all_elements, points.shape[1]), points.reshape(-1, 2))
+    at_points, nominal = (values.reshape(points.shape[:2]) for values in result[::2])
     levels, across = _crossing(zones, mesh)
     elements = np.flatnonzero(across.any(axis=0) | cut_by_zones)
     if not len(elements):
@@ -121,46 +125,46 @@ def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
 
 
 def _crossing(zones: Zones, mesh: Mesh) -> tuple[list[Callable[[Floats], Floats]], Bools]:
-    """Levels where the thickness may jump or a zone ends, and which elements (levels, ne) each of them crosses."""
+    """Levels at which the thickness may jump or a zone ends, and mask (levels, ne) of the elements they cross."""
     parted, of_elements = zones.parted.any(axis=0), zones.of_elements.thickness
     sought: list[tuple[Sequence[Callable[[Floats], Floats]], Bools]] = []
     for formula in dict.fromkeys(zones.formulas):
-        mine = np.array([one is formula for one in zones.formulas])[of_elements] | parted
-        sought.append(([level for level in formula.levels if level.jumps], mine))
-    for zone, some in zip(zones.model.zone, zones.parted, strict=True):
-        sought.append((sides_of(zone.region), some))
+        with_formula = np.array([candidate is formula for candidate in zones.formulas])[of_elements] | parted
+        sought.append(([level for level in formula.levels if level.jumps], with_formula))
+    for zone, mask in zip(zones.model.zone, zones.parted, strict=True):
+        sought.append((sides_of(zone.region), mask))
     across = []
-    for of, some in sought:
-        across.append(np.zeros((len(of), len(some)), np.bool_))
-        across[-1][:, some] = crossed(mesh, np.flatnonzero(some), of)
-    return [level for of, _ in sought for level in of], np.concatenate(across)
+    for curves, mask in sought:
+        across.append(np.zeros((len(curves), len(mask)), np.bool_))
+        across[-1][:, mask] = crossed(mesh, np.flatnonzero(mask), curves)
+    return [level for curves, _ in sought for level in curves], np.concatenate(across)
 
 
 def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tuple[Floats, Ints, Floats]:
-    """Thickness (q,) at points (q, 2) of elements (q,), whose rigidity they have, and the nominal thickness."""
-    made = zones.at(elements, points)
-    nominal = zones.nominal(made.thickness, points)
-    _require_plate(zones, mesh, nominal, made.thickness, points)
-    return zones.acting(made.rigidity, nominal), made.rigidity, nominal
+    """Thickness, index of the rigidity, and nominal thickness (q,) each, at points (q, 2) of elements (q,)."""
+    section = zones.at(elements, points)
+    nominal = zones.nominal(section.thickness, points)
+    _require_plate(zones, mesh, nominal, section.thickness, points)
+    return zones.acting(section.rigidity, nominal), section.rigidity, nominal
 
 
-def _require_plate(zones: Zones, mesh: Mesh, thickness: Floats, who: Ints, points: Floats) -> None:
+def _require_plate(zones: Zones, mesh: Mesh, thickness: Floats, formula_of: Ints, points: Floats) -> None:
     thinnest, thickest = _RANGE[0] * mesh.size, _RANGE[1] * mesh.size
     # Away from the origin the plate's size is rounded.
     wrong = (thickness < (1.0 - _SAME) * thinnest) | (thickness > (1.0 + _SAME) * thickest)
     if wrong.any():
         first = int(np.argmax(wrong))
-        at = point(points[first], mesh.size)
+        where = point(points[first], mesh.size)
         raise InputError(
-            f"Found the thickness {thickness[first]:g} at {at}; on a plate {mesh.size:g} long it "
+            f"Found the thickness {thickness[first]:g} at {where}; on a plate {mesh.size:g} long it "
             f"must be from {thinnest:g} to {thickest:g}. Are the units those of the plate's size?",
-            place=zones.places[who[first]],
+            place=zones.places[formula_of[first]],
         )
 
 
 @dataclass(frozen=True, eq=False)
 class _Fronts:
-    """Pieces (f,) of the steps at which the stiffness jumps: normals (f, 2), and length times jump, for a weight."""
+    """Pieces (f,) of steps of the stiffness: element, unit normal (f, 2), and weight, length times jump."""
 
     elements: Ints
     normals: Floats
@@ -175,15 +179,17 @@ def _jumps(zones: Zones, mesh: Mesh, cut: Cut) -> _Fronts:
     long = length > _SHORT * size
     elements, fronts, along, length = (part[long] for part in (cut.front_elements, cut.fronts, along, length))
     normals = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
-    ahead = fronts[:, 1] - fronts[:, 0]
-    beside = _BESIDE * np.column_stack([ahead[:, 1], -ahead[:, 0]]) / np.hypot(*ahead.T)[:, None]
-    (one, first), (other, second) = (
+    direction = fronts[:, 1] - fronts[:, 0]
+    beside = _BESIDE * np.column_stack([direction[:, 1], -direction[:, 0]]) / np.hypot(*direction.T)[:, None]
+    (thickness_before, rigidity_before), (thickness_after, rigidity_after) = (
         _evaluated(zones, mesh, elements, mesh.map(elements, np.clip(fronts.mean(axis=1) + side * beside, -1, 1)))[:2]
         for side in (-1.0, 1.0)
     )
-    real = (np.abs(one - other) > _SAME * np.maximum(one, other)) | (first != second)
+    real = (np.abs(thickness_before - thickness_after) > _SAME * np.maximum(thickness_before, thickness_after)) | (
+        rigidity_before != rigidity_after
+    )
     bending = np.array([rigidity.in_waves for rigidity in zones.rigidities])
-    sides = bending[first] * one**3, bending[second] * other**3
+    sides = bending[rigidity_before] * thickness_before**3, bending[rigidity_after] * thickness_after**3
     # A jump in shear or twist only has a direction, too.
     step = np.maximum(np.abs(sides[0] - sides[1]), _SAME * np.maximum(*sides))
     return _Fronts(elements[real], normals[real], (step * length)[real])
@@ -200,7 +206,7 @@ def _sections(
 ) -> Floats:
     """Rigidities (k, p, 9) of elements as laminates of strips along the step (docs/theory.md, section 4).
 
-    Each point has the means over the quarters of the element that it lies in or between, of triangles over the whole.
+    Each section point takes means over the quarters of the element that contain it; in triangles, over the whole.
     """
     n = fronts.normals
     bent = np.column_stack([n**2, 2.0 * n.prod(axis=1)])
@@ -208,9 +214,9 @@ def _sections(
     weights = fronts.weights / np.bincount(place, fronts.weights, len(elements))[place]
     used, number = np.unique(inside[1], return_inverse=True)
     means = _quarter_means(mesh, xi, elements, cut.points, inside[0], number)
-    own = [rigidities[i] for i in used]
-    b = _laminate(means, 3, np.array([one.bending for one in own]), bent, place, weights)
-    s = _laminate(means, 1, np.array([one.shear for one in own]), n, place, weights)
+    materials = [rigidities[i] for i in used]
+    b = _laminate(means, 3, np.array([rigidity.bending for rigidity in materials]), bent, place, weights)
+    s = _laminate(means, 1, np.array([rigidity.shear for rigidity in materials]), n, place, weights)
     (i, j), (k, m) = np.triu_indices(3), np.triu_indices(2)
     return np.concatenate([b[..., i, j], s[..., k, m]], axis=-1)
 
@@ -220,13 +226,13 @@ def _quarter_means(
 ) -> Callable[[int], Floats]:
     """Mean of a power of the thickness over the quarters around each point (k, p, 2) of the elements.
 
-    Over the parts of each of the materials with numbers alone, so that they add up: (materials, k, p).
+    The function returned maps the power to parts by material (materials, k, p), whose sum is the mean.
     """
-    mine = np.isin(cut.elements, elements)
-    quarter = (cut.xi[mine] > 0.0) @ np.array([1, 2])
+    in_elements = np.isin(cut.elements, elements)
+    quarter = (cut.xi[in_elements] > 0.0) @ np.array([1, 2])
     count, kinds = 4 * len(elements), int(number.max()) + 1
-    place = count * number[mine] + 4 * np.searchsorted(elements, cut.elements[mine]) + quarter
-    weights, thickness = cut.weights[mine], thickness[mine]
+    place = count * number[in_elements] + 4 * np.searchsorted(elements, cut.elements[in_elements]) + quarter
+    weights, thickness = cut.weights[in_elements], thickness[in_elements]
     signs = np.array([[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
     around = (xi[:, :, None] * signs > -_SHORT).all(axis=3) | mesh.triangles[elements, None, None]
 
@@ -241,21 +247,21 @@ def _quarter_means(
 def _laminate(
     means: Callable[[int], Floats], power: int, plates: Floats, strains: Floats, place: Ints, weights: Floats
 ) -> Floats:
-    """Rigidities (k, p, d, d): the mean along the step; across it, the inverse of the mean of inverses.
+    """Rigidities (k, p, d, d) of a laminate: the mean along the step, the harmonic mean across it.
 
-    ``means`` are those (m, k, p) of a power of the thickness; rigidities ``plates`` (m, d, d) of the materials at
-    thickness 1 go with that ``power``. ``strains`` (f, d) are across each front, which is at a place among the elements
-    and counts there by its weight.
+    ``means`` maps a power of the thickness to its means (m, k, p) by material. ``plates`` (m, d, d) are rigidities of
+    the materials at thickness 1, multiplied by the thickness to ``power``. ``strains`` (f, d) are strains across each
+    front, ``place`` (f,) the index of its element, ``weights`` (f,) its share of the element.
     """
     along, part, inverse = means(power), means(0), means(-power)
     mean = np.einsum("mkp,mij->kpij", along, plates)
     forces = np.einsum("fi,mij->mfj", strains, plates)
     across = np.einsum("mfj,fj->mf", forces, strains)
     vectors = forces / np.sqrt(across)[..., None]
-    for at in range(mean.shape[1]):
-        thick, share, thin = along[:, place, at], part[:, place, at], inverse[:, place, at]
+    for number in range(mean.shape[1]):
+        thick, share, thin = along[:, place, number], part[:, place, number], inverse[:, place, number]
         soft = np.maximum(1.0 / (thin / across).sum(axis=0), _SOFTEST * (thick * across).sum(axis=0))
         common = np.einsum("mf,mfi->fi", share / across, forces)
         drop = np.einsum("mf,mfi,mfj->fij", thick, vectors, vectors) - np.einsum("f,fi,fj->fij", soft, common, common)
-        np.subtract.at(mean[:, at], place, weights[:, None, None] * drop)
+        np.subtract.at(mean[:, number], place, weights[:, None, None] * drop)
     return np.asarray(mean)

@@ -1,1 +1,1 @@
-"""The plate as a rigid body: whether any reactions balance a load, and how far that is from its end."""
+"""Equilibrium of the plate as a rigid body: whether reactions balance a load, and at which factor they no longer do."""

@@ -1,4 +1,4 @@
-"""The plate as a rigid body: the motions that its supports leave free, and the work of loads on them."""
+"""Rigid motions that supports leave free, and the work of loads on them."""
 
 from __future__ import annotations
 
@@ -8,32 +8,29 @@ from dataclasses import dataclass
 import numpy as np
 
 from signorini.discretise import Discretisation
+from signorini.discretise.laws import field_of
 from signorini.discretise.places import outline
-from signorini.discretise.rows import Floats, Ints, null_space
+from signorini.discretise.rows import RANK, Floats, Ints, null_space
 from signorini.errors import InputError, point
-from signorini.expression import Field
 from signorini.shapes.extent import hull
 
-RANK = 1e-9
-"""Rigid motions of unit size that move a support by less than this part of the plate's size do not move it."""
 NO_FORCE = 1e-6
-"""Relative tolerance for a zero resultant, relative to the acting forces: loads along arcs that cancel leave the error
-of parabolas."""
-_FIRM = 1e-4
-"""Part of a plate's own stiffness with which supports hold all motions firmly: four of sixteen digits."""
+"""Tolerance for a zero resultant, relative to the acting forces: loads along arcs have the error of parabolas."""
+_HELD = 1e-4
+"""Least stiffness of supports against rigid motions relative to the plate's: four of sixteen digits."""
 _MANY = 100
 """Smallest number of points for which the convex hull is taken."""
 
 _MOST_NUMBERS = 1 << 20
-"""Numbers in memory at once."""
+"""Largest number of products in memory at once."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bearing:
-    """Places at which one-sided supports act, of many that act the same way the corners of their hull.
+    """Positions (k, 2) at which one-sided supports act; of many with one direction, the corners of their hull.
 
-    ``moves`` (k, d) is how far each of the free rigid motions presses the plate into the support there, ``least`` and
-    ``most`` (k,) the forces that it can give.
+    ``moves`` (k, d) are the displacements into the support in the free rigid motions; ``least`` and ``most`` (k,) bound
+    its force.
     """
 
     positions: Floats
@@ -44,20 +41,20 @@ class Bearing:
 
     @property
     def limited(self) -> bool:
-        """Whether a force has an end other than none."""
+        """Whether a force is bounded other than by 0 ≤ force."""
         return bool(np.isfinite(self.most).any() or self.least.any())
 
 
 @dataclass(frozen=True, eq=False)
 class RigidFreedom:
-    """What the bilateral supports leave free.
+    """Rigid motions that held dofs, springs and two-sided points leave free.
 
-    ``motions`` (3p, d) are a basis of the free rigid motions of p plates, of each as w and the slopes times the size of
-    all, about their middle; ``moves`` (m, d) how each contact point's row changes with them, two-sided points being
-    among the bilateral supports. The ``outline`` of one-sided supports decides whether the plate can be balanced, their
-    contact points ``on_mesh`` whether the mesh can show it. K is ``regular`` where held dofs and springs alone hold the
-    plate; ``unheld`` (3p, h) are motions that held dofs alone leave free. ``of_springs`` (s, 3p) and ``at_contacts``
-    (m, 3p) is what springs and contact points do in all motions.
+    ``motions`` (3p, d) is their basis. For each of p plates a motion is w and two slopes times the size of the mesh,
+    about its middle. ``moves`` (m, d) are the displacements of contact points in them. Reactions on the ``outline`` of
+    one-sided supports decide whether the plate can be balanced; reactions at their contact points ``on_mesh`` decide
+    whether the mesh can represent it. K is ``regular`` if held dofs and springs hold the plate. ``unheld`` (3p, h) are
+    the motions that held dofs leave free. ``of_springs`` (s, 3p) and ``at_contacts`` (m, 3p) are displacements of
+    springs and contact points in all motions.
     """
 
     motions: Floats
@@ -78,7 +75,7 @@ class RigidFreedom:
 def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     """Find the rigid motions that held dofs, springs and two-sided points leave free.
 
-    A mechanism is refused: a motion that meets no support at all, one-sided ones included.
+    Refuse a mechanism, a motion that moves no support, one-sided ones included.
     """
     contacts = discretisation.contacts
     size = discretisation.mesh.size
@@ -86,18 +83,18 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     at_contacts, of_springs = discretisation.contact_rows @ scaled, discretisation.spring_rows @ scaled
     at_contacts[contacts.slope] *= size
     of_springs[discretisation.springs.slope] *= size
-    # A held slope is compared with slopes times the plate's size.
+    # Slopes times the plate's size are compared with deflections.
     held = (
         scaled[discretisation.held.dofs]
         * np.tile([1.0, size, size], discretisation.mesh.node_count)[discretisation.held.dofs, None]
     )
     in_stiffness = np.vstack([held, of_springs])
-    motions = null_space(np.vstack([in_stiffness, at_contacts[contacts.holds_both_ways]]), RANK)
+    motions = null_space(np.vstack([in_stiffness, at_contacts[contacts.holds_both_ways]]))
     moves = at_contacts @ motions
-    loose = motions @ null_space(moves, RANK) if motions.size else np.zeros((len(motions), 0))
-    if loose.size:
+    mechanism = motions @ null_space(moves) if motions.size else np.zeros((len(motions), 0))
+    if mechanism.size:
         raise InputError(
-            f"Nothing holds the plate against this motion: {_name_motion(loose, discretisation)}. "
+            f"Nothing holds the plate against this motion: {_name_motion(mechanism, discretisation)}. "
             "Add a support that resists it (points that are not all on one line, or an edge or area).",
             place=("support",),
         )
@@ -106,24 +103,23 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     outlines = _outlines(discretisation, motions)
     least, most = one_sided.limits
     if least.any() or np.isfinite(most).any():
-        # The capacity of limits depends on the length or area of each point.
-        own = moves[~contacts.two_sided]
-        on_mesh = outlines = Bearing(one_sided.positions, own, one_sided.support, least, most)
-    regular = null_space(in_stiffness, RANK).shape[1] == 0
-    rows = (null_space(held, RANK), of_springs, at_contacts)
+        # The limit of a point depends on its length or area, so that the hull does not suffice.
+        moves_one_sided = moves[~contacts.two_sided]
+        on_mesh = outlines = Bearing(one_sided.positions, moves_one_sided, one_sided.support, least, most)
+    regular = null_space(in_stiffness).shape[1] == 0
+    rows = (null_space(held), of_springs, at_contacts)
     return RigidFreedom(motions, moves, outlines, on_mesh, regular, *rows)
 
 
 def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
-    """The outlines of the supports that have one-sided points."""
+    """Bearing on the outlines of supports with one-sided points."""
     contacts = discretisation.contacts
-    # One number for both: rows of a table are slow to sort.
-    ways = (2 * contacts.support + (contacts.direction > 0))[~contacts.two_sided]
+    # Support and direction in one integer, which sorts faster than rows.
+    support_and_direction = (2 * contacts.support + (contacts.direction > 0))[~contacts.two_sided]
     positions, directions, supports = [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0, np.int64)]
-    for index, up in zip(*np.divmod(np.unique(ways), 2), strict=True):
-        support = discretisation.model.support[index]
-        if isinstance(support.stiffness, Field):
-            # Its soil may end within its outline.
+    for index, up in zip(*np.divmod(np.unique(support_and_direction), 2), strict=True):
+        if field_of(discretisation.model.support[index]) is not None:
+            # A field may be 0 in part of the outline.
             reach = contacts.positions[(contacts.support == index) & ~contacts.two_sided]
         else:
             reach = _outline(discretisation, int(index))
@@ -139,64 +135,60 @@ def _bearing(
     discretisation: Discretisation, motions: Floats, positions: Floats, directions: Floats, supports: Ints
 ) -> Bearing:
     deciding = [np.zeros(0, np.int64)]
-    # Supports of one plate depend on places only; supports between plates depend on the pair of plates.
-    of = supports if discretisation.plates else np.zeros_like(supports)
-    for who, direction in itertools.product(np.unique(of), (1.0, -1.0)):
-        those = np.flatnonzero((of == who) & (directions == direction))
-        if len(those) > _MANY:
-            those = those[np.sort(hull(positions[those]))]
-        deciding.append(those)
+    # With several plates, positions of different supports belong to different plates.
+    groups = supports if discretisation.plates else np.zeros_like(supports)
+    for group, direction in itertools.product(np.unique(groups), (1.0, -1.0)):
+        members = np.flatnonzero((groups == group) & (directions == direction))
+        if len(members) > _MANY:
+            members = members[np.sort(hull(positions[members]))]
+        deciding.append(members)
     which = np.concatenate(deciding)
-    at = _arms(discretisation, positions[which], supports[which])
-    none = np.zeros(len(which))
-    return Bearing(positions[which], directions[which, None] * (at @ motions), supports[which], none, none + np.inf)
+    arms = _arms(discretisation, positions[which], supports[which])
+    zeros = np.zeros(len(which))
+    return Bearing(positions[which], directions[which, None] * (arms @ motions), supports[which], zeros, zeros + np.inf)
 
 
 def _outline(discretisation: Discretisation, index: int) -> Floats:
-    """Points (k, 2) whose hull is that of a support."""
-    for plate in discretisation.plates:
-        if index in plate.numbers["support"]:
-            own = plate.own.model.support[plate.numbers["support"].index(index)]
-            return outline(plate.own.mesh, plate.own.model.plate, own.where)
-    return outline(discretisation.mesh, discretisation.model.plate, discretisation.model.support[index].where)
+    """Points (k, 2) with the convex hull of a support."""
+    plate = next(plate for plate in discretisation.members if index in plate.numbers["support"])
+    support = plate.own.model.support[plate.numbers["support"].index(index)]
+    return outline(plate.own.mesh, plate.own.model.plate, support.where)
 
 
 def _arms(discretisation: Discretisation, positions: Floats, supports: Ints) -> Floats:
-    """Displacements down of supports at positions under rigid motions of p plates, as in `RigidFreedom`: (k, 3p).
+    """Downward displacements (k, 3p) at positions (k, 2) of supports in the rigid motions of p plates.
 
-    Between two plates it is the displacement of the upper plate relative to the lower one.
+    Motions are as in `RigidFreedom`. Between two plates it is the upper plate's displacement minus the lower one's.
     """
-    at = np.column_stack([np.ones(len(positions)), (positions - discretisation.middle) / discretisation.mesh.size])
-    if not discretisation.plates:
-        return at
-    result = np.zeros((len(positions), len(discretisation.plates), 3))
-    names = [plate.name for plate in discretisation.plates]
+    arms = np.column_stack([np.ones(len(positions)), (positions - discretisation.middle) / discretisation.mesh.size])
+    names = [plate.name for plate in discretisation.members]
+    result = np.zeros((len(positions), len(names), 3))
     for index in np.unique(supports):
-        support, own = discretisation.model.support[index], supports == index
-        upper, *lower = support.between or (support.plate or "",)
-        result[own, names.index(upper)] = at[own]
+        support, of_support = discretisation.model.support[index], supports == index
+        upper, *lower = (support.between or (support.plate or "",)) if discretisation.plates else ("",)
+        result[of_support, names.index(upper)] = arms[of_support]
         for name in lower:
-            result[own, names.index(name)] = -at[own]
+            result[of_support, names.index(name)] = -arms[of_support]
     return result.reshape(len(positions), 3 * len(names))
 
 
-def _name_motion(loose: Floats, discretisation: Discretisation) -> str:
+def _name_motion(mechanism: Floats, discretisation: Discretisation) -> str:
     if discretisation.plates:
-        return describe_motion(loose[:, 0], discretisation)
-    if loose.shape[1] == 3:
+        return describe_motion(mechanism[:, 0], discretisation)
+    if mechanism.shape[1] == 3:
         return "any rigid motion, it has no support"
-    if loose.shape[1] == 2:
+    if mechanism.shape[1] == 2:
         return "turning about a point in two directions"
-    return describe_motion(loose[:, 0], discretisation)
+    return describe_motion(mechanism[:, 0], discretisation)
 
 
 def describe_motion(motion: Floats, discretisation: Discretisation) -> str:
-    """Describe a rigid motion (3p,): w, and the slopes times the size of all plates, about their middle."""
+    """Text for a rigid motion (3p,), given as in `RigidFreedom`."""
     if discretisation.plates and len(motion) > 3:
         return " and ".join(
-            f'"{plate.name}" {describe_motion(own, discretisation)}'
-            for plate, own in zip(discretisation.plates, motion.reshape(-1, 3), strict=True)
-            if np.abs(own).max() > RANK * np.abs(motion).max()
+            f'"{plate.name}" {describe_motion(of_plate, discretisation)}'
+            for plate, of_plate in zip(discretisation.plates, motion.reshape(-1, 3), strict=True)
+            if np.abs(of_plate).max() > RANK * np.abs(motion).max()
         )
     w, *slopes = motion / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
     turning = np.hypot(*slopes)
@@ -210,39 +202,41 @@ def describe_motion(motion: Floats, discretisation: Discretisation) -> str:
 
 
 def restraining_points(discretisation: Discretisation, freedom: RigidFreedom, stiffness: Floats, enough: float) -> Ints:
-    """Return contact points that restrain the plate where held dofs and springs do not.
+    """Contact points that restrain the motions that held dofs and springs do not hold with stiffness ``enough``.
 
-    They are those that act both ways and, if necessary, as few others as there are motions, stiff and far apart.
-    ``stiffness`` (m,) is the stiffness of each point, at most ``enough``.
+    They are the two-sided points and, if necessary, at most one more for each motion, stiff and far apart.
+    ``stiffness`` (m,) is that of each point; values above ``enough`` are cut off.
     """
     unheld, two_sided = freedom.unheld, np.flatnonzero(discretisation.contacts.two_sided)
-    # A slope is compared with slopes times the plate's size.
-    each = discretisation.springs.stiffness / np.where(discretisation.springs.slope, discretisation.mesh.size, 1.0) ** 2
-    springs = np.sqrt(np.minimum(each, enough))[:, None] * (freedom.of_springs @ unheld)
+    # A rotational stiffness over the plate's size squared is compared with a stiffness.
+    spring_stiffness = (
+        discretisation.springs.stiffness / np.where(discretisation.springs.slope, discretisation.mesh.size, 1.0) ** 2
+    )
+    springs = np.sqrt(np.minimum(spring_stiffness, enough))[:, None] * (freedom.of_springs @ unheld)
     points = np.sqrt(np.minimum(stiffness, enough))[:, None] * (freedom.at_contacts @ unheld)
 
-    def firm(rows: Floats) -> bool:
-        return not unheld.shape[1] or bool(np.linalg.eigvalsh(rows.T @ rows)[0] >= _FIRM * enough)
+    def is_held(rows: Floats) -> bool:
+        return not unheld.shape[1] or bool(np.linalg.eigvalsh(rows.T @ rows)[0] >= _HELD * enough)
 
-    if firm(springs):
+    if is_held(springs):
         return two_sided[:0]
     always = np.vstack([springs, points[two_sided]])
-    if firm(always):
+    if is_held(always):
         return two_sided
-    # Each pick is the longest row that is left, and lengths, being convex, are greatest at corners of the hull.
-    left, picked = np.vstack([springs, points]), two_sided.tolist()
+    # Gram-Schmidt with pivoting: each step takes the longest remaining row, which is at a corner of the hull.
+    rest, picked = np.vstack([springs, points]), two_sided.tolist()
     for _ in range(unheld.shape[1]):
-        lengths = np.linalg.norm(left, axis=1)
+        lengths = np.linalg.norm(rest, axis=1)
         longest = int(lengths.argmax())
         if longest >= len(springs):
             picked.append(longest - len(springs))
-        along = left[longest] / lengths[longest]
-        left = left - np.outer(left @ along, along)
+        along = rest[longest] / lengths[longest]
+        rest = rest - np.outer(rest @ along, along)
     return np.array(picked, dtype=np.int64)
 
 
 def load_size(discretisation: Discretisation, nodal: Floats) -> float:
-    """Sum of a nodal load's magnitudes; couples count by the force they are at the plate's size apart."""
+    """Sum of magnitudes of nodal forces, and of couples divided by the plate's size."""
     return float(np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / discretisation.mesh.size)
 
 
@@ -252,11 +246,11 @@ def work_of(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats
 
 
 def allowed_motions(bearing: Bearing) -> Floats | None:
-    """The extreme rays (r, d) of the cone of free rigid motions that a bearing allows, each of unit size.
+    """Extreme rays (r, d) of the cone of free rigid motions that a bearing allows, of unit maximum norm.
 
-    Reactions balance a load exactly if it does no work in any of them. With at most three components a ray lies in
-    d − 1 of the planes that the points set, and on the allowed side of all others. None of several plates, and where
-    supports have limits: there a linear program decides.
+    Reactions balance a load exactly if it does no work in any of them. With d ≤ 3 a ray lies in d − 1 of the planes
+    that the points define, and on the allowed side of all others. None if d > 3 or if supports have limits: there a
+    linear program decides.
     """
     one_sided = bearing.moves
     if bearing.limited or one_sided.shape[1] > 3:
@@ -274,6 +268,6 @@ def allowed_motions(bearing: Bearing) -> Floats | None:
     size = np.abs(rays).max(axis=1, initial=0.0)
     rays = rays[size > RANK * size.max(initial=0.0)] / size[size > RANK * size.max(initial=0.0), None]
     rays = np.concatenate([rays, -rays])
-    # A few at a time: many points make more pairs than there is memory for all their motions.
+    # In parts: the products of all rays with all points may exceed memory.
     parts = np.array_split(rays, 1 + len(rays) * len(one_sided) // _MOST_NUMBERS)
     return np.concatenate([part[(part @ one_sided.T).max(axis=1, initial=-np.inf) <= RANK] for part in parts])

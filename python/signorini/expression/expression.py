@@ -1,4 +1,4 @@
-"""Numbers that may vary over the plate: an expression in x and y, parsed and never executed."""
+"""Expressions in x and y, parsed and never executed."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from signorini.expression.levels import Level, levels
 from signorini.expression.tree import check, evaluate, first_point, parse, short
 
 LARGEST = 1e60
-"""Magnitudes above this are refused: products of a few of them would overflow."""
+"""Largest magnitude of an input number, in its unit: products of five are below 1e308."""
 LEAST = 1e-60
-"""Sizes below this likewise."""
+"""Smallest positive input number, in its unit: products of five are above 1e-308."""
 
 _Array = NDArray[np.float64]
 
@@ -73,7 +73,7 @@ class Expression:
 
     @property
     def value(self) -> float:
-        """The number, when the expression does not depend on x and y; it is refused if it does."""
+        """The value of a constant expression; an expression that varies with x and y raises an InputError."""
         if not self.is_constant:
             raise InputError(f"'{self.source}' varies with x and y; a constant is needed here.")
         return float(self(0.0, 0.0))
@@ -92,7 +92,7 @@ class Expression:
         at_least: float | None = None,
         place: str | Place = "",
     ) -> _Array:
-        """Evaluate at points x and y of one shape; errors name the place where the expression was given.
+        """Evaluate at points x and y of one shape; ``place`` is the place of the expression in the input, for errors.
 
         Values that are not finite, not greater than ``above`` or less than ``at_least`` are refused; the message names
         the first such point.
@@ -111,11 +111,11 @@ class Expression:
         )
         for wrong, why in bounds:
             if wrong.any():
-                result = values[wrong].flat[0]
+                found = values[wrong].flat[0]
                 where = "" if self.is_constant else f" at {first_point(wrong, px, py)}"
-                raise InputError(f"'{self.source}' is {result:g}{where}, {why}.", place=place)
+                raise InputError(f"'{self.source}' is {found:g}{where}, {why}.", place=place)
         return values
 
     def __str__(self) -> str:
-        """Give the source back."""
+        """Return the source as text."""
         return str(self.source)

@@ -1,4 +1,4 @@
-"""Numbers known at points of the plate, linear between them, or given by a function in Python."""
+"""Fields: values at points, linear between them, or a Python function; values per point of a support."""
 
 from __future__ import annotations
 
@@ -19,33 +19,32 @@ if TYPE_CHECKING:
     from scipy.spatial import ConvexHull, Delaunay
 
 _ON_OUTLINE = 1e-9
-"""Part of the points' extent within which a place is on their outline, and points are on a line."""
+"""Distance, relative to the extent of the points, of a point on their hull and of collinear points."""
 
 _Array = NDArray[np.float64]
 Outside = Literal["nearest", 0]
-"""Value beyond the convex hull of a table: that at the nearest place of the hull, or zero."""
+"""Value outside the convex hull of a table: that at the nearest point of the hull, or zero."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """A number that is not negative and varies over the plate; where it is 0 there is nothing.
+    """A nonnegative value that varies over the plate; 0: no support there.
 
     Parameters
     ----------
     given : tuple of (x, y, value), or callable
-        Values at points, linear on the triangles of Delaunay between these; or a function that takes x (q,) and y (q,)
-        and gives values (q,).
+        Values at points, linear on the Delaunay triangles of the points; or a function of x (q,) and y (q,) that
+        returns values (q,).
     file : str
-        Where the points come from, if they come from a file.
+        The CSV file of the points, if any.
     outside : "nearest" or 0, optional
-        Value beyond the convex hull of the points: that at the nearest place of the hull, or 0. By default it is 0, and
-        a support that reaches beyond the hull is refused.
+        Value outside the convex hull of the points: that at the nearest point of the hull, or 0. By default it is 0,
+        and a support that extends outside the hull is refused.
 
     Raises
     ------
     InputError
-        If there are fewer than three points, all are on a line, two of them with different values are at one place,
-        or a value is negative.
+        With fewer than three points, collinear points, different values at one point, or a negative value.
 
     Examples
     --------
@@ -63,41 +62,42 @@ class Field:
     levels: ClassVar[tuple[Level, ...]] = ()
 
     def __post_init__(self) -> None:
-        """Look at the points."""
+        """Check the points."""
         if callable(self.given):
             return
-        at, values = self._table[:, :2], self._table[:, 2]
-        if len(at) < 3:
-            raise InputError(f"found {len(at)} point{'s' * (len(at) != 1)}; at least three are needed.")
+        points, values = self._table[:, :2], self._table[:, 2]
+        if len(points) < 3:
+            raise InputError(f"found {len(points)} point{'s' * (len(points) != 1)}; at least three are needed.")
         if (values < 0.0).any():
             least = int(values.argmin())
-            raise InputError(f"found {values[least]:g} at {point(at[least])}; it must not be negative.")
-        order = np.lexsort((at[:, 1], at[:, 0]))
-        same = np.flatnonzero((at[order[1:]] == at[order[:-1]]).all(axis=1) & (values[order[1:]] != values[order[:-1]]))
+            raise InputError(f"found {values[least]:g} at {point(points[least])}; it must not be negative.")
+        order = np.lexsort((points[:, 1], points[:, 0]))
+        repeated = (points[order[1:]] == points[order[:-1]]).all(axis=1)
+        same = np.flatnonzero(repeated & (values[order[1:]] != values[order[:-1]]))
         if len(same):
-            one, other = values[order[same[0] : same[0] + 2]]
-            raise InputError(f"found {one:g} and {other:g} at {point(at[order[same[0]]])}; a place has one value.")
-        _, spread, _ = np.linalg.svd(self._scaled(at), full_matrices=False)
+            first, second = values[order[same[0] : same[0] + 2]]
+            raise InputError(f"found {first:g} and {second:g} at {point(points[order[same[0]]])}; give one value.")
+        _, spread, _ = np.linalg.svd(self._scaled(points), full_matrices=False)
         if spread[1] <= _ON_OUTLINE * spread[0]:
-            raise InputError("all points are on one line; there is nothing between them.")
+            raise InputError("all points are collinear; they must span an area.")
 
     @property
     def source(self) -> Any:
-        """The input that it was made of: a table with the file or the points, the points, or the function."""
-        beyond = {} if self.outside is None else {"outside": self.outside}
-        if not self.file and not beyond:
+        """The value of the input: a table with the file or the points, the points, or the function."""
+        outside = {} if self.outside is None else {"outside": self.outside}
+        if not self.file and not outside:
             return self.given
-        return ({"file": self.file} if self.file else {"points": self.given}) | beyond
+        return ({"file": self.file} if self.file else {"points": self.given}) | outside
 
     @property
     def box(self) -> tuple[_Array, _Array]:
-        """Lower left and upper right corner (2,) of the box around the points."""
+        """Lower left and upper right corner (2,) of the bounding box of the points."""
         return self._table[:, :2].min(axis=0), self._table[:, :2].max(axis=0)
 
     def depth(self, positions: _Array) -> _Array:
-        """Signed distance (q,) of positions (q, 2) from the hull, over its extent: zero or more inside; ∞ of functions.
+        """Signed distance (q,) of positions (q, 2) to the hull over its extent; positive inside, ∞ for functions.
 
-        Rounding of the coordinates counts as inside.
+        Points within rounding of the hull count as inside.
         """
         if callable(self.given):
             return np.full(len(positions), np.inf)
@@ -123,7 +123,7 @@ class Field:
         return values
 
     def __str__(self) -> str:
-        """Give the file or the name of the function."""
+        """Return the file or the name of the function."""
         return self.file or getattr(self.given, "__name__", "The table")
 
     def _values(self, positions: _Array, place: str | Place) -> _Array:
@@ -132,8 +132,8 @@ class Field:
             values = np.asarray(self.given(*positions.T))
             if values.shape != (len(positions),) or values.dtype.kind not in "iuf":
                 raise InputError(
-                    f"{self} gives an array {values.shape} of {values.dtype} for x and y ({len(positions)},); it must "
-                    "give one real number a point.",
+                    f"{self} returns an array {values.shape} of {values.dtype} for x and y ({len(positions)},); it "
+                    "must return one real number per point.",
                     place=place,
                 )
             return values.astype(np.float64)
@@ -148,7 +148,7 @@ class Field:
         return values
 
     def _nearest(self, scaled: _Array) -> _Array:
-        """Values (q,) at the places of the hull that are nearest to scaled positions (q, 2)."""
+        """Values (q,) at the points of the hull nearest to scaled positions (q, 2)."""
         corners = self._hull.vertices
         places, heights = self._scaled(self._table[corners, :2]), self._table[corners, 2]
         best, values = np.full(len(scaled), np.inf), np.zeros(len(scaled))
@@ -176,7 +176,7 @@ class Field:
         return ConvexHull(self._scaled(self._table[:, :2]))
 
     def _scaled(self, positions: _Array) -> _Array:
-        """Positions (q, 2) about the points' middle, over their extent, so that units and place do not matter."""
+        """Positions (q, 2) relative to the center and the extent of the points: independent of units and origin."""
         low, high = self.box
         return np.asarray((positions - 0.5 * (low + high)) / ((high - low).max() or 1.0))
 
@@ -190,7 +190,7 @@ class PointValues:
     values : (k,) tuple of float
         The values, in the order of the points.
     points : (k, 2) tuple
-        Coordinates of the points, which the support gives.
+        Coordinates of the points of the support.
 
     Examples
     --------
@@ -210,7 +210,7 @@ class PointValues:
 
     @property
     def value(self) -> float:
-        """The first value; that of all points where these are equal."""
+        """The first value; for a constant list the value of all points."""
         return self.values[0]
 
     @property

@@ -1,8 +1,8 @@
-"""Where an expression is not smooth: the zeros of functions that its syntax tree names.
+"""Discontinuities and kinks of an expression, as zeros of level functions taken from its syntax tree.
 
-A comparison jumps where its two sides are equal, ``floor`` and ``ceil`` where their argument is a whole number,
-``sign`` where it is zero; ``abs``, ``min`` and ``max`` have a kink there. Where a branch is not chosen these lines mean
-nothing, and do no harm. What of them are straight lines and circles is told by polynomials of degree two at most.
+A comparison jumps where its two sides are equal, ``floor`` and ``ceil`` where their argument is an integer, ``sign``
+where it is zero; ``abs``, ``min`` and ``max`` have a kink there. Lines in a branch that is not chosen are harmless.
+Straight lines and circles among the zeros are found from polynomials of degree at most two.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ _ZERO = 1e-14
 _NAMED = {"pi": math.pi, "e": math.e}
 
 
-_MOST_LINES = 200
-"""Steps of one floor or ceil that are drawn: no mesh follows more."""
+_MAX_LINES = 200
+"""Steps of a floor or ceil that become lines: no mesh follows more."""
 Box = tuple[float, float, float, float]
 
 
 Polynomial: TypeAlias = NDArray[np.float64]
-"""Coefficients (3, 3) of xⁱyʲ, of degree two at most."""
+"""Coefficients (3, 3) of xⁱyʲ, i + j ≤ 2."""
 _DEGREE = np.add.outer(np.arange(3), np.arange(3))
 
 
@@ -41,15 +41,15 @@ def _constant(value: float) -> Polynomial:
 
 def _times(a: Polynomial, b: Polynomial) -> Polynomial | None:
     """The product; None if its degree exceeds two."""
-    whole = np.zeros((5, 5))
+    full = np.zeros((5, 5))
     for i, j in np.argwhere(a):
-        whole[i : i + 3, j : j + 3] += a[i, j] * b
-    product = np.where(_DEGREE <= 2, whole[:3, :3], 0.0)
-    return product if np.count_nonzero(product) == np.count_nonzero(whole) else None
+        full[i : i + 3, j : j + 3] += a[i, j] * b
+    product = np.where(_DEGREE <= 2, full[:3, :3], 0.0)
+    return product if np.count_nonzero(product) == np.count_nonzero(full) else None
 
 
 def _cleaned(a: Polynomial) -> Polynomial:
-    """The coefficients without rounding, relative to others of their degree."""
+    """The coefficients, with rounding errors relative to others of their degree set to zero."""
     largest = [np.abs(a[degree == _DEGREE]).max() for degree in range(5)]
     return np.where(np.abs(a) > _ZERO * np.array(largest)[_DEGREE], a, 0.0)
 
@@ -59,29 +59,29 @@ def _is_constant(a: Polynomial) -> bool:
 
 
 def _zeros(a: Polynomial) -> Drawing:
-    """Lines x = c, lines y = c and circles on which a polynomial is zero; none if that is another curve."""
-    (one, y, yy), (x, xy, _), (xx, _, _) = _cleaned(a).tolist()
+    """Lines x = c, lines y = c and circles on which a polynomial is zero; empty for other curves."""
+    (constant, y, yy), (x, xy, _), (xx, _, _) = _cleaned(a).tolist()
     if not (xy or yy or y):
-        return Drawing(x_lines=_roots(xx, x, one))
+        return Drawing(x_lines=_roots(xx, x, constant))
     if not (xy or xx or x):
-        return Drawing(y_lines=_roots(yy, y, one))
+        return Drawing(y_lines=_roots(yy, y, constant))
     if xy or not xx or abs(xx - yy) > _ZERO * abs(xx):
         return Drawing()
     center = (-0.5 * x / xx, -0.5 * y / xx)
-    square = center[0] ** 2 + center[1] ** 2 - one / xx
+    square = center[0] ** 2 + center[1] ** 2 - constant / xx
     return Drawing(circles=((*center, math.sqrt(square)),) if square > 0.0 else ())
 
 
-def _roots(square: float, linear: float, one: float) -> tuple[float, ...]:
+def _roots(square: float, linear: float, constant: float) -> tuple[float, ...]:
     if not square:
-        return (-one / linear,) if linear else ()
+        return (-constant / linear,) if linear else ()
     half = -0.5 * linear / square
-    spread = half * half - one / square
+    spread = half * half - constant / square
     return (half - math.sqrt(spread), half + math.sqrt(spread)) if spread > 0.0 else ()
 
 
 def polynomial(node: ast.expr) -> Polynomial | None:
-    """The polynomial that a checked syntax tree is, if it is one of degree two at most."""
+    """The polynomial of a checked syntax tree; None if its degree exceeds two."""
     match node:
         case ast.Constant():
             return _constant(float(node.value))  # type: ignore[arg-type]
@@ -140,12 +140,12 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Level:
-    """A function of x and y at whose zeros an expression jumps, or only has a kink."""
+    """A level function of x and y: at its zeros an expression jumps or has a kink."""
 
     jumps: bool
     _tree: ast.expr = field(repr=False)
     _curves: tuple[Polynomial, ...] = field(repr=False)
-    """Polynomials whose zeros are those of the function, as far as it has such; of ``floor`` its argument."""
+    """Polynomials with the zeros of the function, if there are any; for ``floor`` its argument."""
     _whole: bool = field(repr=False)
 
     def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -155,34 +155,34 @@ class Level:
             return np.array(np.broadcast_to(evaluate(self._tree, x, y, strict=False), x.shape), dtype=np.float64)
 
     def drawing(self, box: Box) -> Drawing:
-        """Straight lines along the axes, and circles, among the jumps in a box xmin, ymin, xmax, ymax."""
-        result = Drawing()
+        """Lines x = c, lines y = c and circles among the jumps in a box (xmin, ymin, xmax, ymax)."""
+        drawing = Drawing()
         with np.errstate(all="ignore"):
             for curve in self._curves if self.jumps else ():
                 for shifted in _steps(curve, box) if self._whole else (curve,):
-                    result += _zeros(shifted)
+                    drawing += _zeros(shifted)
         x0, y0, x1, y1 = box
-        x_lines = tuple(x for x in result.x_lines if x0 <= x <= x1)
-        return Drawing(x_lines, tuple(y for y in result.y_lines if y0 <= y <= y1), result.circles)
+        x_lines = tuple(x for x in drawing.x_lines if x0 <= x <= x1)
+        return Drawing(x_lines, tuple(y for y in drawing.y_lines if y0 <= y <= y1), drawing.circles)
 
 
 def _steps(inner: Polynomial, box: Box) -> Iterator[Polynomial]:
-    """Yield functions that vanish where a linear function of x or y alone is a whole number."""
+    """Yield polynomials whose zeros are the places where a linear function is an integer."""
     ends = [float(np.polynomial.polynomial.polyval2d(x, y, inner)) for x in box[::2] for y in box[1::2]]
-    if not _cleaned(inner)[_DEGREE > 1].any() and max(ends) - min(ends) < _MOST_LINES:
+    if not _cleaned(inner)[_DEGREE > 1].any() and max(ends) - min(ends) < _MAX_LINES:
         for whole in range(math.ceil(min(ends)), math.floor(max(ends)) + 1):
             yield inner - _constant(whole)
 
 
 def levels(tree: ast.expr) -> tuple[Level, ...]:
-    """Every such function of a checked tree, each once, those that jump first."""
-    result: dict[str, Level] = {}
+    """The distinct level functions of a checked tree; those with jumps are first."""
+    found: dict[str, Level] = {}
     with np.errstate(all="ignore"):
         for level in _levels(tree):
             key = ast.dump(level._tree)
-            if key not in result or level.jumps:
-                result[key] = level
-    return tuple(sorted(result.values(), key=lambda level: not level.jumps))
+            if key not in found or level.jumps:
+                found[key] = level
+    return tuple(sorted(found.values(), key=lambda level: not level.jumps))
 
 
 def _levels(node: ast.expr) -> Iterator[Level]:
@@ -193,7 +193,7 @@ def _levels(node: ast.expr) -> Iterator[Level]:
         case ast.Call(func=ast.Name(id="floor" | "ceil"), args=[inner]):
             wave = ast.Call(ast.Name("sin"), [ast.BinOp(ast.Name("pi"), ast.Mult(), inner)], [])
             curve = polynomial(inner)
-            # Straight where it is zero, so that straight steps are cut exactly.
+            # Linear at its zeros, so that straight steps are cut exactly.
             yield from _level(
                 ast.Call(ast.Name("asin"), [wave], []), True, [] if curve is None else [curve], whole=True
             )
@@ -220,9 +220,9 @@ def _difference(left: ast.expr, right: ast.expr) -> ast.expr:
 
 
 def _equal(left: ast.expr, right: ast.expr) -> list[Polynomial]:
-    """Polynomials whose zeros make up the places where two trees are equal, more or fewer."""
-    for one, other in ((left, right), (right, left)):
-        match one:
+    """Polynomials whose zeros approximate the set where two trees are equal."""
+    for side, other in ((left, right), (right, left)):
+        match side:
             case ast.Call(func=ast.Name(id="min" | "max"), args=values):
                 return [curve for value in values for curve in _equal(value, other)]
             case ast.BinOp(op=ast.Mult(), left=a, right=b) if _is_zero(other):
@@ -230,7 +230,7 @@ def _equal(left: ast.expr, right: ast.expr) -> list[Polynomial]:
         bound = polynomial(other)
         if bound is None or not _is_constant(bound):
             continue
-        match one:
+        match side:
             case ast.Call(func=ast.Name(id="abs"), args=[inner]):
                 value = polynomial(inner)
                 return [] if value is None else [value - bound, value + bound]

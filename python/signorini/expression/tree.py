@@ -1,4 +1,4 @@
-"""The syntax tree of a formula in x and y: read from text, checked, evaluated."""
+"""The syntax tree of an expression in x and y: parsed, checked, evaluated."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from signorini.errors import InputError, point, unknown
 
 _MAX_LENGTH = 2000
+"""Characters of an expression."""
 _MAX_DEPTH = 80
+"""Levels of a syntax tree: below Python's recursion limit."""
 _CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_+-*/().,<>=! ")
 
 _Array = NDArray[np.float64]
@@ -40,7 +42,7 @@ _OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
     ast.Or: np.logical_or,
 }
 
-# name -> (function of arrays, fewest arguments, most arguments)
+# name: (function of arrays, smallest and largest number of arguments)
 _FUNCTIONS: dict[str, tuple[Callable[..., Any], int, int]] = {
     **{name: (getattr(np, name), 1, 1) for name in ("sqrt", "exp", "log", "log10", "sin", "cos", "tan")},
     **{name: (getattr(np, name), 1, 1) for name in ("sinh", "cosh", "tanh", "abs", "sign", "floor", "ceil")},
@@ -57,7 +59,7 @@ _NAMES = [*_FUNCTIONS, *_CONSTANTS, "x", "y"]
 
 
 def parse(source: str) -> ast.expr:
-    """Parse the text into a syntax tree of arithmetic only (see `check`)."""
+    """Parse a text into a syntax tree, which `check` restricts to arithmetic."""
     text = " ".join(source.split())
     if not text:
         raise InputError("The expression is empty.")
@@ -67,7 +69,7 @@ def parse(source: str) -> ast.expr:
         raise InputError(f"'{short(text)}' uses '^'; write '**' for a power.")
     strange = next((character for character in text if character not in _CHARACTERS), None)
     if strange is not None:
-        raise InputError(f"'{short(text)}' has the character {strange!r}, which no expression in x and y uses.")
+        raise InputError(f"'{short(text)}' has the character {strange!r}, which is not allowed in an expression.")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -80,7 +82,7 @@ def parse(source: str) -> ast.expr:
 
 
 def check(node: ast.expr, depth: int) -> bool:
-    """Refuse all but arithmetic; return whether the node is constant, after trying its value if so."""
+    """Refuse nodes that are not arithmetic, and evaluate a constant node; return whether the node is constant."""
     if depth > _MAX_DEPTH:
         raise InputError("The expression is nested too deeply; write it more simply.")
     match node:
@@ -97,10 +99,10 @@ def check(node: ast.expr, depth: int) -> bool:
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
             if name not in _FUNCTIONS:
                 raise InputError(unknown("function", short(name), _FUNCTIONS, "An expression"))
-            _, fewest, most = _FUNCTIONS[name]
-            if not fewest <= len(arguments) <= most:
-                takes = str(fewest) if fewest == most else f"{fewest} to {most}"
-                raise InputError(f"{name} takes {takes} argument(s), not {len(arguments)}.")
+            _, least, most = _FUNCTIONS[name]
+            if not least <= len(arguments) <= most:
+                allowed = str(least) if least == most else f"{least} to {most}"
+                raise InputError(f"{name} takes {allowed} argument(s), not {len(arguments)}.")
         case ast.BinOp(op=op) | ast.UnaryOp(op=op) if type(op) in _OPERATORS:
             pass
         case ast.Compare(ops=ops) if all(type(op) in _OPERATORS for op in ops):
@@ -120,7 +122,7 @@ def check(node: ast.expr, depth: int) -> bool:
 
 
 def operands(node: ast.expr) -> list[ast.expr]:
-    """Nodes that a node is made of."""
+    """The operands of a node."""
     match node:
         case ast.Call():
             return node.args
@@ -139,7 +141,7 @@ def operands(node: ast.expr) -> list[ast.expr]:
 def evaluate(node: ast.expr, x: _Array, y: _Array, strict: bool = True) -> Any:
     """Value of a checked node: an array of x's shape, or a scalar if it is constant.
 
-    A result that is NaN or infinite is refused; without ``strict`` it is returned.
+    With ``strict``, NaN and infinite values raise an InputError.
     """
     match node:
         case ast.Constant():
@@ -183,10 +185,10 @@ def _evaluate_where(mask: NDArray[np.bool_], node: ast.expr, x: _Array, y: _Arra
 def _not_finite(node: ast.expr, values: list[Any], wrong: NDArray[np.bool_], x: _Array, y: _Array) -> str:
     division = isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div)
     zero = division and np.any((np.broadcast_to(values[-1], x.shape) == 0) & wrong)
-    says = "divides by zero" if zero else "is not a finite number"
+    problem = "divides by zero" if zero else "is not a finite number"
     varies = any(isinstance(part, ast.Name) and part.id in ("x", "y") for part in ast.walk(node))
     where = f" at {first_point(wrong, x, y)}" if varies else ""
-    return f"'{short(ast.unparse(node))}' {says}{where}."
+    return f"'{short(ast.unparse(node))}' {problem}{where}."
 
 
 def first_point(mask: NDArray[np.bool_], x: _Array, y: _Array) -> str:
@@ -195,5 +197,5 @@ def first_point(mask: NDArray[np.bool_], x: _Array, y: _Array) -> str:
 
 
 def short(text: str) -> str:
-    """Cut a text that is too long for a message."""
+    """Shorten a text for a message."""
     return text if len(text) <= 60 else text[:57] + "..."

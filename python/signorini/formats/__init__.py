@@ -1,1 +1,1 @@
-"""Files of other formats: TOML, .vtu, Parquet."""
+"""Read and write files: TOML, VTK (.vtu), Parquet, DXF drawings."""

@@ -1,4 +1,4 @@
-"""Give what is on the layers of a DXF drawing its role: outline, holes, zones, points and lines where it may stand."""
+"""Assign roles to the layers of a DXF drawing: outline, holes, zones, points and lines."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ from signorini.formats.dxf_entities import Layer, layers_in
 _T = TypeVar("_T")
 
 ROLES = ("outline", "holes", "zones", "points", "lines")
-"""What a layer may hold; the layer of this name does where no other is named."""
+"""Roles of layers; without an option a layer of the same name has the role."""
 _FRAME = 0.1
-"""Part of the outline's area from which on a closed line of another layer may be the slab, and the outline a frame."""
+"""Least area of a closed line of another layer, relative to the outline, that may be the slab within a frame."""
 _ROUND = 12
-"""Corners from which on a filled area may be a circle."""
+"""Least number of corners of a filled area that may be a circle."""
 _TURN = math.radians(4)
 """Turn of the chords of arcs that are asked whether they are on the plate."""
 _STEP = 0.1
@@ -83,7 +83,7 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     for name, rest in sorted(result.items()):
         said.left += [f"layer {name}: {rest}"] if str(rest) else []
         for role in ROLES[1:] if name not in names["outline"] else ():
-            # What is drawn within a shape of the role, such as a hatch or a cross, is its symbol.
+            # A hatch or cross within a shape of the role is its symbol.
             within_none = [at for at in rest.places if not any(one.covers(at) for one in symbols[role])]
             if name in names[role] and within_none:
                 said.lost.append(Lost(role, len(within_none), f"layer {name}: {rest}"))
@@ -113,7 +113,7 @@ class _Said:
         self.changed, self.left, self.lost = list[str](), left, list[Lost]()
 
     def lose(self, role: str, places: Sequence[Spot], why: str, what: str = "") -> None:
-        """Add a line for shapes of a role that were not taken, by their places; ``what`` is the part that is lost."""
+        """Add a line for shapes of a role that were not taken, by their places; ``what`` is the missing part."""
         for line in _line(role, places, why):
             self.left.append(line)
             self.lost.append(Lost(what or role, len(places), line))
@@ -302,7 +302,7 @@ def _as_circle(loop: Loop) -> Loop:
 
 
 def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> list[tuple[Corner, ...]]:
-    """Open lines, and of walls drawn with their faces the lines along their middles; what leaves the plate is told."""
+    """Open lines, and the middle lines of walls drawn with two faces; lines off the plate are reported."""
     closed = _all_of(one.loops for one in layers)
     whole = [(loop, loop.middle_line) for loop in closed]
     along = [tuple(Corner(*at) for at in middle) for _, middle in whole if middle is not None]

@@ -1,4 +1,4 @@
-"""Read what a DXF drawing has on its layers: closed lines, open ones, filled areas and points."""
+"""Read the layers of a DXF drawing: closed lines, open lines, filled areas and points."""
 
 from __future__ import annotations
 
@@ -24,48 +24,47 @@ if TYPE_CHECKING:
 
 
 def whole_lines(edges: Sequence[Any], gap: float) -> list[Any]:
-    """Edges of a drawing; of straight ones that overlap, and end alone where they do, one from end to end.
+    """Merge overlapping straight edges with free ends into one edge; return all edges.
 
-    Ends less than a gap apart, in the drawing's unit, are one place.
+    Ends closer than ``gap``, in the drawing's unit, coincide. An end is free if it coincides with no other end.
     """
     straight = [i for i, edge in enumerate(edges) if edge.payload is not None and edge.payload.dxftype() == "LINE"]
     if len(straight) < 2:
         return list(edges)
     ends = np.array([[(edge.start.x, edge.start.y), (edge.end.x, edge.end.y)] for edge in edges])
-    alone = _alone(ends.reshape(-1, 2), gap).reshape(-1, 2)[straight]
+    free = _free(ends.reshape(-1, 2), gap).reshape(-1, 2)[straight]
     ends = ends[straight]
-    gone, grown = np.zeros(len(straight), bool), np.zeros(len(straight), bool)
-    waiting = [(int(i), int(side)) for i, side in np.argwhere(alone)]
-    while waiting:
-        i, side = waiting.pop()
-        other = None if gone[i] else _beneath(i, side, ends, alone, gone, gap)
-        if other is None:
+    merged, extended = np.zeros(len(straight), bool), np.zeros(len(straight), bool)
+    stack = [(int(i), int(side)) for i, side in np.argwhere(free)]
+    while stack:
+        i, side = stack.pop()
+        j = None if merged[i] else _overlapped(i, side, ends, free, merged, gap)
+        if j is None:
             continue
-        j, (a, b) = other, ends[other].copy()
+        a, b = ends[j].copy()
         along = b - a
         part = (ends[i, 1 - side] - a) @ along / (along @ along)
-        gone[i] = True
+        merged[i] = True
         if not 0.0 <= part <= 1.0:
             far = int(part > 1.0)
-            ends[j, far], alone[j, far] = ends[i, 1 - side], alone[i, 1 - side]
-            grown[j] = True
-            waiting += [(j, k) for k in (0, 1) if alone[j, k]]
-    dropped = {straight[i] for i in np.flatnonzero(gone)}
-    made = [_line(edges[straight[i]], ends[i]) for i in np.flatnonzero(grown & ~gone)]
-    renewed = {straight[i] for i in np.flatnonzero(grown)}
-    return [edge for i, edge in enumerate(edges) if i not in dropped | renewed] + made
+            ends[j, far], free[j, far] = ends[i, 1 - side], free[i, 1 - side]
+            extended[j] = True
+            stack += [(j, k) for k in (0, 1) if free[j, k]]
+    replaced = {straight[i] for i in np.flatnonzero(merged | extended)}
+    lines = [_line(edges[straight[i]], ends[i]) for i in np.flatnonzero(extended & ~merged)]
+    return [edge for i, edge in enumerate(edges) if i not in replaced] + lines
 
 
-def _alone(ends: Any, gap: float) -> Any:
-    """Whether no other end is at an end."""
+def _free(ends: Any, gap: float) -> Any:
+    """Mask of the ends that coincide with no other end."""
     from scipy.spatial import cKDTree
 
     return np.array([len(near) for near in cKDTree(ends).query_ball_point(ends, gap)]) == 1
 
 
-def _beneath(i: int, side: int, ends: Any, alone: Any, gone: Any, gap: float) -> int | None:
-    """A line on which an end of another is, and that other within it, or beyond an end that is alone too."""
-    at, back = ends[i, side], ends[i, 1 - side]
+def _overlapped(i: int, side: int, ends: Any, free: Any, merged: Any, gap: float) -> int | None:
+    """A line that contains end ``side`` of line i, and also its other end, or has a free end between the two."""
+    end, other_end = ends[i, side], ends[i, 1 - side]
     a, along = ends[:, 0], ends[:, 1] - ends[:, 0]
     length = np.maximum(np.hypot(along[:, 0], along[:, 1]), gap)
 
@@ -74,20 +73,20 @@ def _beneath(i: int, side: int, ends: Any, alone: Any, gone: Any, gap: float) ->
         across = (along[:, 0] * off[:, 1] - along[:, 1] * off[:, 0]) / length
         return (off * along).sum(axis=1) / length, abs(across)
 
-    (here, off_here), (there, off_there) = local(at), local(back)
-    on = ~gone & (off_here < gap) & (off_there < gap) & (here > gap) & (here < length - gap)
+    (here, off_here), (there, off_there) = local(end), local(other_end)
+    on = ~merged & (off_here < gap) & (off_there < gap) & (here > gap) & (here < length - gap)
     on[i] = False
     for j in np.flatnonzero(on):
-        within = gap < there[j] < length[j] - gap
+        inside = gap < there[j] < length[j] - gap
         passed = int(there[j] > 0.5 * length[j])
         at_end = min(abs(there[j]), abs(there[j] - length[j])) <= gap
-        if at_end or (alone[i, 1 - side] if within else alone[j, passed]):
+        if at_end or (free[i, 1 - side] if inside else free[j, passed]):
             return int(j)
     return None
 
 
 def _line(edge: Any, ends: Any) -> Any:
-    """An edge between other ends."""
+    """A copy of an edge with other ends."""
     from ezdxf import edgesmith
     from ezdxf.entities.line import Line
 
@@ -96,22 +95,22 @@ def _line(edge: Any, ends: Any) -> Any:
 
 
 _HEADER_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"}
-"""Units by the number that the header of a drawing gives, $INSUNITS."""
-_OFF = 1 / 20000
-"""Part of the drawing's size by which arcs may leave a spline or an ellipse: they meet at less than 1° then."""
-_HALVED = 8
-"""Times that a spline may be halved for arcs: what bends more sharply has a corner there."""
+"""Units of length by the value of $INSUNITS in the header of a drawing."""
+_SAGITTA = 1 / 20000
+"""Distance of arcs from a spline or an ellipse, relative to the drawing's size: arcs then meet at less than 1°."""
+_MAX_BISECTIONS = 8
+"""Bisections of a spline into arcs; a sharper bend becomes a corner."""
 _FLAT = 1e-6
-"""Rise over chord of an arc that is a line."""
-_CLOSE = 0.1
-"""Part of a gap by which chords may leave a line that is compared with others."""
-_DEEPEST = 16
-"""Blocks within blocks; more are blocks within themselves."""
+"""Largest rise over chord of a straight line."""
+_CHORD_ERROR = 0.1
+"""Distance of chords from a line that is compared with others, relative to the gap of equal points."""
+_MAX_DEPTH = 16
+"""Depth of nested blocks; a deeper nesting is a block within itself."""
 
 
 @dataclass
 class Layer:
-    """What is on one layer, in metres, and the kinds of what is none of it; each role takes what it uses."""
+    """Shapes of a layer, in metres; ``others`` counts the entities of other kinds."""
 
     loops: list[Loop] = field(default_factory=list)
     fills: list[Loop] = field(default_factory=list)
@@ -122,27 +121,29 @@ class Layer:
 
     @property
     def places(self) -> list[list[tuple[float, float]]]:
-        """Points [m] of each thing that is drawn."""
+        """Points [m] of each shape."""
         lines = [[corner[:2] for corner in line] for line in self.lines]
         return (
-            [[*one.points] for one in (*self.loops, *self.fills, *self.slivers)] + lines + [[at] for at in self.points]
+            [[*loop.points] for loop in (*self.loops, *self.fills, *self.slivers)]
+            + lines
+            + [[point] for point in self.points]
         )
 
     def __str__(self) -> str:
-        """Count what is there, and say where."""
-        result = (
+        """Write the numbers of shapes and where they are."""
+        shapes = (
             ("closed line", [loop.middle for loop in self.loops]),
             ("filled area", [fill.middle for fill in self.fills]),
             ("open line", [line[0][:2] for line in self.lines]),
             ("point", self.points),
             ("sliver", [sliver.middle for sliver in self.slivers]),
         )
-        placed = [f"{len(at)} {kind}{'s' if len(at) > 1 else ''}{about(at)}" for kind, at in result if at]
+        placed = [f"{len(at)} {kind}{'s' if len(at) > 1 else ''}{about(at)}" for kind, at in shapes if at]
         return "; ".join([*placed, *(f"{count} {kind}" for kind, count in sorted(self.others.items()))])
 
 
 def layers_in(path: str | os.PathLike[str], unit: str | None) -> dict[str, Layer]:
-    """Read every layer that has something, by name; what is not shown counts as other things."""
+    """Read the layers of a file that are not empty, by name; hidden entities count as others."""
     document = _opened(path)
     return _layers(document, _metres(document, unit))
 
@@ -153,7 +154,7 @@ def _opened(path: str | os.PathLike[str]) -> Document:
         from ezdxf.lldxf.const import DXFError
     except ImportError:
         raise SignoriniError(
-            "drawings are read by ezdxf, which is not installed: pip install 'signorini[dxf]'."
+            "reading drawings needs ezdxf, which is not installed: pip install 'signorini[dxf]'."
         ) from None
     try:
         document, _ = recover.readfile(os.fspath(path))
@@ -161,23 +162,23 @@ def _opened(path: str | os.PathLike[str]) -> Document:
         raise InputError(f"{os.path.basename(path)} cannot be read: {error.strerror or error}.") from None
     except (DXFError, ValueError, KeyError, IndexError, EOFError) as error:
         why = " ".join(str(error).split())
-        raise InputError(f"{os.path.basename(path)} is no DXF drawing that can be read: {why}.") from None
+        raise InputError(f"{os.path.basename(path)} is not a readable DXF drawing: {why}.") from None
     if not len(document.modelspace()):
-        raise InputError(f"{os.path.basename(path)} is no DXF drawing, or has nothing in its model space.")
+        raise InputError(f"{os.path.basename(path)} is not a DXF drawing, or its model space is empty.")
     return document
 
 
 def _metres(document: Document, unit: str | None) -> float:
     named = _HEADER_UNITS.get(int(document.header.get("$INSUNITS", 0))) if unit is None else unit
     if named is None:
-        raise InputError(f"the drawing names no unit of length. Name one of {', '.join(METRES)}.", place="unit")
+        raise InputError(f"the drawing has no unit of length. Give one of {', '.join(METRES)}.", place="unit")
     if named not in METRES:
         raise InputError(f"found {named!r}; it must be one of {', '.join(METRES)}.", place="unit")
     return METRES[named]
 
 
 def _layers(document: Document, metres: float) -> dict[str, Layer]:
-    """All layers that have something, by name; what is not shown counts as other things."""
+    """The layers that are not empty, by name; hidden entities count as others."""
     from ezdxf.bbox import extents
     from ezdxf.upright import upright_all
 
@@ -185,7 +186,7 @@ def _layers(document: Document, metres: float) -> dict[str, Layer]:
     hidden: dict[str, Counter[str]] = defaultdict(Counter)
     shown = {layer.dxf.name.lower(): not (layer.is_off() or layer.is_frozen()) for layer in document.layers}
     named: dict[str, str] = {}
-    for name, entity in _taken_apart(document.modelspace()):
+    for name, entity in _exploded(document.modelspace()):
         name = named.setdefault(name.lower(), name)
         if shown.get(name.lower(), True) and not entity.dxf.get("invisible", 0):
             by_layer[name].append(entity)
@@ -195,16 +196,16 @@ def _layers(document: Document, metres: float) -> dict[str, Layer]:
         upright_all(entities)
     box = extents(chain.from_iterable(by_layer.values()), fast=True)
     extent = float(max(box.size.x, box.size.y)) if box.has_data else 0.0
-    result = {name: _layer(entities, metres, extent * _OFF) for name, entities in by_layer.items()}
+    layers = {name: _layer(entities, metres, extent * _SAGITTA) for name, entities in by_layer.items()}
     for name, kinds in hidden.items():
-        result.setdefault(name, Layer()).others.update(kinds)
-    return result
+        layers.setdefault(name, Layer()).others.update(kinds)
+    return layers
 
 
-def _taken_apart(entities: Iterable[Any], layer: str | None = None, depth: int = 0) -> Iterator[tuple[str, DXFEntity]]:
-    """Every entity with its layer; those of blocks that are drawn on layer 0 are on the layer of their block.
+def _exploded(entities: Iterable[Any], layer: str | None = None, depth: int = 0) -> Iterator[tuple[str, DXFEntity]]:
+    """Yield every entity with its layer; blocks are replaced by their entities, layer 0 by the layer of the block.
 
-    The place of a block is a point beside what it is made of.
+    A block without drawable entities on its layer becomes a point.
     """
     from ezdxf.entities.point import Point
 
@@ -213,18 +214,18 @@ def _taken_apart(entities: Iterable[Any], layer: str | None = None, depth: int =
         if entity.dxftype() != "INSERT":
             yield on, entity
             continue
-        for one in entity.multi_insert() if entity.mcount > 1 else (entity,):
-            parts = list(_taken_apart(one.virtual_entities(), on, depth + 1)) if depth < _DEEPEST else []
+        for block in entity.multi_insert() if entity.mcount > 1 else (entity,):
+            parts = list(_exploded(block.virtual_entities(), on, depth + 1)) if depth < _MAX_DEPTH else []
             yield from parts
             if not any(name == on and part.dxftype() in _DRAWN for name, part in parts):
-                yield on, Point.new(dxfattribs={"location": one.dxf.insert, "layer": on})
+                yield on, Point.new(dxfattribs={"location": block.dxf.insert, "layer": on})
 
 
 _DRAWN = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "POINT", "SOLID", "TRACE", "HATCH"}
 
 
-def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
-    """Sort the entities of a layer; lengths are the drawing's until they are put into metres here."""
+def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
+    """Sort the entities of a layer and convert lengths to metres; ``sagitta`` is in the drawing's unit."""
     from ezdxf import edgeminer, edgesmith
 
     def corners(points: Iterable[tuple[float, float, float]]) -> tuple[Corner, ...]:
@@ -232,40 +233,40 @@ def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
         for x, y, bulge in points:
             corner = Corner(float(x) * metres, float(y) * metres, float(bulge))
             if kept and corner.is_at(kept[-1]):
-                # One place drawn twice: the side that goes on is the later one's.
+                # The point is drawn twice: the next side begins at the second.
                 kept[-1] = kept[-1]._replace(bulge=corner.bulge)
             else:
                 kept.append(corner)
         return tuple(kept)
 
     loops, fills, points, others = [], [], [], Counter[str]()
-    open_ones: list[Any] = []
+    open_entities: list[Any] = []
     for entity in entities:
         kind = entity.dxftype()
         if kind in ("ELLIPSE", "SPLINE"):
-            entity = _in_arcs(entity, off)
+            entity = _in_arcs(entity, sagitta)
         if kind == "POINT":
             points.append((entity.dxf.location.x * metres, entity.dxf.location.y * metres))
         elif kind == "CIRCLE" or (kind == "ARC" and edgesmith.is_closed_entity(entity)):
             center = Corner(entity.dxf.center.x * metres, entity.dxf.center.y * metres)
             loops.append(Loop((center,), entity.dxf.radius * metres))
         elif kind in ("SOLID", "TRACE", "HATCH"):
-            fills += [_closed(corners((v.x, v.y, 0.0) for v in ring)) for ring in _rings(entity, off)]
+            fills += [_closed(corners((v.x, v.y, 0.0) for v in ring)) for ring in _rings(entity, sagitta)]
         elif kind not in _DRAWN or (kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
             others[kind] += 1
         elif edgesmith.is_closed_entity(entity):
             loops.append(_closed(corners(_vertices(entity))))
         else:
-            open_ones.append(entity)
-    edges = _once(edgesmith.edges_from_entities_2d(open_ones, gap_tol=GAP / metres), GAP / metres)
+            open_entities.append(entity)
+    edges = _without_duplicates(edgesmith.edges_from_entities_2d(open_entities, gap_tol=GAP / metres), GAP / metres)
     edges = whole_lines(edges, GAP / metres)
     lines = []
     chains = edgeminer.find_all_simple_chains(edgeminer.Deposit(edges, gap_tol=GAP / metres)) if edges else ()
-    # They come in the order of a set.
-    for some in sorted(chains, key=lambda edges: min(edge.id for edge in edges)):
-        whole = edgesmith.polyline2d_from_chain(some, max_sagitta=off)
-        joined = corners((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in whole.vertices)
-        if edgeminer.is_loop(some, gap_tol=GAP / metres):
+    # The chains are in the order of a set.
+    for linked in sorted(chains, key=lambda edges: min(edge.id for edge in edges)):
+        polyline = edgesmith.polyline2d_from_chain(linked, max_sagitta=sagitta)
+        joined = corners((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in polyline.vertices)
+        if edgeminer.is_loop(linked, gap_tol=GAP / metres):
             loops.append(_closed(joined))
         elif len(joined) > 1:
             lines.append(joined)
@@ -275,34 +276,34 @@ def _layer(entities: Sequence[Any], metres: float, off: float) -> Layer:
 
 
 def _closed(corners: tuple[Corner, ...]) -> Loop:
-    """Leave out the last corner if it is the first again; arcs of one circle are that."""
+    """A loop of corners, without a repeated first corner; arcs of one circle become the circle."""
     from ezdxf.math import bulge_center, bulge_radius
 
-    again = len(corners) > 1 and corners[0].is_at(corners[-1])
-    loop = Loop(corners[:-1] if again else corners)
+    repeated = len(corners) > 1 and corners[0].is_at(corners[-1])
+    loop = Loop(corners[:-1] if repeated else corners)
     bulges = [corner.bulge for corner in loop.corners]
     if len(bulges) < 2 or not (all(bulge > 0 for bulge in bulges) or all(bulge < 0 for bulge in bulges)):
         return loop
     arcs = [(a[:2], b[:2], a.bulge) for a, b in loop]
     circles = [(*bulge_center(*arc), bulge_radius(*arc)) for arc in arcs]
     turned = sum(4 * math.atan(abs(bulge)) for bulge in bulges)
-    if abs(turned - math.tau) > 0.1 or any(math.dist(one, circles[0]) > GAP for one in circles):
+    if abs(turned - math.tau) > 0.1 or any(math.dist(circle, circles[0]) > GAP for circle in circles):
         return loop
     return Loop((Corner(*circles[0][:2]),), circles[0][2])
 
 
-def _rings(entity: Any, off: float) -> Iterator[Any]:
-    """Yield what bounds a filled area, of curves points."""
+def _rings(entity: Any, sagitta: float) -> Iterator[Any]:
+    """Yield the boundaries of a filled area; curves become points."""
     from ezdxf.path import from_hatch
 
     if entity.dxftype() == "HATCH":
-        yield from (list(path.flattening(off)) for path in from_hatch(entity))
+        yield from (list(path.flattening(sagitta)) for path in from_hatch(entity))
     else:
         yield entity.wcs_vertices()
 
 
-def _in_arcs(entity: Any, off: float) -> Any:
-    """A spline or an ellipse as a polyline of arcs that leave it by little."""
+def _in_arcs(entity: Any, sagitta: float) -> Any:
+    """A polyline of arcs that differs from a spline or an ellipse by at most ``sagitta``."""
     from ezdxf.entities.lwpolyline import LWPolyline
     from ezdxf.math import Vec2
 
@@ -318,29 +319,29 @@ def _in_arcs(entity: Any, off: float) -> Any:
         def at(t: float) -> Vec2:
             return Vec2(curve.point(t * curve.max_t))
 
-    made = LWPolyline.new(dxfattribs={"layer": entity.dxf.layer})
-    # A closed curve has no chord from end to end.
-    parts = [part for i in range(4) for part in _arcs(at, 0.25 * i, 0.25 * (i + 1), off)]
+    polyline = LWPolyline.new(dxfattribs={"layer": entity.dxf.layer})
+    # In quarters: the ends of a closed curve coincide.
+    arcs = [arc for i in range(4) for arc in _arcs(at, 0.25 * i, 0.25 * (i + 1), sagitta)]
     last = at(1.0)
-    made.set_points([*((p.x, p.y, bulge) for p, bulge in parts), (last.x, last.y, 0.0)], format="xyb")
-    made.closed = last.distance(parts[0][0]) <= off
-    return made
+    polyline.set_points([*((p.x, p.y, bulge) for p, bulge in arcs), (last.x, last.y, 0.0)], format="xyb")
+    polyline.closed = last.distance(arcs[0][0]) <= sagitta
+    return polyline
 
 
 def _arcs(
-    at: Callable[[float], Vec2], begin: float, end: float, off: float, depth: int = 0
+    at: Callable[[float], Vec2], begin: float, end: float, sagitta: float, depth: int = 0
 ) -> list[tuple[Vec2, float]]:
-    """Where arcs along a part of a curve begin, with their bulges."""
+    """Start points and bulges of arcs along the curve ``at`` from parameter ``begin`` to ``end``."""
     p, q, half = at(begin), at(end), (begin + end) / 2
     bulge = _bulge(p, at(half), q)
     between = (at(begin + part * (end - begin)) for part in (0.125, 0.25, 0.75, 0.875))
-    if depth == _HALVED or all(_off_arc(z, p, q, bulge) <= off for z in between):
+    if depth == _MAX_BISECTIONS or all(_off_arc(z, p, q, bulge) <= sagitta for z in between):
         return [(p, bulge)]
-    return _arcs(at, begin, half, off, depth + 1) + _arcs(at, half, end, off, depth + 1)
+    return _arcs(at, begin, half, sagitta, depth + 1) + _arcs(at, half, end, sagitta, depth + 1)
 
 
 def _bulge(p: Vec2, middle: Vec2, q: Vec2) -> float:
-    """Bulge of the arc through three points; 0 where they are on a line, or two of them are one."""
+    """Bulge of the arc through three points; 0 if they are collinear or two of them coincide."""
     from ezdxf.math import bulge_3_points
 
     half = 0.5 * p.distance(q)
@@ -351,7 +352,7 @@ def _bulge(p: Vec2, middle: Vec2, q: Vec2) -> float:
 
 
 def _off_arc(z: Vec2, p: Vec2, q: Vec2, bulge: float) -> float:
-    """Distance of a point from the circle, or line, of an arc."""
+    """Distance of a point from the circle or straight line of an arc."""
     from ezdxf.math import bulge_center, bulge_radius, distance_point_line_2d
 
     if p.isclose(q):
@@ -368,35 +369,35 @@ def _vertices(entity: Any) -> Iterator[tuple[float, float, float]]:
         yield from ((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in entity.vertices)
 
 
-def _once(edges: Iterable[Any], gap: float) -> list[Any]:
-    """Leave out what is drawn twice, in either sense."""
+def _without_duplicates(edges: Iterable[Any], gap: float) -> list[Any]:
+    """Remove edges that are drawn twice, in either direction."""
     kept: list[Any] = []
     near: dict[tuple[int, int], list[list[Vec2]]] = defaultdict(list)
     for edge in edges:
-        way = _way(edge.payload, gap)
-        x, y = math.floor(way[2].x / gap), math.floor(way[2].y / gap)
+        samples = _samples(edge.payload, gap)
+        x, y = math.floor(samples[2].x / gap), math.floor(samples[2].y / gap)
         others = [other for i in (-1, 0, 1) for j in (-1, 0, 1) for other in near[x + i, y + j]]
-        if any(_same(way, other, gap) or _same(way[::-1], other, gap) for other in others):
+        if any(_same(samples, other, gap) or _same(samples[::-1], other, gap) for other in others):
             continue
-        near[x, y].append(way)
+        near[x, y].append(samples)
         kept.append(edge)
     return kept
 
 
-def _same(way: list[Vec2], other: list[Vec2], gap: float) -> bool:
-    return all(a.isclose(b, rel_tol=0.0, abs_tol=gap) for a, b in zip(way, other, strict=True))
+def _same(samples: list[Vec2], other: list[Vec2], gap: float) -> bool:
+    return all(a.isclose(b, rel_tol=0.0, abs_tol=gap) for a, b in zip(samples, other, strict=True))
 
 
-def _way(entity: Any, gap: float) -> list[Vec2]:
-    """Points of a line at quarters of its length; of its ends alone its mirror image has the same."""
+def _samples(entity: Any, gap: float) -> list[Vec2]:
+    """Points of a line at quarters of its length: its mirror image has the same ends but other points."""
     from ezdxf.math import Vec2
     from ezdxf.path import make_path
 
-    points = [Vec2(at) for at in make_path(entity).flattening(_CLOSE * gap)]
-    far = [0.0, *accumulate(a.distance(b) for a, b in pairwise(points))]
-    way = [points[0]]
+    points = [Vec2(point) for point in make_path(entity).flattening(_CHORD_ERROR * gap)]
+    s = [0.0, *accumulate(a.distance(b) for a, b in pairwise(points))]
+    samples = [points[0]]
     for part in (0.25, 0.5, 0.75):
-        i = min(bisect_right(far, part * far[-1]), len(points) - 1)
-        step = far[i] - far[i - 1]
-        way.append(points[i - 1].lerp(points[i], (part * far[-1] - far[i - 1]) / step if step else 0.0))
-    return [*way, points[-1]]
+        i = min(bisect_right(s, part * s[-1]), len(points) - 1)
+        step = s[i] - s[i - 1]
+        samples.append(points[i - 1].lerp(points[i], (part * s[-1] - s[i - 1]) / step if step else 0.0))
+    return [*samples, points[-1]]

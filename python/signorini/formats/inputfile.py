@@ -1,4 +1,4 @@
-"""Read a model from a TOML file, and describe such files to editors."""
+"""Read a model from a TOML file; the JSON Schema of such files."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ from signorini.model import MeshPlate, Model, validate
 from signorini.model.problems import LISTS
 
 _LARGEST_FILE = 4_000_000
-_MOST_KEY_PARTS = 16
+"""Bytes of an input file; larger data belong into CSV files."""
+_MAX_KEY_PARTS = 16
+"""Parts of a dotted key: the memory of tomllib grows with their square; the model needs 4."""
 
 
 @checked
@@ -33,7 +35,7 @@ def load(path: str | os.PathLike[str]) -> Model:
     Parameters
     ----------
     path : str or path-like
-        A TOML file. The files that it names are looked for beside it.
+        A TOML file. File names in it are relative to its directory.
 
     Returns
     -------
@@ -42,7 +44,7 @@ def load(path: str | os.PathLike[str]) -> Model:
     Raises
     ------
     InputError
-        If the file cannot be read or is not a model; every problem is named with its place and line.
+        If the file cannot be read or is not a valid model; lists every problem with its place and line.
     """
     arguments.path(path, "an input file", "path")
     content = _content(path)
@@ -52,12 +54,12 @@ def load(path: str | os.PathLike[str]) -> Model:
 
 @checked
 def loads(text: str) -> Model:
-    """Read the text of an input file; the files that it names are looked for where the program runs.
+    """Read the text of an input file; file names in it are relative to the working directory.
 
     Raises
     ------
     InputError
-        If the text is not a model; every problem is named with its place and line.
+        If the text is not a valid model; lists every problem with its place and line.
 
     Examples
     --------
@@ -76,12 +78,13 @@ def loads(text: str) -> Model:
 
 
 def _model(text: str, source: str, directory: Path) -> Model:
-    """Make a model of a text; files are named from where the program runs, not from the input file's directory."""
+    """Parse and validate a text; file names are resolved against ``directory``."""
     lines = functools.cache(lambda: Lines(text))
     data = _parse(text, source)
     tables = data.get("combination")
     supports = data.get("support")
-    fields = [one.get("stiffness") for one in supports if isinstance(one, dict)] if isinstance(supports, list) else []
+    supports = supports if isinstance(supports, list) else []
+    fields = [support.get("stiffness") for support in supports if isinstance(support, dict)]
     for table in (*(tables if isinstance(tables, list) else ()), *fields):
         if isinstance(table, dict) and isinstance(table.get("file"), str):
             table["file"] = str(directory / table["file"])
@@ -93,15 +96,15 @@ def _model(text: str, source: str, directory: Path) -> Model:
 
 
 def with_line(error: InputError, path: str | os.PathLike[str]) -> InputError:
-    """Put the file and line before the places of an error that was found only after reading.
+    """Add the file and line to the places of an error that was raised after reading.
 
-    Places that are not in the model are left as they are.
+    Places outside the model are unchanged.
     """
     if not any(part.path for part in error.parts):
         return error
     lines, source = Lines(_decoded(_content(path), path)), os.path.basename(path)
     placed = sorted(((lines.of(part.path) if part.path else 0, part) for part in error.parts), key=lambda pair: pair[0])
-    return InputError.of(
+    return InputError.combined(
         [InputError(part.message, place=f"{source}:{line}: {part.place}") if line else part for line, part in placed],
         source,
     )
@@ -114,13 +117,13 @@ def _content(path: str | os.PathLike[str]) -> bytes:
     except (OSError, ValueError) as error:
         match error:
             case FileNotFoundError():
-                why = "there is no such file."
+                why = "the file does not exist."
             case IsADirectoryError():
-                why = "this is a directory; name the input file in it."
+                why = "this is a directory; give the input file in it."
             case PermissionError():
-                why = "this file may not be read."
+                why = "permission to read the file is denied."
             case _:
-                why = f"this file cannot be read: {getattr(error, 'strerror', None) or error}."
+                why = f"the file cannot be read: {getattr(error, 'strerror', None) or error}."
         raise InputError(why, place=place if place.isprintable() else repr(place)) from None
 
 
@@ -136,48 +139,48 @@ def _decoded(content: bytes, path: str | os.PathLike[str]) -> str:
 
 
 def _parse(text: str, source: str) -> dict[str, Any]:
-    # tomllib's memory grows with the square of a dotted key's length
+    # The memory of tomllib grows with the square of the length of a dotted key.
     keys = without_strings(text)
     for segment in re.split(r"[=,\[\]{}\n]", keys):
-        if segment.count(".") >= _MOST_KEY_PARTS and sum(map(bool, segment.split("."))) > _MOST_KEY_PARTS:
+        if segment.count(".") >= _MAX_KEY_PARTS and sum(map(bool, segment.split("."))) > _MAX_KEY_PARTS:
             line = keys.count("\n", 0, keys.index(segment)) + 1
-            raise InputError(f"a key has more than {_MOST_KEY_PARTS} parts joined by dots.", place=f"{source}:{line}")
+            raise InputError(f"a dotted key has more than {_MAX_KEY_PARTS} parts.", place=f"{source}:{line}")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        says, line, column = _syntax(str(error), text)
-        written = text.replace("\r\n", "\n").split("\n")[line - 1].strip()
-        shown = f"{written[:77]}..." if len(written) > 80 else written
-        if advice := hint(says, written, LISTS):
-            message = f"this is not TOML. {advice} Found{column}: {shown}"
+        problem, line, column = _syntax(str(error), text)
+        content = text.replace("\r\n", "\n").split("\n")[line - 1].strip()
+        shown = f"{content[:77]}..." if len(content) > 80 else content
+        if advice := hint(problem, content, LISTS):
+            message = f"invalid TOML. {advice} Found{column}: {shown}"
         else:
-            message = f"this is not TOML: {says}{column}" + (f" in: {shown}" if shown else "")
+            message = f"invalid TOML: {problem}{column}" + (f" in: {shown}" if shown else "")
         raise InputError(message, place=f"{source}:{line}") from None
     except RecursionError:
         raise InputError("lists or tables are nested too deeply.", place=source) from None
     except ValueError:
-        raise InputError("a number in it has too many digits to be read.", place=source) from None
+        raise InputError("a number has too many digits.", place=source) from None
 
 
 def _syntax(message: str, text: str) -> tuple[str, int, str]:
-    """Split tomllib's message into what it says, the line and the column."""
+    """Split the message of tomllib into the problem, the line and the column."""
     match = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", message, re.DOTALL)
     if match is None:
         return message, 1, ""
-    says = match.group(1)[:1].lower() + match.group(1)[1:]
+    problem = match.group(1)[:1].lower() + match.group(1)[1:]
     last = text.rstrip().count("\n") + 1 if match.group(2) is None else int(match.group(2))
-    if says == "unclosed array":
-        # It is missed only where the next line begins.
+    if problem == "unclosed array":
+        # tomllib reports the line after the list.
         opened = [i for i, line in enumerate(text.split("\n")[:last], start=1) if re.search(r"=\s*\[[^\]]*$", line)]
         return "this list has no closing ]", opened[-1] if opened else last, ""
     if match.group(2) is None:
-        return f"{says} at the end of the file", last, ""
-    return says, last, f" (column {match.group(3)})"
+        return f"{problem} at the end of the file", last, ""
+    return problem, last, f" (column {match.group(3)})"
 
 
 @checked
 def schema() -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of the input file, for editors that complete and check it.
+    """Return the JSON Schema (draft 2020-12) of the input file, for completion and checks in editors.
 
     Returns
     -------
@@ -198,12 +201,12 @@ def schema() -> dict[str, Any]:
 
 class _SchemaGenerator(GenerateJsonSchema):
     def encode_default(self, dft: Any) -> Any:
-        """Write the default of a key that takes expressions as its number or text."""
+        """Encode a default expression as its number or text."""
         return dft.source if isinstance(dft, Expression) else super().encode_default(dft)
 
 
 def _for_toml(node: Any, *, is_name_table: bool = False) -> Any:
-    """Drop what TOML cannot say (null), what editors do not need (titles), and all but a description's first words."""
+    """Remove null, for which TOML has no value, and titles; shorten descriptions to their first paragraph."""
     if isinstance(node, list):
         return [_for_toml(item) for item in node]
     if not isinstance(node, dict):

@@ -1,4 +1,4 @@
-"""Columns into a Parquet file, block by block."""
+"""Write columns to a Parquet file, block by block."""
 
 from __future__ import annotations
 
@@ -18,60 +18,60 @@ Blocks = Mapping[str, npt.NDArray[Any]]
 
 
 class Sink(Protocol):
-    """Takes the columns of one block after the other, always the same ones."""
+    """Writes blocks of the same columns."""
 
     def __call__(self, columns: Iterable[tuple[str, Column]]) -> None:
-        """Write a block, a row group of the file."""
+        """Write a block as a row group of the file."""
 
 
 def widen(
-    path: str | os.PathLike[str], others: Sequence[str | os.PathLike[str]], more: Callable[[Sequence[Blocks]], Blocks]
+    path: str | os.PathLike[str], others: Sequence[str | os.PathLike[str]], derive: Callable[[Sequence[Blocks]], Blocks]
 ) -> None:
-    """Add columns to a Parquet file that follow from its own and those of other files with the same rows.
+    """Add columns to a Parquet file, computed from its columns and those of other files with the same rows.
 
-    ``more`` gives them of the numbers of a block: of the file, and of every other one.
+    ``derive`` computes the new columns of a block from the numbers of the block in this file and in the others.
     """
-    own = pq.ParquetFile(path)
-    metadata = {name.decode(): text.decode() for name, text in (own.schema_arrow.metadata or {}).items()}
+    file = pq.ParquetFile(path)
+    metadata = {name.decode(): text.decode() for name, text in (file.schema_arrow.metadata or {}).items()}
     readers = [_Rows(pq.ParquetFile(other)) for other in others]
     with writing(path, metadata) as sink:
-        for group in range(own.num_row_groups):
-            block = own.read_row_group(group)
+        for group in range(file.num_row_groups):
+            block = file.read_row_group(group)
             blocks = [block, *(reader.take(len(block)) for reader in readers)]
-            added = more([_numbers(one) for one in blocks])
+            added = derive([_numbers(block) for block in blocks])
             sink([*zip(block.schema.names, block.columns, strict=True), *added.items()])
 
 
 class _Rows:
-    """Rows of a file in blocks of any size."""
+    """Reads consecutive rows of a file in blocks of any size."""
 
     def __init__(self, file: pq.ParquetFile) -> None:
         self._groups = (file.read_row_group(group) for group in range(file.num_row_groups))
-        self._left: Any = None
+        self._unread: Any = None
 
     def take(self, count: int) -> Any:
-        """The next rows."""
-        while self._left is None or len(self._left) < count:
-            more = next(self._groups)
-            self._left = more if self._left is None else pa.concat_tables([self._left, more])
-        result, self._left = self._left.slice(0, count), self._left.slice(count)
-        return result
+        """Return the next ``count`` rows."""
+        while self._unread is None or len(self._unread) < count:
+            group = next(self._groups)
+            self._unread = group if self._unread is None else pa.concat_tables([self._unread, group])
+        rows, self._unread = self._unread.slice(0, count), self._unread.slice(count)
+        return rows
 
 
 def _numbers(block: Any) -> Blocks:
-    """Columns of numbers, absent ones NaN."""
+    """Columns of numbers, with NaN for absent values."""
     columns = zip(block.schema.names, block.schema.types, strict=True)
     return {name: block.column(name).to_numpy() for name, kind in columns if pa.types.is_floating(kind)}
 
 
 @contextmanager
 def writing(path: str | os.PathLike[str], metadata: Mapping[str, str]) -> Iterator[Sink]:
-    """Write a Parquet file that is there whole once the context ends, or not at all.
+    """Context that writes a Parquet file atomically at its end.
 
-    The sink takes columns as pairs of a name and an array or a list of texts. NaN becomes an absent value. The schema
-    carries the metadata.
+    The sink takes pairs of a name and an array or a list of texts; NaN is an absent value. The metadata are in the
+    schema of the file.
     """
-    with replacing(path) as beside:
+    with replacing(path) as temporary:
         writer: pq.ParquetWriter | None = None
         try:
 
@@ -85,7 +85,7 @@ def writing(path: str | os.PathLike[str], metadata: Mapping[str, str]) -> Iterat
                     metadata=dict(metadata),
                 )
                 if writer is None:
-                    writer = pq.ParquetWriter(beside, block.schema)
+                    writer = pq.ParquetWriter(temporary, block.schema)
                 writer.write_table(block)
 
             yield sink

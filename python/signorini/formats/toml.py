@@ -1,4 +1,4 @@
-"""Additions to `tomllib`: the lines of keys, and remedies for text that is invalid TOML."""
+"""Additions to `tomllib`: line numbers of keys, and hints for invalid TOML."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _SCALAR = re.compile(r"[^,\]}\n#]*")
 
 
 def without_strings(text: str) -> str:
-    """Remove the content of strings and comments; lines stay. Where a string has no end, the rest is removed."""
+    """Remove strings and comments, but no line breaks; an unclosed string extends to the end of the text."""
     return _TOKENS.sub(lambda token: "" if token["comment"] else '""' + "\n" * token.group().count("\n"), text)
 
 
 class Lines:
     """Line numbers, from 1, of the tables, keys and list items of a valid TOML text.
 
-    A path that is not in the text gets the line of the table it would be in.
+    A path that is not in the text gets the line of the innermost table of the text that contains it.
     """
 
     def __init__(self, text: str) -> None:
@@ -37,11 +37,11 @@ class Lines:
         self._position = 0
         self._lines: dict[Path, int] = {(): 1}
         self._counts: dict[Path, int] = {}
-        with contextlib.suppress(RecursionError):  # lines beyond nesting this deep fall back to the table's
+        with contextlib.suppress(RecursionError):  # Deeper keys get the line of their table.
             self._read_document()
 
     def of(self, path: Path) -> int:
-        """Line of a path, or of the longest part of it that the text has."""
+        """Line of a path, or of its longest beginning that the text has."""
         while path not in self._lines:
             path = path[:-1]
         return self._lines[path]
@@ -59,7 +59,7 @@ class Lines:
                 self._key_and_value(table)
 
     def _header(self, key: Path, double: bool, line: int) -> Path:
-        """Enter a table; in a list of tables, its last one, or with double brackets a new one."""
+        """Path of the table of a header; double brackets append a table to a list."""
         path: Path = ()
         for index, part in enumerate(key):
             path = (*path, part)
@@ -82,7 +82,7 @@ class Lines:
         self._value(path)
 
     def _key(self) -> Path:
-        """Read a key, dotted or not, and the blanks around it."""
+        """Read a key, dotted or not, and the surrounding blanks."""
         parts: list[str | int] = []
         while True:
             self._skip_blank()
@@ -139,68 +139,67 @@ class Lines:
 _NUMBER = r"(?>[+-]?\d[\d_]*(?:\.\d+)?(?:[eE][+-]?\d+)?)"
 _ENDS = r"\s*(?:[,}\]#].*)?$"
 
-# Slips that show in the line where reading stopped, by a pattern and what to say of its groups. The first one that is
-# found is told.
+# Patterns of frequent errors in the line at which the parser stopped, with the hint for each; the first match counts.
 _SLIPS: tuple[tuple[str, str], ...] = (
     (r"^(?://|;|%|--)", "A comment begins with #."),
     (r"[“”„‘’«»]", "Quotes are straight: \" or '."),
     (r'=\s*"[^"]*\\', "Write a path with / in place of \\, or in single quotes."),
-    (r"=\s*\(", "A list stands in square brackets: [1, 2]."),
+    (r"=\s*\(", "Write a list in square brackets: [1, 2]."),
     (rf"=\s*([+-]?\d{{1,3}}(?:,\d{{3}}){{2,}}){_ENDS}", "Write a number without commas: {joined}."),
     (
         rf"=\s*([+-]?\d+),(\d{{3}}){_ENDS}",
         "The decimal sign is a point: {1}.{2}. If {1},{2} is meant in thousands, write {1}{2}.",
     ),
     (rf"=\s*([+-]?\d+),(\d+(?:[eE][+-]?\d+)?){_ENDS}", "The decimal sign is a point: {1}.{2}."),
-    (r",\s*\}", "No comma stands before the closing brace."),
+    (r",\s*\}", "Remove the comma before the closing brace."),
     (
         r"\{[^}]*$",
-        "A table in braces stands on one line, from {{ to }}; a longer one under a header of its own.",
+        "Write a table in braces on one line, from {{ to }}, or write it under a header.",
     ),
-    (r"[=,\[]\s*([+-]?)(\.\d+)", "A digit stands before the point: {1}0{2}."),
-    (r"[=,\[]\s*([+-]?\d+)\.(?!\d)((?:[eE][+-]?\d+)?)", "A digit stands behind the point: {1}.0{2}."),
-    (r"=\s*[+-]?0+(\d[\d.]*)", "A number has no zeros before it: {1}."),
+    (r"[=,\[]\s*([+-]?)(\.\d+)", "Write a digit before the point: {1}0{2}."),
+    (r"[=,\[]\s*([+-]?\d+)\.(?!\d)((?:[eE][+-]?\d+)?)", "Write a digit after the point: {1}.0{2}."),
+    (r"=\s*[+-]?0+(\d[\d.]*)", "Remove the leading zeros: {1}."),
     (rf"=\s*({_NUMBER})\s*[*^/]", "Write a power of ten as 30e9, and a formula in quotes."),
     (r"=\s*(\d+(?: \d{3})+)\b", "Write a number without spaces: {joined}."),
-    (rf"=\s*({_NUMBER})\s*[^\W\d_]", "A number stands without its unit: {1}. Units have labels in [units]."),
-    (rf"=\s*{_NUMBER}\s*;", "A line ends without a semicolon."),
+    (rf"=\s*({_NUMBER})\s*[^\W\d_]", "Write a number without a unit: {1}. Label the units in [units]."),
+    (rf"=\s*{_NUMBER}\s*;", "Remove the semicolon."),
     (r"=\s*(True|False|TRUE|FALSE)\b", "Write {small} in small letters."),
-    (r"=\s*([^\W\d]\w*)", 'Text stands in quotes: "{1}".'),
-    (r"=\s*(?:#.*)?$", "The value is missing behind the =."),
-    (r"^[\w.\- ]+:", "Between a key and its value stands =."),
-    (r"[{,]\s*\w+\s*:", "Between a key and its value stands =."),
-    (r"^\[\[[^\]]*\](?!\])", "A header in double brackets ends in ]]."),
-    (r"^\[[^\]]*$", "A header in brackets ends in ]."),
+    (r"=\s*([^\W\d]\w*)", 'Write text in quotes: "{1}".'),
+    (r"=\s*(?:#.*)?$", "The value after = is missing."),
+    (r"^[\w.\- ]+:", "Write = between a key and its value."),
+    (r"[{,]\s*\w+\s*:", "Write = between a key and its value."),
+    (r"^\[\[[^\]]*\](?!\])", "Close a header in double brackets with ]]."),
+    (r"^\[[^\]]*$", "Close a header in brackets with ]."),
     (r"""=\s*(["'])(?:(?!\1).)*$""", "The closing quote {1} is missing."),
     (r"^\{", "This looks like JSON; docs/input.md shows the same in TOML."),
-    (r"^[^=\[]+$", "A line is [a header], key = value, or # a comment."),
-    (r"^[^\x00-\x7f]", "Keys are written in plain letters, such as nu."),
+    (r"^[^=\[]+$", "A line must be [a header], key = value, or # a comment."),
+    (r"^[^\x00-\x7f]", "Write keys in letters a to z, such as nu."),
 )
 
 
-def hint(says: str, line: str, lists: Collection[str]) -> str:
-    """Say what to write instead; empty without advice.
+def hint(problem: str, line: str, lists: Collection[str]) -> str:
+    """Hint at the correct TOML; empty if no rule applies.
 
-    ``says`` is the message of the parser for the line where it stopped; ``lists`` are the tables in double brackets.
+    ``problem`` is the parser's message for ``line``; ``lists`` are the tables in double brackets.
 
     Examples
     --------
     >>> hint("Expected newline or end of document after a statement", "nu = 0,3", ["support"])
     'The decimal sign is a point: 0.3.'
     >>> hint("Cannot declare ('support',) twice", "[support]", ["support"])
-    'Each of several such tables has double brackets: [[support]].'
+    'Write this table in double brackets, once for each: [[support]].'
     """
     line = line.strip()
     header = re.match(r"\[\[?\s*(\w+)\s*\]", line)
-    if header and ("twice" in says or "overwrite" in says or "mutate" in says):
+    if header and ("twice" in problem or "overwrite" in problem or "mutate" in problem):
         if header[1] in lists:
-            return f"Each of several such tables has double brackets: [[{header[1]}]]."
-        return "A table stands once; put all its keys under one header."
-    if "overwrite" in says:
-        return "A key stands once in a table."
-    for slip, words in _SLIPS:
-        if result := re.search(slip, line):
-            first = result.group(1) if result.re.groups else ""
+            return f"Write this table in double brackets, once for each: [[{header[1]}]]."
+        return "This table occurs twice; put all its keys under one header."
+    if "overwrite" in problem:
+        return "This key occurs twice in its table; remove one."
+    for pattern, advice in _SLIPS:
+        if match := re.search(pattern, line):
+            first = match.group(1) if match.re.groups else ""
             joined, small = re.sub("[, ]", "", first), first.lower()
-            return words.format(result.group(), *result.groups(), joined=joined, small=small)
+            return advice.format(match.group(), *match.groups(), joined=joined, small=small)
     return ""

@@ -1,4 +1,4 @@
-"""Fields on a mesh of 8-node quadrilaterals and 6-node triangles for other programs, by meshio: ParaView, PyVista."""
+"""Fields on 8-node quadrilaterals and 6-node triangles as meshio meshes and .vtu files (ParaView, PyVista)."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from signorini.base.files import replacing
 if TYPE_CHECKING:
     import meshio  # type: ignore[import-untyped]
 
-_OF_TRIANGLE = [0, 1, 2, 4, 5, 7]
-"""Nodes of a triangle [a, b, c, c, ab, bc, c, ca] that are its own."""
+_TRIANGLE_NODES = [0, 1, 2, 4, 5, 7]
+"""Positions of the six nodes of a triangle stored as [a, b, c, c, ab, bc, c, ca]."""
 
 
 def as_meshio(
@@ -24,44 +24,40 @@ def as_meshio(
     point_data: Mapping[str, ArrayLike],
     cell_data: Mapping[str, ArrayLike] | None = None,
 ) -> meshio.Mesh:
-    """Give fields on a plate as a mesh of meshio: in the plane z = 0, quadrilaterals before triangles.
+    """Return a meshio mesh in the plane z = 0 with fields; quadrilaterals precede triangles.
 
-    Scalars keep the signs of the package (deflection positive down); give the vector of :func:`displacement_vector` to
-    warp by. Points (n, 2) are in the model's unit of length; a triangle among the elements (e, 8) is [a, b, c, c, ab,
-    bc, c, ca].
+    Points (n, 2) are in the model's unit of length. A triangle among the elements (e, 8) is [a, b, c, c, ab, bc, c,
+    ca]. Scalars keep their signs (deflection positive down); to warp, add the vectors of `displacement_vector`.
     """
-    # Only files and other programs need meshio, which takes long to read.
+    # Imported here: meshio is slow to import and rarely needed.
     import meshio
 
     triangles = elements[:, 2] == elements[:, 3]
-    every = [
-        (kind, some, elements[some][:, own])
-        for kind, some, own in (("quad8", ~triangles, range(8)), ("triangle6", triangles, _OF_TRIANGLE))
-        if some.any()
+    blocks = [
+        (kind, mask, elements[mask][:, nodes])
+        for kind, mask, nodes in (("quad8", ~triangles, range(8)), ("triangle6", triangles, _TRIANGLE_NODES))
+        if mask.any()
     ]
-    of_cells = {name: [np.asarray(data)[some] for _, some, _ in every] for name, data in (cell_data or {}).items()}
-    places = np.column_stack([points, np.zeros(len(points))])
-    return meshio.Mesh(places, [(kind, cells) for kind, _, cells in every], dict(point_data), of_cells)
+    block_data = {name: [np.asarray(data)[mask] for _, mask, _ in blocks] for name, data in (cell_data or {}).items()}
+    points_3d = np.column_stack([points, np.zeros(len(points))])
+    return meshio.Mesh(points_3d, [(kind, cells) for kind, _, cells in blocks], dict(point_data), block_data)
 
 
 def write_vtu(path: str | os.PathLike[str], mesh: meshio.Mesh, metadata: Mapping[str, str] | None = None) -> None:
-    """Write a mesh to a compressed binary VTK file, whole or not at all; metadata are a comment at its beginning."""
+    """Write a mesh to a compressed binary VTK file, atomically; metadata are a comment at its beginning."""
     import meshio
 
-    # A comment in XML contains no two dashes.
-    words = "; ".join(f"{name}: {text}" for name, text in (metadata or {}).items()).replace("--", "- -")
-    with replacing(path) as beside:
-        meshio.vtu.write(beside, mesh)
-        content = beside.read_bytes()
+    # A comment in XML must not contain "--".
+    comment = "; ".join(f"{name}: {text}" for name, text in (metadata or {}).items()).replace("--", "- -")
+    with replacing(path) as temporary:
+        meshio.vtu.write(temporary, mesh)
+        content = temporary.read_bytes()
         head = content.index(b"<VTKFile")
-        beside.write_bytes(content[:head] + f"<!-- {words} -->\n".encode() + content[head:])
+        temporary.write_bytes(content[:head] + f"<!-- {comment} -->\n".encode() + content[head:])
 
 
 def displacement_vector(deflection: ArrayLike) -> NDArray[np.float64]:
-    """Turn deflections, positive down, into vectors of a space whose z points up.
-
-    ``(0, 0, -w)``: ParaView's *Warp By Vector* then moves the plate down where it goes down.
-    """
+    """Return the vectors (0, 0, -w) of deflections w, positive down, for z up: for *Warp By Vector* of ParaView."""
     down = np.asarray(deflection, dtype=float)
     vectors = np.zeros((len(down), 3))
     vectors[:, 2] = -down

@@ -1,4 +1,4 @@
-"""A mesh of 8-node quadrilaterals and 6-node triangles: nodes, elements, named edges, and where points are in it."""
+"""Meshes of 8-node quadrilaterals and 6-node triangles: generation, files, checks, location of points."""
 
 from signorini.mesh.mesh import Location, Mesh
 

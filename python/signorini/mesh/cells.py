@@ -1,4 +1,4 @@
-"""Nodes with their numbers, elements and named edges from cells as meshio has them."""
+"""Convert meshio's cells to nodes, elements and named edges; node numbers of mesh files."""
 
 from __future__ import annotations
 
@@ -22,12 +22,13 @@ if TYPE_CHECKING:
 
 
 OUTLINE = "boundary"
-"""Name of the whole outline, as an edge of plates from files."""
+"""Name of the edge that is the whole outline."""
 _SAME = 1e-9
+"""Distance of coincident nodes, relative to the plate's size."""
 _FLAT = 1e-6
 """Largest distance of nodes from a plane, relative to the plate's size: some files have seven digits."""
-_FARTHEST = 1e6
-"""Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
+_MAX_OFFSET = 1e6
+"""Largest distance of a plate from the origin, relative to its size: coordinates keep ten digits."""
 _REVERSED = [0, 3, 2, 1, 7, 6, 5, 4]
 _REVERSED_TRIANGLE = [0, 2, 1, 1, 7, 5, 1, 4]
 _NODES = {
@@ -40,7 +41,7 @@ _KNOWN = ("vertex", "line", "line3", *_NODES)
 
 
 def arrays_of(data: meshio.Mesh) -> tuple[Floats, Ints, dict[str, Ints]]:
-    """Points (n, 2), elements (ne, 8) and edges as `signorini.mesh.Mesh` takes them."""
+    """Points (n, 2), elements (ne, 8) and edges for `signorini.mesh.Mesh`."""
     elements, quadrilaterals = _elements(data)
     points = _plane(np.asarray(data.points, dtype=np.float64), elements)
     number, first = _merged(points, elements)
@@ -49,7 +50,7 @@ def arrays_of(data: meshio.Mesh) -> tuple[Floats, Ints, dict[str, Ints]]:
     (x, y), (x_next, y_next) = np.moveaxis(corners, 2, 0), np.moveaxis(np.roll(corners, -1, axis=1), 2, 0)
     clockwise = (x * y_next - x_next * y).sum(axis=1) < 0.0
     turned = np.where(quadrilaterals[:, None], elements[:, _REVERSED], elements[:, _REVERSED_TRIANGLE])
-    elements = _begun_at_collapsed_sides(np.where(clockwise[:, None], turned, elements), quadrilaterals)
+    elements = _collapsed_side_first(np.where(clockwise[:, None], turned, elements), quadrilaterals)
     real = real_sides(elements)
     sides, outer = elements[:, np.array(SIDES)][real], on_boundary(elements)[real]
     outline = sides[outer]
@@ -57,13 +58,13 @@ def arrays_of(data: meshio.Mesh) -> tuple[Floats, Ints, dict[str, Ints]]:
     edges |= {name: edge for name, edge in _edges_of_nodes(data, number, outline).items() if name not in edges}
     if OUTLINE in edges and len(edges[OUTLINE]) != len(outline):
         raise InputError(
-            f"The mesh has a group {OUTLINE!r} that is not the whole outline, which has that name here; rename it."
+            f"The mesh has a group {OUTLINE!r} that is not the whole outline; this name is reserved. Rename the group."
         )
     return points, elements, edges | {OUTLINE: loops(outline)}
 
 
-def _begun_at_collapsed_sides(elements: Ints, quadrilaterals: Bools) -> Ints:
-    """Let quadrilaterals (ne,) that name one node for a whole side begin with it."""
+def _collapsed_side_first(elements: Ints, quadrilaterals: Bools) -> Ints:
+    """Rotate the nodes of quadrilaterals (ne,) with a collapsed side so that this side is first."""
     corners = elements[:, :4]
     first = (quadrilaterals[:, None] & (corners == np.roll(corners, -1, axis=1))).argmax(axis=1)
     around = (np.arange(4) + first[:, None]) % 4
@@ -71,7 +72,7 @@ def _begun_at_collapsed_sides(elements: Ints, quadrilaterals: Bools) -> Ints:
 
 
 def _elements(data: meshio.Mesh) -> tuple[Ints, Bools]:
-    """Elements (ne, 8), and which of them are quadrilaterals in the file."""
+    """Elements (ne, 8), and a mask (ne,) of the quadrilaterals of the file."""
     counts: Counter[str] = Counter()
     for block in data.cells:
         counts[block.type] += len(block.data)
@@ -79,47 +80,47 @@ def _elements(data: meshio.Mesh) -> tuple[Ints, Bools]:
     if others:
         raise InputError(
             "The mesh has cells that are not 8- or 9-node quadrilaterals or 6-node triangles: "
-            f"{', '.join(others)}. Mesh the plate with these alone (in Gmsh: Mesh.ElementOrder = 2, "
-            "Mesh.SecondOrderIncomplete = 1; for quadrilaterals wherever they fit Mesh.RecombineAll = 1)."
+            f"{', '.join(others)}. Use only these (in Gmsh: Mesh.ElementOrder = 2, "
+            "Mesh.SecondOrderIncomplete = 1; for quadrilaterals where possible Mesh.RecombineAll = 1)."
         )
-    plane = [block for block in data.cells if block.type in _NODES]
-    result = [np.asarray(block.data, dtype=np.int64)[:, _NODES[block.type]] for block in plane]
-    if not sum(map(len, result)):
+    blocks = [block for block in data.cells if block.type in _NODES]
+    nodes = [np.asarray(block.data, dtype=np.int64)[:, _NODES[block.type]] for block in blocks]
+    if not sum(map(len, nodes)):
         raise InputError("The mesh has no elements; the plate needs 8- or 9-node quadrilaterals or 6-node triangles.")
-    elements = np.vstack(result)
+    elements = np.vstack(nodes)
     _require_nodes(data, elements, "An element")
-    return elements, np.repeat([block.type != "triangle6" for block in plane], [len(one) for one in result])
+    return elements, np.repeat([block.type != "triangle6" for block in blocks], list(map(len, nodes)))
 
 
 def _require_nodes(data: meshio.Mesh, nodes: Ints, owner: str) -> None:
     wrong = (nodes < 0) | (nodes >= len(data.points))
     if wrong.any():
         raise InputError(
-            f"{owner} of the mesh refers to a node of index {int(nodes[wrong][0])}, where the first has 0; it has "
+            f"{owner} of the mesh refers to node index {int(nodes[wrong][0])} (the first is 0); the mesh has "
             f"{len(data.points)} nodes."
         )
 
 
 def _plane(points: Floats, elements: Ints) -> Floats:
-    """Drop a constant third coordinate."""
+    """Remove a constant third coordinate."""
     nodes = np.unique(elements)
     used = points[nodes]
     finite = np.isfinite(used).all(axis=1)
     if not finite.all():
         node = int(np.argmin(finite))
-        at = ", ".join(f"{x:g}" for x in used[node])
+        position = ", ".join(f"{x:g}" for x in used[node])
         raise InputError(
-            f"Node {nodes[node]} (the first has index 0) of the mesh is at ({at}); every coordinate must be a "
+            f"Node {nodes[node]} (the first has index 0) of the mesh is at ({position}); every coordinate must be a "
             "finite number."
         )
     height = float(np.ptp(used[:, 2])) if points.shape[1] == 3 else 0.0
     if not height <= _FLAT * float(np.ptp(used[:, :2], axis=0).max()):
-        raise InputError(f"The mesh is not plane: z varies by {height:g}. A plate's nodes all need the same z.")
+        raise InputError(f"The mesh is not plane: z varies by {height:g}. All nodes of a plate must have the same z.")
     return points[:, :2]
 
 
 def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
-    """Renumber used nodes, coincident ones alike: new numbers (n,), −1 of the unused, and an old number of each."""
+    """Renumber the used nodes, merging coincident ones: new numbers (n,), -1 if unused, and an old number of each."""
     used = np.unique(elements)
     size, farthest = float(np.ptp(points[used], axis=0).max()), float(np.abs(points[used]).max())
     if size < LEAST or farthest > LARGEST:
@@ -127,10 +128,10 @@ def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
             f"The nodes lie within {size:g}, up to {farthest:g} from the origin; a plate's size must be at least "
             f"{LEAST:g}, its coordinates at most {LARGEST:g}."
         )
-    if farthest > _FARTHEST * size:
+    if farthest > _MAX_OFFSET * size:
         raise InputError(
-            f"The plate is {size:g} large and lies {farthest:g} from the origin, over {_FARTHEST:g} times as far. Move "
-            "it to the origin."
+            f"The plate has the size {size:g} and lies {farthest:g} from the origin, over {_MAX_OFFSET:g} times its "
+            "size. Move it to the origin."
         )
     i, j = cKDTree(points[used]).query_pairs(_SAME * size, output_type="ndarray").T
     group = components(len(used), i, j)
@@ -140,7 +141,7 @@ def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
 
 
 def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outer: Bools) -> dict[str, Ints]:
-    """Find the sides in named groups of lines, those of the outline turned so that the plate is on their left."""
+    """Edges from named groups of lines; sides of the outline get the plate on their left."""
     middles, first = np.unique(sides[:, 1], return_index=True)
     edges: dict[str, Ints] = {}
     for name, kind, lines in _named_lines(data):
@@ -150,18 +151,19 @@ def _edges_of_lines(data: meshio.Mesh, number: Ints, sides: Ints, outer: Bools) 
                 f"Group {name!r} of the mesh consists of 2-node lines; second-order elements have 3-node lines."
             )
         triples = number[lines[:, [0, 2, 1]]]
-        at = first[np.minimum(np.searchsorted(middles, triples[:, 1]), len(first) - 1)]
-        lost = (np.sort(triples, axis=1) != np.sort(sides[at], axis=1)).any(axis=1) | (triples[:, 1] != sides[at, 1])
-        if lost.any():
-            spot = point(data.points[lines[np.argmax(lost), 2], :2])
-            raise InputError(f"Group {name!r} of the mesh has a line at {spot} that is no side of an element.")
-        triples = np.where(outer[at, None], sides[at], triples)
+        side = first[np.minimum(np.searchsorted(middles, triples[:, 1]), len(first) - 1)]
+        nodes_differ = (np.sort(triples, axis=1) != np.sort(sides[side], axis=1)).any(axis=1)
+        unmatched = nodes_differ | (triples[:, 1] != sides[side, 1])
+        if unmatched.any():
+            place = point(data.points[lines[np.argmax(unmatched), 2], :2])
+            raise InputError(f"Group {name!r} of the mesh has a line at {place} that is not a side of an element.")
+        triples = np.where(outer[side, None], sides[side], triples)
         edges[name] = np.vstack([edges[name], triples]) if name in edges else triples
     return {name: triples[np.unique(triples[:, 1], return_index=True)[1]] for name, triples in edges.items()}
 
 
 def _named_lines(data: meshio.Mesh) -> list[tuple[str, str, Ints]]:
-    """Name, cell type and nodes of every group of lines, from cell sets and from Gmsh's physical groups."""
+    """Name, cell type and nodes of each group of lines, from cell sets and physical groups of Gmsh."""
     named = []
     for i, block in enumerate(data.cells):
         if block.type not in ("line", "line3"):
@@ -177,7 +179,7 @@ def _named_lines(data: meshio.Mesh) -> list[tuple[str, str, Ints]]:
 
 
 def _edges_of_nodes(data: meshio.Mesh, number: Ints, outline: Ints) -> dict[str, Ints]:
-    """Find the sides of the outline all of whose nodes are in a named group of nodes."""
+    """Edges from named groups of nodes: the sides of the outline whose nodes are all in the group."""
     edges = {}
     for name, members in data.point_sets.items():
         inside = np.zeros(int(number.max()) + 1, dtype=bool)
@@ -195,30 +197,29 @@ _BY_POSITION = (".vtu", ".vtk")
 
 
 def node_numbers(path: Path, count: int) -> Ints:
-    """Node numbers (n,) in the order of the file, which meshio has read already.
+    """Node numbers (n,) of a file of Gmsh (.msh, text), Abaqus (.inp) or VTK (.vtu, .vtk), in the order of meshio.
 
-    The file is of Gmsh (.msh, as text), Abaqus (.inp) or VTK (.vtu, .vtk). The first two number their nodes; VTK counts
-    from 0, as ParaView shows it.
+    Gmsh and Abaqus number their nodes; for VTK they count from 0, as in ParaView.
     """
     match path.suffix.lower():
         case suffix if suffix in _BY_POSITION:
             return np.arange(count)
         case ".inp":
-            result = _abaqus(path)
+            numbers = _abaqus(path)
         case ".msh":
-            result = _gmsh(path)
+            numbers = _gmsh(path)
         case suffix:
             raise InputError(
-                f"Nodes by number are found in files .msh, .inp, .vtu and .vtk, not in {suffix}. Give points with at, "
-                "or write the mesh in one of these formats."
+                f"Node numbers are read from files .msh, .inp, .vtu and .vtk, not {suffix}. Give points with at, or "
+                "write the mesh in one of these formats."
             )
-    if len(result) != count:
-        raise InputError(f"The mesh file numbers {len(result)} of its {count} nodes; every node needs a number.")
-    return result
+    if len(numbers) != count:
+        raise InputError(f"The mesh file numbers {len(numbers)} of its {count} nodes; every node needs a number.")
+    return numbers
 
 
 def node_blocks(path: Path) -> int:
-    """How many headings *NODE a file of Abaqus has."""
+    """Number of headings *NODE of an Abaqus file."""
     return sum(map(_heads_nodes, _lines(path)))
 
 
@@ -227,14 +228,14 @@ def _heads_nodes(line: str) -> bool:
 
 
 def _abaqus(path: Path) -> Ints:
-    """Numbers under the headings *NODE."""
-    result, reading = [], False
+    """Node numbers under the headings *NODE."""
+    numbers, reading = [], False
     for line in _lines(path):
         if line.startswith("*"):
             reading = _heads_nodes(line)
         elif reading and line:
-            result.append(int(line.partition(",")[0]))
-    return np.array(result, dtype=np.int64)
+            numbers.append(int(line.partition(",")[0]))
+    return np.array(numbers, dtype=np.int64)
 
 
 def _gmsh(path: Path) -> Ints:
@@ -245,21 +246,21 @@ def _gmsh(path: Path) -> Ints:
             version, binary = next(lines).split()[:2]
             if binary == "1":
                 raise InputError(
-                    "Nodes by number are found in files of Gmsh that are text; this one is binary. Write it with "
-                    "Mesh.Binary = 0, or give points with at."
+                    "Node numbers are read from text files of Gmsh; this file is binary. Write it with Mesh.Binary = "
+                    "0, or give points with at."
                 )
         elif line == "$Nodes":
             break
     first = next(lines).split()
     if not version.startswith("4"):
         return np.array([int(next(lines).split()[0]) for _ in range(int(first[0]))], dtype=np.int64)
-    result: list[int] = []
+    numbers: list[int] = []
     for _ in range(int(first[0])):
         size = int(next(lines).split()[-1])
-        result += [int(next(lines)) for _ in range(size)]
+        numbers += [int(next(lines)) for _ in range(size)]
         for _ in range(size):
             next(lines)
-    return np.array(result, dtype=np.int64)
+    return np.array(numbers, dtype=np.int64)
 
 
 def _lines(path: Path) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Validity checks of a mesh before any computation; every failure names the element or node."""
+"""Validation of meshes; every error names an element or node."""
 
 from __future__ import annotations
 
@@ -15,19 +15,20 @@ _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _
 _STATIONS = np.vstack([maps.CORNERS, _GAUSS])
 _TRIANGLE_STATIONS = np.vstack([maps.TRIANGLE_CORNERS, maps.folded(_GAUSS)])
 _DEGENERATE_STATIONS = np.vstack([maps.CORNERS[2:], [[-1.0, 0.0], [1.0, 0.0]], _GAUSS])
-"""The Jacobian is zero at a collapsed side, and has no sign there."""
+"""Without points on the collapsed side, where det J = 0."""
 _COINCIDENT = 1e-9
+"""Distance of a node on a side, relative to the mesh's size."""
 _STRAIGHT = 1e-9
-"""Largest ratio of rise to chord of a straight side."""
+"""Largest rise over chord of a straight side."""
 _CHORDS = 32
-"""Chords of a curved side, off it by a thousandth of its rise."""
+"""Chords in place of a curved side; their distance from it is a thousandth of its rise."""
 _TOGETHER = 1 << 18
-"""Pairs of chords that are looked at together, for their arrays to stay in the processor's caches."""
+"""Pairs of chords per block: the arrays stay in the cache."""
 _SLANTED = np.array([0.79, 0.61])
 
 
 def name_element(points: Floats, elements: Ints, index: int) -> str:
-    """Name an element so that its owner finds it."""
+    """Number and position of an element, for messages."""
     return f"Element {index} (the first has index 0) near {point(points[elements[index]].mean(axis=0))}"
 
 
@@ -36,7 +37,7 @@ def _name_node(points: Floats, index: int) -> str:
 
 
 def check_numbers(points: Floats, elements: Ints) -> None:
-    """Check shapes, finite coordinates, node numbers in range, none repeated in an element and none unused."""
+    """Check array shapes, finite coordinates, and node numbers: in range, not repeated in an element, all used."""
     if points.ndim != 2 or points.shape[1] != 2:
         raise InputError(f"A mesh's points must have shape (n, 2); found {points.shape}.")
     if elements.ndim != 2 or elements.shape[1] != 8 or not len(elements):
@@ -66,15 +67,15 @@ def check_numbers(points: Floats, elements: Ints) -> None:
 
 
 def check_jacobians(points: Floats, elements: Ints) -> None:
-    """Check that every element is counter-clockwise and well enough shaped: a positive Jacobian."""
+    """Check det J > 0 in every element: counter-clockwise and not too distorted."""
     nodes, triangles, degenerate = points[elements], maps.are_triangles(elements), maps.are_degenerate(elements)
     det = np.empty((len(elements), len(_STATIONS)))
-    for some, stations in (
+    for mask, stations in (
         (~(triangles | degenerate), _STATIONS),
         (triangles, _TRIANGLE_STATIONS),
         (degenerate & ~triangles, _DEGENERATE_STATIONS),
     ):
-        det[some] = maps.determinants(nodes[some], stations, stations is _TRIANGLE_STATIONS)
+        det[mask] = maps.determinants(nodes[mask], stations, stations is _TRIANGLE_STATIONS)
     lower, upper = maps.bounds(np.moveaxis(nodes, 1, 0))
     extent = upper - lower
     bad = ~(det > 1e-10 * (extent[:, 0] * extent[:, 1])[:, None])
@@ -120,7 +121,7 @@ def check_sides(points: Floats, elements: Ints) -> None:
 
 
 def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
-    """Check that no boundary node lies on a boundary side it does not belong to: elements there only seem to meet."""
+    """Check that no boundary node lies on a boundary side of other nodes, where elements would not be connected."""
     sides = points[boundary]
     tolerance = _COINCIDENT * float(np.ptp(points, axis=0).max())
     boxes = maps.side_boxes(sides) + tolerance * np.array([-1.0, -1.0, 1.0, 1.0])
@@ -132,60 +133,60 @@ def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
     miss = points[node] - onto(sides[side], points[node])
     on = np.hypot(*miss.T) <= tolerance
     if on.any():
-        at = int(np.argmax(on))
+        first = int(np.argmax(on))
         raise InputError(
-            f"The mesh has a hanging or duplicate node: {_name_node(points, int(node[at]))} lies on the side "
-            f"with nodes {', '.join(map(str, boundary[side[at]]))} without belonging to it. Merge coincident nodes; "
+            f"The mesh has a hanging or duplicate node: {_name_node(points, int(node[first]))} lies on the side "
+            f"with nodes {', '.join(map(str, boundary[side[first]]))} without belonging to it. Merge coincident nodes; "
             "elements must meet along whole sides."
         )
 
 
 def check_overlap(points: Floats, boundary: Ints) -> None:
-    """Check that the boundary of a mesh in one piece crosses itself nowhere; elements overlap if and only if it does.
+    """Check that the boundary of a connected mesh does not cross itself; elements overlap if and only if it does.
 
-    Elements that turn the same way and meet along whole sides cover every point as often as the boundary winds around
-    it, and a boundary of one piece that crosses itself nowhere winds around no point twice.
+    Elements of equal orientation that meet along whole sides cover each point as often as the boundary winds around it.
+    The boundary of a connected mesh that does not cross itself winds around each point at most once.
     """
     sides = points[boundary]
-    one, other = _near_each_other(maps.side_boxes(sides))
-    apart = (boundary[one][:, :, None] != boundary[other][:, None, :]).all(axis=(1, 2))
-    one, other = one[apart], other[apart]
+    i, j = _near_each_other(maps.side_boxes(sides))
+    disjoint = (boundary[i][:, :, None] != boundary[j][:, None, :]).all(axis=(1, 2))
+    i, j = i[disjoint], j[disjoint]
     a, middle, b = np.moveaxis(sides, 1, 0)
     curved = np.hypot(*(0.5 * (a + b) - middle).T) > _STRAIGHT * np.hypot(*(b - a).T)
-    either = curved[one] | curved[other]
+    either = curved[i] | curved[j]
     for pairs, count in ((np.flatnonzero(~either), 1), (np.flatnonzero(either), _CHORDS)):
         t = np.linspace(-1.0, 1.0, count + 1)[:, None, None]
         chains = 0.5 * t * (t - 1.0) * a + (1.0 - t * t) * middle + 0.5 * t * (t + 1.0) * b
         for start in range(0, len(pairs), _TOGETHER // count**2):
-            some = pairs[start : start + _TOGETHER // count**2]
-            first, second = chains[:, None, one[some]], chains[None, :, other[some]]
+            block = pairs[start : start + _TOGETHER // count**2]
+            first, second = chains[:, None, i[block]], chains[None, :, j[block]]
             begin, end = first[:-1], first[1:]
             part = _crossing(begin, end, second[:, :-1], second[:, 1:])
             if not np.isnan(part).all():
-                chord, beside, at = np.unravel_index(np.nanargmin(part), part.shape)
-                place = begin[chord, 0, at] + part[chord, beside, at] * (end - begin)[chord, 0, at]
-                nodes = [", ".join(map(str, boundary[which[some[at]]])) for which in (one, other)]
+                chord, other_chord, pair = np.unravel_index(np.nanargmin(part), part.shape)
+                place = begin[chord, 0, pair] + part[chord, other_chord, pair] * (end - begin)[chord, 0, pair]
+                nodes = [", ".join(map(str, boundary[side[block[pair]]])) for side in (i, j)]
                 raise InputError(
                     f"Elements of the mesh overlap: its boundary crosses itself at {point(place)}, where the side with "
-                    f"nodes {nodes[0]} meets the one with nodes {nodes[1]}. Elements may only lie beside each other."
+                    f"nodes {nodes[0]} meets the side with nodes {nodes[1]}."
                 )
 
 
 def _near_each_other(boxes: Floats) -> tuple[Ints, Ints]:
-    """Pairs of boxes (k, 4) that meet."""
-    # Along a slanted direction, for the sides of a straight edge to be apart.
+    """Pairs of numbers (i < j in sweep order) of boxes (k, 4) that overlap."""
+    # The sweep direction is oblique: the boxes of a straight edge then do not overlap in it.
     least, most = boxes[:, :2] @ _SLANTED, boxes[:, 2:] @ _SLANTED
     order = np.argsort(least, kind="stable")
     count = np.searchsorted(least[order], most[order], side="right") - np.arange(1, len(order) + 1)
-    one = np.repeat(np.arange(len(order)), count)
-    other = one + 1 + np.arange(len(one)) - np.repeat(np.cumsum(count) - count, count)
-    one, other = order[one], order[other]
-    meet = (boxes[one, :2] <= boxes[other, 2:]).all(axis=1) & (boxes[other, :2] <= boxes[one, 2:]).all(axis=1)
-    return one[meet], other[meet]
+    i = np.repeat(np.arange(len(order)), count)
+    j = i + 1 + np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count)
+    i, j = order[i], order[j]
+    overlap = (boxes[i, :2] <= boxes[j, 2:]).all(axis=1) & (boxes[j, :2] <= boxes[i, 2:]).all(axis=1)
+    return i[overlap], j[overlap]
 
 
 def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
-    """At which part of their length segments from a to b cross those from c to d, (…, 2) each; NaN if nowhere."""
+    """Parameter in (0, 1) at which the segment a–b crosses the segment c–d, points (…, 2); NaN without a crossing."""
 
     def turn(p: Floats, q: Floats, r: Floats) -> Floats:
         u, v = q - p, r - p
@@ -197,12 +198,12 @@ def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
 
 
 def check_one_piece(points: Floats, elements: Ints) -> None:
-    """Check that every element can be reached from every other through sides."""
-    of, side = np.nonzero(maps.real_sides(elements))
-    midsides = elements[of, 4 + side]
+    """Check that the mesh is connected through sides."""
+    element, side = np.nonzero(maps.real_sides(elements))
+    midsides = elements[element, 4 + side]
     order = np.argsort(midsides, kind="stable")
     shared = np.flatnonzero(np.diff(midsides[order]) == 0)
-    piece = components(len(elements), of[order[shared]], of[order[shared + 1]])
+    piece = components(len(elements), element[order[shared]], element[order[shared + 1]])
     if (count := int(piece.max()) + 1) > 1:
         names = [name_element(points, elements, int(np.argmax(piece == i))) for i in range(min(count, 3))]
         raise InputError(
@@ -212,7 +213,7 @@ def check_one_piece(points: Floats, elements: Ints) -> None:
 
 
 def check_edge(name: str, triples: Ints, sides: Ints) -> None:
-    """Check that a named edge is made of element sides with the plate on the left."""
+    """Check that a named edge consists of element sides with the plate on the left."""
     if triples.ndim != 2 or triples.shape[1] != 3 or not len(triples):
         raise InputError(f"Edge {name!r} must be node triples of shape (k, 3) with k ≥ 1; found {triples.shape}.")
     order = np.argsort(sides[:, 1], kind="stable")
@@ -228,21 +229,21 @@ def check_edge(name: str, triples: Ints, sides: Ints) -> None:
 
 
 def on_boundary(elements: Ints) -> Bools:
-    """Tell which sides (ne, 4) of elements (ne, 8) belong to one element only."""
+    """Mask (ne, 4) of the sides of elements (ne, 8) that belong to one element only."""
     midsides, real = elements[:, 4:], maps.real_sides(elements)
     return np.asarray((np.bincount(midsides[real], minlength=int(elements.max()) + 1)[midsides] == 1) & real)
 
 
 def loops(sides: Ints) -> Ints:
-    """Order boundary sides (k, 3) loop after loop, each beginning at its lowest corner number."""
-    onward: dict[int, list[int]] = {}
+    """Order boundary sides (k, 3) loop after loop, each from its lowest corner number."""
+    outgoing: dict[int, list[int]] = {}
     for index in np.lexsort((sides[:, 2], sides[:, 0]))[::-1].tolist():
-        onward.setdefault(int(sides[index, 0]), []).append(index)
+        outgoing.setdefault(int(sides[index, 0]), []).append(index)
     order: list[int] = []
-    for start in sorted(onward):
+    for start in sorted(outgoing):
         corner = start
-        while onward.get(corner):
-            index = onward[corner].pop()
+        while outgoing.get(corner):
+            index = outgoing[corner].pop()
             order.append(index)
             corner = int(sides[index, 2])
     return np.asarray(sides[order])

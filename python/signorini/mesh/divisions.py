@@ -1,4 +1,4 @@
-"""Divisions of a length into elements that follow lines, or are small where it is asked; the axes of a plate."""
+"""Division of a length into elements that follow lines and size limits; the normal axes of a plate."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ import numpy.typing as npt
 from signorini.shapes.arrays import Floats
 
 _SAME = 1e-9
-_STEEPEST = 3.0
+"""Relative tolerance for equal coordinates and sizes, relative to the interval or the larger size."""
+_MAX_RATIO = 3.0
+"""Largest ratio of the sizes of neighbouring parts at a line that `subdivide` follows."""
 
 
 def subdivide(
@@ -27,31 +29,31 @@ def subdivide(
     *,
     first: int = 1,
 ) -> Floats:
-    """Divide an interval into ``count`` parts with joints (count + 1,) at wanted lines, exactly at their numbers.
+    """Divide an interval into ``count`` parts with joints (count + 1,) at the lines, exactly at their coordinates.
 
-    If equal parts have all lines, the parts are equal. Else each piece between lines has equal parts, and the pieces
-    share the count so that the largest part is smallest. A line is left out when there are not enough parts, or when
-    parts on its two sides would differ in size by more than 3 to 1; lesser ones that keep another from being followed
-    are left out first. Before the first joint at a line there are at least ``first`` parts.
+    The parts are equal if the joints of equal parts include all lines. Otherwise the parts are equal between
+    consecutive lines, and the count is shared so that the largest part is smallest. A line is skipped if there are too
+    few parts, or if the parts at its sides would differ by more than 3 to 1; lesser lines are skipped first. Before the
+    first line there are at least ``first`` parts.
     """
-    even = np.linspace(start, stop, count + 1)
+    equal = np.linspace(start, stop, count + 1)
     same = _SAME * (stop - start)
-    joints, followed = even, list[float]()
+    joints, followed = equal, list[float]()
     for group in filter(len, (lines, lesser)):
         wanted = [start, *followed, stop]
         for line in sorted(group):
             place = bisect.bisect(wanted, line)
             if 0 < place < len(wanted) and line - wanted[place - 1] > same and wanted[place] - line > same:
                 wanted.insert(place, line)
-        joints, followed = _followed(even, wanted[1:-1], set(followed), first)
+        joints, followed = _followed(equal, wanted[1:-1], set(followed), first)
     return joints
 
 
-def _followed(even: Floats, wanted: list[float], kept: set[float], first: int) -> tuple[Floats, list[float]]:
-    """Joints at wanted lines, those kept among them, and the lines that they are at."""
-    start, stop, count = float(even[0]), float(even[-1]), len(even) - 1
+def _followed(equal: Floats, wanted: list[float], kept: set[float], first: int) -> tuple[Floats, list[float]]:
+    """Joints at as many wanted lines as possible, including all kept ones, and these lines."""
+    start, stop, count = float(equal[0]), float(equal[-1]), len(equal) - 1
     same = _SAME * (stop - start)
-    while any(np.abs(even[first:] - line).min() > same for line in wanted):
+    while any(np.abs(equal[first:] - line).min() > same for line in wanted):
         knots = np.array([start, *wanted, stop])
         lengths = np.diff(knots)
         counts = _share(lengths, count, first)
@@ -60,7 +62,7 @@ def _followed(even: Floats, wanted: list[float], kept: set[float], first: int) -
         else:
             sizes = lengths / counts
             steps = np.maximum(sizes[1:] / sizes[:-1], sizes[:-1] / sizes[1:])
-            if steps.max() <= _STEEPEST * (1.0 + _SAME):
+            if steps.max() <= _MAX_RATIO * (1.0 + _SAME):
                 parts = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(knots, knots[1:], counts, strict=False)]
                 return np.append(np.concatenate(parts), stop), wanted
             worst = _first_largest(steps)
@@ -70,18 +72,18 @@ def _followed(even: Floats, wanted: list[float], kept: set[float], first: int) -
             others = [line for line in wanted if line not in kept]
             away = np.abs(np.array(others) - 0.5 * (knots[culprit] + knots[culprit + 1]))
             ends = [others[_first_largest(-away, same)]]
-        wanted.remove(ends[_first_largest(np.array([np.abs(even - line).min() for line in ends]), same)])
-    return even, wanted
+        wanted.remove(ends[_first_largest(np.array([np.abs(equal - line).min() for line in ends]), same)])
+    return equal, wanted
 
 
 def _first_largest(values: Floats, same: float | None = None) -> int:
-    """The first of the values that are largest up to rounding, so that units make no difference."""
+    """Index of the first value that equals the largest up to rounding: independent of the unit."""
     largest = values.max()
     return int(np.argmax(values >= largest - (_SAME * abs(largest) if same is None else same)))
 
 
 def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | None:
-    """Share divisions among pieces, each next one to the piece with the largest parts; None if there are too few."""
+    """Distribute parts over pieces, each to the piece with the largest parts; None if there are too few."""
     counts = np.ones(len(lengths), dtype=np.int64)
     counts[0] = first
     if counts.sum() > count:
@@ -90,7 +92,7 @@ def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | N
     heapq.heapify(heap)
     left = count - int(counts.sum())
     while left:
-        # Pieces that are equal up to rounding keep their order.
+        # Pieces with parts of equal size, up to rounding, are served in their order.
         ties = [heapq.heappop(heap)]
         while heap and heap[0][0] <= ties[0][0] * (1.0 - _SAME):
             ties.append(heapq.heappop(heap))
@@ -102,15 +104,17 @@ def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | N
 
 
 Cap = tuple[float, float, float]
-"""From, to, and the largest size between."""
+"""Start, end, and the largest element size between them."""
 
 STEEPEST = 1.3
-"""Size of an element over that of its neighbour, at most."""
+"""Largest ratio of the sizes of neighbouring elements of a graded division."""
 
 _SHORTEST = 0.5
-"""Smallest piece between two lines, relative to the requested size; with a shorter one a line is left out."""
+"""Smallest distance between two lines, relative to the requested size; closer lines are skipped."""
 _SAMPLES = 4000
+"""Points of the numerical integral of 1/size between two lines."""
 _ROUNDS = 50
+"""Largest number of passes that reduce the ratio of neighbouring sizes."""
 
 
 def graded(
@@ -121,10 +125,11 @@ def graded(
     lines: Sequence[float] = (),
     lesser: Sequence[float] = (),
 ) -> Floats:
-    """Divide an interval into elements of at most a size, smaller under caps, with joints at lines, first at `lines`.
+    """Divide an interval into elements of at most ``size``, or of the caps, with joints at lines.
 
-    Away from a cap the size grows by the distance times ln 1.3, so that neighbours differ by 1.3 at most. Between
-    lines the joints share ∫ dx/size equally; a piece whose elements come out smaller is a cap to the others.
+    Away from a cap the size grows by ln 1.3 times the distance, so that neighbours differ by 1.3 at most. Between lines
+    the joints divide ∫ dx/size equally; a piece with smaller elements is a cap for its neighbours. Lesser lines too
+    close to `lines` are skipped.
     """
     wanted = list(caps)
     knots = _kept(start, stop, (lines, lesser), size, wanted)
@@ -144,22 +149,22 @@ def graded(
 def _kept(
     start: float, stop: float, groups: Iterable[Sequence[float]], size: float, caps: Sequence[Cap]
 ) -> list[float]:
-    """Lines with room for an element between them and beside the ends; the groups in turn."""
+    """Lines that leave at least half an element to each other and to the ends; earlier groups first."""
     knots = [start, stop]
     for line in (line for group in groups for line in sorted(group)):
-        asked = _SHORTEST * float(_size(np.array([line]), size, caps)[0])
+        least = _SHORTEST * float(_size(np.array([line]), size, caps)[0])
         place = bisect.bisect(knots, line)
-        if 0 < place < len(knots) and line - knots[place - 1] >= asked and knots[place] - line >= asked:
+        if 0 < place < len(knots) and line - knots[place - 1] >= least and knots[place] - line >= least:
             knots.insert(place, line)
     return knots
 
 
 def _size(x: Floats, size: float, caps: Sequence[Cap]) -> Floats:
-    result = np.full(len(x), size)
+    sizes = np.full(len(x), size)
     for a, b, most in caps:
-        away = np.maximum(np.maximum(a - x, x - b), 0.0)
-        result = np.minimum(result, most + math.log(STEEPEST) * away)
-    return result
+        distance = np.maximum(np.maximum(a - x, x - b), 0.0)
+        sizes = np.minimum(sizes, most + math.log(STEEPEST) * distance)
+    return sizes
 
 
 def _divided(a: float, b: float, size: float, caps: Sequence[Cap]) -> Floats:
@@ -173,7 +178,7 @@ def _divided(a: float, b: float, size: float, caps: Sequence[Cap]) -> Floats:
 
 
 Axes: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
-"""Two unit vectors, along x and y in either order and sense."""
+"""Two unit vectors along ±x and ±y, in either order."""
 
 ALONG_X: Axes = ((1.0, 0.0), (0.0, 1.0))
 _AXES: tuple[Axes, ...] = tuple(
@@ -185,11 +190,10 @@ unit."""
 
 
 def axes_of(places: Sequence[Floats]) -> Axes:
-    """Choose the axes along which places reach farthest, by the second coordinate and then the first.
+    """Choose the axes with the lexicographically largest coordinates: second coordinates first.
 
-    Places (k, 2) are points of the outline, then of each thing on the plate, those of the first thing first; points of
-    one thing have no order. Of equal axes the first are chosen, x and y before all others: along either of them the
-    plate is the same.
+    ``places`` are the points (k, 2) of the outline and of each shape on the plate, in order; the order of points within
+    a shape has no influence. Among equal axes, along which the plate looks the same, x and y come first.
 
     Examples
     --------
@@ -199,11 +203,11 @@ def axes_of(places: Sequence[Floats]) -> Axes:
     """
     low, high = places[0].min(axis=0), places[0].max(axis=0)
     points = np.rint((np.concatenate(places) - 0.5 * (low + high)) / (_GRID * (high - low).max()))
-    thing = np.repeat(np.arange(len(places)), [len(some) for some in places])
+    shape = np.repeat(np.arange(len(places)), [len(points_of) for points_of in places])
 
     def along(axes: Axes) -> list[list[float]]:
         first, second = np.array(axes) @ points.T
-        order = np.lexsort((-first, -second, thing))
+        order = np.lexsort((-first, -second, shape))
         return np.column_stack([second[order], first[order]]).tolist()  # type: ignore[no-any-return]
 
     return max(_AXES, key=along)

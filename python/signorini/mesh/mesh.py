@@ -1,4 +1,4 @@
-"""A mesh of 8-node quadrilaterals and 6-node triangles: nodes, elements, named edges, and where points are in it."""
+"""Class `Mesh`: nodes, 8-node quadrilaterals and 6-node triangles, named edges, location of points."""
 
 from __future__ import annotations
 
@@ -29,30 +29,32 @@ _ROOT = np.sqrt(0.6)
 _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _ROOT)])
 _GAUSS_WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 81.0
 _TRIANGLE = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
-"""Points whose mean is that of quadratic functions on the triangle, as the determinants of its Jacobian are."""
+"""Quadrature points of the triangle, with equal weights; exact for quadratic functions such as its det J."""
 _ON_EDGE = 1e-9
-_OF_RISE = 0.1
-"""Part of a side's rise over its chord: a circle passes its parabola by less than half of it on elements of up to 90
-degrees."""
+"""Distance from a side, in reference coordinates, of points on it."""
+_RELATIVE_GAP = 0.1
+"""Bound of the distance between a circle and the parabola of a side, relative to the rise over the chord: twice the
+actual distance for elements of up to 90°."""
 _PAST_CURVED_EDGE = 2e-2
+"""Smallest distance past a curved boundary side, in reference coordinates, at which a point counts as inside."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Location(Brief):
-    """Where points are: their elements (q,), −1 outside the mesh, and reference points (q, 2), NaN outside."""
+    """Elements (q,) that contain points, -1 outside the mesh, and reference coordinates (q, 2), NaN outside."""
 
     elements: Ints
     xi: Floats
 
     @property
     def inside(self) -> Bools:
-        """Which points (q,) are in the mesh."""
+        """Mask (q,) of the points in the mesh."""
         return np.asarray(self.elements >= 0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(Remade):
-    """A mesh of isoparametric 8-node quadrilaterals and 6-node triangles. It checks itself when it is made.
+    """A mesh of isoparametric 8-node quadrilaterals and 6-node triangles, validated on construction.
 
     Parameters
     ----------
@@ -60,16 +62,16 @@ class Mesh(Remade):
         Nodes.
     elements : (ne, 8) int array
         Corners counter-clockwise, then the midsides, the first between the first two corners. A triangle with the
-        corners a, b, c repeats c: [a, b, c, c, ab, bc, c, ca]. A quadrilateral whose first side is collapsed to the
-        node c has it in all three places of that side: [c, c, a, b, c, ca, ab, bc].
+        corners a, b, c repeats c: [a, b, c, c, ab, bc, c, ca]. A quadrilateral whose first side is collapsed to node c
+        repeats it for the nodes of that side: [c, c, a, b, c, ca, ab, bc].
     edges : mapping from name to (k, 3) int array
-        Named edges: corner, midside, corner, each with the plate on its left. An interior line may run either way.
+        Named edges: corner, midside, corner, with the plate on the left. An interior line may have either direction.
 
     Raises
     ------
     InputError
-        If an element is turned inside out or badly distorted, or nodes hang, coincide or are not used, or the
-        mesh is in several pieces or overlaps itself, or an edge is not made of element sides.
+        If an element is inverted or badly distorted; nodes hang, coincide or are unused; the mesh is disconnected or
+        overlaps itself; or an edge does not consist of element sides.
 
     Examples
     --------
@@ -89,7 +91,7 @@ class Mesh(Remade):
     elements: Ints
     edges: Mapping[str, Ints]
     layers: tuple[Mesh, ...] = ()
-    """The meshes of several plates that this one is put together of, see `layered`."""
+    """The meshes of several plates that this mesh combines, see `layered`."""
 
     def __post_init__(self) -> None:
         """Copy the arrays, make them read-only and check the mesh."""
@@ -108,12 +110,12 @@ class Mesh(Remade):
 
     @classmethod
     def from_meshio(cls, data: meshio.Mesh) -> Self:
-        """Take the mesh that meshio has read or that was made for it.
+        """Convert a mesh of meshio.
 
-        Coincident nodes (within 1e-9 of the size) are merged, clockwise elements turned, the centre nodes of 9-node
-        quadrilaterals and unused nodes dropped. It holds 8- or 9-node quadrilaterals, 6-node triangles, or both, in a
-        plane of one z. The edge ``boundary`` is the whole outline. Further edges come from named groups of 3-node
-        lines, and from named groups of nodes that hold whole sides of the outline.
+        It must have 8- or 9-node quadrilaterals or 6-node triangles in a plane z = const. Coincident nodes (within 1e-9
+        of the size) are merged, clockwise elements reversed, center nodes of 9-node quadrilaterals and unused nodes
+        removed. The edge ``boundary`` is the whole outline. Other edges are named groups of 3-node lines, and named
+        groups of nodes that contain whole sides of the outline.
 
         Examples
         --------
@@ -129,24 +131,24 @@ class Mesh(Remade):
 
     @classmethod
     def layered(cls, meshes: Sequence[Self]) -> Self:
-        """Put meshes of plates that lie on one another in one table of nodes and elements, without edges.
+        """Combine the meshes of several plates in one table of nodes and elements, without edges.
 
-        It finds no points: these are in several of them.
+        It cannot locate points, since a point may be in several plates.
         """
         nodes = np.cumsum([0, *(mesh.node_count for mesh in meshes)])
         elements = [mesh.elements + first for mesh, first in zip(meshes, nodes, strict=False)]
-        result = object.__new__(cls)
+        combined = object.__new__(cls)
         points = np.concatenate([mesh.points for mesh in meshes])
         state = {"points": points, "elements": np.concatenate(elements), "edges": {}, "layers": tuple(meshes)}
-        result.__setstate__(state)
-        return result
+        combined.__setstate__(state)
+        return combined
 
     def __getstate__(self) -> dict[str, Any]:
-        """Give the arrays, without the view of the edges that nobody can change."""
+        """Return the arrays, with the edges as a dict."""
         return super().__getstate__() | {"edges": dict(self.edges)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take arrays that are a mesh's, and make them read-only."""
+        """Set the arrays of a mesh, and make them read-only."""
         for array in state["edges"].values():
             array.flags.writeable = False
         super().__setstate__(state | {"edges": MappingProxyType(state["edges"])})
@@ -163,17 +165,17 @@ class Mesh(Remade):
 
     @cached_property
     def diameter(self) -> float:
-        """Largest distance between two nodes, which places are told apart by: it is the same however the plate lies."""
+        """Largest distance between two nodes, the reference of tolerances: independent of rotation."""
         return diameter(self.points[np.unique(self.boundary)])
 
     @property
     def near(self) -> Tolerances:
-        """How near is the same."""
+        """Tolerances for equal positions."""
         return Tolerances(self.diameter)
 
     @cached_property
     def middle(self) -> Floats:
-        """Middle (2,) of the bounding box."""
+        """Center (2,) of the bounding box."""
         return np.asarray(0.5 * (self.points.min(axis=0) + self.points.max(axis=0)))
 
     @cached_property
@@ -183,59 +185,58 @@ class Mesh(Remade):
 
     @cached_property
     def triangles(self) -> Bools:
-        """Which elements (ne,) are triangles."""
+        """Mask (ne,) of the triangles."""
         return maps.are_triangles(self.elements)
 
     @cached_property
     def sides(self) -> Ints:
-        """Node triples (ne, 4, 3) of every element's sides, the element on the left.
+        """Node triples (ne, 4, 3) of the sides of each element, with the element on the left.
 
-        A side that is one node, the third of a triangle or a collapsed one, is this node three times.
+        A collapsed side, such as the third of a triangle, repeats its node three times.
         """
         return np.asarray(self.elements[:, np.array(maps.SIDES)])
 
     @cached_property
     def unique_sides(self) -> Ints:
-        """Node triples (k, 3) of every side once."""
+        """Node triples (k, 3) of the unique sides."""
         sides = self.sides[maps.real_sides(self.elements)]
         return np.asarray(sides[np.unique(sides[:, 1], return_index=True)[1]])
 
     @property
     def spanning(self) -> Bools:
-        """Quadrilaterals (ne,) that reach from edge to edge: alone between these they hardly bend."""
+        """Mask (ne,) of the quadrilaterals with two opposite sides on the boundary: one element bends too little."""
         outer = self.on_boundary
         return ~self.triangles & ((outer[:, 0] & outer[:, 2]) | (outer[:, 1] & outer[:, 3]))
 
     @cached_property
     def on_boundary(self) -> Bools:
-        """Which sides (ne, 4) of the elements belong to one element only."""
+        """Mask (ne, 4) of the element sides on the boundary."""
         return mesh_checks.on_boundary(self.elements)
 
     @cached_property
     def boundary(self) -> Ints:
-        """Node triples (k, 3) of the boundary, the plate on the left, loop after loop."""
+        """Node triples (k, 3) of the boundary, with the plate on the left, loop after loop."""
         return mesh_checks.loops(self.sides[self.on_boundary])
 
     @cached_property
     def holes(self) -> tuple[Floats, ...]:
-        """Points (k, 2) along every hole."""
+        """Polygons (k, 2) of the holes."""
         return holes(self.points, self.boundary)
 
     @cached_property
     def element_area(self) -> Floats:
         """Area (ne,) of every element."""
         area = np.empty(len(self.elements))
-        of_squares = maps.determinants(self.nodes[~self.triangles], _GAUSS) @ _GAUSS_WEIGHTS
-        area[~self.triangles] = of_squares
+        area[~self.triangles] = maps.determinants(self.nodes[~self.triangles], _GAUSS) @ _GAUSS_WEIGHTS
         area[self.triangles] = 0.5 * maps.determinants(self.nodes[self.triangles], _TRIANGLE, True).mean(axis=1)
         return area
 
     def part(self, elements: Ints) -> Mesh:
-        """Some of the elements (k,), in this order, with all nodes and without edges; nothing is checked again."""
+        """A mesh of some elements (k,), with all nodes and without edges; not validated."""
         return self._with({"points": self.points, "elements": self.elements[elements], "edges": {}})
 
     def with_triangles(self) -> Mesh:
-        """Make triangles of the quadrilaterals that have a collapsed side; nothing is checked again."""
+        """Convert quadrilaterals with a collapsed side to triangles; not validated."""
         degenerate = maps.are_degenerate(self.elements)
         if not degenerate.any():
             return self
@@ -243,19 +244,19 @@ class Mesh(Remade):
         return self._with({"points": self.points, "elements": elements, "edges": self.edges})
 
     def shape_functions(self, elements: Ints, xi: Floats) -> Floats:
-        """Compute the shape functions (q, 8) of elements (q,) at reference points (q, 2)."""
+        """Shape functions N (q, 8) of elements (q,) at reference points ξ (q, 2)."""
         return shape_values(self.elements, elements, xi)
 
     def corners_of_sides(self, elements: Ints, sides: Ints) -> tuple[Floats, Floats]:
-        """Give the reference points (q, 2) at which sides (q,) of elements (q,) begin and end."""
+        """Reference points (q, 2) of the start and the end of sides (q,) of elements (q,)."""
         triangles = self.triangles[elements, None]
         begin, end = ((maps.TRIANGLE_CORNERS[at], maps.CORNERS[at]) for at in (sides, (sides + 1) % 4))
         return np.where(triangles, *begin), np.where(triangles, *end)
 
     def spread(self, elements: Ints, stations: Floats, part: float = 1.0) -> Floats:
-        """Take points (s, 2) spread over the square [−1, 1]² into elements (k,): positions (k, s, 2).
+        """Map points (s, 2) of the square [−1, 1]² into elements (k,): positions (k, s, 2).
 
-        Their reference points are moved to ``part`` of their distance from the element's middle.
+        The distances of the reference points from the element's center are scaled by ``part``.
         """
         places = np.empty((len(elements), len(stations), 2))
         triangles = self.triangles[elements]
@@ -265,36 +266,36 @@ class Mesh(Remade):
         return places
 
     def inward(self, elements: Ints, xi: Floats, part: float) -> Floats:
-        """Move reference points (q, 2) of elements (q,) to a part of their distance from the element's middle."""
+        """Scale the distances of reference points (q, 2) from the centers of elements (q,) by ``part``."""
         middle = self.triangles[elements, None] * maps.CENTROID
         return np.asarray(middle + part * (xi - middle))
 
     def map(self, elements: Ints, xi: Floats) -> Floats:
-        """Compute the positions (q, 2) of reference points (q, 2) of elements (q,)."""
+        """Positions x(ξ) (q, 2) of reference points ξ (q, 2) of elements (q,)."""
         return map_points(self.points, self.elements, elements, xi)
 
     def nodal_forces(self, elements: Ints, xi: Floats, forces: Floats) -> Floats:
-        """Compute forces (n,) at the nodes worth as much as forces (q,) at reference points (q, 2) of elements (q,)."""
+        """Nodal forces Nᵀf (n,) equivalent to forces f (q,) at reference points (q, 2) of elements (q,)."""
         return nodal_forces(self.node_count, self.elements, elements, xi, forces)
 
     def jacobian(self, elements: Ints, xi: Floats) -> Floats:
-        """Differentiate the position by the reference coordinates: (q, 2, 2), position first."""
+        """Jacobian ∂x/∂ξ (q, 2, 2); the first index is that of x."""
         return maps.jacobians(self.nodes[elements], xi)
 
     def invert(self, elements: Ints, points: Floats) -> Floats:
-        """Find the reference points (q, 2) of positions (q, 2) known to be in, or just outside, elements (q,)."""
-        xi, result = maps.invert(self.nodes[elements], points)
-        if not result.all():
-            place = mesh_checks.name_element(self.points, self.elements, int(elements[np.argmin(result)]))
-            raise InputError(f"{place} is so distorted that points in it cannot be mapped; improve its shape.")
+        """Reference points (q, 2) of positions (q, 2) in, or just outside, elements (q,)."""
+        xi, converged = maps.invert(self.nodes[elements], points)
+        if not converged.all():
+            place = mesh_checks.name_element(self.points, self.elements, int(elements[np.argmin(converged)]))
+            raise InputError(f"{place} is too distorted to map points in it; improve its shape.")
         return xi
 
     def locate(self, points: Floats) -> Location:
-        """Find the elements that points are in.
+        """Find the elements that contain points.
 
-        A point on a side or node belongs to the first of the elements that share it. One at most 2e-2 in reference
-        coordinates past a curved convex boundary edge counts as inside (a point of the true circle lies past the edge's
-        parabola) and keeps its reference coordinate beyond 1.
+        A point on a side or node belongs to the first of the elements that share it. A point of a circle may lie past
+        the parabola of a convex boundary edge: up to 2e-2 in reference coordinates it counts as inside, and keeps its
+        reference coordinate beyond 1.
         """
         points = np.asarray(points, dtype=np.float64)
         point, held = self.holding(points)
@@ -306,7 +307,7 @@ class Mesh(Remade):
         return Location(elements, reference)
 
     def nearest(self, points: Floats) -> Location:
-        """Find points (q, 2) as `locate` does; those just beyond the outline are past the side of an element there."""
+        """Locate points (q, 2) as `locate`; a point outside belongs to the element with the nearest boundary side."""
         where = self.locate(points)
         off = np.flatnonzero(~where.inside)
         if not len(off):
@@ -317,13 +318,13 @@ class Mesh(Remade):
         return Location(elements, xi)
 
     def beside(self, points: Floats) -> Ints:
-        """Find the elements (q,) whose sides on the boundary are nearest to points (q, 2)."""
+        """The elements (q,) with the boundary sides nearest to points (q, 2)."""
         beside, side = np.nonzero(self.on_boundary)
         middles = self.points[self.sides[beside, side, 1]]
         return np.array([beside[((middles - at) ** 2).sum(axis=1).argmin()] for at in points], np.int64)
 
     def holding(self, points: Floats) -> tuple[Ints, Location]:
-        """Find every element that points (q, 2) are in, as `locate` does: the points' numbers (k,), and where."""
+        """Find all elements that contain points (q, 2), see `locate`: point numbers (k,), and locations (k,)."""
         point, element = self._tree.pairs(points)
         xi, result = maps.invert(self.nodes[element], points[point])
         past = self.past(element, xi)
@@ -340,13 +341,13 @@ class Mesh(Remade):
         return point, Location(element, xi - 0.5 * over[:, None])
 
     def onto_curved_sides(self, where: Location, reach: float) -> Floats:
-        """Reference points (q, 2), those on curved sides that are within reach of the circles for which these stand.
+        """Move points within ``reach`` of the circle of a curved side onto the side; return reference points (q, 2).
 
-        None is moved by more than a tenth of its side's rise.
+        No point is moved by more than a tenth of the rise of its side.
         """
         element, xi = where.elements, where.xi.copy()
         triangles, past = self.triangles[element], self.past(element, xi)
-        near = self._curved[element] & (np.abs(past) <= _OF_RISE * np.abs(self.sagitta / self._depth)[element])
+        near = self._curved[element] & (np.abs(past) <= _RELATIVE_GAP * np.abs(self.sagitta / self._depth)[element])
         query, side = np.nonzero(near)
         a, middle, b = np.moveaxis(self.points[self.sides[element[query], side]], 1, 0)
         inward = 0.5 * (a + b) - middle
@@ -362,9 +363,9 @@ class Mesh(Remade):
         return np.asarray(xi - 0.5 * over[:, None])
 
     def past(self, element: Ints, xi: Floats) -> Floats:
-        """Measure how far (q, 4) reference points (q, 2) lie past the sides of elements (q,).
+        """Signed distances (q, 4) of reference points (q, 2) past the sides of elements (q,), in reference coordinates.
 
-        No point is past the third side of a triangle.
+        For the third side of a triangle, which is a node, the distance is -1.
         """
         past = np.column_stack([-xi[:, 1], xi[:, 0], xi[:, 1], -xi[:, 0]]) - 1.0
         r, s = xi.T
@@ -372,7 +373,7 @@ class Mesh(Remade):
         return np.where(self.triangles[element, None], of_triangles, past)
 
     def nodes_at(self, points: npt.ArrayLike) -> Ints:
-        """Find the nodes (q,) that points (q, 2) lie at, of tolerance `near.place`; -1 where there is none.
+        """Nodes (q,) at points (q, 2), within the tolerance `near.place`; -1 without a node.
 
         Examples
         --------
@@ -380,54 +381,50 @@ class Mesh(Remade):
         >>> rectangle((0.0, 0.0), (4.0, 2.0), (1, 1)).nodes_at([[4.0, 2.0], [1.0, 1.0]]).tolist()
         [7, -1]
         """
-        at = np.reshape(np.asarray(points, dtype=np.float64), (-1, 2))
-        nodes = self.elements[self.locate(at).elements]
-        distance = np.linalg.norm(self.points[nodes] - at[:, None], axis=2)
-        nearest = np.arange(len(at)), distance.argmin(axis=1)
+        positions = np.reshape(np.asarray(points, dtype=np.float64), (-1, 2))
+        nodes = self.elements[self.locate(positions).elements]
+        distance = np.linalg.norm(self.points[nodes] - positions[:, None], axis=2)
+        nearest = np.arange(len(positions)), distance.argmin(axis=1)
         return np.where(distance[nearest] <= self.near.place, nodes[nearest], -1)
 
     def edges_along(self, curve: Curve) -> Ints | None:
-        """Find the sides that together cover a curve.
+        """Find the sides that cover a curve; None if the mesh does not follow the curve.
 
-        They are node triples (k, 3) in the order and direction of the curve (a ring counter-clockwise), with all nodes
-        on it within 1e-8 of the mesh's diameter; None if the mesh does not follow the curve. Of a ring that leaves the
-        plate, the part on the plate has to be covered.
+        The node triples (k, 3) have the order and direction of the curve, a ring counter-clockwise. All nodes are on it
+        within 1e-8 of the mesh's diameter. A ring that leaves the plate must be covered on the plate.
         """
         triples, tolerance = self.unique_sides, self.near.place
         if not isinstance(curve, Ring):
             return edges_on_polyline(self.points, triples, curve.sides, tolerance)
-        result = edges_on_ring(self.points, triples, curve, tolerance)
-        if result is None or self.locate(result.gaps).inside.any():
+        on_ring = edges_on_ring(self.points, triples, curve, tolerance)
+        if on_ring is None or self.locate(on_ring.gaps).inside.any():
             return None
-        return result.triples
+        return on_ring.triples
 
     def sides_on(self, curve: Curve) -> Ints:
-        """Find the sides (k, 3) on a curve, of which it may leave out less than half where it ends.
+        """Find the sides (k, 3) on a curve; at least half of each side lies on it.
 
-        Other than with `edges_along` the mesh need not follow all of the curve.
+        The mesh may follow a part of the curve only; see `edges_along` for the whole curve.
         """
         triples, tolerance = self.unique_sides, self.near.place
         if not isinstance(curve, Ring):
             return sides_mostly_on(self.points, triples, curve.sides, tolerance)
-        result = edges_on_ring(self.points, triples, curve, tolerance)
-        return np.zeros((0, 3), np.int64) if result is None else result.triples
+        on_ring = edges_on_ring(self.points, triples, curve, tolerance)
+        return np.zeros((0, 3), np.int64) if on_ring is None else on_ring.triples
 
     def boundary_beside(self, ring: Ring) -> Ints:
-        """Find the sides (k, 3) of the boundary that a circle runs along: it all but is the one that they stand for.
-
-        It is on the plate then, as far beyond them as points count as inside.
-        """
+        """Find the boundary sides (k, 3) that approximate a circle, within the reach of points that count as inside."""
         element, side = np.nonzero(self.on_boundary & self._curved & (self.sagitta > 0.0))
         triples = self.sides[element, side]
         beyond = ring.radius - np.hypot(*np.moveaxis(self.points[triples] - ring.center, 2, 0))
         most = (self._reach * self._depth)[element, side]
-        near = (beyond >= -_OF_RISE * self.sagitta[element, side, None]) & (beyond <= most[:, None])
+        near = (beyond >= -_RELATIVE_GAP * self.sagitta[element, side, None]) & (beyond <= most[:, None])
         return np.asarray(triples[near.all(axis=1)])
 
     def find_sides(self, triples: Ints) -> tuple[Ints, Ints, Bools]:
-        """Find the element and side of node triples (k, 3), and whether they run with the element on the left.
+        """Elements (k,) and side numbers (k,) of node triples (k, 3); mask of those with the element on the left.
 
-        Of the two sides of an interior line the one with the element on the left is given.
+        For a side of two elements, the element on the left is returned.
         """
         sides = self.sides.reshape(-1, 3)
         n = self.node_count
@@ -455,32 +452,32 @@ class Mesh(Remade):
 
     @cached_property
     def _chords(self) -> Floats:
-        """From corner to corner (ne, 4, 2) of every side."""
+        """Chord vectors (ne, 4, 2) of the sides."""
         return np.asarray(self.points[self.sides[..., 2]] - self.points[self.sides[..., 0]])
 
     @cached_property
     def _lengths(self) -> Floats:
-        """Lengths (ne, 4) of the chords; 1 of what is no side of a triangle."""
+        """Lengths (ne, 4) of the chords; 1 for collapsed sides."""
         return np.where(maps.real_sides(self.elements), np.hypot(*np.moveaxis(self._chords, 2, 0)), 1.0)
 
     @cached_property
     def sagitta(self) -> Floats:
-        """How far (ne, 4) the midside nodes lie outside the chord of their side; negative inside."""
+        """Rise (ne, 4) of the midside nodes over the chord, positive outwards."""
         chord, offset = self._chords, self.points[self.sides[..., 1]] - self.points[self.sides[..., 0]]
         return np.asarray((chord[..., 1] * offset[..., 0] - chord[..., 0] * offset[..., 1]) / self._lengths)
 
     def round_outline_area(self, box: tuple[float, float, float, float]) -> float:
-        """Bound the area between curved boundary edges in a box x0, y0, x1, y1 and the circles they stand for."""
+        """Bound of the area between curved boundary edges in a box x0, y0, x1, y1 and their circles."""
         low, high = np.array(box[:2]), np.array(box[2:])
         boxes, areas = self._round_outline
         return float(areas[(boxes[:, :2] <= high).all(axis=1) & (boxes[:, 2:] >= low).all(axis=1)].sum())
 
     @cached_property
     def _round_outline(self) -> tuple[Floats, Floats]:
-        """Boxes (k, 4) of the curved boundary edges, circles included, and the areas (k,) between these and them."""
+        """Bounding boxes (k, 4) of curved boundary edges with their circles, and bounds (k,) of the areas between."""
         curved = self.on_boundary & self._curved
         sides, rise, chord = self.points[self.sides[curved]], np.abs(self.sagitta[curved]), self._lengths[curved]
-        # Of a circle of chord c and sagitta s it is less than 0.03 c s on elements of up to 90 degrees.
+        # For chord c and rise s the area is less than 0.03 c s, for elements of up to 90°.
         return maps.side_boxes(sides) + rise[:, None] * np.array([-1.0, -1.0, 1.0, 1.0]), 0.03 * chord * rise
 
     @cached_property
@@ -489,19 +486,19 @@ class Mesh(Remade):
 
     @cached_property
     def _depth(self) -> Floats:
-        """How deep elements are behind each side (ne, 4)."""
+        """Depth (ne, 4) of the elements normal to each side."""
         return np.asarray(self.element_area[:, None] / self._lengths)
 
     @cached_property
     def _reach(self) -> Floats:
-        """How far (ne, 4) past each side, in reference coordinates, a point still counts as inside."""
-        past = np.clip(_OF_RISE * self.sagitta / self._depth, _PAST_CURVED_EDGE, 0.3)
+        """Distance (ne, 4) past each side, in reference coordinates, up to which a point counts as inside."""
+        past = np.clip(_RELATIVE_GAP * self.sagitta / self._depth, _PAST_CURVED_EDGE, 0.3)
         curved = self.on_boundary & self._curved & (self.sagitta > 0.0)
         return np.where(curved, past, self._rounding[:, None])
 
     @cached_property
     def boxes(self) -> Floats:
-        """Boxes (ne, 4) xmin, ymin, xmax, ymax that contain the elements, curved sides included."""
+        """Bounding boxes (ne, 4) xmin, ymin, xmax, ymax of the elements, curved sides included."""
         boxes = maps.side_boxes(self.points[self.sides].reshape(-1, 3, 2)).reshape(-1, 4, 4)
         corners = np.moveaxis(boxes.reshape(-1, 8, 2), 1, 0)
         return np.hstack(maps.bounds(corners))

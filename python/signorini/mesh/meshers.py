@@ -1,4 +1,4 @@
-"""Meshes of rectangles, discs, annuli and their sectors, of any outline, and those with every element in four."""
+"""Meshes of rectangles, discs, annuli, sectors and outlines; uniform division of a mesh."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ def rectangle(
 ) -> Mesh:
     """Mesh a rectangle along the axes.
 
-    The numbers of divisions along x and y are kept. Grid lines follow `x_lines` and `y_lines`, to which the lesser ones
-    give way, where `subdivide` can. In boxes (x0, y0, x1, y1) of ``refined`` elements are of a size of their own; one
-    that reaches from side to side asks for it across alone. Then there are more elements than the divisions say
-    (`graded`). Pieces between lines that are alike get their elements from where the axes begin (`axes_of`).
+    There are ``divisions`` elements along x and y. Grid lines follow `x_lines` and `y_lines`, then the lesser lines, as
+    far as `subdivide` can. ``refined`` are boxes (x0, y0, x1, y1) with an element size; a box that spans the plate in
+    one direction refines the other direction only. Refinement increases the number of elements (`graded`). Equal pieces
+    between lines are filled from the start of the axes (`axes_of`).
     """
     x = _with_middles(_joints(0, origin, size, divisions, (x_lines, x_lesser), refined, axes))
     y = _with_middles(_joints(1, origin, size, divisions, (y_lines, y_lesser), refined, axes))
@@ -62,7 +62,7 @@ def _joints(
     refined: Sequence[Refined],
     axes: Axes,
 ) -> Floats:
-    """Joints of a rectangle's elements along an axis."""
+    """Coordinates of the grid lines of a rectangle along an axis."""
     start, length, across = origin[axis], size[axis], size[1 - axis]
     caps = []
     for box, most in refined:
@@ -79,13 +79,13 @@ def _joints(
         within = [(min(sense * low, sense * high), max(sense * low, sense * high), most) for low, high, most in caps]
         return np.sort(sense * graded(begin, end, length / divisions[axis], within, *wanted))
 
-    # Which end it begins from matters for pieces that are alike alone; else coordinates keep their digits.
+    # The direction matters for equal pieces only; otherwise the coordinates keep their digits.
     forward = along(1.0)
     if axes[0][axis] + axes[1][axis] > 0:
         return forward
     backward = along(-1.0)
-    alike = len(forward) == len(backward) and np.abs(forward - backward).max() <= _SAME * length
-    return forward if alike else backward
+    equal = len(forward) == len(backward) and np.abs(forward - backward).max() <= _SAME * length
+    return forward if equal else backward
 
 
 def annulus(
@@ -96,11 +96,11 @@ def annulus(
     sector: float = 360,
     radii: Sequence[float] = (),
 ) -> Mesh:
-    """Mesh the space between two circles, or a sector of it counted from the x axis.
+    """Mesh an annulus, or a sector of ``sector`` degrees from the x axis.
 
-    The numbers of elements along a radius and along the circumference are kept. Circles of the radii are followed where
-    `subdivide` can. Its edges are inner and outer, of a sector start (at angle 0) and end too. Nodes on circles are on
-    them exactly.
+    ``divisions`` are the numbers of elements along a radius and along the circumference. Circles of the radii are
+    followed as far as `subdivide` can. The edges are inner and outer; a sector also has start (at angle 0) and end.
+    Nodes of circles are exactly on them.
     """
     radial, around = divisions
     closed = sector == 360.0
@@ -124,13 +124,13 @@ def disc(
     sector: float = 360,
     radii: Sequence[float] = (),
 ) -> Mesh:
-    """Mesh a disc, or a sector of it counted from the x axis, with a square core inside rings.
+    """Mesh a disc, or a sector of 90° or 180° from the x axis, with a square core inside rings.
 
-    Divisions are elements along a radius, those of the core included, and along the circumference. The circumference
-    takes the next multiple of 4 (of 2 for a quarter). The core of a disc with 4m elements around has m × m of them; of
-    a half disc with 4m, 2m × m; of a quarter with 2m, m × m. A radius takes at least those of the core and a quarter as
-    many again, over which the core's outline turns into a circle, and one for each of `radii`. Its edges are the rim,
-    of a sector start (at angle 0) and end too. Nodes on circles are on them exactly.
+    ``divisions`` are the numbers of elements along a radius, core included, and along the circumference, which is
+    rounded up to a multiple of 4 (quarter: 2). The core of a disc with 4m elements around has m × m elements; of a half
+    disc with 4m, 2m × m; of a quarter with 2m, m × m. A radius has at least the elements of the core, a quarter as many
+    for the transition to a circle, and one for each of `radii`. The edges are the rim; a sector also has start (at
+    angle 0) and end. Nodes of circles are exactly on them.
     """
     quarters = int(sector) // 90
     cells = -(-divisions[1] // (2 if quarters == 1 else 4))
@@ -169,29 +169,29 @@ def disc(
 
 
 def _with_most_of(radius: float, radial: int, radii: Sequence[float], first: int) -> Floats:
-    """Joints along a radius, as many as asked for, or else up to twice as many, so that most of the radii are joints.
+    """Joints along a radius: ``radial`` parts, or up to twice as many if more of the radii then are joints.
 
-    A circle that the core fills has small elements, and beside it must not be much larger ones.
+    The elements of a small core are small, and neighbours of much larger size are not allowed.
     """
-    wanted = [one for one in radii if one < radius * (1.0 - _SAME)]
-    result, most = np.zeros(0), -1
+    wanted = [r for r in radii if r < radius * (1.0 - _SAME)]
+    best, most = np.zeros(0), -1
     for count in range(radial, 2 * radial + 1):
         knots = subdivide(0.0, radius, count, wanted, first=first)
-        followed = sum(bool(np.abs(knots[first:] - one).min() <= _SAME * radius) for one in wanted)
+        followed = sum(bool(np.abs(knots[first:] - r).min() <= _SAME * radius) for r in wanted)
         if followed > most:
-            result, most = knots, followed
+            best, most = knots, followed
         if followed == len(wanted):
             break
-    return result
+    return best
 
 
 def _half_width() -> float:
-    """Distance from the centre to the middle of a side of a core whose corners are at distance 1."""
+    """Distance from the center to the middle of a side of the core, for corners at distance 1."""
     return (1.0 - _ROUNDNESS) * math.sqrt(0.5) + _ROUNDNESS
 
 
 def _core(quarters: int, cells: int) -> tuple[Floats, Ints]:
-    """Place the core's nodes, corners at distance 1, between a square and a disc; sides of elements are straight."""
+    """Nodes of the core with corners at distance 1: a blend of a square and a disc with straight element sides."""
     across = 2 * cells if quarters == 2 else cells
     u = np.linspace(0.0 if quarters == 1 else -1.0, 1.0, across + 1)
     v = np.linspace(-1.0 if quarters == 4 else 0.0, 1.0, cells + 1)
@@ -207,7 +207,7 @@ def _core(quarters: int, cells: int) -> tuple[Floats, Ints]:
 
 
 def _core_outline(rows: Ints, quarters: int) -> Ints:
-    """Walk the core's outline counter-clockwise: all of it from its lower right corner, or from start to end."""
+    """Nodes of the core's outline, counter-clockwise from the lower right corner, or from start to end."""
     walk = [rows[:, -1], rows[-1, -2::-1]]
     if quarters > 1:
         walk.append(rows[-2::-1, 0])
@@ -224,19 +224,19 @@ def _with_middles(knots: Floats) -> Floats:
 
 
 def _quads(index: Ints) -> Ints:
-    """Form the elements of a lattice of nodes (2a+1, 2b+1) whose rows advance to the left of its columns."""
+    """Elements (ab, 8) of a lattice of node numbers (2a+1, 2b+1)."""
     a, b, c = slice(0, -2, 2), slice(1, -1, 2), slice(2, None, 2)
     around = ((a, a), (a, c), (c, c), (c, a), (a, b), (b, c), (c, b), (b, a))
     return np.stack([index[place] for place in around], axis=-1).reshape(-1, 8)
 
 
 def _triples(line: Ints) -> Ints:
-    """List corner, midside, corner of each side along a line of nodes."""
+    """Node triples corner, midside, corner of the sides along a line of nodes."""
     return np.column_stack([line[:-2:2], line[1::2], line[2::2]])
 
 
 def _mesh(points: Floats, elements: Ints, edges: Mapping[str, Ints]) -> Mesh:
-    """Leave out the centres of the lattices' cells, which 8-node elements do not have."""
+    """Make the mesh without the centers of the lattice cells, which 8-node elements do not use."""
     used = np.zeros(len(points), dtype=bool)
     used[elements] = True
     number = np.cumsum(used) - 1
@@ -244,11 +244,11 @@ def _mesh(points: Floats, elements: Ints, edges: Mapping[str, Ints]) -> Mesh:
 
 
 MOST = 10_000_000
-"""Largest number of elements of a meshed outline; preparations for more might not fit into memory."""
+"""Largest number of elements of a meshed outline: the preparation of more may not fit into memory."""
 
 
 class OutlineError(InputError):
-    """An outline of which there is no mesh; ``contour`` and ``side`` say where, None where it is no one side."""
+    """An outline that cannot be meshed; ``contour`` and ``side`` are the position of the problem, if it has one."""
 
     def __init__(self, message: str, contour: int | None = None, side: int | None = None) -> None:
         super().__init__(message)
@@ -264,18 +264,18 @@ def outlined(
     most: int = MOST,
     axes: Axes = ALONG_X,
 ) -> Mesh:
-    """Mesh what lies within the first of some contours and outside the others, which are holes in it.
+    """Mesh the area inside the first contour and outside the others, which are holes.
 
-    ``size`` is the largest side of an element, were they all squares; of elements there are about ``most`` at most.
-    Edges are those that the contours name; nodes on arcs are on them. Units, place and the order of corners, holes and
-    lines of a group make no difference along the same axes (`axes_of`). What crosses, touches or nearly touches is
-    refused.
+    ``size`` is the element size: the largest side if all elements are squares. There are at most about ``most``
+    elements. The edges are those of the contours; nodes on arcs are exactly on them. With equal axes (`axes_of`) the
+    mesh does not depend on units, position, or the order of corners, holes and lines of a group. Contours that cross,
+    touch or nearly touch are refused.
 
-    ``refinements`` (r, 5) are straight pieces, x, y to x, y, and the size there, from which sizes grow by a quarter of
-    the distance. ``lines`` are groups for sides of elements to follow, those that matter most first: straight pieces
-    (l, 4), or arcs (a, 6) from x, y through x, y to x, y, with all nodes on them. A line is not followed off the plate,
-    nor if it comes nearer to the outline or to earlier ones than about half an element; but if its group is followed in
-    part, the parts that do not are. ``points`` (p, 2) get nodes, where that is too near to nothing.
+    ``refinements`` (r, 5) are segments, x, y to x, y, with the size there; away from them the size grows by a quarter
+    of the distance. ``lines`` are groups of lines that element sides follow, in order of priority: segments (l, 4), or
+    arcs (a, 6) from x, y through x, y to x, y. A line outside the plate, or closer to the outline or to earlier lines
+    than about half an element, is skipped; with the flag of its group, only these parts of it are. ``points`` (p, 2)
+    become nodes, unless they are too close to other nodes or lines.
     """
     none = np.nan, np.nan
     loops = [
@@ -289,31 +289,33 @@ def outlined(
     follow = [np.zeros((0, 8))]
     for rank, (group, in_part) in enumerate(lines):
         through = group[:, 2:4] if group.shape[1] == 6 else np.full((len(group), 2), np.nan)
-        told = np.broadcast_to([rank, in_part], (len(group), 2))
-        follow.append(np.column_stack([group[:, :2], group[:, -2:], through, told]))
-    finer, at = (np.zeros((0, k)) if given is None else given for given, k in ((refinements, 5), (points, 2)))
-    along = [list(axis) for axis in axes]
+        options = np.broadcast_to([rank, in_part], (len(group), 2))
+        follow.append(np.column_stack([group[:, :2], group[:, -2:], through, options]))
+    finer, fixed = (np.zeros((0, k)) if array is None else array for array, k in ((refinements, 5), (points, 2)))
+    directions_of = [list(axis) for axis in axes]
     try:
-        nodes, elements, sides, of = mesh_outline(loops, size, finer, np.concatenate(follow), at, most, along)
+        nodes, elements, sides, origin = mesh_outline(
+            loops, size, finer, np.concatenate(follow), fixed, most, directions_of
+        )
     except ValueError as error:
         raise OutlineError(*error.args) from None
     edges = {
-        name: sides[(of[:, 0] == ring) & np.isin(of[:, 1], own)]
+        name: sides[(origin[:, 0] == ring) & np.isin(origin[:, 1], numbers)]
         for ring, contour in enumerate(contours)
-        for name, own in contour.edges.items()
+        for name, numbers in contour.edges.items()
     }
     return Mesh(nodes, elements, edges)
 
 
 def divided(mesh: Mesh, times: int = 1) -> Mesh:
-    """Divide every element into four, so many times; sides keep their curves, edges their names."""
+    """Divide every element into four, ``times`` times; curved sides and named edges are kept."""
     return mesh if times == 0 else divided(_halved(mesh), times - 1)
 
 
 def _halved(mesh: Mesh) -> Mesh:
     n = mesh.node_count
-    # Of every side the nodes at its quarters, once; in every quadrilateral the centre and the middles of its four
-    # joints, in every triangle those of its three.
+    # New nodes: the quarter points of each side; the center and four midsides of each quadrilateral; three midsides of
+    # each triangle.
     sides = mesh.unique_sides
     number = np.full(n, -1)
     number[sides[:, 1]] = np.arange(len(sides))
@@ -323,14 +325,14 @@ def _halved(mesh: Mesh) -> Mesh:
     inside = np.array([[0.0, 0.0], [0.0, -0.5], [0.5, 0.0], [0.0, 0.5], [-0.5, 0.0]])
     across = np.array([[0.25, 0.25], [0.5, 0.25], [0.25, 0.5]])
     within = [
-        mesh.map(np.repeat(some, len(at)), np.tile(at, (len(some), 1)))
-        for some, at in ((squares, inside), (triangles, across))
+        mesh.map(np.repeat(elements, len(xi)), np.tile(xi, (len(elements), 1)))
+        for elements, xi in ((squares, inside), (triangles, across))
     ]
     points = np.vstack([mesh.points, quarters.reshape(-1, 2), *within])
     centre = n + 2 * len(sides) + 5 * np.arange(len(squares))
     joint = n + 2 * len(sides) + 5 * len(squares) + 3 * np.arange(len(triangles))
 
-    # Quarter nodes of every element's sides, in the element's own sense.
+    # Quarter nodes of the sides of each element, in the direction of the element.
     first = n + 2 * number[mesh.sides[..., 1]]
     along = sides[number[mesh.sides[..., 1]], 0] == mesh.sides[..., 0]
     near, far = np.where(along, first, first + 1), np.where(along, first + 1, first)
@@ -339,21 +341,22 @@ def _halved(mesh: Mesh) -> Mesh:
     for i in range(4):
         j = i - 1
         joints = centre + 1 + i, centre + 1 + j % 4
-        own = [corner[squares, i], middle[squares, i], centre, middle[squares, j]]
-        parts.append(np.stack([*own, near[squares, i], *joints, far[squares, j]], axis=1))
+        corners = [corner[squares, i], middle[squares, i], centre, middle[squares, j]]
+        parts.append(np.stack([*corners, near[squares, i], *joints, far[squares, j]], axis=1))
     around = [0, 1, 3]
     middles = [middle[triangles, side] for side in around]
     for i, side in enumerate(around):
         a, b, c = corner[triangles, i], middles[i], middles[i - 1]
-        own = [a, b, c, c, near[triangles, side], joint + i, c, far[triangles, around[i - 1]]]
-        parts.append(np.stack(own, axis=1))
+        parts.append(np.stack([a, b, c, c, near[triangles, side], joint + i, c, far[triangles, around[i - 1]]], axis=1))
     a, b, c = middles
     parts.append(np.stack([a, b, c, c, joint + 1, joint + 2, c, joint], axis=1))
     edges = {}
     for name, triples in mesh.edges.items():
         start = n + 2 * number[triples[:, 1]]
         same = sides[number[triples[:, 1]], 0] == triples[:, 0]
-        one, other = np.where(same, start, start + 1), np.where(same, start + 1, start)
-        halves = np.stack([triples[:, 0], one, triples[:, 1], triples[:, 1], other, triples[:, 2]], axis=1)
+        first_quarter, last_quarter = np.where(same, start, start + 1), np.where(same, start + 1, start)
+        halves = np.stack(
+            [triples[:, 0], first_quarter, triples[:, 1], triples[:, 1], last_quarter, triples[:, 2]], axis=1
+        )
         edges[name] = halves.reshape(-1, 3)
     return Mesh(points, np.concatenate(parts), edges)

@@ -1,4 +1,4 @@
-"""Read meshes of 8- or 9-node quadrilaterals and 6-node triangles from files, in any format that meshio knows."""
+"""Read mesh files of 8- or 9-node quadrilaterals and 6-node triangles, in any format of meshio."""
 
 from __future__ import annotations
 
@@ -23,28 +23,28 @@ from signorini.mesh.cells import node_blocks, node_numbers
 _T = TypeVar("_T")
 
 _LARGEST_FILE = 4_000_000_000
-"""Bytes; a mesh of ten million elements as text has about three fourths of it."""
+"""Bytes; ten million elements as text take about three quarters of it."""
 _SECONDS, _SECONDS_PER_MB = 10.0, 10.0
-"""Seconds allowed for reading: a hundred times the usual time. Wrong counts in a damaged file make a parser read beyond
-its end."""
+"""Seconds allowed for reading, and seconds per megabyte: a hundred times the usual time. Wrong counts in a damaged file
+can make a parser read forever."""
 _LONGEST_REASON = 200
+"""Characters of a parser's message that are shown."""
 
 
 def read(path: str | Path) -> Mesh:
     """Read a mesh file.
 
-    Coincident nodes (within 1e-9 of the size) are merged, clockwise elements turned, the centre nodes of 9-node
-    quadrilaterals and unused nodes dropped. Its extension tells the format (.msh, .vtu, .inp, .med, ...);
-    `Mesh.from_meshio` says which edges it has.
+    Coincident nodes (within 1e-9 of the size) are merged, clockwise elements reversed, center nodes of 9-node
+    quadrilaterals and unused nodes removed. The extension selects the format (.msh, .vtu, .inp, .med, ...). For the
+    edges see `Mesh.from_meshio`.
     """
     return _read(Path(path), Mesh.from_meshio)
 
 
 def read_numbered(path: str | Path) -> tuple[Mesh, dict[int, tuple[float, float]]]:
-    """Read a mesh file, and where its nodes are by the numbers that they have in it.
+    """Read a mesh file; return the mesh, and the positions of the nodes by their numbers in the file.
 
-    Merged and unused nodes are among them; see `signorini.mesh.cells` for the formats. Formats that give no numbers are
-    refused.
+    Merged and unused nodes are included. Formats without node numbers are refused; see `signorini.mesh.cells`.
     """
     path = Path(path)
 
@@ -61,9 +61,9 @@ def _read(path: Path, make: Callable[[meshio.Mesh], _T]) -> _T:
         with open_regular(path, _LARGEST_FILE) as file:
             data = _load(path, os.fstat(file.fileno()).st_size)
     except FileNotFoundError:
-        raise InputError("There is no such mesh file.", place=str(path)) from None
+        raise InputError("The mesh file does not exist.", place=str(path)) from None
     except IsADirectoryError:
-        raise InputError("There is no such mesh file; this is a directory.", place=str(path)) from None
+        raise InputError("This is a directory; give the mesh file.", place=str(path)) from None
     except InputError:
         raise
     except (OSError, ValueError) as error:
@@ -76,41 +76,41 @@ def _read(path: Path, make: Callable[[meshio.Mesh], _T]) -> _T:
 
 
 def _load(path: Path, size: int) -> meshio.Mesh:
-    """Read with meshio, whose parsers may print, exit, raise any exception, or read for ever."""
-    said = io.StringIO()
-    result: list[meshio.Mesh | BaseException] = []
+    """Read with meshio; its parsers may print, exit, raise any exception, or not terminate."""
+    output = io.StringIO()
+    outcome: list[meshio.Mesh | BaseException] = []
 
     def read_it() -> None:
         try:
-            result.append(meshio.read(path))
+            outcome.append(meshio.read(path))
         except BaseException as error:
-            result.append(error)
+            outcome.append(error)
 
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         reader = threading.Thread(target=read_it, daemon=True)
         reader.start()
         reader.join(_SECONDS + _SECONDS_PER_MB * size / 1e6)
         if reader.is_alive() and reader.ident is not None:
-            result[:] = [TimeoutError("it is read without end")]
-            # It would read on for ever, beside all that this process does later.
+            outcome[:] = [TimeoutError("reading it does not terminate")]
+            # Otherwise the thread would continue to read in the background.
             ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(reader.ident), ctypes.py_object(SystemExit))
-    if result and isinstance(result[0], meshio.Mesh):
-        return result[0]
-    error = result[0]
+    if outcome and isinstance(outcome[0], meshio.Mesh):
+        return outcome[0]
+    error = outcome[0]
     if path.suffix.lower() == ".inp" and (blocks := node_blocks(path)) > 1:
         raise InputError(
-            f"Its nodes stand in {blocks} blocks *NODE, of which meshio reads the last alone. Put them all under one "
+            f"Its nodes are in {blocks} blocks *NODE, of which meshio reads only the last. Put them all under one "
             "heading *NODE.",
             place=str(path),
         )
-    reason = " ".join((said.getvalue() if isinstance(error, SystemExit) else str(error)).split())
+    reason = " ".join((output.getvalue() if isinstance(error, SystemExit) else str(error)).split())
     reason = re.sub(r"\b(Warning|Error): ", "", reason)
     if isinstance(error, LookupError):
-        reason = f"it refers to {reason}, which it has not"
+        reason = f"it refers to {reason}, which it does not contain"
     reason = reason if len(reason) <= _LONGEST_REASON else f"{reason[:_LONGEST_REASON]}..."
     raise InputError(
-        f"This file cannot be read as a mesh ({reason or type(error).__name__}). Check that its extension fits its "
+        f"The file cannot be read as a mesh ({reason or type(error).__name__}). Check that its extension fits its "
         "format and that it is complete.",
         place=str(path),
     )

@@ -1,4 +1,4 @@
-"""Sides of elements: along lines and circles, around holes, and their places nearest to points."""
+"""Sides of elements: those along lines, circles and holes, and their points nearest to given points."""
 
 from __future__ import annotations
 
@@ -14,46 +14,46 @@ from signorini.shapes.arrays import Bools, Floats, Ints
 from signorini.shapes.outlines import Box, Side
 
 _STEPS = 8
-"""Steps of Gauss and Newton to the nearest point of a side, of which straight ones take one."""
+"""Gauss–Newton steps to the nearest point of a side; straight sides need one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Sides (k, 3, 2) by corner, midside and corner, and how far from them anything is looked for."""
+    """Sides (k, 3, 2) as corner, midside, corner, and the distance up to which points are searched."""
 
     nodes: Floats
     within: float
 
     @property
     def bounds(self) -> Box:
-        """A box xmin, ymin, xmax, ymax around them."""
+        """Bounding box (xmin, ymin, xmax, ymax)."""
         boxes = side_boxes(self.nodes)
         (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
         return x0, y0, x1, y1
 
     @property
     def off_arcs(self) -> float:
-        """How far they may be off the arcs that they stand for: a tenth of the largest rise over a chord, or less."""
+        """Upper bound of the distance from the arcs that they approximate: a tenth of the largest rise over a chord."""
         rise = self.nodes[:, 1] - 0.5 * (self.nodes[:, 0] + self.nodes[:, 2])
         return 0.1 * float(np.hypot(*rise.T).max(initial=0.0))
 
-    def nearest(self, at: Floats) -> tuple[Floats, Floats]:
-        """The nearest places (q, 2) of these to some (q, 2), and how far they are: infinitely if not within."""
-        places, apart = at.copy(), np.full(len(at), np.inf)
+    def nearest(self, points: Floats) -> tuple[Floats, Floats]:
+        """Nearest positions (q, 2) on the sides to points (q, 2), and the distances; ∞ beyond ``within``."""
+        positions, distances = points.copy(), np.full(len(points), np.inf)
         if not len(self.nodes):
-            return places, apart
+            return positions, distances
         boxes = side_boxes(self.nodes) + self.within * np.array([-1.0, -1.0, 1.0, 1.0])
-        point, side = BoxTree.build(boxes).pairs(at)
-        result = onto(self.nodes[side], at[point])
-        far = np.hypot(*(result - at[point]).T)
-        order = np.lexsort((side, far, point))
+        point, side = BoxTree.build(boxes).pairs(points)
+        candidates = onto(self.nodes[side], points[point])
+        distance = np.hypot(*(candidates - points[point]).T)
+        order = np.lexsort((side, distance, point))
         point, first = np.unique(point[order], return_index=True)
-        places[point], apart[point] = result[order[first]], far[order[first]]
-        return places, np.where(apart <= self.within, apart, np.inf)
+        positions[point], distances[point] = candidates[order[first]], distance[order[first]]
+        return positions, np.where(distances <= self.within, distances, np.inf)
 
 
 def onto(sides: Floats, points: Floats) -> Floats:
-    """The places (k, 2) of sides (k, 3, 2) nearest to points (k, 2), one of each, or to one point (2,)."""
+    """Positions (k, 2) on sides (k, 3, 2) nearest to points (k, 2), one per side, or to one point (2,)."""
     a, middle, b = np.moveaxis(sides, 1, 0)
     slope, bend = 0.5 * (b - a), 0.5 * (a + b) - middle
     t = np.zeros((len(a), 1))
@@ -64,27 +64,27 @@ def onto(sides: Floats, points: Floats) -> Floats:
 
 
 _KINK = 0.1
-"""Smallest angle of a corner of a line."""
+"""Smallest angle [rad] of a corner of a line."""
 
 _GAP_SAMPLES = np.array([1e-3, *np.linspace(0.05, 0.95, 19), 1.0 - 1e-3])
 
 
 @dataclass(frozen=True, eq=False)
 class OnRing:
-    """Sides (k, 3) on a circle, counter-clockwise, and points (q, 2) of the circle between sides that do not meet."""
+    """Sides (k, 3) on a circle, counter-clockwise, and points (q, 2) of the circle in the gaps between sides."""
 
     triples: Ints
     gaps: Floats
 
 
 def edges_on_polyline(points: Floats, triples: Ints, sides: Sequence[Side], tolerance: float) -> Ints | None:
-    """Find the sides of elements that cover those of a polyline.
+    """Find the element sides that cover a polyline.
 
-    Every side of the mesh (k, 3) is there once; nodes may lie off the polyline's straight sides by the tolerance. The
-    sides found are in the order and direction of the polyline; None if some part is not covered.
+    ``triples`` (k, 3) are the unique sides of the mesh; their nodes may be off the straight sides of the polyline by
+    the tolerance. The sides have the order and direction of the polyline; None if a part of it is not covered.
     """
-    result = [_edges_on_side(points, triples, side, tolerance) for side in sides]
-    covered = [chain for chain in result if chain is not None]
+    chains = [_edges_on_side(points, triples, side, tolerance) for side in sides]
+    covered = [chain for chain in chains if chain is not None]
     return np.vstack(covered) if len(covered) == len(sides) else None
 
 
@@ -101,19 +101,19 @@ def _edges_on_side(points: Floats, triples: Ints, side: Side, tolerance: float) 
 
 
 def sides_mostly_on(points: Floats, triples: Ints, sides: Sequence[Side], tolerance: float) -> Ints:
-    """Find the sides (k, 3) of elements on those of a polyline, straight or arcs, that these cover by half or more."""
-    result = [np.zeros((0, 3), np.int64)]
+    """Find the element sides (k, 3) of which at least half lies on the sides of a polyline, straight or arcs."""
+    found = [np.zeros((0, 3), np.int64)]
     for side in sides:
         length, station, on = _on_side(points, side, tolerance)
-        those = triples[on[triples].all(axis=1)]
-        ends = np.sort(station[those[:, [0, 2]]], axis=1)
+        near = triples[on[triples].all(axis=1)]
+        ends = np.sort(station[near[:, [0, 2]]], axis=1)
         covered = np.clip(ends, 0.0, length)
-        result.append(those[np.diff(covered, axis=1)[:, 0] >= 0.5 * np.diff(ends, axis=1)[:, 0]])
-    return np.vstack(result)
+        found.append(near[np.diff(covered, axis=1)[:, 0] >= 0.5 * np.diff(ends, axis=1)[:, 0]])
+    return np.vstack(found)
 
 
 def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Floats, Bools]:
-    """Length of a side; position of points along it, and whether they are on it, apart from its ends."""
+    """Length of a side; coordinates of points along its line, and a mask of the points on the line."""
     a, _, b = side
     length = math.dist(a, b)
     along = np.subtract(b, a) / length
@@ -122,9 +122,9 @@ def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Float
 
 
 def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -> OnRing | None:
-    """Find the sides with all nodes on a circle; None if there are none.
+    """Find the sides with all nodes on a circle; None without such sides.
 
-    Every side of the mesh (k, 3) is there once; nodes may lie off the circle by the tolerance.
+    ``triples`` (k, 3) are the unique sides of the mesh; nodes may be off the circle by the tolerance.
     """
     offset = points - ring.center
     on = np.abs(np.hypot(*offset.T) - ring.radius) <= tolerance
@@ -145,35 +145,35 @@ def edges_on_ring(points: Floats, triples: Ints, ring: Ring, tolerance: float) -
 
 
 def at_ends(points: Floats, triples: Ints) -> Bools:
-    """Tell which sides (k, 3) end where no other of them goes on in nearly their direction."""
+    """Mask of the sides (k, 3) with an end at which no other side continues in nearly the same direction."""
     a, m, b = (points[triples[:, i]] for i in range(3))
     leaving = np.concatenate([4 * m - 3 * a - b, 4 * m - a - 3 * b])
     leaving /= np.hypot(*leaving.T)[:, None]
     node = np.concatenate([triples[:, 0], triples[:, 2]])
-    # Unit vectors of two sides that are one line cancel.
+    # At an interior point of a smooth line the unit vectors of its two sides cancel.
     total = np.column_stack([np.bincount(node, part) for part in leaving.T])
     return np.asarray((np.hypot(*total.T)[node] > _KINK).reshape(2, -1).any(axis=0))
 
 
 def _turn(begin: Floats | float, end: Floats) -> Floats:
-    """Angle from one direction to another, counter-clockwise, in [0, 2π)."""
+    """Counter-clockwise angle from one direction to another, in [0, 2π)."""
     return np.asarray(np.mod(end - begin, 2.0 * np.pi))
 
 
 _MISSED = 1e-4
-"""Part of a hole's area that chords of its curved sides may miss."""
+"""Largest area between the chords and the curved sides of a hole, relative to the hole's area."""
 
 
 def holes(points: Floats, boundary: Ints) -> tuple[Floats, ...]:
-    """Points (k, 2) along every hole, of curved sides so many that chords between them are as good.
+    """Polygons (k, 2) of the holes, with enough points on curved sides for the area.
 
-    ``boundary`` (k, 3) has the plate on its left, loop after loop, so that it runs around holes clockwise.
+    ``boundary`` (k, 3) has the plate on its left, loop after loop: clockwise around holes.
     """
-    return tuple(hole for loop in _loops(boundary) if (hole := _drawn(points[loop])) is not None)
+    return tuple(hole for loop in _loops(boundary) if (hole := _hole_polygon(points[loop])) is not None)
 
 
 def _loops(boundary: Ints) -> Iterator[Ints]:
-    """Divide sides (k, 3) into closed loops; one that passes a corner twice is two."""
+    """Divide sides (k, 3) into closed loops; a loop that passes a corner twice is divided there."""
     ends = boundary[:, [0, 2]].tolist()
     path: list[int] = []
     at: dict[int, int] = {}
@@ -188,12 +188,12 @@ def _loops(boundary: Ints) -> Iterator[Ints]:
             del path[first:]
 
 
-def _drawn(sides: Floats) -> Floats | None:
-    """Points along a loop of sides (k, 3, 2); none where the plate is inside."""
+def _hole_polygon(sides: Floats) -> Floats | None:
+    """Points along a loop of sides (k, 3, 2); None for an outer boundary."""
     begin, middle, end = np.moveaxis(sides, 1, 0)
     rise = middle - 0.5 * (begin + end)
     area = 0.5 * float((begin[:, 0] * end[:, 1] - begin[:, 1] * end[:, 0]).sum())
-    # A parabola encloses two thirds of its chord times its rise.
+    # Area between a parabola and its chord: 2/3 chord × rise.
     curved = 2.0 / 3.0 * ((end - begin)[:, 0] * rise[:, 1] - (end - begin)[:, 1] * rise[:, 0])
     area -= float(curved.sum())
     if area >= 0.0:

@@ -1,7 +1,7 @@
-"""What the engineer said: the plate, its supports and its loads, under the names of the input file.
+"""The input: the plate, its supports and its loads, under the names of the input file.
 
-``Model`` is the whole; the other classes are its tables. All are immutable. What is wrong with them is said in an
-``InputError``, everything at once; ``validate`` makes a ``Model`` of a mapping that was read somewhere.
+``Model`` is the whole input; the other classes are its tables. All are immutable. One ``InputError`` lists every
+problem of an input. ``validate`` makes a ``Model`` from a mapping.
 """
 
 from signorini.model.combination import Combination, Combinations, Factors

@@ -1,4 +1,4 @@
-"""The pieces every table of the model is made of: strict numbers, points, text, and the table itself."""
+"""Base class of the input's tables, and the types of their keys: strict numbers, points, text, lists."""
 
 from __future__ import annotations
 
@@ -30,41 +30,42 @@ from signorini.model.problems import as_list, describe, explained
 Complaint = tuple[Place, str]
 
 
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
-else:
-    ModelMetaclass = type(BaseModel)
+class Table(BaseModel):
+    """A table of the input: immutable; unknown keys are refused.
 
-
-class _InWords(ModelMetaclass):
-    """Makes tables that, called with wrong values, say so as an input file would be told."""
-
-    if not TYPE_CHECKING:  # The signatures of the tables stay those of their fields.
-
-        def __call__(cls, *args: Any, **keys: Any) -> Any:
-            """Make a table. pydantic makes the tables within it without this, so that all problems are told at once."""
-            if args:
-                raise InputError(
-                    f"found {reprlib.repr(args[0])}; a table takes its keys by name, {cls.__name__}(key=value, ...), "
-                    f"or those of a mapping, {cls.__name__}(**mapping).",
-                    place=cls.__name__,
-                )
-            try:
-                return super().__call__(*args, **keys)
-            except ValidationError as error:
-                raise explained(error, cls, keys) from None
-
-
-class Table(BaseModel, metaclass=_InWords):
-    """A table of the input: immutable, and it refuses keys it does not know.
-
-    With wrong values it raises `InputError`, naming everything that is wrong, each with its place.
+    Invalid values raise `InputError`, which lists every problem with its place.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    if not TYPE_CHECKING:  # For a type checker the parameters are the fields.
+
+        def __init__(self, /, *args: object, **keys: object) -> None:
+            """Make a table; invalid values raise the `InputError` of an input file."""
+            name = type(self).__name__
+            if args:
+                raise InputError(
+                    f"found {reprlib.repr(args[0])}; a table takes its keys by name, {name}(key=value, ...), or from a "
+                    f"mapping, {name}(**mapping).",
+                    place=name,
+                )
+            try:
+                super().__init__(**keys)
+            except ValidationError as error:
+                raise explained(error, type(self), keys) from None
+
+        # Nested tables are validated without this constructor, so that one error reports all problems.
+        __init__.__pydantic_base_init__ = True
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse to assign a key."""
+        if name in type(self).model_fields:
+            kind = type(self).__name__
+            raise AttributeError(f"{kind} is immutable; make a new {kind} with another {name}.", name=name, obj=self)
+        super().__setattr__(name, value)
+
     def _complaints(self) -> Iterator[Complaint]:
-        """Yield what is wrong between keys that are each right: where, relative to this table, and why."""
+        """Yield contradictions between valid keys: the place relative to this table, and the message."""
         yield from ()
 
     @model_validator(mode="after")
@@ -82,20 +83,22 @@ class Table(BaseModel, metaclass=_InWords):
             )
         return self
 
-    def given(self, keys: Iterable[str]) -> list[str]:
-        """Those of the keys that have a value."""
+    def present(self, keys: Iterable[str]) -> list[str]:
+        """The keys among ``keys`` that have a value."""
         return [key for key in keys if getattr(self, key) is not None]
 
 
-def miscounted(found: int, points: int) -> str:
-    """Say that a list does not have one value a point."""
-    return f"found a list of {found} for {points} point{'s' * (points != 1)}; give one value a point, or one for all."
+def wrong_length(length: int, points: int) -> str:
+    """Message for a list whose length differs from the number of points."""
+    return (
+        f"found a list of {length} for {points} point{'s' * (points != 1)}; give one value per point, or one for all."
+    )
 
 
 def number(value: object) -> float:
-    """Accept an int or float (NumPy's too) that is finite; never a bool or text."""
+    """Validate a finite int or float, of Python or NumPy; a bool or a text is refused."""
     if isinstance(value, bool) or not isinstance(value, Real):
-        hint = _as_number(value) if isinstance(value, str) else ""
+        hint = _number_hint(value) if isinstance(value, str) else ""
         raise ValueError(f"found {describe(value)}; it must be a number.{hint}")
     try:
         result = float(value)
@@ -106,8 +109,8 @@ def number(value: object) -> float:
     return result
 
 
-def _as_number(text: str) -> str:
-    """Say how a text is written as a number."""
+def _number_hint(text: str) -> str:
+    """Hint how to write a number that was given as text."""
     try:
         float(text)
     except ValueError:
@@ -137,7 +140,7 @@ def _printable(text: str) -> str:
 
 
 def reader(above: float | None = None, at_least: float | None = None) -> Callable[[object], Expression]:
-    """Return what reads a number or an expression; the bounds are checked here for constants."""
+    """Return a validator of a number or an expression; a constant is checked against the bounds."""
 
     def read(value: object) -> Expression:
         if isinstance(value, Expression):
@@ -162,7 +165,7 @@ def reader(above: float | None = None, at_least: float | None = None) -> Callabl
 def _scalar(
     above: float | None = None, at_least: float | None = None
 ) -> tuple[PlainValidator, PlainSerializer, WithJsonSchema]:
-    """Annotations of a key that takes a number or an expression."""
+    """Annotations of a key whose value is a number or an expression."""
     limits = {"exclusiveMinimum": above} if above is not None else {"minimum": at_least} if at_least is not None else {}
     schema = {"anyOf": [{"type": "number", **limits}, {"type": "string"}]}
     return (
@@ -173,14 +176,14 @@ def _scalar(
 
 
 def listed(length: int, form: str) -> Callable[[object], object]:
-    """Return a validator that accepts a list of this length, described by ``form``."""
+    """Return a validator of a list of this length; messages describe the list by ``form``."""
 
     def check(value: object) -> object:
         value = as_list(value)
         if not isinstance(value, list | tuple) or len(value) != length:
-            # TOML takes a decimal comma for two numbers.
-            twice = isinstance(value, list) and len(value) == 2 * length and all(type(part) is int for part in value)
-            hint = " The decimal sign is a point." if twice else ""
+            # A decimal comma makes two integers of one number in TOML.
+            commas = isinstance(value, list) and len(value) == 2 * length and all(type(part) is int for part in value)
+            hint = " The decimal sign is a point." if commas else ""
             raise ValueError(f"found {describe(value)}; it must be {form}.{hint}")
         return value
 
@@ -188,7 +191,7 @@ def listed(length: int, form: str) -> Callable[[object], object]:
 
 
 def _numbers_schema(length: int) -> dict[str, Any]:
-    """JSON Schema of a list of so many numbers."""
+    """JSON Schema of a list of ``length`` numbers."""
     return {"type": "array", "items": {"type": "number"}, "minItems": length, "maxItems": length}
 
 
@@ -209,39 +212,39 @@ def _polyline(points: Any) -> object:
         raise ValueError(f"found {describe(points)}; it must be a list of at least 2 points [x, y].")
     for index, (point, after) in enumerate(pairwise(points), start=1):
         if as_list(point) == as_list(after):
-            raise ValueError(f"point {index} and the one after it are the same.")
+            raise ValueError(f"points {index} and {index + 1} are the same.")
     return points
 
 
-def twice(values: Sequence[object]) -> object | None:
-    """The first of some values that is there twice."""
+def first_duplicate(values: Sequence[object]) -> object | None:
+    """The first value that occurs twice in a list; None without duplicates."""
     return next((value for index, value in enumerate(values) if value in values[:index]), None)
 
 
-def _several(kind: type, what: str) -> BeforeValidator:
-    """Read one of a kind as a list of one, and refuse a list that is empty or has something twice."""
+def _unique_list(kind: type, form: str) -> BeforeValidator:
+    """Validator: a single value of a type becomes a list of one; empty lists and duplicates are refused."""
 
     def read(value: object) -> object:
         value = as_list(value)
         if isinstance(value, kind):
             return [value]
         if not isinstance(value, list | tuple) or not value:
-            raise ValueError(f"found {describe(value)}; it must be {what}.")
-        if (repeated := twice(value)) is not None:
+            raise ValueError(f"found {describe(value)}; it must be {form}.")
+        if (repeated := first_duplicate(value)) is not None:
             raise ValueError(f"{describe(repeated)} is listed twice.")
         return value
 
     return BeforeValidator(read)
 
 
-def _listed_once(value: object) -> object:
+def _as_tuple(value: object) -> object:
     """Read a single value as a list of one."""
     value = as_list(value)
     return value if isinstance(value, list | tuple) else [value]
 
 
 def vector(length: int, form: str) -> tuple[BeforeValidator, WithJsonSchema]:
-    """Annotations of a key that takes a list of so many numbers, described by ``form``."""
+    """Annotations of a key whose value is a list of ``length`` numbers; messages describe it by ``form``."""
     return BeforeValidator(listed(length, form)), WithJsonSchema(_numbers_schema(length))
 
 
@@ -252,7 +255,7 @@ Count = Annotated[int, Field(ge=1, le=100_000), BeforeValidator(_whole)]
 Counts = Annotated[
     tuple[Count, ...],
     Field(min_length=1),
-    BeforeValidator(_listed_once),
+    BeforeValidator(_as_tuple),
     PlainSerializer(lambda counts: counts[0] if len(counts) == 1 else counts),
     WithJsonSchema(
         {"type": ["integer", "array"], "minimum": 1, "minItems": 1, "items": {"type": "integer", "minimum": 1}}
@@ -283,7 +286,7 @@ Polyline = Annotated[tuple[Point, ...], BeforeValidator(_polyline), Field(json_s
 NodeNumber = Annotated[int, Field(ge=0), BeforeValidator(_whole)]
 Nodes = Annotated[
     tuple[NodeNumber, ...],
-    _several(Integral, "the number of a node or a list of numbers"),
+    _unique_list(Integral, "the number of a node or a list of numbers"),
     WithJsonSchema(
         {
             "anyOf": [
@@ -295,7 +298,7 @@ Nodes = Annotated[
 ]
 Edges = Annotated[
     tuple[Text, ...],
-    _several(str, "the name of an edge or a list of names"),
+    _unique_list(str, "the name of an edge or a list of names"),
     WithJsonSchema(
         {
             "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}],
@@ -306,14 +309,12 @@ Edges = Annotated[
 
 
 class OnPlate(Table):
-    """A table of what is on one plate."""
+    """Base class of tables that belong to one plate."""
 
-    plate: Text | None = Field(
-        default=None, description="Where there are several plates, the one of [plates] it is on."
-    )
+    plate: Text | None = Field(default=None, description="With several plates: the name of its plate in [plates].")
 
 
 class Named(Table):
-    """A table with a name of its own."""
+    """Base class of tables with a name."""
 
-    name: Text = Field(default="", description='Name, each once; default the kind and the position, "support 1".')
+    name: Text = Field(default="", description='Unique name; default the kind and the position, "support 1".')

@@ -1,4 +1,4 @@
-"""Combinations of load cases: written out one by one, or generated from a table, from patterns, from positions."""
+"""Combinations of load cases: listed one by one, or generated from a table, from patterns, or from positions."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from typing import Annotated, Any, Generic, Literal, TypeVar, overload
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainSerializer, WithJsonSchema
 
 from signorini.expression import LARGEST
-from signorini.model.base import Complaint, Named, Number, Text, twice
+from signorini.model.base import Complaint, Named, Number, Text, first_duplicate
 from signorini.model.csv_cells import number_in, read_cells
 from signorini.model.problems import as_list, describe
 
 _LARGEST_FILE = 200_000_000
-
+"""Bytes of a CSV file of factors; a million combinations of 40 cases."""
 
 Value = TypeVar("Value")
 
 Generate = Literal["table", "patterns", "positions"]
 
-_KEYS: dict[Generate | None, tuple[str, ...]] = {
+_KEYS_OF: dict[Generate | None, tuple[str, ...]] = {
     None: ("factors",),
     "positions": ("factors",),
     "table": ("file", "columns", "rows"),
@@ -33,32 +33,32 @@ _KEYS: dict[Generate | None, tuple[str, ...]] = {
 
 
 class FrozenMapping(Mapping[str, Value], Generic[Value]):
-    """An immutable mapping from names, hashable where its values are."""
+    """An immutable mapping by name; hashable if its values are."""
 
-    __slots__ = ("_of",)
+    __slots__ = ("_items",)
 
-    def __init__(self, of: Mapping[str, Value]) -> None:
-        self._of = dict(of)
+    def __init__(self, items: Mapping[str, Value]) -> None:
+        self._items = dict(items)
 
     def __getitem__(self, name: str) -> Value:
-        """Return what has that name."""
-        return self._of[name]
+        """Return the value of a name."""
+        return self._items[name]
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names."""
-        return iter(self._of)
+        return iter(self._items)
 
     def __len__(self) -> int:
         """Count the names."""
-        return len(self._of)
+        return len(self._items)
 
     def __hash__(self) -> int:
-        """Hash the names and what has them."""
-        return hash(frozenset(self._of.items()))
+        """Hash the names and values."""
+        return hash(frozenset(self._items.items()))
 
     def __repr__(self) -> str:
-        """Show the names and what has them."""
-        return f"{type(self).__name__}({self._of})"
+        """Show the names and values."""
+        return f"{type(self).__name__}({self._items})"
 
 
 class Factors(FrozenMapping[float]):
@@ -67,7 +67,7 @@ class Factors(FrozenMapping[float]):
 
 @dataclass(frozen=True)
 class Listing:
-    """Combinations written out in a table, one a row, its columns the load cases; and the file that it is read from."""
+    """A table of combinations: a row per combination, a column per load case; ``source`` is its CSV file, if any."""
 
     columns: tuple[str, ...]
     names: tuple[str, ...]
@@ -86,14 +86,14 @@ class Listing:
 
     @property
     def cases(self) -> set[str]:
-        """Every case that occurs."""
+        """Load cases of the columns."""
         return set(self.columns)
 
 
 def read_factor_table(value: object) -> Listing | None:
-    """Read a CSV file whose first column holds names and whose header names the load cases of the others.
+    """Read a CSV file of combinations: header "name" and the load cases; a row has the name and the factors.
 
-    An empty cell is the factor 0. What is wrong with the file is told in a ValueError, with its line.
+    An empty cell is the factor 0. An invalid file raises a ValueError with the line number.
     """
     if value is None or isinstance(value, Listing):
         return value
@@ -102,32 +102,34 @@ def read_factor_table(value: object) -> Listing | None:
     path = Path(value)
     lines = read_cells(path, _LARGEST_FILE)
     if not lines or len(lines[0]) < 2:
-        raise ValueError(f'{path} has no header; its first line must be "name" and the load cases, set off by commas.')
+        raise ValueError(
+            f'{path} has no header; its first line must be "name" and the load cases, with commas between.'
+        )
     first, *columns = (cell.strip() for cell in lines[0])
     if first != "name":
         raise ValueError(
-            f'the header of {path} begins with {describe(first)}; it must begin with "name", the column of the '
-            "combinations' names, before the load cases."
+            f'the header of {path} begins with {describe(first)}; its first column must be "name", the names of the '
+            "combinations."
         )
     for index, case in enumerate(columns):
         if not case or case in columns[:index]:
-            what = f'names the load case "{case}" twice' if case else "has a column without a load case"
-            raise ValueError(f"the header of {path} {what}.")
+            problem = f'has the load case "{case}" twice' if case else "has a column without a load case"
+            raise ValueError(f"the header of {path} {problem}.")
     names, rows = [], []
     for number, line in enumerate(lines[1:], start=2):
         if not any(cell.strip() for cell in line):
             continue
         names.append(name := line[0].strip())
         if not name or not name.isprintable() or len(name) > 200:
-            what = describe(line[0])
-            raise ValueError(f"line {number} of {path} begins with {what}; it must be the combination's name.")
-        rows.append(_factors_of(line[1:], tuple(columns), path, number))
+            found = describe(line[0])
+            raise ValueError(f"line {number} of {path} begins with {found}; it must begin with the combination's name.")
+        rows.append(_row_factors(line[1:], tuple(columns), path, number))
     if not rows:
         raise ValueError(f"{path} has a header but no rows.")
     return Listing(tuple(columns), tuple(names), tuple(rows), str(value))
 
 
-def _factors_of(cells: list[str], columns: tuple[str, ...], path: Path, number: int) -> tuple[float, ...]:
+def _row_factors(cells: list[str], columns: tuple[str, ...], path: Path, number: int) -> tuple[float, ...]:
     if len(cells) != len(columns):
         raise ValueError(f"line {number} of {path} has {len(cells)} factors; the header names {len(columns)} cases.")
     factors = []
@@ -140,25 +142,25 @@ def _factors_of(cells: list[str], columns: tuple[str, ...], path: Path, number: 
 
 
 def _values(value: object) -> object:
-    """Read one number as a list of one; refuse a value that says nothing or says it twice."""
+    """Validate factors: a single number becomes a list of one; empty lists, zeros and duplicates are refused."""
     value = as_list(value)
     listed = value if isinstance(value, list | tuple) else [value]
     if not listed:
         raise ValueError("found an empty list; it must be a factor or a list of factors.")
     for index, factor in enumerate(listed):
         if factor == 0 and not isinstance(factor, bool):
-            raise ValueError("found the factor 0; leave it out. A variable case is absent in some patterns anyway.")
+            raise ValueError("found the factor 0; remove it. Patterns already include the absence of a variable case.")
         if factor in listed[:index]:
             raise ValueError(f"the factor {describe(factor)} is listed twice.")
     return listed
 
 
-def _one(value: object) -> object:
-    """Refuse a list where one factor belongs."""
+def _single_factor(value: object) -> object:
+    """Refuse a list of factors where a single factor is required."""
     if isinstance(value, list | tuple):
         raise ValueError(
-            f'found {describe(value)}; it must be a number. Lists of factors go with generate = "patterns", in '
-            "permanent and variable."
+            f"found {describe(value)}; it must be a number. Lists of factors are for permanent and variable of "
+            'generate = "patterns".'
         )
     return value
 
@@ -181,7 +183,7 @@ Rows = Annotated[Mapping[Text, Row], Field(min_length=1), AfterValidator(FrozenM
 
 
 class Combination(Named):
-    """A combination of load cases, each with its factor; or, where ``generate`` says how, many combinations."""
+    """A combination of load cases with factors; with ``generate``, many combinations."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -194,26 +196,28 @@ class Combination(Named):
 
     name: Text = Field(
         default="",
-        description='Name, each once; default "combination 1", "combination 2", ... Generated names begin with it.',
+        description='Unique name; default "combination 1", "combination 2", ... It is the prefix of generated names.',
     )
     group: Text = Field(
         default="",
-        description="Group whose envelope and governing combinations are told apart, such as ULS or SLS; left out: "
-        "in none but the envelope of all.",
+        description="Group with an envelope and governing combinations of its own, such as ULS or SLS; default: only "
+        "in the envelope of all combinations.",
     )
     factors: (
         Annotated[
-            Mapping[Text, Annotated[Number, BeforeValidator(_one)]], AfterValidator(Factors), PlainSerializer(dict)
+            Mapping[Text, Annotated[Number, BeforeValidator(_single_factor)]],
+            AfterValidator(Factors),
+            PlainSerializer(dict),
         ]
         | None
     ) = Field(
         default=None,
-        description="Factor of each load case, as in { G = 1.35, Q = 1.5 }; a case left out has none. Empty: no load.",
+        description="Factor of each load case, as in { G = 1.35, Q = 1.5 }; other cases do not act. Empty: no load.",
     )
     generate: Generate | None = Field(
         default=None,
-        description="table: a row a combination; patterns: every pattern of variable cases, permanent ones always "
-        "there; positions: one combination for each position of the moving cases in factors.",
+        description="table: a combination per row; patterns: every pattern of the variable cases, with all permanent "
+        "cases; positions: a combination per position of the moving cases in factors.",
     )
     file: Annotated[
         Listing | None,
@@ -222,43 +226,44 @@ class Combination(Named):
         WithJsonSchema({"type": "string"}),
     ] = Field(
         default=None,
-        description="For table: a CSV file, its header name and load cases, a row a combination; looked for beside "
-        "the input file.",
+        description="For table: a CSV file with the header name and the load cases, and a combination per row; "
+        "relative to the input file.",
     )
     columns: tuple[Text, ...] | None = Field(
         default=None, min_length=1, description="For table, with rows: the load cases of the columns."
     )
     rows: Rows | None = Field(
-        default=None, description="For table, with columns: the factors of each combination by its name."
+        default=None, description="For table, with columns: the factors of each combination, by name."
     )
     permanent: ByCase | None = Field(
-        default=None, description="For patterns: factor, or list of factors, of cases that are always there."
+        default=None, description="For patterns: factor, or list of factors, of cases that always act."
     )
     variable: ByCase | None = Field(
         default=None, description="For patterns: factor, or list of factors, of cases that may be absent."
     )
     exclusive: tuple[Annotated[tuple[Text, ...], Field(min_length=2)], ...] = Field(
-        default=(), description="For patterns: lists of variable cases of which at most one is there."
+        default=(), description="For patterns: lists of variable cases of which at most one acts."
     )
 
     def _complaints(self) -> Iterator[Complaint]:
         if self.generate is None and self.factors is None:
             yield (
                 ("factors",),
-                "'factors' is missing. Factor of each load case, as in { G = 1.35, Q = 1.5 }; a case left out has "
-                "none.",
+                "'factors' is missing. Give the factor of each load case, as in { G = 1.35, Q = 1.5 }.",
             )
-        goes = {key for keys in _KEYS.values() for key in keys}
-        for key in sorted(goes - set(_KEYS[self.generate])):
+        all_keys = {key for keys in _KEYS_OF.values() for key in keys}
+        for key in sorted(all_keys - set(_KEYS_OF[self.generate])):
             if getattr(self, key) not in (None, ()):
-                with_it = [f'generate = "{way}"' for way, keys in _KEYS.items() if way and key in keys]
+                allowed = [
+                    f'generate = "{generate}"' for generate, keys in _KEYS_OF.items() if generate and key in keys
+                ]
                 here = f'generate = "{self.generate}"' if self.generate else "a combination without generate"
-                yield (key,), f"{key} does not go with {here}; it goes with {' or '.join(with_it)}."
+                yield (key,), f"{key} is not allowed with {here}; it is for {' or '.join(allowed)}."
         match self.generate:
             case "positions" if self.factors is None:
                 yield (
                     ("factors",),
-                    "'factors' is missing. It names the moving cases, and the others that act with them.",
+                    "'factors' is missing. Give the factors of the moving cases, and of the cases that act with them.",
                 )
             case "table":
                 yield from self._table_complaints()
@@ -266,15 +271,15 @@ class Combination(Named):
                 yield from self._pattern_complaints()
 
     def _table_complaints(self) -> Iterator[Complaint]:
-        written = self.given(("columns", "rows"))
-        if (self.file is not None) == bool(written):
+        keys = self.present(("columns", "rows"))
+        if (self.file is not None) == bool(keys):
             yield (), 'generate = "table" needs either file, or columns and rows.'
-        elif len(written) == 1:
-            other = "rows" if written == ["columns"] else "columns"
-            yield (other,), f"'{other}' is missing; it goes with {written[0]}."
+        elif len(keys) == 1:
+            missing = "rows" if keys == ["columns"] else "columns"
+            yield (missing,), f"'{missing}' is missing; it is required with {keys[0]}."
         if self.columns is None or self.rows is None:
             return
-        if (repeated := twice(self.columns)) is not None:
+        if (repeated := first_duplicate(self.columns)) is not None:
             yield ("columns",), f'"{repeated}" is listed twice.'
         for name, row in self.rows.items():
             if len(row) != len(self.columns):
@@ -282,35 +287,35 @@ class Combination(Named):
 
     def _pattern_complaints(self) -> Iterator[Complaint]:
         if self.variable is None:
-            yield ("variable",), "'variable' is missing. It names the cases that may be absent, as in { Q = 1.5 }."
+            yield ("variable",), "'variable' is missing. Give the cases that may be absent, as in { Q = 1.5 }."
             return
         for case in sorted(self.variable.keys() & (self.permanent or {}).keys()):
-            yield ("variable", case), f'"{case}" is among the permanent cases too; a case is one or the other.'
+            yield ("variable", case), f'"{case}" is both permanent and variable; remove it from one of them.'
         seen: set[str] = set()
         for position, group in enumerate(self.exclusive):
             for case in group:
                 if case not in self.variable:
-                    yield ("exclusive", position), f'"{case}" is not among the variable cases.'
+                    yield ("exclusive", position), f'"{case}" is not a variable case.'
                 elif case in seen:
-                    yield ("exclusive", position), f'"{case}" is listed twice; a case stands in one list at most.'
+                    yield ("exclusive", position), f'"{case}" is listed twice; a case may be in one list only.'
                 seen.add(case)
 
     @property
     def acting(self) -> frozenset[str]:
-        """Names of the cases with a factor that is not zero."""
+        """Names of the cases with a nonzero factor."""
         return frozenset(case for case, factor in (self.factors or {}).items() if factor)
 
     @property
     def listing(self) -> Listing:
-        """The rows of a table."""
+        """The table of a combination with ``generate = "table"``."""
         if self.file is not None:
             return self.file
-        assert self.columns is not None and self.rows is not None  # one or the other is given
+        assert self.columns is not None and self.rows is not None  # required without a file
         return Listing(self.columns, tuple(self.rows), tuple(self.rows.values()))
 
     @property
     def cases(self) -> dict[str, tuple[str | int, ...]]:
-        """The load cases that it names, and under which key each first stands."""
+        """The load cases of the table, each with the place where it first occurs."""
         places: dict[str, tuple[str | int, ...]] = {}
         tables: tuple[tuple[str, Any], ...] = (
             ("factors", self.factors),
@@ -327,21 +332,21 @@ class Combination(Named):
         return places
 
     def factors_of(self, case: str) -> set[float]:
-        """Factors that it gives a case."""
-        result = {self.factors[case]} if self.factors is not None and case in self.factors else set()
-        result.update(*((table or {}).get(case, ()) for table in (self.permanent, self.variable)))
+        """All factors of a case in this table."""
+        factors = {self.factors[case]} if self.factors is not None and case in self.factors else set()
+        factors.update(*((table or {}).get(case, ()) for table in (self.permanent, self.variable)))
         if self.generate == "table" and case in (columns := self.listing.columns):
-            result |= {row[columns.index(case)] for row in self.listing.rows}
-        return result
+            factors |= {row[columns.index(case)] for row in self.listing.rows}
+        return factors
 
 
 Positions = Mapping[str, Sequence[str]]
-"""The cases that a moving load becomes, by its own case."""
+"""Load cases of the positions of each moving load, by the case of the moving load."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One way to fill a place of a pattern: a term of the name, and the factor of one case; or nothing."""
+    """One option of a slot of a product: a case with its factor, and the term of the name; empty: no case."""
 
     term: str = ""
     case: str = ""
@@ -350,41 +355,41 @@ class Choice:
 
 @dataclass(frozen=True)
 class Product:
-    """Every way to fill each place with one of its choices, the last place changing first."""
+    """Cartesian product of slots: each combination takes one choice per slot; the last slot varies fastest."""
 
     name: str
     fixed: tuple[tuple[str, float], ...]
-    places: tuple[tuple[Choice, ...], ...]
+    slots: tuple[tuple[Choice, ...], ...]
     group: str = ""
 
     def __len__(self) -> int:
         """Count the combinations."""
-        return math.prod(len(choices) for choices in self.places)
+        return math.prod(len(choices) for choices in self.slots)
 
     def __getitem__(self, index: int) -> tuple[str, Factors]:
         """Return the name and the factors of one combination."""
         chosen: list[Choice] = []
-        for choices in reversed(self.places):
-            index, which = divmod(index, len(choices))
-            chosen.insert(0, choices[which])
+        for choices in reversed(self.slots):
+            index, number = divmod(index, len(choices))
+            chosen.insert(0, choices[number])
         factors = dict(self.fixed) | {choice.case: choice.factor for choice in chosen if choice.case}
         terms = _sum([choice.term for choice in chosen if choice.term])
         return ": ".join(part for part in (self.name, terms) if part), Factors(factors)
 
     @property
     def cases(self) -> set[str]:
-        """Every case that occurs."""
-        return {case for case, _ in self.fixed} | {c.case for choices in self.places for c in choices if c.case}
+        """Load cases that occur in some combination."""
+        return {case for case, _ in self.fixed} | {c.case for choices in self.slots for c in choices if c.case}
 
 
 @dataclass(frozen=True, eq=False)
 class Combinations(Sequence[Combination]):
-    """Combinations in the order of the input, generated ones where their table stands."""
+    """Combinations in the order of the input; generated ones take the position of their table."""
 
     products: tuple[Product | Listing, ...]
 
     def __post_init__(self) -> None:
-        """Find where each product begins."""
+        """Sum the lengths of the products."""
         object.__setattr__(self, "_ends", list(accumulate(len(product) for product in self.products)))
 
     def __len__(self) -> int:
@@ -393,11 +398,11 @@ class Combinations(Sequence[Combination]):
 
     @property
     def cases(self) -> set[str]:
-        """Every case that occurs in some combination."""
+        """Load cases that occur in some combination."""
         return self.cases_of("")
 
     def cases_of(self, group: str) -> set[str]:
-        """Every case that occurs in some combination of a group; with group "" in any combination."""
+        """Load cases that occur in some combination of a group; ``group=""``: all combinations."""
         return {case for product in self.products if group in ("", product.group) for case in product.cases}
 
     @overload
@@ -405,19 +410,20 @@ class Combinations(Sequence[Combination]):
     @overload
     def __getitem__(self, index: slice) -> Sequence[Combination]: ...
     def __getitem__(self, index: int | slice) -> Combination | Sequence[Combination]:
-        """Make one combination, or those of a slice."""
+        """Return one combination, or a list for a slice."""
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
         if not -len(self) <= index < len(self):
             raise IndexError(f"there are {len(self)} combinations; found {index}")
         index %= len(self)
-        which = bisect_right(self._ends, index)  # type: ignore[attr-defined]
-        name, factors = self.products[which][index - (self._ends[which - 1] if which else 0)]  # type: ignore[attr-defined]
-        return Combination.model_construct(name=name, group=self.products[which].group, factors=factors)
+        number = bisect_right(self._ends, index)  # type: ignore[attr-defined]
+        first = self._ends[number - 1] if number else 0  # type: ignore[attr-defined]
+        name, factors = self.products[number][index - first]
+        return Combination.model_construct(name=name, group=self.products[number].group, factors=factors)
 
     @property
     def groups(self) -> dict[str, int]:
-        """How many combinations each group with a name has, in the order of the input."""
+        """Number of combinations of each named group, in the order of the input."""
         counts: dict[str, int] = {}
         for product in self.products:
             if product.group:
@@ -432,17 +438,17 @@ class Combinations(Sequence[Combination]):
 
 
 def products(combination: Combination, positions: Positions) -> Iterator[Product | Listing]:
-    """What a table of the input stands for."""
+    """Expand a [[combination]] table of the input."""
     group = combination.group
     match combination.generate:
         case None:
             yield Product(combination.name, tuple(_factors(combination).items()), (), group)
         case "positions":
-            yield _of_factors(combination.name, _factors(combination), positions, group)
+            yield _over_positions(combination.name, _factors(combination), positions, group)
         case "table":
             listing = combination.listing
             if positions.keys() & listing.cases:
-                yield from (_of_factors(*listing[index], positions, group) for index in range(len(listing)))
+                yield from (_over_positions(*listing[index], positions, group) for index in range(len(listing)))
             else:
                 yield replace(listing, group=group)
         case "patterns":
@@ -454,17 +460,20 @@ def _factors(combination: Combination) -> Mapping[str, float]:
     return combination.factors
 
 
-def _of_factors(name: str, factors: Mapping[str, float], positions: Positions, group: str) -> Product:
+def _over_positions(name: str, factors: Mapping[str, float], positions: Positions, group: str) -> Product:
+    """Product over the positions of the moving cases in ``factors``."""
     fixed = tuple((case, factor) for case, factor in factors.items() if case not in positions)
     moving = ((case, factor) for case, factor in factors.items() if case in positions)
-    places = tuple(tuple(Choice(at, at, factor) for at in positions[case]) for case, factor in moving)
-    return Product(name, fixed, places, group)
+    slots = tuple(tuple(Choice(position, position, factor) for position in positions[case]) for case, factor in moving)
+    return Product(name, fixed, slots, group)
 
 
 def _patterns(combination: Combination, positions: Positions) -> Iterator[tuple[Choice, ...]]:
+    """Slots of all patterns: permanent cases, then variable cases, which may be absent."""
+
     def choices(case: str, values: Sequence[float]) -> tuple[Choice, ...]:
-        places = positions.get(case, (case,))
-        return tuple(Choice(_term(factor, at), at, factor) for factor in values for at in places)
+        names = positions.get(case, (case,))
+        return tuple(Choice(_term(factor, name), name, factor) for factor in values for name in names)
 
     assert combination.variable is not None  # patterns without variable cases are refused
     for case, values in (combination.permanent or {}).items():
@@ -481,6 +490,6 @@ def _term(factor: float, case: str) -> str:
 
 
 def _sum(terms: Sequence[str]) -> str:
-    """Join terms the way a sum is written."""
+    """Write terms as a sum."""
     first, *others = terms or [""]
     return first + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in others)

@@ -1,4 +1,4 @@
-"""CSV files as cells of text, and their numbers; errors are ValueErrors."""
+"""Read CSV files as text cells, and numbers from cells; errors are ValueErrors."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from signorini.base.regular import read_regular
 
 
 def read_cells(path: Path, largest: int) -> list[list[str]]:
-    """Read the lines of a CSV file of at most so many bytes."""
+    """Read the lines of a CSV file of at most ``largest`` bytes."""
     try:
         text = read_regular(path, largest).decode("utf-8-sig")
         lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))
@@ -27,7 +27,7 @@ def read_cells(path: Path, largest: int) -> list[list[str]]:
 
 def number_in(cell: str) -> float:
     """Read a number; NaN for an empty cell."""
-    # float() would take 1_000 and the digits of every script.
+    # float() accepts 1_000 and the digits of every script.
     try:
         return float(cell) if cell.isascii() and "_" not in cell else float("nan")
     except ValueError:

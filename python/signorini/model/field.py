@@ -1,4 +1,4 @@
-"""Numbers that vary over the plate as a file, points or a function in Python say."""
+"""Values that vary over the plate: from a CSV file, from points, or from a Python function."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from signorini.model.csv_cells import number_in, read_cells
 from signorini.model.problems import as_list, describe
 
 _LARGEST_FILE = 20_000_000
+"""Bytes of a CSV file of points; about a million points."""
 
 
 def _read_points(value: object) -> Field:
@@ -32,8 +33,8 @@ def _read_points(value: object) -> Field:
         if len(words) != 3:
             raise ValueError(f"line {number} of {value} has {len(words)} columns; it must have three: x, y, value.")
         row = [number_in(word) for word in words]
-        for word, one in zip(words, row, strict=True):
-            if not abs(one) <= LARGEST:
+        for word, parsed in zip(words, row, strict=True):
+            if not abs(parsed) <= LARGEST:
                 raise ValueError(
                     f"line {number} of {value} has {describe(word)}; it must be a number. A first line that names the "
                     "columns is: x,y,value."
@@ -49,7 +50,7 @@ _Point = Annotated[tuple[base.Number, base.Number, base.Number], *base.vector(3,
 _points = pydantic.TypeAdapter(tuple[_Point, ...])
 
 
-def _listed(value: object) -> Field:
+def _read_listed(value: object) -> Field:
     """Read points [x, y, value]."""
     try:
         return Field(_points.validate_python(as_list(value)))
@@ -57,7 +58,7 @@ def _listed(value: object) -> Field:
         raise ValueError(error.message) from None
 
 
-def _beyond(value: object) -> Any:
+def _outside(value: object) -> Any:
     if isinstance(value, bool) or value not in ("nearest", 0):
         raise ValueError(f'found {describe(value)}; it must be "nearest" or 0.')
     return "nearest" if value == "nearest" else 0
@@ -71,19 +72,19 @@ _POINTS: dict[str, Any] = {
 
 
 class FieldTable(base.Table):
-    """A table of points, from a file or listed: x, y and the value there, linear between them."""
+    """Points x, y and a value, from a file or listed; the field is linear between them."""
 
     file: Annotated[Field, PlainValidator(_read_points), WithJsonSchema({"type": "string"})] | None = pydantic.Field(
-        default=None, description="A CSV file with the columns x, y and value; looked for beside the input file."
+        default=None, description="A CSV file with the columns x, y and value; relative to the input file."
     )
-    points: Annotated[Field, PlainValidator(_listed), WithJsonSchema(_POINTS)] | None = pydantic.Field(
+    points: Annotated[Field, PlainValidator(_read_listed), WithJsonSchema(_POINTS)] | None = pydantic.Field(
         default=None, description="In place of a file: [[x, y, value], ...]."
     )
-    outside: Annotated[Outside, PlainValidator(_beyond), WithJsonSchema({"enum": ["nearest", 0]})] | None = (
+    outside: Annotated[Outside, PlainValidator(_outside), WithJsonSchema({"enum": ["nearest", 0]})] | None = (
         pydantic.Field(
             default=None,
-            description='Value beyond the points: "nearest", that at the nearest place of their convex hull, or 0. '
-            "Left out: the points must cover the support.",
+            description='Value outside the convex hull of the points: "nearest", the value at the nearest point of the '
+            "hull, or 0. Default: the points must cover the support.",
         )
     )
 
@@ -95,15 +96,17 @@ def _read(value: object) -> Expression | Field:
             return value
         case Mapping():
             if len(value.keys() & {"file", "points"}) != 1 or not value.keys() <= {"file", "points", "outside"}:
-                found = ", ".join(map(str, value)) or "nothing"
+                found = ", ".join(map(str, value)) or "no keys"
                 raise ValueError(
                     f'found a table of {found}; it must be {{ file = "…" }} or {{ points = [[x, y, value], …] }}, and '
                     'may have outside = "nearest" or outside = 0.'
                 )
             table = FieldTable.model_validate(value)
-            return next(replace(one, outside=table.outside) for one in (table.file, table.points) if one is not None)
+            field = table.file or table.points
+            assert field is not None  # exactly one of the two keys is there
+            return replace(field, outside=table.outside)
         case list() | tuple():
-            return _listed(value)
+            return _read_listed(value)
     if callable(value) and not isinstance(value, Expression):
         return Field(value)
     return base.reader(above=0.0)(value)
@@ -118,18 +121,18 @@ _FIELD_SCHEMAS: list[dict[str, Any]] = [
 FieldScalar = Annotated[
     Expression | Field,
     PlainValidator(_read),
-    PlainSerializer(lambda one: one.source),
+    PlainSerializer(lambda scalar: scalar.source),
     WithJsonSchema({"anyOf": _FIELD_SCHEMAS}),
 ]
-"""A positive number, an expression, or a field: a table with its file, points, or a function."""
+"""A positive number, an expression, or a field: a table with a file or points, or a function."""
 
 
-def _or_list(
+def _or_point_values(
     read: Callable[[object], Any], limits: dict[str, float], schemas: list[dict[str, Any]] | None = None
 ) -> tuple[PlainValidator, PlainSerializer, WithJsonSchema]:
-    """Annotations of a key that takes a value, which ``read`` reads, or a list with one number for each point."""
+    """Annotations of a key whose value is validated by ``read``, or is a list with one number per point."""
 
-    def each(value: object) -> Any:
+    def read_each(value: object) -> Any:
         value = as_list(value)
         if isinstance(value, PointValues):
             return value
@@ -145,12 +148,14 @@ def _or_list(
 
     number: dict[str, Any] = {"type": "number", **limits}
     every = [*(schemas or [number, {"type": "string"}]), {"type": "array", "items": number, "minItems": 1}]
-    return PlainValidator(each), PlainSerializer(lambda value: value.source), WithJsonSchema({"anyOf": every})
+    return PlainValidator(read_each), PlainSerializer(lambda value: value.source), WithJsonSchema({"anyOf": every})
 
 
 _ABOVE = {"exclusiveMinimum": 0.0}
-PointScalar = Annotated[Expression | PointValues, *_or_list(base.reader(), {})]
-PositivePointScalar = Annotated[Expression | PointValues, *_or_list(base.reader(above=0.0), _ABOVE)]
-NonNegativePointScalar = Annotated[Expression | PointValues, *_or_list(base.reader(at_least=0.0), {"minimum": 0.0})]
-PointFieldScalar = Annotated[Expression | Field | PointValues, *_or_list(_read, _ABOVE, _FIELD_SCHEMAS)]
-"""The same as scalars and fields, or a list with one value for each point."""
+PointScalar = Annotated[Expression | PointValues, *_or_point_values(base.reader(), {})]
+PositivePointScalar = Annotated[Expression | PointValues, *_or_point_values(base.reader(above=0.0), _ABOVE)]
+NonNegativePointScalar = Annotated[
+    Expression | PointValues, *_or_point_values(base.reader(at_least=0.0), {"minimum": 0.0})
+]
+PointFieldScalar = Annotated[Expression | Field | PointValues, *_or_point_values(_read, _ABOVE, _FIELD_SCHEMAS)]
+"""A scalar or a field, or a list with one value per point."""

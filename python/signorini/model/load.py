@@ -1,4 +1,4 @@
-"""Loads, those that move along a line, and the points where results are asked for."""
+"""Loads, moving loads, and probes."""
 
 from __future__ import annotations
 
@@ -50,20 +50,20 @@ def _true(value: object) -> object:
 
 
 class Axes(Table):
-    """A couple about each axis of the plane, at least one of them."""
+    """Couples about the axes x and y; at least one is required."""
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1})
 
-    x: Number | None = Field(default=None, description="Couple about x: the side of greater y goes down.")
-    y: Number | None = Field(default=None, description="Couple about y: the side of greater x goes up.")
+    x: Number | None = Field(default=None, description="Couple about x; positive: the side of greater y goes down.")
+    y: Number | None = Field(default=None, description="Couple about y; positive: the side of greater x goes up.")
 
     def _complaints(self) -> Iterator[Complaint]:
-        if not self.given(("x", "y")):
-            yield (), "found neither x nor y; give the couple about at least one of them."
+        if not self.present(("x", "y")):
+            yield (), "found neither x nor y; give at least one couple."
 
 
 class Load(Acting):
-    """A load: exactly one of pressure, force, line_load, moment, couple_about, self_weight, curvature, in a case."""
+    """A load of a case: exactly one of pressure, force, line_load, moment, couple_about, self_weight, curvature."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -74,7 +74,7 @@ class Load(Acting):
 
     case: Text = Field(default="load", min_length=1, description='The load case it belongs to; default "load".')
     pressure: Scalar | None = Field(
-        default=None, description="Force per area, positive down, everywhere or on area: a number or an expression."
+        default=None, description="Force per area, positive down, on area (default all): a number or an expression."
     )
     force: Number | None = Field(default=None, description="Force at each point of at or nodes, positive down.")
     line_load: Scalar | None = Field(
@@ -90,10 +90,10 @@ class Load(Acting):
         description="Couples { x = ..., y = ... } about the axes at each point of at or nodes; right-handed, z down.",
     )
     self_weight: Annotated[Literal[True], BeforeValidator(_true)] | None = Field(
-        default=None, description="true: the plate's own weight, from material.unit_weight and the thickness."
+        default=None, description="true: the self-weight, unit_weight of the material times the thickness."
     )
     curvature: Annotated[tuple[Number, Number, Number], *vector(3, "three curvatures [kx, ky, kxy]")] | None = Field(
-        default=None, description="Stress-free curvatures [kx, ky, kxy], as by a temperature gradient."
+        default=None, description="Stress-free curvatures [kx, ky, kxy], for example of a temperature gradient."
     )
 
     @model_validator(mode="before")
@@ -110,41 +110,41 @@ class Load(Acting):
 
     @property
     def couple(self) -> tuple[float, float] | None:
-        """Couples [mx, my] at each point, of ``moment`` or ``couple_about``; None of other loads."""
+        """Couples [mx, my] at each point, from ``moment`` or ``couple_about``; None for other loads."""
         if self.couple_about is None:
             return self.moment
-        # z points down: a turn about x takes y to z, one about y takes z to x.
+        # Right-handed with z down: a couple about x works on ∂w/∂y, a couple about y on -∂w/∂x.
         return 0.0 - (self.couple_about.y or 0.0), self.couple_about.x or 0.0
 
     def _complaints(self) -> Iterator[Complaint]:
-        kinds = self.given(_PLACES)
+        kinds = self.present(_PLACES)
         if len(kinds) != 1:
             yield (), f"found {' and '.join(kinds) or 'none'}; a load is exactly one of {', '.join(_PLACES)}."
             return
         allowed = _PLACES[self.kind]
-        places = self.given(sorted(self.places))
+        places = self.present(sorted(self.places))
         for key in places:
             if key not in allowed:
-                goes = f"with {' or '.join(allowed)}" if allowed else "alone"
-                yield (key,), f"{key} does not go with {self.kind}, which goes {goes}."
+                takes = " or ".join(allowed) if allowed else "no place: it acts on the whole plate"
+                yield (key,), f"{key} is not allowed with {self.kind}, which takes {takes}."
         here = [key for key in places if key in allowed]
         if allowed and len(here) != 1 and len(here) == len(places):
             needs = f"exactly one of {', '.join(allowed)}" if len(allowed) > 1 else allowed[0]
-            yield (), f"found {' and '.join(here) or 'no place'}; {self.kind} needs {needs} to say where it acts."
-        if (footprint := self.given(FOOTPRINT)) and "at" not in allowed:
-            yield (footprint[0],), f"{footprint[0]} does not go with {self.kind}; it is the footprint of points."
+            yield (), f"found {' and '.join(here) or 'no place'}; {self.kind} needs {needs} as its place."
+        if (footprint := self.present(FOOTPRINT)) and "at" not in allowed:
+            yield (footprint[0],), f"{footprint[0]} is the footprint of points; {self.kind} has none."
         else:
             yield from self._footprint_complaints()
 
 
 class Probe(OnPlate):
-    """Points where deflection, rotations, moments and shears are written out."""
+    """Points at which deflection, rotations, moments and shears are reported."""
 
     at: Points = Field(description="A point [x, y] or a list of points.")
 
 
-_END = 1e-9
-"""Smallest length of the last step, relative to a step."""
+_SHORTEST_STEP = 1e-9
+"""Smallest length of the last step, relative to ``step``: above the rounding of the line's length."""
 
 
 def _axles(value: object) -> object:
@@ -155,32 +155,32 @@ def _axles(value: object) -> object:
 
 
 Axle = Annotated[tuple[NonNegative, Number], *vector(2, "an axle [distance behind the first, force]")]
-Print = Annotated[tuple[Positive, Positive], *vector(2, "a patch [length along the line, width across it]")]
+WheelPatch = Annotated[tuple[Positive, Positive], *vector(2, "a patch [length along the line, width across it]")]
 Wheel = tuple[tuple[float, float], tuple[float, float], float]
-"""Where a wheel stands, the unit direction it rolls in, and its force."""
+"""Contact point of a wheel (x, y), its unit direction of travel, and its force."""
 
 
 class Moving(OnPlate):
-    """A load that moves along a line: axles with one or two wheels, each a force at a point or on a patch."""
+    """A load that moves along a line: axles with one or two wheels. A wheel is a force at a point or on a patch."""
 
-    case: Text = Field(min_length=1, description="Name of the load case that the positions belong to.")
+    case: Text = Field(min_length=1, description="Name of the load case; its positions are cases of their own.")
     line: Polyline = Field(description="The line [[x, y], [x, y], ...] along which the first axle moves.")
-    step: Positive = Field(description="Distance from one position to the next; the end of the line is the last one.")
+    step: Positive = Field(description="Distance between positions; the last position is the end of the line.")
     axles: Annotated[tuple[Axle, ...], Field(min_length=1), BeforeValidator(_axles)] = Field(
         description="[distance behind the first axle, force] of each axle, such as [[0, 60], [1.2, 60]]."
     )
     gauge: NonNegative = Field(
-        default=0.0, description="Distance between the two wheels of an axle, half its force on each; 0: one wheel."
+        default=0.0, description="Distance between the two wheels of an axle, each with half its force; 0: one wheel."
     )
-    patch: Print | None = Field(
-        default=None, description="[length along the line, width across it] of each wheel's print; left out: a point."
+    patch: WheelPatch | None = Field(
+        default=None, description="Footprint of each wheel, [length along the line, width across it]; default a point."
     )
 
     def _complaints(self) -> Iterator[Complaint]:
         if self.patch is not None and 0 < self.gauge < self.patch[1]:
             yield (
                 ("patch",),
-                f"the prints of an axle's wheels overlap: they are {self.patch[1]:g} wide and {self.gauge:g} apart.",
+                f"the patches of an axle's wheels overlap: they are {self.patch[1]:g} wide and {self.gauge:g} apart.",
             )
 
     @property
@@ -191,27 +191,27 @@ class Moving(OnPlate):
     @property
     def count(self) -> int:
         """Number of positions."""
-        return math.ceil(self.length / self.step - _END) + 1
+        return math.ceil(self.length / self.step - _SHORTEST_STEP) + 1
 
     @property
     def positions(self) -> dict[str, float]:
-        """Distance of the first axle along the line, by the name of the load case."""
+        """Distance s of the first axle along the line, by the name of the position's load case."""
         travelled = [min(i * self.step, self.length) for i in range(self.count)]
         return {f"{self.case}@{round(s, 12):.10g}": s for s in travelled}
 
     def wheels(self, travelled: float) -> list[Wheel]:
-        """Every wheel, with the first axle at a distance along the line, which continues straight before its start."""
+        """All wheels with the first axle at s = ``travelled``; before its start the line is continued straight."""
         wheels: list[Wheel] = []
         for behind, force in self.axles:
-            (x, y), (tx, ty) = self._at(travelled - behind)
+            (x, y), (tx, ty) = self._point_at(travelled - behind)
             sides = (-0.5, 0.5) if self.gauge else (0.0,)
             for side in sides:
                 offset = side * self.gauge
                 wheels.append(((x - offset * ty, y + offset * tx), (tx, ty), force / len(sides)))
         return wheels
 
-    def _at(self, travelled: float) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Point of the line and its direction there."""
+    def _point_at(self, travelled: float) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Point of the line at distance s, and the unit tangent there."""
         left = travelled
         for a, b in pairwise(self.line):
             length = math.dist(a, b)

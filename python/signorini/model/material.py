@@ -1,4 +1,4 @@
-"""Sections of the plate and of its zones: materials, modifiers, and stiffnesses."""
+"""Cross sections of the plate and of its zones: materials, modifiers, stiffnesses."""
 
 from __future__ import annotations
 
@@ -25,11 +25,12 @@ from signorini.shapes import Region
 
 _ISOTROPIC = ("E", "nu")
 _ORTHOTROPIC = ("Ex", "Ey", "nu_xy", "Gxy", "Gxz", "Gyz", "angle")
-_NEEDED = ("Ex", "Ey", "nu_xy", "Gxy")
+_REQUIRED = ("Ex", "Ey", "nu_xy", "Gxy")
+"""Moduli without which a material is not orthotropic; the others have defaults."""
 
 
 class Axes(NamedTuple):
-    """Moduli of an orthotropic material along its own axes, the first turned by an angle from x, in degrees."""
+    """Moduli of an orthotropic material along its axes 1, 2; ``angle`` is from x to axis 1, in degrees."""
 
     Ex: float
     Ey: float
@@ -40,13 +41,13 @@ class Axes(NamedTuple):
     angle: float
 
 
-def _either(schema: dict[str, Any]) -> None:
+def _isotropic_or_orthotropic(schema: dict[str, Any]) -> None:
     def without(*keys: str) -> dict[str, Any]:
         return {"not": {"anyOf": [{"required": [key]} for key in keys]}}
 
     schema["oneOf"] = [
         {"required": list(_ISOTROPIC), **without(*_ORTHOTROPIC)},
-        {"required": list(_NEEDED), **without(*_ISOTROPIC)},
+        {"required": list(_REQUIRED), **without(*_ISOTROPIC)},
         without(*_ISOTROPIC, *_ORTHOTROPIC),
     ]
 
@@ -54,10 +55,10 @@ def _either(schema: dict[str, Any]) -> None:
 class Material(Table):
     """A linear elastic material: isotropic by E and nu, or orthotropic by Ex, Ey, nu_xy and Gxy.
 
-    Without any of them it is one of sections whose stiffness is given.
+    A material without moduli has only a weight; its sections give their stiffness.
     """
 
-    model_config = ConfigDict(json_schema_extra=_either)
+    model_config = ConfigDict(json_schema_extra=_isotropic_or_orthotropic)
 
     E: Positive | None = Field(default=None, description="Young's modulus, force per area.")
     nu: Annotated[float, Field(gt=-1, lt=0.5), BeforeValidator(number)] | None = Field(
@@ -66,47 +67,47 @@ class Material(Table):
     Ex: Positive | None = Field(default=None, description="Young's modulus along the first axis.")
     Ey: Positive | None = Field(default=None, description="Young's modulus along the second axis.")
     nu_xy: Annotated[float, BeforeValidator(number)] | None = Field(
-        default=None, description="Poisson's ratio: how far it shrinks along the second axis, pulled along the first."
+        default=None, description="Poisson's ratio: strain -ε₂/ε₁ under tension along the first axis."
     )
     Gxy: Positive | None = Field(default=None, description="Shear modulus in the plane of the plate.")
-    Gxz: Positive | None = Field(default=None, description="Shear modulus across the plate, first axis; default Gxy.")
-    Gyz: Positive | None = Field(default=None, description="Shear modulus across the plate, second axis; default Gxy.")
+    Gxz: Positive | None = Field(default=None, description="Transverse shear modulus, first axis; default Gxy.")
+    Gyz: Positive | None = Field(default=None, description="Transverse shear modulus, second axis; default Gxy.")
     angle: Annotated[float, BeforeValidator(number)] | None = Field(
         default=None, description="Angle from x to the first axis, in degrees; default 0."
     )
     unit_weight: NonNegative | None = Field(
-        default=None, description="Weight per volume; needed by a load of self_weight."
+        default=None, description="Weight per volume; required for a self_weight load."
     )
 
     @property
     def is_elastic(self) -> bool:
-        """Whether it has moduli."""
-        return bool(self.given((*_ISOTROPIC, *_ORTHOTROPIC)))
+        """Whether the material has moduli."""
+        return bool(self.present((*_ISOTROPIC, *_ORTHOTROPIC)))
 
     @property
     def young(self) -> float:
-        """Young's modulus, of an orthotropic material the larger one."""
+        """Young's modulus E; for an orthotropic material max(Ex, Ey)."""
         return self.E if self.E is not None else max(self.axes.Ex, self.axes.Ey)
 
     @property
     def poisson(self) -> float:
-        """Poisson's ratio, of an orthotropic material the geometric mean of its two."""
+        """Poisson's ratio ν; for an orthotropic material the geometric mean √(ν_xy ν_yx)."""
         return self.nu if self.nu is not None else self.axes.nu_xy * math.sqrt(self.axes.Ey / self.axes.Ex)
 
     @property
     def axes(self) -> Axes:
         """The moduli of an orthotropic material."""
-        Ex, Ey, nu_xy, Gxy = (getattr(self, key) for key in _NEEDED)
+        Ex, Ey, nu_xy, Gxy = (getattr(self, key) for key in _REQUIRED)
         return Axes(Ex, Ey, nu_xy, Gxy, self.Gxz or Gxy, self.Gyz or Gxy, self.angle or 0.0)
 
     def missing(self) -> Iterator[Complaint]:
-        """Say which moduli an isotropic material lacks."""
+        """Yield the moduli that are missing from an isotropic material."""
         for key in _ISOTROPIC:
             if getattr(self, key) is None:
                 yield (key,), f"'{key}' is missing. {type(self).model_fields[key].description}"
 
     def _complaints(self) -> Iterator[Complaint]:
-        isotropic, orthotropic = self.given(_ISOTROPIC), self.given(_ORTHOTROPIC)
+        isotropic, orthotropic = self.present(_ISOTROPIC), self.present(_ORTHOTROPIC)
         if isotropic and not orthotropic:
             yield from self.missing()
         if not orthotropic:
@@ -115,50 +116,50 @@ class Material(Table):
             yield (
                 (isotropic[0],),
                 f"found {isotropic[0]} beside {orthotropic[0]}; a material is isotropic (E, nu) or orthotropic "
-                f"({', '.join(_NEEDED)}).",
+                f"({', '.join(_REQUIRED)}).",
             )
             return
-        for key in _NEEDED:
+        for key in _REQUIRED:
             if getattr(self, key) is None:
-                yield (key,), f"'{key}' is missing; it goes with {orthotropic[0]}."
-        if not set(_NEEDED) - set(orthotropic) and self.axes.nu_xy**2 * self.axes.Ey >= self.axes.Ex:
+                yield (key,), f"'{key}' is missing; it is required with {orthotropic[0]}."
+        if not set(_REQUIRED) - set(orthotropic) and self.axes.nu_xy**2 * self.axes.Ey >= self.axes.Ex:
             most = math.sqrt(self.axes.Ex / self.axes.Ey)
             yield (
                 ("nu_xy",),
-                f"found {self.nu_xy:g}; its size must be less than the root of Ex/Ey, {most:.6g}. Is it the ratio of "
-                "the other axis, nu_yx = nu_xy Ey/Ex?",
+                f"found {self.nu_xy:g}; |nu_xy| must be less than √(Ex/Ey) = {most:.6g}. Is it the ratio of the other "
+                "axis, nu_yx = nu_xy Ey/Ex?",
             )
 
 
 class Modifiers(Table):
-    """Factors of the plate's stiffness along the material's axes, or x and y: cracked, ribbed or hollow sections."""
+    """Stiffness factors along the material's axes, or x and y: cracked, ribbed or hollow sections."""
 
-    bending: Positive = Field(default=1.0, description="Factor of the rigidities in bending.")
-    twist: Positive = Field(default=1.0, description="Factor of the rigidity in twist.")
-    shear: Positive = Field(default=1.0, description="Factor of the rigidities in shear.")
+    bending: Positive = Field(default=1.0, description="Factor of the bending stiffnesses.")
+    twist: Positive = Field(default=1.0, description="Factor of the twisting stiffness.")
+    shear: Positive = Field(default=1.0, description="Factor of the transverse shear stiffnesses.")
 
 
 class Stiffness(Table):
-    """Stiffness of a section along its own axes, such as a ribbed or hollow one."""
+    """Stiffness of a cross section, such as a ribbed or hollow one, along its axes 1, 2."""
 
     Dx: Positive = Field(description="Bending moment per curvature along the first axis, force times length.")
     Dy: Positive = Field(description="Bending moment per curvature along the second axis.")
     D1: Number = Field(description="Bending moment along either axis per curvature along the other one.")
-    Dxy: Positive = Field(description="Twisting moment per twice the twist; (1 - nu) D / 2 of a solid plate.")
+    Dxy: Positive = Field(description="Twisting moment per twice the twist; (1 - nu) D / 2 for a solid plate.")
     Sx: Positive = Field(description="Shear force per shear strain along the first axis, force per length.")
     Sy: Positive = Field(description="Shear force per shear strain along the second axis.")
     angle: Number = Field(default=0.0, description="Angle from x to the first axis, in degrees; default 0.")
 
     @property
     def poisson(self) -> float:
-        """Poisson's ratio, the geometric mean of those of both axes."""
+        """Poisson's ratio, the geometric mean D1/√(Dx Dy) of both axes."""
         return self.D1 / math.sqrt(self.Dx * self.Dy)
 
     @property
     def equivalent(self) -> tuple[float, float]:
-        """Thickness and Young's modulus of a solid plate that is about as stiff.
+        """Thickness h and Young's modulus E of a solid plate with about this stiffness.
 
-        Twist and shear, means of all directions, tell the thickness: those of a solid plate are G h³/12 and 5/6 G h.
+        h follows from the means over all directions of the twisting and the shear stiffness, G h³/12 and 5/6 G h.
 
         Examples
         --------
@@ -173,15 +174,15 @@ class Stiffness(Table):
     def _complaints(self) -> Iterator[Complaint]:
         most = math.sqrt(self.Dx * self.Dy)
         if abs(self.D1) >= most:
-            yield ("D1",), f"found {self.D1:g}; its size must be less than the root of Dx Dy, {most:.6g}."
+            yield ("D1",), f"found {self.D1:g}; |D1| must be less than √(Dx Dy) = {most:.6g}."
 
 
 def constant_thickness(thickness: Expression) -> Iterator[Complaint]:
-    """Refuse an expression beside a stiffness, which stands for one section."""
+    """Refuse an expression for the thickness where a stiffness describes one section."""
     if not thickness.is_constant:
         yield (
             ("thickness",),
-            f'found "{thickness.source}"; beside stiffness, which is that of one section, it must be a number.',
+            f'found "{thickness.source}"; with stiffness, which describes one section, it must be a number.',
         )
 
 
@@ -189,9 +190,9 @@ ZONE_KEYS = ("thickness", "material", "modifiers", "stiffness")
 
 
 class Zone(OnPlate):
-    """A part of the plate with a thickness, material or modifiers of its own; where zones overlap, later ones win.
+    """A part of the plate with other thickness, material or modifiers; in an overlap the later zone counts.
 
-    A rigid one moves as one body, whatever other zones are there.
+    A rigid zone moves as one body, also where other zones overlap it.
     """
 
     model_config = ConfigDict(
@@ -200,18 +201,18 @@ class Zone(OnPlate):
 
     area: AnyArea = Field(description="A table with one of rectangle, circle, polygon.")
     thickness: PositiveScalar | None = Field(
-        default=None, description="Thickness there: a number, or an expression in x and y; default that of the plate."
+        default=None, description="Thickness there: a number, or an expression in x and y; default the plate's."
     )
-    material: Material | None = Field(default=None, description="The material there; default that of the plate.")
-    modifiers: Modifiers | None = Field(
-        default=None, description="Factors of the stiffness there, in place of those of the plate."
-    )
+    material: Material | None = Field(default=None, description="The material there; default the plate's.")
+    modifiers: Modifiers | None = Field(default=None, description="Stiffness factors there; they replace the plate's.")
     stiffness: Stiffness | None = Field(
-        default=None, description="Stiffness of the section there; beside it a thickness, for the weight."
+        default=None, description="Stiffness of the section there; thickness is required with it, for the weight."
     )
-    rigid: bool = Field(default=False, description="Whether it moves as one body, in place of a thickness.")
+    rigid: bool = Field(
+        default=False, description="Whether the zone moves as one rigid body; it then has no thickness."
+    )
     extremes: bool = Field(
-        default=True, description="Whether it counts in extremes of fields and colour scales; rigid ones never do."
+        default=True, description="Whether it counts in extremes of fields and in colour scales; rigid zones never do."
     )
 
     @property
@@ -222,23 +223,23 @@ class Zone(OnPlate):
 
     @property
     def where(self) -> Where:
-        """Where it is."""
+        """The zone's area as a `Where`."""
         return Where("area", region=self.region)
 
     def _complaints(self) -> Iterator[Complaint]:
         if self.area == "all":
-            yield ("area",), 'found "all"; what the whole plate is made of stands in [plate] and [material].'
-        if self.rigid and (given := self.given(ZONE_KEYS)):
-            yield (given[0],), f"found {given[0]} beside rigid; a rigid zone has none. Leave one of them out."
-        if not self.given(ZONE_KEYS) and not self.rigid and self.extremes:
-            yield (), f"it changes nothing; give {', '.join(ZONE_KEYS)} or rigid."
+            yield ("area",), 'found "all"; [plate] and [material] describe the whole plate.'
+        if self.rigid and (keys := self.present(ZONE_KEYS)):
+            yield (keys[0],), f"found {keys[0]} together with rigid; remove one of them."
+        if not self.present(ZONE_KEYS) and not self.rigid and self.extremes:
+            yield (), f"the zone has no effect; give {', '.join(ZONE_KEYS)} or rigid."
         if self.stiffness is not None:
             if self.thickness is None:
-                yield ("thickness",), "'thickness' is missing; it goes with stiffness, for the weight."
+                yield ("thickness",), "'thickness' is missing; it is required with stiffness, for the weight."
             else:
                 yield from constant_thickness(self.thickness)
 
     @property
     def is_solid(self) -> bool:
         """Whether the section follows from material and thickness."""
-        return self.stiffness is None and bool(self.given(("thickness", "material")))
+        return self.stiffness is None and bool(self.present(("thickness", "material")))

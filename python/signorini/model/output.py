@@ -1,4 +1,4 @@
-"""Output options: combinations, sections, strips and profiles."""
+"""Output options, sections, strips and profiles."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from signorini.model.base import (
     Stations,
     Table,
     Text,
-    twice,
+    first_duplicate,
 )
 from signorini.model.places import Circle
 from signorini.model.problems import as_list, describe
@@ -30,10 +30,10 @@ from signorini.shapes import Ring
 from signorini.shapes.arrays import Floats
 from signorini.shapes.regions import meeting
 
-FEW = 12
-"""Largest number of combinations with a result of their own."""
+MAX_FULL_RESULTS = 12
+"""With ``combinations = "auto"``: combinations up to which each has a full result; more make a table."""
 
-_WORDS = ("governing", "all", "none")
+_FIELDS_OPTIONS = ("governing", "all", "none")
 
 _Forces = Literal["deflection", "mx", "my", "mxy", "qx", "qy", "m1", "m2"]
 _Design = Literal["mx_bottom", "my_bottom", "mx_top", "my_top"]
@@ -44,151 +44,155 @@ EnvelopeField = Literal[_Forces, _Design, _Stresses]
 ENVELOPED: tuple[EnvelopeField, ...] = ("deflection", "mx", "my", "mxy", "qx", "qy")
 
 
-def _chosen(value: object) -> object:
+def _fields(value: object) -> object:
     if isinstance(value, str):
-        if value not in _WORDS:
+        if value not in _FIELDS_OPTIONS:
             raise ValueError(
-                f"found {describe(value)}; it must be {', '.join(_WORDS)}, or a list of names of combinations."
+                f"found {describe(value)}; it must be {', '.join(_FIELDS_OPTIONS)}, or a list of combination names."
             )
         return value
     value = as_list(value)
     if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
-        raise ValueError(f"found {describe(value)}; it must be {', '.join(_WORDS)}, or a list of names in quotes.")
+        raise ValueError(
+            f"found {describe(value)}; it must be {', '.join(_FIELDS_OPTIONS)}, or a list of names in quotes."
+        )
     return tuple(value)
 
 
 class Output(Table):
-    """How much is computed and written of each combination."""
+    """Which results are computed and written for each combination."""
 
     combinations: Literal["auto", "each", "table"] = Field(
         default="auto",
         description=f"each: all results of every combination; table: a row of combinations.parquet for each, an "
-        f"envelope over all, and all results of those in fields; auto: each up to {FEW} combinations, then table.",
+        f"envelope over all, and all results of those in fields; auto: each up to {MAX_FULL_RESULTS} combinations, "
+        "then table.",
     )
     fields: Annotated[
         Literal["governing", "all", "none"] | tuple[Text, ...],
-        BeforeValidator(_chosen),
-        WithJsonSchema({"anyOf": [{"enum": list(_WORDS)}, {"type": "array", "items": {"type": "string"}}]}),
+        BeforeValidator(_fields),
+        WithJsonSchema({"anyOf": [{"enum": list(_FIELDS_OPTIONS)}, {"type": "array", "items": {"type": "string"}}]}),
     ] = Field(
         default="governing",
         description="For table: combinations with all results, .vtu file and picture: governing, all, none, or names.",
     )
     envelope: tuple[EnvelopeField, ...] = Field(
         default=ENVELOPED,
-        description="For table: fields whose largest and smallest values at every node are sought; [] for none.",
+        description="For table: fields with an envelope, their largest and smallest values at every node; [] for none.",
     )
 
     def _complaints(self) -> Iterator[Complaint]:
         if self.combinations == "each":
             for key in ("fields", "envelope"):
                 if getattr(self, key) != type(self).model_fields[key].default:
-                    yield (key,), f'{key} goes with combinations = "table"; with "each" every combination has all.'
-        if (repeated := twice(self.envelope)) is not None:
+                    yield (key,), f'{key} is for combinations = "table"; with "each" every combination has all results.'
+        if (repeated := first_duplicate(self.envelope)) is not None:
             yield ("envelope",), f'"{repeated}" is listed twice.'
 
 
-_OF_STRIP = 21
-"""Twenty steps meet supports, middles and quarters of one to five equal spans."""
-_CLOSED = 1e-5
-"""Relative tolerance for coincident ends of a line, relative to its extent: coordinates have more digits."""
+_STRIP_STATIONS = 21
+"""Default stations of a strip: 20 steps include the supports, middles and quarter points of 1 to 5 equal spans."""
+_SAME_END = 1e-5
+"""Distance of equal ends of a line, relative to its extent: input coordinates have more digits."""
 
 
-def _closing(line: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Close a line whose last point is its first up to rounding."""
+def _closed(line: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Set the last point of a line to the first if they are equal up to rounding."""
     extent = float(np.ptp(np.array(line), axis=0).max())
-    near = len(line) > 2 and math.dist(line[0], line[-1]) <= _CLOSED * extent
-    return (*line[:-1], line[0]) if near else line
+    closes = len(line) > 2 and math.dist(line[0], line[-1]) <= _SAME_END * extent
+    return (*line[:-1], line[0]) if closes else line
 
 
-def _spaced(line: tuple[Point, ...], stations: int) -> tuple[Floats, Floats, Floats]:
-    """How far along a line its corners are, how far evenly spaced stations, and where these are (k, 2)."""
-    ends = np.cumsum([0.0, *(math.dist(a, b) for a, b in pairwise(line))])
-    travelled = np.linspace(0.0, ends[-1], stations)
-    return ends, travelled, np.column_stack([np.interp(travelled, ends, part) for part in np.array(line).T])
+def _equal_steps(line: tuple[Point, ...], stations: int) -> tuple[Floats, Floats, Floats]:
+    """Arc lengths of the line's corners, arc lengths (k,) of equally spaced stations, and their points (k, 2)."""
+    corners = np.cumsum([0.0, *(math.dist(a, b) for a, b in pairwise(line))])
+    s = np.linspace(0.0, corners[-1], stations)
+    return corners, s, np.column_stack([np.interp(s, corners, axis) for axis in np.array(line).T])
 
 
-def _pieces(line: tuple[Point, ...]) -> Floats:
+def _segments(line: tuple[Point, ...]) -> Floats:
     return np.array(list(pairwise(line)))
 
 
 class Section(OnPlate, Named):
-    """A line through the plate: the force and the moments that one part of the plate gives the other along it."""
+    """A line that cuts the plate; its results are the force and the moments that one side exerts on the other."""
 
-    line: Annotated[Polyline, AfterValidator(_closing)] = Field(
+    line: Annotated[Polyline, AfterValidator(_closed)] = Field(
         description="The line [[x, y], [x, y], ...]; it begins and ends on the plate."
     )
 
     def _complaints(self) -> Iterator[Complaint]:
-        met = meeting(_pieces(self.line), self.line[0] == self.line[-1])
+        met = meeting(_segments(self.line), self.line[0] == self.line[-1])
         if met is not None:
-            one, other = (f"from {point(self.line[at])} to {point(self.line[at + 1])}" for at in met)
+            first, second = (f"from {point(self.line[i])} to {point(self.line[i + 1])}" for i in met)
             yield (
                 ("line",),
-                f"the line goes back, or crosses or touches itself: its pieces {one} and {other} meet. A section has "
-                "one part of the plate on its left and one on its right; split it into several sections.",
+                f"the line turns back, or crosses or touches itself: its segments {first} and {second} meet. A section "
+                "separates a left from a right part of the plate; split it into several sections.",
             )
 
 
 class Strip(OnPlate, Named):
-    """A strip of the plate, such as a column strip: mean moments over its width at stations along its middle line."""
+    """A strip of the plate, such as a column strip: moments averaged over its width, at stations of its center line."""
 
-    line: Polyline = Field(description="Its middle line [[x, y], [x, y], ...].")
-    width: Positive = Field(description="Its width, half on either side of the line.")
+    line: Polyline = Field(description="The center line [[x, y], [x, y], ...].")
+    width: Positive = Field(description="The width, half on either side of the line.")
     stations: Stations = Field(
-        default=_OF_STRIP, description="How many stations, evenly from one end of the line to the other; default 21."
+        default=_STRIP_STATIONS, description="Number of equally spaced stations, including both ends; default 21."
     )
 
     def _complaints(self) -> Iterator[Complaint]:
         for a, b, c in zip(self.line, self.line[1:], self.line[2:], strict=False):
-            met = meeting(_pieces((a, b, c)), False)
-            if met is not None:
-                yield ("line",), f"the line goes back on itself at {point(b)}. Split it into two strips."
+            if meeting(_segments((a, b, c)), False) is not None:
+                yield ("line",), f"the line turns back at {point(b)}. Split it into two strips."
 
     @property
     def places(self) -> tuple[Floats, Floats]:
-        """Where the stations are (n, 2), and the unit direction of the line there (n, 2), at a corner the mean."""
-        pieces = np.diff(np.array(self.line), axis=0)
-        ends, travelled, at = _spaced(self.line, self.stations)
-        tiny = 1e-9 * ends[-1]
+        """Points (n, 2) of the stations and the unit tangents (n, 2) there; at a corner the tangent bisects."""
+        segments = np.diff(np.array(self.line), axis=0)
+        corners, s, points = _equal_steps(self.line, self.stations)
+        rounding = 1e-9 * corners[-1]
         before, after = (
-            np.clip(np.searchsorted(ends, travelled + sign * tiny) - 1, 0, len(pieces) - 1) for sign in (-1.0, 1.0)
+            np.clip(np.searchsorted(corners, s + sign * rounding) - 1, 0, len(segments) - 1) for sign in (-1.0, 1.0)
         )
-        unit = pieces / np.hypot(*pieces.T)[:, None]
-        along = unit[before] + unit[after]
-        return at, np.asarray(along / np.hypot(*along.T)[:, None])
+        unit = segments / np.hypot(*segments.T)[:, None]
+        tangents = unit[before] + unit[after]
+        return points, np.asarray(tangents / np.hypot(*tangents.T)[:, None])
 
     @property
     def across(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-        """The line across it at each station, so that the strip's own line crosses it from its left to its right."""
-        at, along = self.places
-        half = 0.5 * self.width * np.column_stack([along[:, 1], -along[:, 0]])
-        return [(tuple(a), tuple(b)) for a, b in zip((at + half).tolist(), (at - half).tolist(), strict=True)]
+        """Ends of the cross line at each station; the center line crosses it from its left to its right."""
+        points, tangents = self.places
+        half = 0.5 * self.width * np.column_stack([tangents[:, 1], -tangents[:, 0]])
+        return [(tuple(a), tuple(b)) for a, b in zip((points + half).tolist(), (points - half).tolist(), strict=True)]
 
 
-_OF_PROFILE = 101
-"""A hundred steps meet halves, quarters, fifths and tenths of a line, and draw its curves smoothly."""
+_PROFILE_STATIONS = 101
+"""Default stations of a profile: 100 steps include halves, quarters, fifths and tenths, and plot smoothly."""
 
 
 class Profile(OnPlate, Named):
-    """A line or a circle with stations, evenly from its beginning to its end."""
+    """A line or a circle with equally spaced stations."""
 
     line: Polyline | None = Field(default=None, description="The line [[x, y], [x, y], ...].")
-    circle: Circle | None = Field(default=None, description="{ center = [x, y], radius = r }, from x towards y.")
+    circle: Circle | None = Field(
+        default=None, description="A circle { center = [x, y], radius = r }; stations run from x towards y."
+    )
     stations: Stations = Field(
-        default=_OF_PROFILE, description="How many stations, evenly from one end to the other; default 101."
+        default=_PROFILE_STATIONS, description="Number of equally spaced stations, including both ends; default 101."
     )
 
     def _complaints(self) -> Iterator[Complaint]:
-        if len(self.given(("line", "circle"))) != 1:
-            yield (), "it must have a line or a circle, one of them."
+        if len(self.present(("line", "circle"))) != 1:
+            yield (), "give exactly one of line and circle."
 
     @property
     def places(self) -> tuple[Floats, Floats]:
-        """How far along (k,) the stations are, and where (k, 2)."""
-        result = curve_of(self.line, self.circle)
-        assert result is not None  # it has a line or a circle
-        if isinstance(result, Ring):
-            along = np.linspace(0.0, result.length, self.stations)
-            turned = along / result.radius
-            return along, np.array(result.center) + result.radius * np.column_stack([np.cos(turned), np.sin(turned)])
-        return _spaced(result.points, self.stations)[1:]
+        """Arc lengths s (k,) of the stations and their points (k, 2)."""
+        curve = curve_of(self.line, self.circle)
+        assert curve is not None  # exactly one of line and circle is there
+        if isinstance(curve, Ring):
+            s = np.linspace(0.0, curve.length, self.stations)
+            angle = s / curve.radius
+            return s, np.array(curve.center) + curve.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+        return _equal_steps(curve.points, self.stations)[1:]

@@ -1,4 +1,4 @@
-"""Models of several plates: each plate by itself, as a model of its own, and where two of them are on one another."""
+"""Several plates: a model for each plate with its tables, and the areas shared by two plates."""
 
 from __future__ import annotations
 
@@ -12,44 +12,44 @@ from signorini.errors import InputError, Place, unknown
 from signorini.model.base import Complaint, OnPlate
 from signorini.model.material import Material
 from signorini.model.places import Arc, Area, Form
-from signorini.model.plate import MeshOptions, MeshPlate, OutlinedPlate, Plate
+from signorini.model.plate import MeshOptions, MeshPlate, Plate
 from signorini.model.problems import describe
 from signorini.model.support import Support
 from signorini.shapes.outlines import Contour
 
 ON_PLATES = ("zone", "support", "load", "moving", "probe", "section", "strip", "profile")
-"""Tables of what is on one plate."""
-_ALIKE = 1e-9
-"""Part of a plate's area by which what two plates share may miss it and be all of it: the rounding of their corners."""
-_TURNED: Mapping[str | None, Literal["down", "up"]] = {"down": "up", "up": "down"}
+"""Tables that belong to one plate."""
+_SAME_AREA = 1e-9
+"""Relative tolerance for equal areas: rounding of the corners."""
+_REVERSED: Mapping[str | None, Literal["down", "up"]] = {"down": "up", "up": "down"}
 
 
 class Whole(Protocol):
-    """What a model of plates has."""
+    """The members of `Model` that this module uses."""
 
     @property
     def title(self) -> str:
-        """Its title."""
+        """Title of the model."""
 
     @property
     def plate(self) -> Plate:
-        """Its plate, if it has one."""
+        """The plate of a model of one plate."""
 
     @property
     def plates(self) -> Mapping[str, Plate]:
-        """Several plates by name."""
+        """The plates by name; empty for a model of one plate."""
 
     @property
     def mesh(self) -> MeshOptions:
-        """How finely plates are meshed that do not say it."""
+        """Mesh options of plates without their own."""
 
     @property
     def material(self) -> Material:
-        """What plates are of that do not say it."""
+        """Material of plates without their own."""
 
     @property
     def support(self) -> tuple[Support, ...]:
-        """Supports, and behind them contacts."""
+        """Supports, followed by contacts."""
 
     @property
     def contact(self) -> tuple[Support, ...]:
@@ -57,13 +57,13 @@ class Whole(Protocol):
 
     @property
     def effective_combinations(self) -> object:
-        """Every combination."""
+        """All combinations."""
 
     def varied(self, **tables: object) -> Self:
-        """A copy with other tables."""
+        """Return a copy with other tables."""
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
-        """What is wrong with a plate and what is on it."""
+        """Yield the problems of a plate and of its tables."""
 
 
 M = TypeVar("M", bound=Whole)
@@ -71,9 +71,9 @@ M = TypeVar("M", bound=Whole)
 
 @dataclass(frozen=True)
 class Part(Generic[M]):
-    """One of several plates: a model of its own, whose supports are those of the plate and those between it and others.
+    """One of several plates: a model with the plate's supports and the supports between it and other plates.
 
-    ``numbers`` say which of the whole model's tables its own are, by key.
+    ``numbers`` holds, by key, the positions of the plate's tables in the whole model.
     """
 
     name: str
@@ -82,27 +82,27 @@ class Part(Generic[M]):
 
     @cached_property
     def model(self) -> M:
-        """The plate by itself."""
+        """The model of this plate alone."""
         whole, plate = self.whole, self.whole.plates[self.name]
         tables: dict[str, object] = {
-            key: tuple(getattr(whole, key)[at] for at in own) for key, own in self.numbers.items()
+            key: tuple(getattr(whole, key)[i] for i in numbers) for key, numbers in self.numbers.items()
         }
-        tables["support"] = tuple(_seen_from(whole, whole.support[at], self.name) for at in self.numbers["support"])
-        own = {key: getattr(plate, key) for key in self._own}
+        tables["support"] = tuple(_on_plate(whole, whole.support[i], self.name) for i in self.numbers["support"])
+        replaced = {key: getattr(plate, key) for key in self._replaced}
         title = ", ".join(part for part in (whole.title, self.name) if part)
-        # Combinations name the cases of all plates; a copy keeps what is computed of them.
+        # Combinations are those of all plates: computed here, they are kept by the copy.
         _ = whole.effective_combinations
-        return whole.varied(**tables, **own, plate=plate, plates={}, contact=(), title=title)
+        return whole.varied(**tables, **replaced, plate=plate, plates={}, contact=(), title=title)
 
     @property
-    def _own(self) -> tuple[str, ...]:
-        """Tables that stand in the plate."""
+    def _replaced(self) -> tuple[str, ...]:
+        """Tables of the whole model that the plate replaces."""
         return tuple(key for key in ("mesh", "material") if getattr(self.whole.plates[self.name], key) is not None)
 
     def place(self, place: Place) -> Place:
-        """Where in the whole model a place of this one is."""
+        """Convert a place in this plate's model to the place in the whole model."""
         key, *rest = place or ("",)
-        if key == "plate" or key in self._own:
+        if key == "plate" or key in self._replaced:
             return ("plates", self.name, *(rest if key == "plate" else place))
         if key in self.numbers and rest and isinstance(rest[0], int):
             number, first = self.numbers[str(key)][rest[0]], len(self.whole.support) - len(self.whole.contact)
@@ -111,107 +111,110 @@ class Part(Generic[M]):
 
 
 def parts_of(model: M) -> tuple[Part[M], ...]:
-    """The plates of a model, each by itself; none where there is one plate alone."""
-    on = {key: [_plates_of(one) for one in getattr(model, key)] for key in ON_PLATES}
+    """Return the parts of a model of several plates; empty for a model of one plate."""
+    plates = {key: [_plates_of(table) for table in getattr(model, key)] for key in ON_PLATES}
     return tuple(
-        Part(name, model, {key: tuple(at for at, of in enumerate(each) if name in of) for key, each in on.items()})
+        Part(name, model, {key: tuple(i for i, on in enumerate(of) if name in on) for key, of in plates.items()})
         for name in model.plates
     )
 
 
-def _plates_of(one: OnPlate) -> tuple[str, ...]:
-    """The plates that a table is of."""
-    if isinstance(one, Support) and one.between is not None:
-        return one.between
-    return () if one.plate is None else (one.plate,)
+def _plates_of(table: OnPlate) -> tuple[str, ...]:
+    """Names of the plates that a table refers to."""
+    if isinstance(table, Support) and table.between is not None:
+        return table.between
+    return () if table.plate is None else (table.plate,)
 
 
-def _seen_from(model: Whole, support: Support, name: str) -> Support:
-    """A support as one of its plates has it: one between two plates acts on the lower one the other way."""
+def _on_plate(model: Whole, support: Support, name: str) -> Support:
+    """The support in the model of plate ``name``; between two plates its direction on the lower one is reversed."""
     if support.between is None:
         return support
     upper, lower = support.between
-    area = support.area if support.area != "all" else _shared(model, name, upper if name == lower else lower)
-    resists = support.resists if name == upper else _TURNED.get(support.resists, support.resists)
+    area = support.area if support.area != "all" else _shared_area(model, name, upper if name == lower else lower)
+    resists = support.resists if name == upper else _REVERSED.get(support.resists, support.resists)
     return support.model_copy(update={"area": area, "resists": resists})
 
 
-def _shared(model: Whole, name: str, other: str) -> Area | Literal["all"]:
-    """The area that a plate shares with another: "all" if that is all of it."""
-    both = [model.plates[one] for one in (name, other)]
-    if any(isinstance(one, MeshPlate) for one in both):
+def _shared_area(model: Whole, name: str, other: str) -> Area | Literal["all"]:
+    """The area that plate ``name`` shares with another plate; "all" if it is the whole plate."""
+    plate, other_plate = model.plates[name], model.plates[other]
+    if isinstance(plate, MeshPlate) or isinstance(other_plate, MeshPlate):
         raise InputError(
-            f'found "all" between plates of which one is read from a file ("{name}" or "{other}"). Say where they are '
-            "on one another, with a rectangle, a circle or a polygon."
+            f'found "all", but the outline of "{name}" or "{other}" is in a mesh file. Give the shared area as a '
+            "rectangle, a circle or a polygon."
         )
-    # Only several plates need shapely.
+    # Imported here: a model of one plate does without shapely.
     import shapely
 
-    own, beside = both
-    assert isinstance(own, OutlinedPlate) and isinstance(beside, OutlinedPlate)
-    mine, theirs = (
+    polygon, other_polygon = (
         shapely.Polygon(outline, holes)
-        for outline, *holes in ([contour.points() for contour in one.contours] for one in (own, beside))
+        for outline, *holes in ([contour.points() for contour in each.contours] for each in (plate, other_plate))
     )
-    shared = shapely.intersection(mine, theirs)
-    slack = _ALIKE * mine.area
-    pieces = [one for one in shapely.get_parts(shared) if shapely.area(one) > slack]
-    if not pieces:
-        raise InputError(f'"{name}" and "{other}" are nowhere on one another. Move one of them, or leave this out.')
-    if len(pieces) > 1:
+    tolerance = _SAME_AREA * polygon.area
+    shared = shapely.get_parts(shapely.intersection(polygon, other_polygon))
+    areas = [part for part in shared if shapely.area(part) > tolerance]
+    if not areas:
+        raise InputError(f'"{name}" and "{other}" do not overlap. Move one of them, or remove this table.')
+    if len(areas) > 1:
         raise InputError(
-            f'"{name}" and "{other}" are on one another in {len(pieces)} places apart. Give each of them a table of '
-            "its own, with its area."
+            f'"{name}" and "{other}" overlap in {len(areas)} separate areas. Give a table with its area for each.'
         )
-    if mine.area - pieces[0].area <= slack:
+    if polygon.area - areas[0].area <= tolerance:
         return "all"
-    if theirs.area - pieces[0].area <= slack:
-        outline, holes = beside.contours[0], beside.contours[1:]
+    if other_polygon.area - areas[0].area <= tolerance:
+        outline, *holes = other_plate.contours
         return Area(polygon=_corners(outline), holes=tuple(Form(polygon=_corners(hole)) for hole in holes))
-    drawn = (pieces[0].exterior, *pieces[0].interiors)
-    rings = [[(x, y) for x, y in shapely.get_coordinates(ring)[:-1].tolist()] for ring in drawn]
+    boundaries = (areas[0].exterior, *areas[0].interiors)
+    rings = [[(x, y) for x, y in shapely.get_coordinates(ring)[:-1].tolist()] for ring in boundaries]
     return Area(polygon=rings[0], holes=tuple(Form(polygon=ring) for ring in rings[1:]))
 
 
 def _corners(contour: Contour) -> tuple[tuple[float, float] | Arc, ...]:
-    """The corners of an outline as a polygon has them."""
+    """The corners and arcs of an outline, as in the key ``polygon``."""
     ends = [after if through is None else Arc(through=through, to=after) for _, through, after in contour.sides]
-    # A straight last side leads back to the first corner of itself.
+    # A straight last side back to the first corner is implicit.
     return (contour.corners[0], *(ends if isinstance(ends[-1], Arc) else ends[:-1]))
 
 
 def plate_complaints(model: Whole) -> Iterator[Complaint]:
-    """What is wrong with where tables say they are, and with each plate by itself."""
-    given = bool(model.plates)
-    if given and model.plate is not None:
+    """Yield the problems of [plates], of references to plates, and of each plate."""
+    several = bool(model.plates)
+    if several and model.plate is not None:
         yield ("plates",), "found both [plate] and [plates]; give one."
         return
-    if not given:
+    if not several:
         for key in ("mesh", "material"):
             if getattr(model.plate, key) is not None:
-                yield ("plate", key), f"it is a table of its own: [{key}]."
+                yield ("plate", key), f"for one plate, give it as the table [{key}]."
     for name in model.plates:
         if not re.fullmatch(r"[A-Za-z0-9_-]{1,40}", name):
             yield (
                 ("plates", name),
-                f"found the name {describe(name)}; files have it: take up to 40 letters, digits, - or _.",
+                f"found the name {describe(name)}; it is part of file names: use up to 40 letters, digits, - or _.",
             )
-    wrong = [*_of_tables(model), *_in_circles(model)]
-    yield from wrong
+    wrong_references = [*_reference_complaints(model), *_cycle_complaints(model)]
+    yield from wrong_references
     if len({plate.element for plate in model.plates.values()}) > 1:
-        yield ("plates",), "found plates of different elements; all have one, mitc9 or q8r."
-    if given and model.mesh.accuracy is not None:
-        yield ("mesh", "accuracy"), "found accuracy beside several plates; refine their meshes by hand, as ± says."
+        yield ("plates",), "found plates with different elements; all must have the same element, mitc9 or q8r."
+    if several and model.mesh.accuracy is not None:
+        yield (
+            ("mesh", "accuracy"),
+            "accuracy is for one plate; refine the meshes of several plates by hand, guided by ±.",
+        )
     for name, plate in model.plates.items():
-        for key in plate.mesh.given(("accuracy", "error")) if plate.mesh is not None else ():
-            yield ("plates", name, "mesh", key), f"found {key} of one plate. [mesh] error is of all; refine by hand."
-    if wrong or not given:
+        for key in plate.mesh.present(("accuracy", "error")) if plate.mesh is not None else ():
+            why = (
+                "give error in [mesh]; it applies to all plates." if key == "error" else "refine by hand, guided by ±."
+            )
+            yield ("plates", name, "mesh", key), f"{key} is not available for one of several plates; {why}"
+    if wrong_references or not several:
         return
     first = len(model.support) - len(model.contact)
     for index, support in enumerate(model.support):
         if support.between is not None and support.area == "all":
             try:
-                _shared(model, *support.between)
+                _shared_area(model, *support.between)
             except InputError as error:
                 yield (*_place_of(index, first), "area"), error.message
                 return
@@ -219,39 +222,38 @@ def plate_complaints(model: Whole) -> Iterator[Complaint]:
         yield from ((part.place(path), message) for path, message in part.model.complaints_of_plate())
 
 
-def _of_tables(model: Whole) -> Iterator[Complaint]:
-    """Tables that name no plate where they have to, or one that is not there."""
+def _reference_complaints(model: Whole) -> Iterator[Complaint]:
+    """Yield the tables with a missing, an unknown or a superfluous plate."""
     first = len(model.support) - len(model.contact)
     for key in ON_PLATES:
-        for index, one in enumerate(getattr(model, key)):
+        for index, table in enumerate(getattr(model, key)):
             place = _place_of(index, first) if key == "support" else (key, index)
-            of = _plates_of(one)
-            if not model.plates and of:
-                where = "plate" if one.plate is not None else "between"
-                yield (*place, where), f"found {where}, and there is one plate. Leave it out, or give [plates]."
-            elif model.plates and not of:
+            names, where = _plates_of(table), "plate" if table.plate is not None else "between"
+            if not model.plates and names:
+                yield (*place, where), f"found {where}, but there is one plate only. Remove it, or give [plates]."
+            elif model.plates and not names:
                 yield (*place, "plate"), f"'plate' is missing. Name one of the plates: {', '.join(model.plates)}."
-            for name in of if model.plates else ():
+            for name in names if model.plates else ():
                 if name not in model.plates:
-                    where = "plate" if one.plate is not None else "between"
                     yield (*place, where), unknown("plate", name, model.plates, "This model")
 
 
-def _in_circles(model: Whole) -> Iterator[Complaint]:
-    """Plates that lie on each other."""
+def _cycle_complaints(model: Whole) -> Iterator[Complaint]:
+    """Yield a cycle of the relation "upper lies on lower"."""
     first, below = len(model.support) - len(model.contact), dict[str, set[str]]()
-    for index, (upper, lower) in ((at, one.between) for at, one in enumerate(model.support) if one.between):
+    for index, (upper, lower) in ((i, each.between) for i, each in enumerate(model.support) if each.between):
         if upper in below.get(lower, ()):
             yield (
                 (*_place_of(index, first), "between"),
-                f'found "{upper}" on "{lower}", on which it lies itself. Name the upper plate first, then the lower.',
+                f'found "{upper}" on "{lower}", but "{lower}" lies on "{upper}". Name the upper plate first, then the '
+                "lower plate.",
             )
             return
         beneath = {lower} | below.get(lower, set())
-        for name in [upper, *(one for one, of in below.items() if upper in of)]:
+        for name in [upper, *(name for name, lower_names in below.items() if upper in lower_names)]:
             below[name] = below.get(name, set()) | beneath
 
 
 def _place_of(index: int, first: int) -> Place:
-    """Where a support stands, of which contacts are from the first on."""
+    """Place of a support in the input; supports from ``first`` on are contacts."""
     return ("support", index) if index < first else ("contact", index - first)

@@ -1,4 +1,4 @@
-"""Shapes that the input names: outlines, areas and holes."""
+"""Shapes of the input: outlines, areas and holes."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ from signorini.model.problems import BRANCHES, as_list, describe
 from signorini.shapes import Region, Whole
 from signorini.shapes.outlines import Contour, circle, straight
 
-MOST_CORNERS = 2000
-_SAME = 1e-9
-"""Part of an outline's size within which its last arc ends at its first corner."""
+MAX_CORNERS = 2000
+"""Corners of an outline, and holes of a plate; the check for crossing sides is quadratic in them."""
+_SAME_POINT = 1e-9
+"""Distance of equal points, relative to the outline's size: coordinates of arcs are rounded."""
 
 
 class Arc(base.Table):
-    """An arc from the corner before it through a point to a corner."""
+    """An arc from the previous corner through a point to the corner ``to``."""
 
     through: base.Point = Field(description="A point of the arc [x, y], near its middle.")
     to: base.Point = Field(description="The corner [x, y] where it ends.")
@@ -40,7 +41,7 @@ Corner: TypeAlias = Annotated[
     Discriminator(
         _form,
         custom_error_type="area",
-        custom_error_message="it must be a corner [x, y], or an arc to one, { through = [x, y], to = [x, y] }.",
+        custom_error_message="it must be a corner [x, y], or an arc to a corner { through = [x, y], to = [x, y] }.",
     ),
 ]
 
@@ -50,12 +51,12 @@ def _corners(value: Any) -> object:
     least = 2 if isinstance(value, list | tuple) and any(isinstance(corner, dict | Arc) for corner in value) else 3
     if not isinstance(value, list | tuple) or len(value) < least:
         raise ValueError(f"found {describe(value)}; it must be a list of at least 3 corners [x, y], 2 with an arc.")
-    if len(value) > MOST_CORNERS:
-        raise ValueError(f"found {len(value)} corners; at most {MOST_CORNERS} are allowed.")
+    if len(value) > MAX_CORNERS:
+        raise ValueError(f"found {len(value)} corners; at most {MAX_CORNERS} are allowed.")
     if isinstance(value[0], dict | Arc):
-        raise ValueError("it begins with an arc, which has no corner to start from. Begin with a corner [x, y].")
+        raise ValueError("it begins with an arc, which needs a corner before it. Begin with a corner [x, y].")
     if as_list(value[0]) == as_list(value[-1]):
-        raise ValueError("the last corner is the first one again; leave it out, the outline closes by itself.")
+        raise ValueError("the last corner equals the first. Remove it: the outline is closed automatically.")
     end = value[-1].get("to") if isinstance(value[-1], dict) else getattr(value[-1], "to", None)
     if len(value) == 2 and as_list(end) == as_list(value[0]):
         raise ValueError("the arc ends where it begins. Give it another end, or use circle.")
@@ -66,14 +67,14 @@ Corners: TypeAlias = Annotated[tuple[Corner, ...], BeforeValidator(_corners), Fi
 
 
 def contour(corners: tuple[tuple[float, float] | Arc, ...], name: str, numbered: bool) -> Contour:
-    """Draw the outline with such corners; of a last arc that ends at the first corner the corner counts once.
+    """Return the closed outline with these corners and arcs.
 
-    It ends there if it is nearer to it than a billionth of the outline's size: coordinates of arcs are rounded.
+    A last arc that ends at the first corner, within ``_SAME_POINT``, closes the outline; else a straight side does.
     """
     points = [corner.to if isinstance(corner, Arc) else corner for corner in corners]
     through = [corner.through if isinstance(corner, Arc) else None for corner in corners]
     size = max(max(axis) - min(axis) for axis in zip(*points, strict=True))
-    if through[-1] is not None and math.dist(points[-1], points[0]) <= _SAME * size:
+    if through[-1] is not None and math.dist(points[-1], points[0]) <= _SAME_POINT * size:
         points.pop()
     else:
         through.append(None)
@@ -88,7 +89,7 @@ _FORMS = ("rectangle", "circle", "polygon")
 
 
 class Circle(base.Table):
-    """A circle: its line for a support or line load, its disc for an area."""
+    """A circle: a curve for supports and line loads, a disc for areas."""
 
     center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
     radius: base.Positive = Field(description="Radius.")
@@ -97,8 +98,8 @@ class Circle(base.Table):
 Box = Annotated[tuple[base.Number, base.Number, base.Number, base.Number], *base.vector(4, "[x0, y0, x1, y1]")]
 
 
-def _refused(key: str, build: Callable[[], Region]) -> Iterator[base.Complaint]:
-    """Yield why a region cannot be built, at the key that it is built from."""
+def _build_errors(key: str, build: Callable[[], Region]) -> Iterator[base.Complaint]:
+    """Yield the error of building a region, with the key of its input."""
     try:
         build()
     except InputError as error:
@@ -106,7 +107,7 @@ def _refused(key: str, build: Callable[[], Region]) -> Iterator[base.Complaint]:
 
 
 class Outline(base.Table):
-    """A closed line: exactly one of rectangle, circle, polygon."""
+    """A closed curve: exactly one of rectangle, circle, polygon."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in _FORMS]})
     forms: ClassVar[tuple[str, ...]] = _FORMS
@@ -118,7 +119,7 @@ class Outline(base.Table):
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
-        forms = self.given(self.forms)
+        forms = self.present(self.forms)
         if len(forms) != 1:
             yield (), f"found {' and '.join(forms) or 'none'}; exactly one of {', '.join(self.forms)} is needed."
         box = self.rectangle
@@ -127,16 +128,16 @@ class Outline(base.Table):
 
 
 class Form(Outline):
-    """A part of the plane without holes."""
+    """A region of the plane without holes."""
 
     def _complaints(self) -> Iterator[base.Complaint]:
         yield from super()._complaints()
         if self.polygon is not None:
-            yield from _refused("polygon", lambda: self.whole)
+            yield from _build_errors("polygon", lambda: self.whole)
 
     @cached_property
     def whole(self) -> Whole:
-        """The region of the plane, without holes."""
+        """The region without holes."""
         if self.rectangle is not None:
             return shapes.Rectangle(*self.rectangle)
         if self.circle is not None:
@@ -149,7 +150,7 @@ class Form(Outline):
             shapes.Polygon(tuple((x, y) for x, y in drawn.points().tolist()))
         except InputError:
             raise InputError(
-                "The polygon crosses or touches itself. Give corners and arcs in order around the outline, or split it "
+                "The polygon crosses or touches itself. List corners and arcs in order around the outline, or split it "
                 "into several polygons."
             ) from None
         return shapes.Rounded(drawn)
@@ -168,27 +169,27 @@ class Annulus(base.Table):
 
 
 class Area(Form):
-    """A part of the plate: exactly one of rectangle, circle, polygon, annulus, and the holes in it."""
+    """An area of the plate: exactly one of rectangle, circle, polygon, annulus, with optional holes."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [form]} for form in (*_FORMS, "annulus")]})
     forms: ClassVar[tuple[str, ...]] = (*_FORMS, "annulus")
 
     annulus: Annulus | None = Field(
-        default=None, description="{ center = [x, y], inner = r, outer = R }: what is between two circles."
+        default=None, description="The ring between two circles: { center = [x, y], inner = r, outer = R }."
     )
     holes: tuple[Form, ...] = Field(
-        default=(), description="Holes in it, each a table with one of rectangle, circle, polygon."
+        default=(), description="Holes, each a table with one of rectangle, circle, polygon."
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
         wrong = list(super()._complaints())
         yield from wrong
         if self.holes and not wrong:
-            yield from _refused("holes", lambda: self.region)
+            yield from _build_errors("holes", lambda: self.region)
 
     @cached_property
     def region(self) -> Region:
-        """The region of the plane."""
+        """The region, with its holes."""
         holes = tuple(hole.whole for hole in self.holes)
         if self.annulus is not None:
             center, inner, outer = self.annulus.center, self.annulus.inner, self.annulus.outer
@@ -217,7 +218,7 @@ class Hole(Outline):
     """A hole: exactly one of rectangle, circle, polygon."""
 
     def contour(self, name: str) -> Contour:
-        """Draw its outline, of that name, its sides as they are called where they are the plate's."""
+        """Return the outline with this name; sides are named as those of a plate ("hole 1 left", "hole 1 edge 2")."""
         if self.rectangle is not None:
             x0, y0, x1, y1 = self.rectangle
             sides = [f"{name} {side}" for side in ("bottom", "right", "top", "left")]
@@ -228,4 +229,4 @@ class Hole(Outline):
         return replace(contour(self.polygon, f"{name} edge", numbered=True), whole=name)
 
 
-Holes: TypeAlias = Annotated[tuple[Hole, ...], Field(max_length=MOST_CORNERS)]
+Holes: TypeAlias = Annotated[tuple[Hole, ...], Field(max_length=MAX_CORNERS)]

@@ -1,4 +1,4 @@
-"""The plate: its outline, thickness, element, and how finely it is meshed."""
+"""The plate: outline, thickness, element, mesh options."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ Divisions = Annotated[
 
 
 class Refinement(Located):
-    """Smaller elements at a place, and around it in so far as sizes grow from there."""
+    """Smaller elements at a place; away from it the element size grows gradually."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": one_of(Located.places)})
 
-    size: base.Positive = Field(description="Largest side of an element there.")
+    size: base.Positive = Field(description="Element size there: largest side of an element.")
 
     def _complaints(self) -> Iterator[base.Complaint]:
-        yield from self._place_complaints("where elements are smaller")
+        yield from self._place_complaints("the place of the smaller elements")
         if self.area == "all":
-            yield ("area",), 'found "all"; that is what the size of [mesh] is for.'
+            yield ("area",), 'found "all"; give size in [mesh] for the whole plate.'
 
     def boxes(self, plate: Box) -> list[Box]:
-        """Boxes [x0, y0, x1, y1] around the places, of a rectangle with that box."""
+        """Bounding boxes [x0, y0, x1, y1] of the places, for a rectangular plate with the box ``plate``."""
         x0, y0, x1, y1 = plate
         sides = {"left": (x0, y0, x0, y1), "right": (x1, y0, x1, y1), "bottom": (x0, y0, x1, y0)}
         sides["top"] = (x0, y1, x1, y1)
@@ -49,7 +49,7 @@ class Refinement(Located):
 
 
 class MeshOptions(base.Table):
-    """How finely the plate is meshed: by counts or by element size; by default 20 elements along the longer side."""
+    """Mesh options: numbers of elements or an element size; default 20 elements along the longer side."""
 
     model_config = ConfigDict(json_schema_extra={"not": {"required": ["divisions", "size"]}})
 
@@ -57,36 +57,37 @@ class MeshOptions(base.Table):
         default=None,
         description="Numbers of elements: [along x, along y] of a rectangle, [radial, around] of a disc or annulus.",
     )
-    size: base.Positive | None = Field(default=None, description="Largest side of an element.")
+    size: base.Positive | None = Field(default=None, description="Element size: largest side of an element.")
     refine: tuple[Refinement, ...] = Field(default=(), description="Places with smaller elements.")
     snap: base.NonNegative = Field(
         default=0.0,
-        description="A length; supports, zones and loads nearer than this to an edge or to each other are moved onto "
-        "it. Default 0: nothing moves.",
+        description="Snapping distance: supports, zones and loads closer than this to an edge or to each other are "
+        "moved onto it. Default 0: no snapping.",
     )
     accuracy: Annotated[float, Field(gt=0, lt=1), BeforeValidator(base.number)] | None = Field(
         default=None,
-        description="Refine until every half-width is at most this part of the largest value of its field.",
+        description="Refine until every half-width, relative to the largest value of its field, is at most this.",
     )
     error: StrictBool | None = Field(
         default=None,
-        description="Say of every number how far the mesh is from the plate, by the plate's answers on other meshes; "
-        "by default where the mesh is not read from a file.",
+        description="Whether to estimate the mesh error (±) of every number from solutions on other meshes; default "
+        "true, false for a mesh file.",
     )
 
     def _complaints(self) -> Iterator[base.Complaint]:
         if self.divisions is not None and self.size is not None:
             yield ("size",), "found both divisions and size; give one of them."
         if self.accuracy is not None and self.error is False:
-            yield ("error",), "found false; an accuracy that is asked for needs half-widths. Leave it out."
+            yield ("error",), "found false; accuracy needs the half-widths ±. Remove error = false."
 
 
-_DEFAULT_ALONG = 20
+_DEFAULT_DIVISIONS = 20
+"""Elements along the longer side of a plate whose mesh options give no size."""
 _SHAPES = "One of rectangle, disc, annulus, polygon, mesh."
-SLIMMEST = 1000.0
-"""Length of a plate over its width: bending along is softer than across by the fourth power."""
-_FARTHEST = 1e6
-"""Sizes a plate may lie away from the origin before its coordinates lose the digits that matter."""
+MAX_ASPECT_RATIO = 1000.0
+"""Largest length over width of a plate: the bending flexibilities differ by its fourth power, 1e12."""
+_MAX_OFFSET = 1e6
+"""Largest distance of a plate from the origin, relative to its size: coordinates keep ten digits."""
 
 
 def _require_shape(schema: dict[str, Any]) -> None:
@@ -102,67 +103,67 @@ class _Plate(base.Table):
         description="Finite element: mitc9 (free of locking) or q8r (Hinton-Owen, reduced integration).",
     )
     shear_factor: base.Positive = Field(default=5 / 6, description="Shear correction factor; default 5/6.")
-    modifiers: Modifiers = Field(
-        default=Modifiers(), description="Factors of the stiffness in bending, twist and shear."
-    )
+    modifiers: Modifiers = Field(default=Modifiers(), description="Stiffness factors in bending, twist and shear.")
     stiffness: Stiffness | None = Field(
-        default=None, description="Stiffness of the section, in place of what material and thickness give."
+        default=None, description="Stiffness of the section; it replaces that of material and thickness."
     )
     mesh: MeshOptions | None = Field(
-        default=None, description="One of several plates: its own [mesh], in place of that."
+        default=None, description="For one of several plates: its mesh options; they replace [mesh]."
     )
-    material: Material | None = Field(default=None, description="One of several plates: its own [material].")
+    material: Material | None = Field(
+        default=None, description="For one of several plates: its material; it replaces [material]."
+    )
 
     def model_post_init(self, context: Any) -> None:
-        """Count the shape as given: input files tell plates by it."""
+        """Mark ``shape`` as set, so that a dump contains it: it selects the class of the plate."""
         self.__pydantic_fields_set__.add("shape")
 
 
 class OutlinedPlate(_Plate):
-    """A plate whose outline is given here and meshed by this program."""
+    """A plate with an outline, to be meshed."""
 
     holes: Holes = Field(default=(), description="Holes, each a table with one of rectangle, circle, polygon.")
 
     @property
     @abstractmethod
     def outline(self) -> Contour:
-        """The outline, without holes."""
+        """The outer boundary."""
 
     @property
     def hole_contours(self) -> tuple[Contour, ...]:
-        """The outlines of the holes."""
+        """The boundaries of the holes."""
         return tuple(hole.contour(f"hole {number}") for number, hole in enumerate(self.holes, 1))
 
     @property
     def contours(self) -> tuple[Contour, ...]:
-        """The outline and those of the holes."""
+        """The outer boundary and the boundaries of the holes."""
         return (self.outline, *self.hole_contours)
 
     @property
     def edge_names(self) -> tuple[str, ...]:
-        """Names of the edges, those of holes last."""
+        """Names of the edges; edges of holes are last."""
         return tuple(dict.fromkeys(name for contour in self.contours for name in contour.edges))
 
     def element_size(self, mesh: MeshOptions) -> float:
-        """Size of elements that the mesh options ask for, where they are not counted."""
-        return mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_ALONG
+        """Element size of the mesh options, default the longer side over 20."""
+        return mesh.size if mesh.size is not None else self._longer_side() / _DEFAULT_DIVISIONS
 
     def divisions(self, mesh: MeshOptions) -> tuple[int, int] | None:
-        """Numbers of elements in rows (see `MeshOptions.divisions`); None where they fill the outline as they fit."""
+        """Numbers of elements of a regular mesh (see `MeshOptions.divisions`); None for an unstructured mesh."""
         return None
 
     @property
-    def fewest(self) -> tuple[int, int]:
-        """Least numbers of elements along the two directions."""
+    def min_divisions(self) -> tuple[int, int]:
+        """Smallest numbers of elements along the two directions."""
         return 1, 1
 
     def follows(self, border: Region | Curve) -> bool:
-        """Whether a mesh of the plate can have a zone's border, or the line of a support or load, for its lines."""
+        """Whether the regular mesh can follow the border of a zone, or the curve of a support or load."""
         return True
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
-        """Mesh options for elements larger by a factor, as far as there are enough of them, in rows if they are so."""
-        refine = tuple(one.model_copy(update={"size": one.size * factor}) for one in mesh.refine)
+        """Mesh options for element sizes times ``factor``; ``divisions`` are those of a regular mesh."""
+        refine = tuple(place.model_copy(update={"size": place.size * factor}) for place in mesh.refine)
         return MeshOptions(size=self.element_size(mesh) * factor, refine=refine)
 
     def _longer_side(self) -> float:
@@ -171,41 +172,41 @@ class OutlinedPlate(_Plate):
 
 
 class _PatternedPlate(OutlinedPlate):
-    """A plate that has a regular mesh while it has no holes."""
+    """A plate that has a regular mesh if it has no holes."""
 
-    rows_refine: ClassVar[bool] = False
-    """Whether rows can be refined too."""
+    refines_regularly: ClassVar[bool] = False
+    """Whether the regular mesh can be refined at places."""
 
     def divisions(self, mesh: MeshOptions) -> tuple[int, int] | None:
-        """Numbers of elements in rows (see `MeshOptions.divisions`); None where they fill the outline as they fit."""
-        if self.holes or (mesh.refine and not self.rows_refine):
+        """Numbers of elements of a regular mesh (see `MeshOptions.divisions`); None for an unstructured mesh."""
+        if self.holes or (mesh.refine and not self.refines_regularly):
             return None
         if mesh.divisions is not None:
             return mesh.divisions
         size = self.element_size(mesh)
-        return self._enough(min(length / size, 1e9) - 1e-9 for length in self._lengths())
+        return self._at_least_minimum(min(length / size, 1e9) - 1e-9 for length in self._lengths())
 
     def scaled(self, mesh: MeshOptions, factor: float, divisions: tuple[int, int] | None) -> MeshOptions:
-        """Mesh options for elements larger by a factor, as far as there are enough of them, in rows if they are so."""
+        """Mesh options for element sizes times ``factor``; ``divisions`` are those of a regular mesh."""
         scaled = super().scaled(mesh, factor, divisions)
         if divisions is None:
             return scaled
-        counts = self._enough(count / factor for count in divisions)
+        counts = self._at_least_minimum(count / factor for count in divisions)
         return scaled.model_copy(update={"divisions": counts, "size": None})
 
-    def _enough(self, counts: Iterable[float]) -> tuple[int, int]:
-        first, second = (max(math.ceil(count), least) for count, least in zip(counts, self.fewest, strict=True))
+    def _at_least_minimum(self, counts: Iterable[float]) -> tuple[int, int]:
+        first, second = (max(math.ceil(count), least) for count, least in zip(counts, self.min_divisions, strict=True))
         return first, second
 
     @abstractmethod
     def _lengths(self) -> tuple[float, float]:
-        """Lengths along which the elements are counted, in the order of ``MeshOptions.divisions``."""
+        """Lengths of the two directions of ``MeshOptions.divisions``."""
 
 
 class RectanglePlate(_PatternedPlate):
     """A rectangle with sides parallel to the axes."""
 
-    rows_refine: ClassVar[bool] = True
+    refines_regularly: ClassVar[bool] = True
 
     shape: Literal["rectangle"] = Field(default="rectangle", description=_SHAPES)
     size: Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "two lengths [a, b], along x and y")] = Field(
@@ -221,7 +222,7 @@ class RectanglePlate(_PatternedPlate):
         return straight(corners, ("bottom", "right", "top", "left"))
 
     def follows(self, border: Region | Curve) -> bool:
-        """Whether rows can have a border or curve for their lines, which run along the axes alone."""
+        """Whether the border or curve consists of segments along the axes, which the regular mesh can follow."""
         ends = border.outline.segments
         return not len(border.outline.whole_circles) and bool((ends[:, 0] == ends[:, 1]).any(axis=1).all())
 
@@ -229,22 +230,19 @@ class RectanglePlate(_PatternedPlate):
         return self.size
 
     def _complaints(self) -> Iterator[base.Complaint]:
-        if max(self.size) > SLIMMEST * min(self.size):
-            why = f"found {list(self.size)}: one side is over {SLIMMEST:g} times the other. Calculate a beam."
+        if max(self.size) > MAX_ASPECT_RATIO * min(self.size):
+            why = f"found {list(self.size)}: one side is over {MAX_ASPECT_RATIO:g} times the other. Use a beam model."
             yield ("size",), why
         yield from _too_far("origin", self.origin, max(self.size))
 
 
 class _RoundPlate(_PatternedPlate):
-    """A plate between circles around a center, in rows around it."""
+    """A plate between concentric circles; its regular mesh has radial and circumferential lines."""
 
     center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
 
     def follows(self, border: Region | Curve) -> bool:
-        """Whether rows can have a border or curve for their lines: circles around the center, but of zones no borders.
-
-        Rows seldom have room for these.
-        """
+        """Whether the regular mesh can follow it: a circle around the center, but no border of a zone."""
         return isinstance(border, Ring) and bool(border.radii(self.center))
 
 
@@ -255,19 +253,19 @@ def _quarters(sector: float) -> float:
 
 
 class DiscPlate(_RoundPlate):
-    """A full, half or quarter disc; a sector starts at the x axis and turns towards y."""
+    """A full, half or quarter disc; a sector runs from the x axis towards y."""
 
     shape: Literal["disc"] = Field(default="disc", description=_SHAPES)
     radius: base.Positive = Field(description="Radius of the disc.")
     sector: Annotated[float, AfterValidator(_quarters), BeforeValidator(base.number)] = Field(
         default=360.0,
-        description="Degrees from the x axis: 90, 180 or 360.",
+        description="Angle of the sector from the x axis, in degrees: 90, 180 or 360.",
         json_schema_extra={"enum": [90, 180, 360]},
     )
 
     @property
     def outline(self) -> Contour:
-        """The rim, of a sector with its straight sides."""
+        """The rim; for a sector also its straight sides."""
         if self.sector == 360:
             return circle(self.center, self.radius, "rim")
         return sector(self.center, 0.0, self.radius, self.sector, ("start", "rim", "end", ""))
@@ -280,31 +278,31 @@ class DiscPlate(_RoundPlate):
 
 
 class AnnulusPlate(_RoundPlate):
-    """A ring or a sector of one; a sector starts at the x axis and turns towards y."""
+    """A ring or a sector of a ring; a sector runs from the x axis towards y."""
 
     shape: Literal["annulus"] = Field(default="annulus", description=_SHAPES)
     inner: base.Positive = Field(description="Inner radius.")
     outer: base.Positive = Field(description="Outer radius.")
     sector: Annotated[float, Field(gt=0, le=360), BeforeValidator(base.number)] = Field(
-        default=360.0, description="Degrees from the x axis; default 360."
+        default=360.0, description="Angle of the sector from the x axis, in degrees; default 360."
     )
 
     @property
     def outline(self) -> Contour:
-        """The outer circle, or all sides of a sector."""
+        """The outer circle; for a sector all its sides."""
         if self.sector == 360:
             return circle(self.center, self.outer, "outer")
         return sector(self.center, self.inner, self.outer, self.sector, ("start", "outer", "end", "inner"))
 
     @property
     def contours(self) -> tuple[Contour, ...]:
-        """The outer circle, the inner one and the outlines of the holes; of a sector its outline and the holes."""
+        """The outer boundary, the inner circle of a full ring, and the boundaries of the holes."""
         inner = (circle(self.center, self.inner, "inner"),) if self.sector == 360 else ()
         return (self.outline, *inner, *self.hole_contours)
 
     @property
-    def fewest(self) -> tuple[int, int]:
-        """Least numbers of elements: sides of more than a quarter of the circumference would not be round."""
+    def min_divisions(self) -> tuple[int, int]:
+        """Smallest numbers of elements: one radially; an element spans at most a quarter circle."""
         return 1, math.ceil(self.sector / 90)
 
     def _lengths(self) -> tuple[float, float]:
@@ -315,20 +313,24 @@ class AnnulusPlate(_RoundPlate):
         return max(chord, self.outer - self.inner)
 
     def _complaints(self) -> Iterator[base.Complaint]:
-        least, opening = self.outer / _FARTHEST, 360 - self.sector
+        least, opening = self.outer / _MAX_OFFSET, 360 - self.sector
         if not self.outer - self.inner > least:
             yield ("outer",), f"found {describe(self.outer)}; it must exceed inner, which is {describe(self.inner)}."
-        elif self.outer > _FARTHEST * self.inner:
-            yield ("inner",), f"found {self.inner:g}; it must be at least {1 / _FARTHEST:g} times outer. Take a disc."
+        elif self.outer > _MAX_OFFSET * self.inner:
+            yield ("inner",), f"found {self.inner:g}; it must be at least {1 / _MAX_OFFSET:g} times outer. Use a disc."
         elif math.radians(self.sector) * self.inner < least:
-            yield ("sector",), f"found {describe(self.sector)}; so thin a slice is no plate."
+            why = f"the inner side would be shorter than {1 / _MAX_OFFSET:g} times outer."
+            yield ("sector",), f"found {describe(self.sector)}; {why}"
         elif opening and math.radians(opening) * self.inner < least:
-            yield ("sector",), f"found {describe(self.sector)}; its sides all but meet. Take 360 for a whole ring."
+            yield (
+                ("sector",),
+                f"found {describe(self.sector)}; its straight sides almost meet. Use 360 for a full ring.",
+            )
         yield from _too_far("center", self.center, self.outer)
 
 
 class PolygonPlate(OutlinedPlate):
-    """A plate of any outline, of straight sides and arcs."""
+    """A plate whose outline has straight sides and arcs."""
 
     shape: Literal["polygon"] = Field(default="polygon", description=_SHAPES)
     points: Corners = Field(
@@ -337,7 +339,7 @@ class PolygonPlate(OutlinedPlate):
 
     @property
     def outline(self) -> Contour:
-        """The sides: edge 1 from corner 1 to corner 2, and so on."""
+        """The sides; edge i runs from corner i to the next corner."""
         return contour(self.points, "edge", numbered=True)
 
     def _complaints(self) -> Iterator[base.Complaint]:
@@ -346,8 +348,8 @@ class PolygonPlate(OutlinedPlate):
 
 
 def _too_far(key: str, point: tuple[float, float], size: float) -> Iterator[base.Complaint]:
-    if max(map(abs, point)) > _FARTHEST * size:
-        why = f"found {list(point)}: over {_FARTHEST:g} times the plate's size away. Move the plate to the origin."
+    if max(map(abs, point)) > _MAX_OFFSET * size:
+        why = f"found {list(point)}: over {_MAX_OFFSET:g} times the plate's size away. Move the plate to the origin."
         yield (key,), why
 
 
@@ -369,7 +371,7 @@ class MeshPlate(_Plate):
 
     @property
     def edge_names(self) -> None:
-        """Not known before the file is read."""
+        """None: the edges are known when the file is read."""
         return None
 
 

@@ -1,4 +1,4 @@
-"""From pydantic's errors to plain words: what was found, what is allowed, and where."""
+"""Convert pydantic's errors to messages with the value found, the values allowed, and the place."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from signorini.errors import InputError, Place
 
 
 def describe(value: object) -> str:
-    """Show a value the way the input file writes it, cut short when long."""
+    """Show a value as the input file writes it; long values are shortened."""
     match value:
         case bool():
             return str(value).lower()
         case None:
-            return "nothing"
+            return "no value"
         case str():
             shown = value if len(value) <= 60 else f"{value[:57]}..."
             return f'"{shown}"' if shown.isprintable() else f'"{repr(shown)[1:-1]}"'
@@ -34,27 +34,28 @@ def describe(value: object) -> str:
             return "an integer of more than 20 digits"
         case datetime.date() | datetime.time():
             return f"the date or time {value}"
-        case list() | tuple() if value and all(isinstance(one, str) for one in value):
+        case list() | tuple() if value and all(isinstance(item, str) for item in value):
             return reprlib.repr(list(value)).replace("'", '"')
         case _:
             return reprlib.repr(value)
 
 
 def as_list(value: Any) -> Any:
-    """Turn a NumPy array into lists; leave anything else as it is."""
+    """Convert a NumPy array to lists; other values are returned unchanged."""
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-_MOST_READ = 1000
+_MAX_EXPLAINED = 1000
+"""Errors of pydantic that are converted; the message counts the others."""
 
 LISTS = ("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip")
-"""Tables that stand in double brackets."""
+"""Tables in double brackets: [[zone]], [[support]], ..."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
-"""Of keys that take one of several tables, these by what pydantic puts into its path for them, which is no key of the
-input. The modules of the tables enter them, which stand above this one."""
+"""Tables of a key that is a tagged union, by the tag that pydantic puts into its error path. The modules that define
+the unions fill it."""
 TOP: dict[str, tuple[type[BaseModel], ...]] = {}
-"""Keys of the whole model with the tables below each, so that a key in the wrong one is told its place."""
+"""Keys of the whole model, each with its tables: for hints about a misplaced key."""
 
 
 _LIMITS = {
@@ -72,39 +73,43 @@ def explained(
     source: str = "",
     line_of: Callable[[Place], int] | None = None,
 ) -> InputError:
-    """Put pydantic's error with data for a table in words; the other parameters are those of `validate`."""
+    """Convert pydantic's error about ``data`` for the table ``root``; see `validate` for ``source`` and ``line_of``."""
     errors = error.errors(include_url=False)
     placed = []
-    for path, message in _problems(errors[:_MOST_READ], data, root):
-        line, result, label = line_of(path) if line_of is not None else 0, InputError(message, path), _label(path, data)
-        result.place += f' ("{label}")' if label else ""
-        placed.append((line, InputError(message, place=f"{source}:{line}: {result.place}") if line else result))
+    for path, message in _problems(errors[:_MAX_EXPLAINED], data, root):
+        line, problem, label = (
+            line_of(path) if line_of is not None else 0,
+            InputError(message, path),
+            _label(path, data),
+        )
+        problem.place += f' ("{label}")' if label else ""
+        placed.append((line, InputError(message, place=f"{source}:{line}: {problem.place}") if line else problem))
     placed.sort(key=lambda pair: pair[0])
-    return InputError.of([problem for _, problem in placed], source, untold=len(errors[_MOST_READ:]))
+    return InputError.combined([problem for _, problem in placed], source, omitted=len(errors[_MAX_EXPLAINED:]))
 
 
 def _problems(errors: list[ErrorDetails], data: Any, root: type[BaseModel]) -> list[tuple[Place, str]]:
-    """Put every error in words, with its path, but for those that only echo another one."""
+    """Convert errors to paths and messages; consequences of another error are left out."""
     resolved = [(details, *_resolve(details["loc"], data, root)) for details in errors]
     misspelt = {
         (*path[:-1], _nearest(str(path[-1]), table.model_fields))
         for details, path, table, _ in resolved
         if details["type"] == "extra_forbidden"
     }
-    result = []
+    problems = []
     for details, path, table, field in resolved:
         kind = details["type"]
-        echo = (kind == "missing" and path in misspelt) or (kind == "too_short" and as_list(details["input"]))
+        consequence = (kind == "missing" and path in misspelt) or (kind == "too_short" and as_list(details["input"]))
         if kind in ("union_tag_invalid", "union_tag_not_found"):
             path = (*path, "shape")
             field = next(iter(BRANCHES["plate"].values())).model_fields["shape"]
-        if not echo:
-            result.append((path, _message(details, path, table, field)))
-    return list(dict.fromkeys(result))
+        if not consequence:
+            problems.append((path, _message(details, path, table, field)))
+    return list(dict.fromkeys(problems))
 
 
 def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[BaseModel], FieldInfo | None]:
-    """Walk pydantic's path; return it as the user wrote it, with the table and field that its last key belongs to."""
+    """Convert pydantic's path to the path in the input; return it with the table and field of its last key."""
     path: list[str | int] = []
     owner: type[BaseModel] = root
     inner: type[BaseModel] | None = root
@@ -115,9 +120,9 @@ def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[
         value = as_list(value)
         if isinstance(key, int):
             nested = isinstance(loc[position + 1], int) if position + 1 < len(loc) else False
-            # one point or one edge may stand without its list, and then has no position of its own
-            lists = [isinstance(as_list(one), list | tuple) for one in value] if isinstance(value, list | tuple) else []
-            if isinstance(value, list | tuple) and (any(lists) or not nested):
+            # A single point or edge may be given without a list; its path then has no position.
+            is_list = isinstance(value, list | tuple)
+            if is_list and (not nested or any(isinstance(as_list(item), list | tuple) for item in value)):
                 path.append(key)
                 value = value[key] if key < len(value) else None
         elif key in branches:
@@ -137,7 +142,7 @@ def _resolve(loc: Place, data: Any, root: type[BaseModel]) -> tuple[Place, type[
 
 
 def tables_of(root: type[BaseModel]) -> dict[str, tuple[type[BaseModel], ...]]:
-    """Collect the keys of a table with the tables below each."""
+    """Return the keys of a table, each with the tables that its value can be."""
     below = {name: _table_in(field.annotation) for name, field in root.model_fields.items()}
     return {
         name: tuple(BRANCHES[name].values()) if name in BRANCHES else (table,) if table is not None else ()
@@ -152,7 +157,7 @@ def _table_in(annotation: object) -> type[BaseModel] | None:
 
 
 def _label(path: Place, data: Any) -> str:
-    """Name of the support or combination, or case of the load, that the path leads into."""
+    """Name of the support or combination, or case of the load, that contains the path; empty for other tables."""
     match path:
         case ("support" | "load" | "moving" | "combination" as key, int(position), *_) if isinstance(data, Mapping):
             tables = data.get(key)
@@ -165,44 +170,44 @@ def _label(path: Place, data: Any) -> str:
 def _message(details: ErrorDetails, path: Place, table: type[BaseModel], field: FieldInfo | None) -> str:
     key = next((str(part) for part in reversed(path) if isinstance(part, str)), "")
     context = details.get("ctx", {})
-    result = f"found {describe(as_list(details['input']))}"
+    found = f"found {describe(as_list(details['input']))}"
     about = (field.description or "") if field is not None else ""
     match details["type"]:
         case "complaint":
             return str(context["message"])
         case "area":
-            return f"{result}; {details['msg']}"
+            return f"{found}; {details['msg']}"
         case "value_error":
             return str(context["error"])
         case "extra_forbidden":
             return _unknown_key(path, table)
         case "missing" | "union_tag_not_found":
-            return f"'{key}' is missing. {about}{_written_as(path)}"
+            return f"'{key}' is missing. {about}{_header_hint(path)}"
         case "union_tag_invalid":
             return _unknown_shape(details["input"])
         case "literal_error":
             allowed = re.findall(r"'([^']*)'", str(context["expected"]))
-            return f"{result}; it must be one of {', '.join(allowed)}.{_suggest(details['input'], allowed)}"
+            return f"{found}; it must be one of {', '.join(allowed)}.{_suggest(details['input'], allowed)}"
         case kind if kind in _LIMITS:
-            words, limit = _LIMITS[kind]
-            return f"{result}; it must {words} {context[limit]:g}."
+            relation, limit = _LIMITS[kind]
+            return f"{found}; it must {relation} {context[limit]:g}."
         case "string_type":
-            return f"{result}; it must be text in quotes."
+            return f"{found}; it must be text in quotes."
         case "string_too_long":
             return f"found text of {len(details['input'])} characters; at most {context['max_length']} are allowed."
         case "too_short" | "string_too_short":
-            return f"it is empty. {about}"
+            return f"found an empty value. {about}"
         case "tuple_type" if isinstance(details["input"], Mapping):
-            return f"found one table; this is a list of tables, each under [[{key}]] in double brackets."
+            return f"found a single table; it must be a list of tables, each under [[{key}]] in double brackets."
         case "model_type" | "model_attributes_type" | "dict_type" | "mapping_type" | "tuple_type":
             kind = "a list" if details["type"] == "tuple_type" else "a table"
-            return f"{result}; it must be {kind}. {about}"
+            return f"{found}; it must be {kind}. {about}"
         case _:
-            return f"{result}; it does not fit here. {about}"
+            return f"{found}; it is invalid here. {about}"
 
 
-def _written_as(path: Place) -> str:
-    """How a table that is missing is written."""
+def _header_hint(path: Place) -> str:
+    """Hint at the header of a missing table."""
     name = str(path[-1])
     return "" if len(path) > 1 or not TOP.get(name) else f" Write it under {_header(name)}."
 
@@ -217,7 +222,7 @@ def _unknown_key(path: Place, table: type[BaseModel]) -> str:
     near = _nearest(key, table.model_fields)
     inner = [name for name, below in tables_of(table).items() if _has(below, key)] if len(path) > 1 else []
     if len(path) > 1 and key in headers:
-        hint = f" It is a table of its own: {headers[key]}, or above the first header {key} = {{ ... }}."
+        hint = f" It is a top-level table: write {headers[key]}, or {key} = {{ ... }} above the first header."
     elif len(path) == 1 and near in headers:
         hint = f" Did you mean {headers[near]}?"
     else:
@@ -228,9 +233,9 @@ def _unknown_key(path: Place, table: type[BaseModel]) -> str:
             headers[name] for name, tables in TOP.items() if _has(tables, key) and name not in (path[0], "plates")
         ]
         if path[0] in ("plate", "plates") and shapes:
-            hint = f" It goes with shape = {' or '.join(map(describe, shapes))}."
+            hint = f" It needs shape = {' or '.join(map(describe, shapes))}."
         elif inner:
-            hint = f" It goes within {' or '.join(inner)}: {inner[0]} = {{ {key} = ... }}."
+            hint = f" It belongs into {' or '.join(inner)}: {inner[0]} = {{ {key} = ... }}."
         elif key in TOP:
             hint = " It belongs above the first table."
         elif owners:
@@ -246,18 +251,18 @@ def _unknown_shape(plate: object) -> str:
     shape = plate.get("shape") if isinstance(plate, Mapping) else getattr(plate, "shape", None)
     shapes = list(BRANCHES["plate"])
     return (
-        f"found {describe(shape)}; this version has {', '.join(shapes)}.{_suggest(shape, shapes)} "
-        "Any other outline is a polygon of straight sides and arcs, or a mesh file."
+        f"found {describe(shape)}; it must be one of {', '.join(shapes)}.{_suggest(shape, shapes)} "
+        "Describe any other outline as a polygon of straight sides and arcs, or by a mesh file."
     )
 
 
-def _nearest(result: object, allowed: Iterable[str]) -> str:
-    """Find the allowed word nearest to what was found; nothing if none is near."""
+def _nearest(text: object, allowed: Iterable[str]) -> str:
+    """Return the allowed word most similar to ``text``; empty if none is similar."""
     words = {word.casefold(): word for word in allowed}
-    near = difflib.get_close_matches(result[:60].casefold(), words, n=1) if isinstance(result, str) else []
+    near = difflib.get_close_matches(text[:60].casefold(), words, n=1) if isinstance(text, str) else []
     return words[near[0]] if near else ""
 
 
-def _suggest(result: object, allowed: Iterable[str]) -> str:
-    near = _nearest(result, allowed)
+def _suggest(text: object, allowed: Iterable[str]) -> str:
+    near = _nearest(text, allowed)
     return f" Did you mean '{near}'?" if near else ""

@@ -1,4 +1,4 @@
-"""Rounds of tightening: to which force the bolts of a support are tightened, and in which sequence."""
+"""Rounds of bolt tightening: the bolt forces of a support, and the sequence of its bolts."""
 
 from __future__ import annotations
 
@@ -17,33 +17,37 @@ class Tightening(base.Table):
 
     support: base.Text = Field(description="Name of the support whose points are the bolts.")
     force: PositivePointScalar = Field(
-        description="Force to which each bolt is tightened: a number, an expression, or a list with one value a point."
+        description="Force to which each bolt is tightened: a number, an expression, or a list with one value per "
+        "point."
     )
     sequence: tuple[base.Counts, ...] | None = Field(
         default=None,
         min_length=1,
-        description="Groups of points that are tightened together, one group after the other: [[1, 7], [4, 10]]. "
-        "Points count from 1. Default: all points together.",
+        description="Groups of points that are tightened together, in order: [[1, 7], [4, 10]]. "
+        "Point numbers start at 1. Default: all points together.",
     )
     case: base.Text | None = Field(
         default=None,
-        description="The force is a case of this name: combinations give its factor, and without a factor the round "
-        "is left out. Default: factor 1 in all.",
+        description="Load case of the force. Combinations give its factor; a combination without it has no such round. "
+        "Default: factor 1 in all combinations.",
     )
 
     def complaints_of(self, support: Support) -> Iterator[base.Complaint]:
-        """Yield the faults of this round of a support, with places relative to this table."""
+        """Yield the problems of this round with the bolts of ``support``, with places relative to this table."""
         if support.preload is not None:
-            yield ("support",), f'"{support.name}" has a preload. Leave preload and order out there: force stands here.'
+            yield (
+                ("support",),
+                f'"{support.name}" has a preload. Remove its preload and order: force gives the preload.',
+            )
         yield from ((("support",), message) for _, message in support.bolt_complaints())
         count, seen = support.point_count, set[int]()
         if isinstance(self.force, PointValues) and len(self.force.values) != count:
-            yield ("force",), base.miscounted(len(self.force.values), count)
-        for place, group in enumerate(self.sequence or ()):
+            yield ("force",), base.wrong_length(len(self.force.values), count)
+        for position, group in enumerate(self.sequence or ()):
             for number in group:
                 if number > count:
-                    yield ("sequence", place), f'found point {number}; "{support.name}" has the points 1 to {count}.'
+                    yield ("sequence", position), f'found point {number}; "{support.name}" has the points 1 to {count}.'
                 elif number in seen:
                     why = f"found point {number} twice in one round."
-                    yield ("sequence", place), f"{why} Give another [[tightening]] for the second time."
+                    yield ("sequence", position), f"{why} Add another [[tightening]] for the second time."
                 seen.add(number)

@@ -1,4 +1,4 @@
-"""Places: the keys of places in the tables of supports, loads and refinements, and their values."""
+"""Places of supports, loads and refinements: the keys of the input, and the value `Where` that they give."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from signorini.shapes.outlines import Outline, Point, directions
 PlaceKey = Literal["at", "edge", "line", "circle", "area"]
 
 FOOTPRINT = ("patch", "radius")
-_LEAST_RADIUS = 0.5
-"""Smallest radius of a circle that the mesh follows, relative to the element size: twelve elements around it are half
-as large."""
+_MIN_RADIUS = 0.5
+"""Smallest radius of a circle that the mesh follows, relative to the element size: at 12 elements around the circle
+these have half the size."""
 
 
 @dataclass(frozen=True)
 class Where:
-    """A place: points, edges or a curve, or an area (a region, or the whole plate).
+    """A place on the plate: points, edges, a curve, or an area (a region, or the whole plate).
 
-    ``key`` is its key in the input; nodes of a mesh file are points. ``footprints`` are those of points, if any.
+    ``key`` is its key in the input; nodes of a mesh file are points. ``footprints`` has one region per point, or none.
     """
 
     key: PlaceKey
@@ -45,43 +45,43 @@ class Where:
 
     @property
     def shapes(self) -> tuple[Curve | Region, ...]:
-        """All that has an outline: the curve or the region, and the footprints."""
+        """The curve or the region, and the footprints."""
         return (*(() if self.shape is None else (self.shape,)), *self.footprints)
 
     @property
     def outline(self) -> Outline:
-        """The segments, circles and arcs of the curve or of the region's outline."""
+        """Segments, circles and arcs of the curve or of the region's boundary."""
         return Outline() if self.shape is None else self.shape.outline
 
     def covers(self, points: Floats) -> Bools:
-        """Which points (q, 2) of the plate are in the area."""
+        """Mask (q,) of the points (q, 2) that lie in the area."""
         return np.ones(len(points), np.bool_) if self.region is None else self.region.contains(points)
 
 
 def curve_of(line: tuple[Point, ...] | None, circle: Circle | None) -> Curve | None:
-    """The curve that a line or a circle names."""
+    """The curve of a line or a circle of the input; None without either."""
     if line is not None:
         return Polyline(line)
     return None if circle is None else Ring(circle.center, circle.radius)
 
 
-def worth_following(along: Curve, size: float) -> bool:
-    """Whether elements of some size are to follow a curve: around a small circle they would be too many."""
-    return not isinstance(along, Ring) or along.radius >= _LEAST_RADIUS * size
+def mesh_follows(curve: Curve, size: float) -> bool:
+    """Whether a mesh of element size ``size`` follows a curve; a small circle would need too many elements."""
+    return not isinstance(curve, Ring) or curve.radius >= _MIN_RADIUS * size
 
 
 def one_of(keys: tuple[str, ...]) -> list[JsonValue]:
-    """JSON Schemas of which a table that has one of some keys fulfils one."""
+    """JSON Schemas for ``oneOf``: exactly one of the keys is required."""
     return [{"required": [key]} for key in keys]
 
 
 class Located(base.Table):
-    """A table that says where it is, by one of its places."""
+    """Base class of tables with a place: exactly one of the keys ``places``."""
 
     places: ClassVar[tuple[str, ...]] = ("at", "edge", "line", "circle", "area")
 
     at: base.Points | None = Field(
-        default=None, description="A point [x, y] or a list of points; they need not be nodes."
+        default=None, description="A point [x, y] or a list of points, anywhere on the plate."
     )
     edge: base.Edges | None = Field(default=None, description="An edge of the plate by name, or a list of names.")
     line: base.Polyline | None = Field(default=None, description="A line through points [[x, y], [x, y], ...].")
@@ -90,13 +90,13 @@ class Located(base.Table):
 
     @property
     def place(self) -> PlaceKey:
-        """The key of the place; a table without one is for the whole plate."""
+        """The key of the place; a table without a place has the whole plate."""
         keys: tuple[PlaceKey, ...] = ("at", "edge", "line", "circle")
         return next((key for key in keys if getattr(self, key) is not None), "area")
 
     @property
     def where(self) -> Where:
-        """Where it is."""
+        """The place as a `Where`."""
         region = self.area.region if isinstance(self.area, Area) else None
         return Where(
             self.place, self.at or (), self.edge or (), curve_of(self.line, self.circle), region, self._footprints()
@@ -105,16 +105,16 @@ class Located(base.Table):
     def _footprints(self) -> tuple[Whole, ...]:
         return ()
 
-    def _place_complaints(self, said: str) -> Iterator[base.Complaint]:
-        """Require exactly one place; ``said`` are the places in the table."""
-        given = self.given(self.places)
-        if len(given) != 1:
-            found = " and ".join(given) or "none"
-            yield (), f"found {found}; exactly one of {', '.join(self.places)} says {said}."
+    def _place_complaints(self, meaning: str) -> Iterator[base.Complaint]:
+        """Require exactly one place; ``meaning`` completes the message "exactly one of at, edge, ... gives"."""
+        keys = self.present(self.places)
+        if len(keys) != 1:
+            found = " and ".join(keys) or "none"
+            yield (), f"found {found}; exactly one of {', '.join(self.places)} gives {meaning}."
 
 
 class Acting(Located, base.OnPlate):
-    """A support or a load: at points it may have a footprint."""
+    """Base class of supports and loads; at points they may have a footprint."""
 
     places: ClassVar[tuple[str, ...]] = ("at", "nodes", "edge", "line", "circle", "area")
 
@@ -126,51 +126,51 @@ class Acting(Located, base.OnPlate):
         | None
     ) = Field(
         default=None,
-        description="Footprint of each point of at or nodes: a rectangle [length along x, width along y] about it.",
+        description="Footprint of each point of at or nodes: a rectangle [length along x, width along y] around it.",
     )
     angle: Annotated[float, BeforeValidator(base.number)] | None = Field(
-        default=None, description="Turns the patch: degrees from x to its first side, towards y; default 0."
+        default=None, description="Rotation of the patch: degrees from x to its first side, towards y; default 0."
     )
     radius: base.Positive | None = Field(
-        default=None, description="Footprint of each point of at or nodes: a disc about it."
+        default=None, description="Footprint of each point of at or nodes: a disc around it."
     )
 
     @property
     def place(self) -> PlaceKey:
-        """The key that says where it is; nodes are points."""
+        """The key of the place; "at" for nodes, which are points."""
         return "at" if self.nodes is not None else super().place
 
     @property
     def has_footprint(self) -> bool:
         """Whether points have footprints."""
-        return bool(self.given(FOOTPRINT))
+        return bool(self.present(FOOTPRINT))
 
     @property
     def width(self) -> tuple[float, float]:
-        """The shorter and the longer side of the footprint; 0 of a point."""
+        """Shorter and longer side of the footprint; 0 for a point."""
         a, b = self.patch or (2.0 * (self.radius or 0.0),) * 2
         return min(a, b), max(a, b)
 
     def _footprints(self) -> tuple[Whole, ...]:
         points = self.at or ()
         if self.radius is not None:
-            return tuple(shapes.Circle(at, self.radius) for at in points)
+            return tuple(shapes.Circle(point, self.radius) for point in points)
         if self.patch is None:
             return ()
         a, b = self.patch
         if self.angle:
             ((c, s),) = directions(np.array([self.angle])).tolist()
-            around = [(0.5 * u * a, 0.5 * v * b) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+            corners = [(0.5 * u * a, 0.5 * v * b) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
             return tuple(
-                shapes.Polygon(tuple((x + c * u - s * v, y + s * u + c * v) for u, v in around)) for x, y in points
+                shapes.Polygon(tuple((x + c * u - s * v, y + s * u + c * v) for u, v in corners)) for x, y in points
             )
         return tuple(shapes.Rectangle(x - 0.5 * a, y - 0.5 * b, x + 0.5 * a, y + 0.5 * b) for x, y in points)
 
     def _footprint_complaints(self) -> Iterator[base.Complaint]:
-        keys = self.given(FOOTPRINT)
+        keys = self.present(FOOTPRINT)
         if len(keys) > 1:
             yield ("radius",), "found both patch and radius; give one."
-        elif keys and not self.given(("at", "nodes")):
-            yield (keys[0],), f"{keys[0]} is the footprint of points; it goes with at or nodes."
+        elif keys and not self.present(("at", "nodes")):
+            yield (keys[0],), f"{keys[0]} is the footprint of points; use it with at or nodes."
         if self.angle is not None and self.patch is None:
-            yield ("angle",), "angle turns a patch, and there is none."
+            yield ("angle",), "angle rotates a patch; patch is missing."

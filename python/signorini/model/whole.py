@@ -1,4 +1,4 @@
-"""The model as a whole: what the engineer said, checked against itself; no arrays."""
+"""The whole input: class `Model`, its checks across tables, and `validate`; no arrays."""
 
 from __future__ import annotations
 
@@ -29,32 +29,35 @@ from signorini.model.base import Complaint, Named, Table, Text
 from signorini.model.combination import Choice, Combination, Combinations, FrozenMapping, Positions, Product, products
 from signorini.model.load import Load, Moving, Probe
 from signorini.model.material import Material, Zone, constant_thickness
-from signorini.model.output import FEW, Output, Profile, Section, Strip
+from signorini.model.output import MAX_FULL_RESULTS, Output, Profile, Section, Strip
 from signorini.model.parts import Part, parts_of, plate_complaints
 from signorini.model.plate import AnyPlate, MeshOptions, MeshPlate
 from signorini.model.problems import TOP, as_list, explained, tables_of
 from signorini.model.support import Contact, Support
 from signorini.model.tightening import Tightening
-from signorini.model.where import Acting, Located, one_of, worth_following
+from signorini.model.where import Acting, Located, mesh_follows, one_of
 
-_MOST_ELEMENTS = 10_000_000
-_MOST_COMBINATIONS = 1_000_000
-_MOST_POSITIONS = 2000
+_MAX_ELEMENTS = 10_000_000
+"""Elements of a regular mesh: more exceed any memory, and a count this large is a typing error."""
+_MAX_COMBINATIONS = 1_000_000
+"""Combinations of a model."""
+_MAX_POSITIONS = 2000
+"""Positions of all moving loads together; each is a load case."""
 
-_LISTED = ("support", "contact", "load", "combination", "zone")
-"""Tables that a model's short form counts."""
+_COUNTED = ("support", "contact", "load", "combination", "zone")
+"""Tables that ``repr(model)`` counts."""
 
 _HasName = TypeVar("_HasName", bound=Named)
 
 
 class Units(Table):
-    """Labels of the consistent units used; they appear in the output and change no number."""
+    """Labels of the consistent units of the input; they appear in the output and are not converted."""
 
     length: Text = Field(default="", description='Label of the unit of length, such as "m".')
     force: Text = Field(default="", description='Label of the unit of force, such as "N".')
 
     def force_by_length(self, power: int) -> str:
-        """Unit of a force times a power of a length, from -3 to 1; empty where a label is missing."""
+        """Label of the unit force × length^power, -3 ≤ power ≤ 1; empty if a label is missing."""
         if not self.force or (power and not self.length):
             return ""
         length = self.length
@@ -62,67 +65,68 @@ class Units(Table):
 
 
 class Solver(Table):
-    """Choice of the method that solves the contact problem."""
+    """Method of solving the contact problem."""
 
-    method: Literal["auto", "lemke", "active_set", "interior_point"] = Field(
-        default="auto", description="auto picks the method, and falls back without asking."
+    method: Literal["auto", "lemke", "active_set"] = Field(
+        default="auto",
+        description="Method; auto chooses by the number of contact points, and tries others if it fails.",
     )
 
 
 def _named(tables: tuple[_HasName, ...]) -> tuple[_HasName, ...]:
-    """Give every table that has no name its default one."""
+    """Set default names: the kind and the position, "support 1"."""
     return tuple(
         table if table.name else table.model_copy(update={"name": f"{type(table).__name__.lower()} {position}"})
         for position, table in enumerate(tables, start=1)
     )
 
 
-def _there(plate: object, info: ValidationInfo) -> object:
-    """Miss a plate where there are no several; of those that are wrong it is not known."""
+def _require_plate(plate: object, info: ValidationInfo) -> object:
+    """Require [plate] if [plates] is absent; invalid [plates] have their own error."""
     if plate is None and not info.data.get("plates", True):
         raise PydanticCustomError("missing", "missing")
     return plate
 
 
 def _for_toml(value: Any, place: str) -> Any:
-    """Convert paths to text and omit None, which TOML does not have."""
+    """Convert paths to text and omit None, for which TOML has no value."""
     match value:
         case Mapping():
-            items = ((key, one, f"{place}.{key}" if place else key) for key, one in value.items() if one is not None)
-            return {key: _for_toml(one, where) for key, one, where in items}
+            items = ((key, item) for key, item in value.items() if item is not None)
+            return {key: _for_toml(item, f"{place}.{key}" if place else key) for key, item in items}
         case list() | tuple():
-            return [_for_toml(one, f"{place}[{number}]") for number, one in enumerate(value, 1)]
+            return [_for_toml(item, f"{place}[{number}]") for number, item in enumerate(value, 1)]
         case str() | int() | float():
             return value
         case PurePath():
             return str(value)
     name = getattr(value, "__qualname__", type(value).__name__)
-    raise InputError(f"found {name}, which TOML does not have. Give numbers, an expression or a table.", place=place)
+    raise InputError(f"found {name}; TOML has no functions. Give numbers, an expression or a table.", place=place)
 
 
 def acts(tables: Mapping[str, Any]) -> bool:
-    """Whether tables of a model have an action beside loads: a moving load, a preload, a settlement, a rotation."""
+    """Whether tables of a model have an action other than loads: a moving load, preload, settlement or rotation."""
     supports = tables.get("support")
-    given = (
-        as_list((one if isinstance(one, Mapping) else vars(one)).get(key))
-        for one in (supports if isinstance(supports, list | tuple) else ())
+    values = (
+        as_list((support if isinstance(support, Mapping) else vars(support)).get(key))
+        for support in (supports if isinstance(supports, list | tuple) else ())
         for key in ("preload", "settlement", "rotation")
-        if isinstance(one, Mapping | Support)
+        if isinstance(support, Mapping | Support)
     )
     return bool(tables.get("moving") or tables.get("tightening")) or any(
-        value not in (None, 0, Expression(0.0)) for value in given
+        value not in (None, 0, Expression(0.0)) for value in values
     )
 
 
 def _without_required_load(schema: dict[str, Any]) -> None:
-    """Let the schema have one of plate and plates, and no load where there are other actions."""
+    """JSON Schema: exactly one of plate and plates; at least one action."""
     del schema["required"]
     schema["oneOf"] = one_of(("plate", "plates"))
     schema["anyOf"] = one_of(("load", "moving", "support", "tightening"))
 
 
 class Model(Table):
-    """A plate, its supports and its loads: what the input file says, under the same names.
+    """A plate, its supports and its loads, with the tables and keys of the input file.
 
     Examples
     --------
@@ -141,73 +145,73 @@ class Model(Table):
     title: Text = Field(default="", description="Title of the calculation.")
     units: Units = Field(default=Units(), description="Labels of the units, for the output.")
     material: Material = Field(
-        default=Material(), description="The plate's material; needed unless stiffness says what the plate is."
+        default=Material(), description="The plate's material; required unless stiffness describes the section."
     )
     plates: Annotated[Mapping[Text, AnyPlate], AfterValidator(FrozenMapping), PlainSerializer(dict)] = Field(
         default_factory=lambda: FrozenMapping({}),
-        description="Several plates by name, in place of plate; what is on one of them says plate = its name.",
+        description="Several plates by name, in place of plate; tables on one of them name it in the key plate.",
     )
     if TYPE_CHECKING:
         plate: AnyPlate
-    else:  # Of several plates each has a model with a plate, see `parts`, and the whole has none.
-        plate: Annotated[AnyPlate | None, BeforeValidator(_there)] = Field(
+    else:  # None in a model of several plates; the model of each part has a plate, see `parts`.
+        plate: Annotated[AnyPlate | None, BeforeValidator(_require_plate)] = Field(
             default=None, validate_default=True, description="The plate's outline, thickness and element."
         )
-    zone: tuple[Zone, ...] = Field(default=(), description="Parts of the plate that are made otherwise.")
-    mesh: MeshOptions = Field(default=MeshOptions(), description="How finely the plate is meshed.")
+    zone: tuple[Zone, ...] = Field(
+        default=(), description="Parts of the plate with another thickness, material or stiffness."
+    )
+    mesh: MeshOptions = Field(default=MeshOptions(), description="Mesh options.")
     support: Annotated[tuple[Support, ...], AfterValidator(_named)] = Field(default=(), description="The supports.")
     contact: Annotated[tuple[Contact, ...], AfterValidator(_named)] = Field(
-        default=(), description="Plates on one another."
+        default=(), description="Contacts of a plate with a plate below."
     )
     load: tuple[Load, ...] = Field(description="The loads, at least one.")
     combination: Annotated[tuple[Combination, ...], AfterValidator(_named)] = Field(
-        default=(), description='Combinations of load cases; none given: one named "all", every case at factor 1.'
+        default=(), description='Combinations of load cases; default: one named "all", with factor 1 for every case.'
     )
-    tightening: tuple[Tightening, ...] = Field(
-        default=(), description="Rounds in which bolts are tightened, from the first table to the last one."
-    )
+    tightening: tuple[Tightening, ...] = Field(default=(), description="Rounds of bolt tightening, in this order.")
     moving: tuple[Moving, ...] = Field(default=(), description="Loads that move along a line.")
-    probe: tuple[Probe, ...] = Field(default=(), description="Points where results are written out.")
+    probe: tuple[Probe, ...] = Field(default=(), description="Points at which results are reported.")
     section: Annotated[tuple[Section, ...], AfterValidator(_named)] = Field(
-        default=(), description="Lines along which the forces through the plate are written out."
+        default=(), description="Cuts through the plate, whose section forces are reported."
     )
     strip: Annotated[tuple[Strip, ...], AfterValidator(_named)] = Field(
-        default=(), description="Strips of which mean moments over their width are written out."
+        default=(), description="Strips, whose moments averaged over the width are reported."
     )
     profile: Annotated[tuple[Profile, ...], AfterValidator(_named)] = Field(
-        default=(), description="Lines and circles along which fields and the pressure are written out."
+        default=(), description="Lines and circles along which fields and the pressure are reported."
     )
-    output: Output = Field(default=Output(), description="What is written of each combination.")
-    solver: Solver = Field(default=Solver(), description="How the contact problem is solved.")
+    output: Output = Field(default=Output(), description="Results to compute and write for each combination.")
+    solver: Solver = Field(default=Solver(), description="Options of the contact solver.")
 
     @model_validator(mode="before")
     @classmethod
     def _without_loads(cls, data: Any) -> Any:
-        """Let a model have no load where something else acts."""
+        """Allow a model without loads if it has another action."""
         if not isinstance(data, Mapping) or as_list(data.get("load")) not in (None, [], ()):
             return data
         rest = {key: value for key, value in data.items() if key != "load"}
         return rest | {"load": ()} if acts(data) else rest
 
     def model_post_init(self, context: Any) -> None:
-        """Put contacts among the supports, which they are, of two plates; a dump tells them apart again."""
+        """Append the contacts to the supports, and mark the supports of [[tightening]] as bolts."""
         bolts = {bolt_round.support for bolt_round in self.tightening}
-        alone = (support.as_bolt() if support.name in bolts else support for support in self._alone(self.support))
-        self.__dict__["support"] = (*alone, *self.contact)
+        supports = self._without_contacts(self.support)
+        marked = (support.as_bolt() if support.name in bolts else support for support in supports)
+        self.__dict__["support"] = (*marked, *self.contact)
 
     def __repr__(self) -> str:
-        """Count the tables."""
-        tables = {key: getattr(self, key) for key in _LISTED}
-        counts = [f"{len(of)} {key}" for key, of in tables.items() if of]
+        """Show the title and the numbers of tables."""
+        counts = [f"{count} {key}" for key in _COUNTED if (count := len(getattr(self, key)))]
         return f"Model({', '.join([repr(self.title)] * bool(self.title) + counts)})"
 
     def to_toml(self) -> str:
-        """Write the input as TOML text; `signorini.loads` reads it as an equal model. Paths of files are unchanged.
+        """Write the model as TOML text, from which `signorini.loads` makes an equal model. File paths are unchanged.
 
         Raises
         ------
         InputError
-            If a stiffness is a function, which TOML does not have.
+            If a stiffness is a Python function.
 
         Examples
         --------
@@ -223,28 +227,28 @@ class Model(Table):
         return tomli_w.dumps(_for_toml(self.model_dump(exclude_unset=True), ""))
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy the model; with other tables it has neither the file nor the combinations of this one."""
+        """Copy the model; with ``update``, the copy has no input file and recomputes the combinations."""
         copy = super().model_copy(update=update, deep=deep)
-        for key in self._beside_fields() if update else ():
+        for key in self._cached() if update else ():
             del copy.__dict__[key]
         return copy
 
     def varied(self, **tables: object) -> Self:
-        """Copy the model with other tables for the program's own use: input file and combinations stay the same."""
+        """Copy the model with other tables as a variant of this input: input file and combinations are kept."""
         copy = self.model_copy(update=tables)
-        copy.__dict__.update({"_asked": self} | self._beside_fields())
+        copy.__dict__.update({"_original": self} | self._cached())
         if "combination" in tables:
             copy.__dict__.pop("effective_combinations", None)
         return copy
 
     @property
-    def asked(self) -> Model:
-        """The input, of which the program may have made this model."""
-        asked: Model = self.__dict__.get("_asked", self)
-        return asked
+    def original(self) -> Model:
+        """The model of the input; this model may be a variant of it."""
+        original: Model = self.__dict__.get("_original", self)
+        return original
 
-    def _beside_fields(self) -> dict[str, Any]:
-        """What is computed of the fields, the input file (``_file``), and the model before the program changed it."""
+    def _cached(self) -> dict[str, Any]:
+        """Entries of ``__dict__`` other than fields: cached properties, the input file, the original model."""
         return {key: value for key, value in self.__dict__.items() if key not in type(self).model_fields}
 
     def read_from(self, file: str, sha256: str) -> Self:
@@ -255,32 +259,32 @@ class Model(Table):
 
     @cached_property
     def provenance(self) -> Provenance:
-        """The input file with its SHA-256, and the whole input as JSON, of what was asked."""
-        asked = self.asked
-        return Provenance.of(asked.model_dump(exclude_unset=True), asked.__dict__.get("_file"))
+        """Input file with its SHA-256, and the input as JSON; those of the original model."""
+        original = self.original
+        return Provenance.of(original.model_dump(exclude_unset=True), original.__dict__.get("_file"))
 
     @field_serializer("support")
-    def _alone(self, supports: tuple[Support, ...]) -> tuple[Support, ...]:
-        return tuple(one for one in supports if not isinstance(one, Contact))
+    def _without_contacts(self, supports: tuple[Support, ...]) -> tuple[Support, ...]:
+        return tuple(support for support in supports if not isinstance(support, Contact))
 
     @property
     def parts(self) -> tuple[Part[Model], ...]:
-        """Several plates, each by itself; of one plate none."""
+        """The plates of a model of several plates, each with its tables; empty for one plate."""
         return parts_of(self)
 
     @property
     def cases(self) -> tuple[str, ...]:
-        """Names of the load cases that stay where they are, in the order of the input, and behind them of preloads."""
+        """Names of the load cases of [[load]] in the order of the input, followed by those of preloads."""
         return tuple(dict.fromkeys([*(load.case for load in self.load), *self.preload_cases]))
 
     @property
     def preload_cases(self) -> tuple[str, ...]:
-        """Names of the cases that preloads are, in the order in which they first appear."""
+        """Names of the load cases of preloads, in order of first appearance."""
         return tuple(dict.fromkeys(each.case for each in self.rounds if each.case is not None))
 
     @property
     def rounds(self) -> tuple[Tightening, ...]:
-        """Rounds of tightening: a round for every support with a preload, and behind them those of [[tightening]]."""
+        """Rounds of tightening: one for each support with a preload, followed by those of [[tightening]]."""
         preloaded = (
             Tightening.model_construct(support=support.name, force=support.preload, case=support.preload_case)
             for support in self.support
@@ -289,64 +293,64 @@ class Model(Table):
         return (*preloaded, *self.tightening)
 
     def round_factors(self, factors: Mapping[str, float]) -> tuple[float, ...]:
-        """Factors (t,) of the forces of all `rounds` beside cases with these factors; empty where all are 0."""
-        result = tuple(1.0 if each.case is None else factors.get(each.case, 0.0) for each in self.rounds)
-        return result if any(result) else ()
+        """Factors (t,) of the bolt forces of all `rounds` in a combination with these factors; empty if all are 0."""
+        of_rounds = tuple(1.0 if each.case is None else factors.get(each.case, 0.0) for each in self.rounds)
+        return of_rounds if any(of_rounds) else ()
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """The plates' materials, and those that zones have."""
+        """The materials of the plates and of the zones."""
         plates = tuple(plate.material or self.material for plate in self.plates.values()) or (self.material,)
         return (*plates, *(zone.material for zone in self.zone if zone.material is not None))
 
     @property
     def divisions(self) -> tuple[int, int] | None:
-        """Numbers of elements in rows; None where they fill the outline as they fit.
+        """Numbers of elements of a regular mesh; None for an unstructured mesh.
 
-        They do so where rows cannot follow the border of a zone or the line of a support or load, at which moments or
-        shears jump, unless they are counted or of an element that has no triangles.
+        A mesh is regular if ``divisions`` is given, or if it can follow all borders of zones and all lines of supports
+        and loads, at which moments or shears jump.
         """
-        rows = self.mesh.divisions is not None or follows_in_rows(self)
-        return self.plate.divisions(self.mesh) if rows and not isinstance(self.plate, MeshPlate) else None
+        regular = self.mesh.divisions is not None or follows_in_rows(self)
+        return self.plate.divisions(self.mesh) if regular and not isinstance(self.plate, MeshPlate) else None
 
     @property
     def young(self) -> float:
-        """Young's modulus, the largest there is; of sections whose stiffness is given that of solid ones as stiff."""
-        result = [material.young for material in self.materials if material.is_elastic]
+        """Largest Young's modulus of all materials and of the solid plates equivalent to a given stiffness."""
+        moduli = [material.young for material in self.materials if material.is_elastic]
         for part in (*(self.plates.values() or (self.plate,)), *self.zone):
             if part.stiffness is not None:
-                result.append(part.stiffness.equivalent[1])
-        return max(result)
+                moduli.append(part.stiffness.equivalent[1])
+        return max(moduli)
 
     @property
     def positions(self) -> Positions:
-        """Names of the load cases that the positions of each moving load are, by the moving load's case."""
+        """Names of the load cases of the positions of each moving load, by the case of the moving load."""
         return {moving.case: tuple(moving.positions) for moving in self.moving}
 
     @cached_property
     def effective_combinations(self) -> Combinations:
-        """Every combination, those generated made when they are asked for.
+        """All combinations; generated ones are made on access.
 
-        Where none is given there is one named "all", every case at factor 1; with moving loads one for each of their
-        positions. What has no case, such as a settlement, acts in all.
+        Default: "all", with factor 1 for every case, once per position of moving loads. Actions without a case, such as
+        settlements, are in every combination.
         """
         positions = self.positions
         if self.combination:
             return Combinations(tuple(p for combination in self.combination for p in products(combination, positions)))
-        choices = tuple(tuple(Choice(at, at, 1.0) for at in places) for places in positions.values())
-        return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), choices),))
+        slots = tuple(tuple(Choice(name, name, 1.0) for name in names) for names in positions.values())
+        return Combinations((Product("all", tuple((case, 1.0) for case in self.cases), slots),))
 
     @property
     def tabulated(self) -> bool:
-        """Whether combinations are rows of a table, and only some have all results."""
-        asked = self.output.combinations
-        return asked == "table" or (asked == "auto" and len(self.effective_combinations) > FEW)
+        """Whether combinations are rows of a table, and only some have full results."""
+        option = self.output.combinations
+        return option == "table" or (option == "auto" and len(self.effective_combinations) > MAX_FULL_RESULTS)
 
     @property
     def estimated(self) -> bool:
-        """Whether the command says of every number how far the mesh is from the plate."""
+        """Whether the command estimates the mesh error (±) of every number."""
         plates = self.plates.values() or (self.plate,)
-        return not any(isinstance(one, MeshPlate) for one in plates) if self.mesh.error is None else self.mesh.error
+        return not any(isinstance(plate, MeshPlate) for plate in plates) if self.mesh.error is None else self.mesh.error
 
     def _complaints(self) -> Iterator[Complaint]:
         for key in ("support", "combination", "section", "strip", "profile"):
@@ -359,22 +363,22 @@ class Model(Table):
         yield from self._preload_complaints()
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
-        """What is wrong with a plate and what is on it."""
+        """Yield the problems of a plate and of its tables."""
         yield from self._mesh_complaints()
         yield from self._edge_complaints()
         yield from self._node_complaints()
         yield from self._section_complaints()
         for index, load in enumerate(self.load):
             if load.self_weight and self.material.unit_weight is None:
-                why = "self_weight needs the material's unit_weight, which is not given."
+                why = "self_weight needs unit_weight in [material]."
                 yield ("load", index, "self_weight"), why
         for index, zone in enumerate(self.zone if any(load.self_weight for load in self.load) else ()):
             if zone.material is not None and zone.material.unit_weight is None:
-                why = "there is a load of self_weight, which needs this material's unit_weight."
+                why = "a self_weight load needs the unit_weight of this material."
                 yield ("zone", index, "material"), why
 
     def _section_complaints(self) -> Iterator[Complaint]:
-        """Sections that are made of a material without moduli."""
+        """Yield materials without moduli in sections that need moduli."""
         if self.plate.stiffness is not None:
             yield from ((("plate", *path), message) for path, message in constant_thickness(self.plate.thickness))
         parts = (
@@ -384,30 +388,31 @@ class Model(Table):
         for number, (place, part, material) in enumerate(parts):
             if material is None or material.is_elastic:
                 continue
-            later = any(zone.is_solid and zone.material is None for zone in self.zone[number:])
-            if part.stiffness is None or later:
+            used_later = any(zone.is_solid and zone.material is None for zone in self.zone[number:])
+            if part.stiffness is None or used_later:
                 yield from (((*place, *path), message) for path, message in material.missing())
 
     def _mesh_complaints(self) -> Iterator[Complaint]:
         if isinstance(self.plate, MeshPlate):
-            for key in [*self.mesh.given(("divisions", "size", "accuracy")), *(["refine"] if self.mesh.refine else [])]:
-                yield ("mesh", key), f"{key} does not go with a plate read from a mesh file, which is meshed already."
+            refine = ["refine"] if self.mesh.refine else []
+            for key in [*self.mesh.present(("divisions", "size", "accuracy")), *refine]:
+                yield ("mesh", key), f"{key} is not allowed with a mesh file, which contains the elements."
             return
         divisions = self.divisions
         if divisions is None:
             if self.mesh.divisions is not None:
                 shape = self.plate.shape
                 why = "a polygon" if shape == "polygon" else "holes" if self.plate.holes else "refine"
-                yield ("mesh", "divisions"), f"divisions count the elements of a regular mesh; with {why} give size."
+                yield ("mesh", "divisions"), f"divisions are for a regular mesh; with {why} give size."
             return
-        (first, second), fewest = divisions, self.plate.fewest[1]
-        if second < fewest:
-            yield ("mesh", "divisions"), f"found {second} elements around; this plate needs at least {fewest}."
-        if first * second > _MOST_ELEMENTS:
+        (first, second), min_divisions = divisions, self.plate.min_divisions[1]
+        if second < min_divisions:
+            yield ("mesh", "divisions"), f"found {second} elements around; this plate needs at least {min_divisions}."
+        if first * second > _MAX_ELEMENTS:
             key = "size" if self.mesh.size is not None else "divisions"
             yield (
                 ("mesh", key),
-                f"found {first:.3g} by {second:.3g} elements; at most {_MOST_ELEMENTS:.0e} are allowed.",
+                f"found {first:.3g} by {second:.3g} elements; at most {_MAX_ELEMENTS:.0e} are allowed.",
             )
 
     def _moving_complaints(self) -> Iterator[Complaint]:
@@ -415,44 +420,44 @@ class Model(Table):
         for index, moving in enumerate(self.moving):
             if moving.case in self.cases:
                 where = "a preload" if moving.case in self.preload_cases else "[[load]]"
-                why = f'"{moving.case}" is a case of {where} too; give the moving load a case of its own.'
+                why = f'"{moving.case}" is also a case of {where}; give the moving load another case.'
                 yield ("moving", index, "case"), why
         total = sum(moving.count for moving in self.moving)
-        if total > _MOST_POSITIONS:
+        if total > _MAX_POSITIONS:
             longest = max(range(len(self.moving)), key=lambda index: self.moving[index].count)
             yield (
                 ("moving", longest, "step"),
-                f"the moving loads have {total} positions; at most {_MOST_POSITIONS} are allowed. Take a larger step.",
+                f"the moving loads have {total} positions; at most {_MAX_POSITIONS} are allowed. Use a larger step.",
             )
 
     def _combination_complaints(self) -> Iterator[Complaint]:
-        if sum(moving.count for moving in self.moving) > _MOST_POSITIONS:
+        if sum(moving.count for moving in self.moving) > _MAX_POSITIONS:
             return
         positions = self.positions
-        still = (*self.cases, *(at for places in positions.values() for at in places))
+        fixed = (*self.cases, *(name for names in positions.values() for name in names))
         total = 0
         for index, combination in enumerate(self.combination):
-            known = True
+            valid = True
             for case, place in combination.cases.items():
                 if case in positions and combination.generate is None:
-                    known = False
+                    valid = False
                     yield (
                         ("combination", index, *place),
-                        f'"{case}" moves. Write generate = "positions" for a combination of each of its positions, or '
-                        f'name one of them, from "{positions[case][0]}" to "{positions[case][-1]}".',
+                        f'"{case}" is a moving load. Write generate = "positions" for a combination of each '
+                        f'position, or name one position, from "{positions[case][0]}" to "{positions[case][-1]}".',
                     )
-                elif case not in still and case not in positions:
-                    known = False
+                elif case not in fixed and case not in positions:
+                    valid = False
                     yield ("combination", index, *place), unknown("case", case, (*self.cases, *positions))
             if combination.generate == "positions" and not positions.keys() & combination.cases.keys():
-                yield ("combination", index, "factors"), 'generate = "positions" needs a case of [[moving]] among them.'
-            if known:
+                yield ("combination", index, "factors"), 'generate = "positions" needs a case of [[moving]] in factors.'
+            if valid:
                 total += sum(len(product) for product in products(combination, positions))
-            if total > _MOST_COMBINATIONS:
+            if total > _MAX_COMBINATIONS:
                 yield (
                     ("combination", index),
-                    f"there are {total:.3g} combinations up to here; at most {_MOST_COMBINATIONS} are allowed. Name "
-                    "fewer cases or factors, or list under 'exclusive' the cases that do not act together.",
+                    f"found {total:.3g} combinations up to here; at most {_MAX_COMBINATIONS} are allowed. Use fewer "
+                    "cases or factors, or list cases that do not act together in 'exclusive'.",
                 )
                 return
         yield from self._name_complaints()
@@ -472,10 +477,10 @@ class Model(Table):
         cases += [(("tightening", index, "case"), bolt_round.case) for index, bolt_round in enumerate(self.tightening)]
         for place, case in cases:
             if case in of_loads:
-                yield place, f'"{case}" is a case of [[load]] too; give the preload a case of its own.'
+                yield place, f'"{case}" is also a case of [[load]]; give the preload another case.'
             elif case is not None and self.combination and case not in named:
-                why = f'no combination names the case "{case}", so that the bolts would not be tightened in any.'
-                yield place, f"{why} Name it in one, or leave {place[-1]} out for a factor of 1 in all."
+                why = f'no combination has the case "{case}", so the bolts would never be tightened.'
+                yield place, f"{why} Add it to a combination, or remove {place[-1]} for factor 1 in all."
         for index, combination in enumerate(self.combination):
             for case in self.preload_cases:
                 if (least := min(combination.factors_of(case), default=0.0)) < 0.0:
@@ -483,7 +488,7 @@ class Model(Table):
                     yield ("combination", index, *combination.cases[case]), why
 
     def _name_complaints(self) -> Iterator[Complaint]:
-        """Names that are there twice once the tables are written out."""
+        """Yield generated names that occur twice, and unknown names in ``output.fields``."""
         if any(combination.generate for combination in self.combination):
             positions = self.positions
             taken: dict[str, int] = {}
@@ -493,7 +498,7 @@ class Model(Table):
                         other = f"combination[{taken[name] + 1}]"
                         yield (
                             ("combination", index),
-                            f'it makes "{name}", a name that {other} makes; each may stand once.',
+                            f'it generates the name "{name}", as does {other}; names must be unique.',
                         )
                         return
                     taken[name] = index
@@ -501,8 +506,11 @@ class Model(Table):
             names = set(self.effective_combinations.names())
             for position, name in enumerate(self.output.fields):
                 if name not in names:
-                    some = sorted(names)[:20]
-                    yield ("output", "fields", position), unknown("combination", name, some, "Among others this model")
+                    examples = sorted(names)[:20]
+                    yield (
+                        ("output", "fields", position),
+                        unknown("combination", name, examples, "This model, among others,"),
+                    )
 
     def _edge_complaints(self) -> Iterator[Complaint]:
         names = self.plate.edge_names
@@ -513,37 +521,36 @@ class Model(Table):
                 if edge not in names:
                     yield (*place, "edge", position), unknown("edge", edge, names, f"This {self.plate.shape}")
                 elif whole := next((other for other in item.edge or () if edge.startswith(f"{other} ")), None):
-                    why = f'"{edge}" is part of "{whole}", which is listed too. Leave it out.'
+                    why = f'"{edge}" is part of "{whole}", which is also listed. Remove one of them.'
                     yield (*place, "edge", position), why
 
     def _node_complaints(self) -> Iterator[Complaint]:
         for place, item in () if isinstance(self.plate, MeshPlate) else self._located():
             if isinstance(item, Acting) and item.nodes is not None:
-                why = f"nodes are those of a mesh file, and this {self.plate.shape} has none. Give points with at."
+                why = f"nodes belong to a mesh file, but the plate is a {self.plate.shape}. Give points with at."
                 yield (*place, "nodes"), why
 
     def _located(self) -> Iterator[tuple[Place, Located]]:
-        """Yield what says where it is, with its place in the input."""
-        yield from ((("support", index), one) for index, one in enumerate(self.support))
-        yield from ((("load", index), one) for index, one in enumerate(self.load))
-        yield from ((("mesh", "refine", index), one) for index, one in enumerate(self.mesh.refine))
+        """Yield the tables with a place on the plate, and where they are in the input."""
+        yield from ((("support", index), support) for index, support in enumerate(self.support))
+        yield from ((("load", index), load) for index, load in enumerate(self.load))
+        yield from ((("mesh", "refine", index), refinement) for index, refinement in enumerate(self.mesh.refine))
 
 
 def follows_in_rows(model: Model) -> bool:
-    """Whether rows of elements can follow all borders of zones and all lines; `q8r` has rows only."""
+    """Whether a regular mesh follows all borders of zones and all lines; meshes of `q8r` are always regular."""
     plate = model.plate
     if isinstance(plate, MeshPlate):
         return False
     size = plate.element_size(model.mesh)
-    lines = (
-        along for item in acting_on(model) if (along := item.where.curve) is not None and worth_following(along, size)
-    )
+    curves = (item.where.curve for item in supports_and_loads(model))
+    lines = (curve for curve in curves if curve is not None and mesh_follows(curve, size))
     followed = *(zone.region for zone in model.zone), *lines
     return plate.element == "q8r" or all(map(plate.follows, followed))
 
 
-def acting_on(model: Model) -> tuple[Acting, ...]:
-    """Supports and loads."""
+def supports_and_loads(model: Model) -> tuple[Acting, ...]:
+    """Return the supports and the loads."""
     return (*model.support, *model.load)
 
 
@@ -551,7 +558,7 @@ def _repeated(table: str, names: list[str], key: str = "name") -> Iterator[Compl
     first: dict[str, int] = {}
     for index, name in enumerate(names):
         if first.setdefault(name, index) != index:
-            why = f'the name "{name}" is taken by {table}[{first[name] + 1}]; each name may stand once.'
+            why = f'the name "{name}" is taken by {table}[{first[name] + 1}]; names must be unique.'
             yield (table, index, key), why
 
 
@@ -560,16 +567,16 @@ TOP.update(tables_of(Model))
 
 @checked
 def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Place], int] | None = None) -> Model:
-    """Make a model of nested mappings and lists, as read from an input file.
+    """Validate nested mappings and lists, as parsed from an input file, and return the model.
 
     Parameters
     ----------
     data : mapping
-        The tables, under the keys of the input file.
+        The tables, with the keys of the input file.
     source : str
-        Name of the file they come from, for messages.
-    line_of : callable, optional
-        Line in that file of a path of keys and positions (these count from 0).
+        Name of the input file, for messages.
+        line_of : callable, optional
+            Returns the line of the file for a path of keys and positions, counted from 0.
 
     Returns
     -------
@@ -578,7 +585,7 @@ def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Pl
     Raises
     ------
     InputError
-        Naming everything that is wrong, each with its place.
+        Lists every problem with its place.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What is written of combinations that are rows of a table: their summary, and the envelope over them."""
+"""JSON of combinations that are rows of a table: their summary and the envelope."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
 
 
 def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[str]:
-    """Say what of the model, and of the largest deflections where these are enveloped, is seldom meant."""
+    """Warnings about the model, and about the largest deflections if these are enveloped."""
     yield from model_warnings(results.discretisation, results.model.effective_combinations.cases)
     yield from idle_cases(results.model)
     extremes = results.envelope.fields.get("deflection")
@@ -66,7 +66,7 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
     told = [one for combined, mesh in others if (one := _Shown.of(combined, mesh, group)) is not None]
     if told and estimates is not None:
-        # Of several plates meshes are compared one by one, and these numbers are of all.
+        # Several plates are compared mesh by mesh; these numbers are of all plates.
         widths = {} if results.model.plates else _widths_of_wholes(results, estimates, own, told)
         for number, path, side, row in own.ends():
             known_row = number.estimated and row != NONE
@@ -80,7 +80,7 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
 def _widths_of_wholes(
     results: Results, estimates: Estimates, own: _Shown, others: Sequence[_Shown]
 ) -> dict[Path, float | None]:
-    """Half-widths of what is largest over nodes or points, of which rows have no number."""
+    """Half-widths of extremes over nodes or points, which are no columns of rows."""
     meshes = Meshes.of(own.mesh, [one.mesh for one in others], bool(estimates.no_others))
     every = [next(one for one in (own, *others) if one.mesh is mesh) for mesh in meshes.every]
     numbers = [number for number, *_ in own.wholes()]
@@ -102,7 +102,7 @@ class _Shown:
         return None if group and group not in combined.groups else cls(combined.over(group), mesh)
 
     def ends(self) -> Iterator[tuple[Number, Path, str, int]]:
-        """Every number of a row that is an extreme: what, its keys, which of both, and of which row."""
+        """Yield every extreme among the numbers of rows: quantity, keys, side, and the row."""
         layout, of = self.envelope.layout, self.envelope.values
         for place, one in enumerate(layout.catalogue):
             if not one.quantity.enveloped:
@@ -113,7 +113,7 @@ class _Shown:
                     yield one, one.envelope_path, key, int(by[place])
 
     def wholes(self) -> Iterator[tuple[Number, float, int, list[float]]]:
-        """What is largest and smallest over nodes or points of which rows have no number: by which row, and where."""
+        """Extremes over nodes or points, which are no columns of rows: their rows and places."""
         envelope, mesh, layout = self.envelope, self.mesh, self.envelope.layout
         over = {"reaction": (mesh.points, envelope.fields["reaction"])} if "reaction" in envelope.fields else {}
         for name, (places, extremes) in envelope.pressures.items():

@@ -22,7 +22,7 @@ class Governing:
     own: float
     own_width: float | None  # the half-width of ``own``
     reactions: tuple[float, ...]
-    widths: tuple[float | None, ...]  # the half-widths of ``reactions``; all None where there are none
+    widths: tuple[float | None, ...]  # the half-widths of ``reactions``; None without estimate
 
 
 def governing_reactions(results: Results, estimates: Estimates | None, group: str = "") -> list[Governing]:

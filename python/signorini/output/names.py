@@ -1,4 +1,4 @@
-"""Names of the files of results, what a table is as text, and names in its cells."""
+"""Names of the files of results, cells of tables, and names within cells."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | N
 
 
 def expected_names(model: Model) -> Iterator[str]:
-    """Name files that the results of a model will have as far as it tells: not those of what governs in a table."""
+    """Names of the files that the model determines: without pictures of governing combinations of a table."""
     yield from (JSON, CSV)
     if len(model.effective_combinations) > 1:
         yield GOVERNING
@@ -101,7 +101,7 @@ def envelope_files(results: Results) -> dict[tuple[str, str], str]:
 
 
 def envelope_file(results: Results, group: str, plate: str = "") -> str | None:
-    """Name the file that has the envelope of a group, None where there is none."""
+    """Name of the file of a group's envelope; None if the group has none."""
     return envelope_files(results).get((group if group in _parts(results.model) else "", plate))
 
 
@@ -181,7 +181,7 @@ def slugs(results: Results) -> Iterator[tuple[Result, str]]:
 
 
 def _by_plate(model: Model, names: Iterable[str]) -> Iterator[str]:
-    """Names of what there is of each combination: itself or, of several plates, each of them."""
+    """Names of the parts of each combination: itself or, with several plates, each plate."""
     for name in names:
         yield from (f"{name} {plate}" for plate in model.plates) if model.plates else (name,)
 
@@ -235,14 +235,15 @@ def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any] | Mapping[str,
 
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "＝", "＋", "－", "＠", "'")
-"""What a cell begins with that a spreadsheet computes (OWASP, *CSV Injection*); and our own mark."""
+"""First characters of a cell that a spreadsheet computes (OWASP, *CSV Injection*), and the apostrophe that marks text.
+"""
 
 
 def name_cell(name: str) -> str:
-    """Mark a name that a spreadsheet would take for a formula as text, by an apostrophe before it.
+    """Mark a name that a spreadsheet would compute as text, by an apostrophe before it.
 
-    A name that begins with an apostrophe gets one too, so that whoever reads names takes one away where there is one.
-    Numbers are no names: -1 stays -1.
+    A name that begins with an apostrophe gets one too, so that a reader removes one apostrophe from every such name.
+    Numbers are not changed.
 
     Examples
     --------

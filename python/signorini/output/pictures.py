@@ -54,7 +54,7 @@ _LONGEST = 44
 
 
 def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = None) -> list[Job]:
-    """Plan the pictures of combinations, and of envelopes, by plate; none where nothing is to be drawn."""
+    """Plan the pictures of combinations and envelopes, by plate; empty if no picture is wanted."""
     named = list(pictured(results, pictures)) if pictures != "none" else []
     plates = results.discretisation.plates
     jobs = []

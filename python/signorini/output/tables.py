@@ -70,11 +70,11 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
 
 
 def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
-    """Give the reactions as a table of comma-separated values.
+    """Give the reactions as comma-separated values.
 
-    A row a combination and support, its ``point`` "total"; and, but for areas, a row a point or node, along lines with
-    the reaction per length there. Names that a
-    spreadsheet would compute have an apostrophe before them.
+    A row for each combination and support has the ``point`` "total". Supports other than areas have a row for each
+    point or node, along lines with the reaction per length. Names that a spreadsheet would compute have an apostrophe
+    before them.
     """
     told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
     return csv_text(_COLUMNS, (row for one, plus_minus in told for row in _rows(one, plus_minus)))
@@ -110,7 +110,7 @@ def _group(results: Results, estimates: Estimates | None, name: str, combination
 
 
 def snapped_json(snapped: Iterable[Snapped]) -> list[dict[str, Any]]:
-    """Give the key "snapped": what was moved, from where to where, and onto what."""
+    """Give the key "snapped": the object moved, and its places before and after."""
     return [{"what": one.what, "from": list(one.begin), "to": list(one.end), "onto": one.onto} for one in snapped]
 
 

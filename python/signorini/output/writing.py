@@ -37,11 +37,11 @@ def write(
     estimate: Estimates | Estimate | PathEstimate | None = None,
     pictures: Literal["all", "governing", "none"] | None = None,
 ) -> list[Path]:
-    """Write what the command writes into its directory: `signorini solve` of results, `signorini path` of a load path.
+    """Write the files of `signorini solve` or `signorini path` into a directory.
 
-    All files, or none; docs/results.md describes them. Those of an earlier run there are replaced as a set, and other
-    files stay. With ``mesh.error``, as by default, the plate is solved on other meshes for the half-widths, unless
-    these are given; and so are rows of a table once more, where these were too many to be kept.
+    All files are written, or none; docs/results.md describes them. The files of an earlier run there are replaced as a
+    set, and other files stay. With ``mesh.error``, the default, the plate is solved on other meshes for the
+    half-widths, unless these are given. Rows of a table are then solved again if they were too many to be kept.
 
     Parameters
     ----------
@@ -114,13 +114,13 @@ def write_results(
 ) -> list[Path]:
     """Write ``results.json``, ``reactions.csv`` and, of each solved combination, a ``.vtu`` and pictures.
 
-    Of several combinations ``governing.csv`` comes with them. Where combinations are rows of a table, these are of the
-    combinations in ``results``; the table and, unless no field is enveloped, ``envelope.vtu`` and its pictures come
-    with them. A ``table`` that `signorini.solve` has written, on the same file system, is moved there.
+    Several combinations also have ``governing.csv``. If combinations are rows of a table, the files are those of the
+    combinations in ``results``, with the table and, if fields are enveloped, ``envelope.vtu`` and its pictures. A
+    ``table`` written by `signorini.solve` on the same file system is moved there.
 
-    All of them, or none: they are written elsewhere and moved into place when complete. The files of an earlier run in
-    the directory are replaced as a set; other files in it stay, and one that has a name of ours is refused. Of several
-    runs at once the last one leaves its files, whole, and none of the others'. This process draws, or ``draw``.
+    All files are written, or none: they are written in a directory beside and moved when complete. The files of an
+    earlier run are replaced as a set; other files stay, and a file with a name that is to be written is refused. After
+    several runs at once the files are those of the last one. This process draws, or ``draw``.
     """
     target = Path(directory)
     named = list(slugs(results))

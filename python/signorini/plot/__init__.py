@@ -1,7 +1,7 @@
 """Pictures of a plate: contours, supports open or closed, loads, sections.
 
-Takes arrays and returns matplotlib axes or figures that no global state knows of, so it needs no display. matplotlib is
-read when a function that draws is first asked for.
+Functions take arrays and return matplotlib axes or figures outside pyplot, so that no display is needed. matplotlib
+is imported at the first access to a function that draws.
 """
 
 from signorini.base.packages import lazily

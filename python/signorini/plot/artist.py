@@ -1,4 +1,4 @@
-"""Processes that read matplotlib while this one solves, and then draw for it."""
+"""Drawing processes, which import matplotlib while the main process solves."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ if TYPE_CHECKING:
     from signorini.plot.picture import Job, Sheet
 
 _ENOUGH = 24
-"""Panels that one process draws in about the time in which another one reads matplotlib."""
-_MOST_ELEMENTS = 100_000
-"""Largest number of elements for which several processes draw at once; limits memory."""
+"""Panels that a process draws in about the time of importing matplotlib."""
+_MAX_ELEMENTS = 100_000
+"""Largest number of elements that several processes draw in parallel: limits memory."""
 
 
 class Artist:
-    """A process that draws, started ahead; of many pictures more of them."""
+    """A drawing process, started in advance; more processes for many pictures."""
 
     def __init__(self) -> None:
         self._processes = [_started()]
         self._pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Self:
-        """Give the artist."""
+        """Return the artist."""
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -42,20 +42,20 @@ class Artist:
             self._processes[0].communicate()
 
     def drawn(self, jobs: Sequence[Job]) -> Iterator[tuple[str, bytes]]:
-        """Begin to draw pictures; then give name and content of each file."""
+        """Start drawing pictures; return an iterator over name and content of each file."""
         panels, elements = (
             sum(sheet.panels for job in jobs for sheet in job.sheets),
             sum(len(job.elements) for job in jobs),
         )
-        wanted = panels // _ENOUGH if elements <= _MOST_ELEMENTS else 1
+        wanted = panels // _ENOUGH if elements <= _MAX_ELEMENTS else 1
         self._processes += [_started() for _ in range(min(cores(), wanted) - 1)]
         shared = [_shared(job.sheets, len(self._processes)) for job in jobs]
         shares = [
-            [replace(job, sheets=share) for job, share in zip(jobs, own, strict=True)]
-            for own in zip(*shared, strict=True)
+            [replace(job, sheets=share) for job, share in zip(jobs, sheets, strict=True)]
+            for sheets in zip(*shared, strict=True)
         ]
         self._pool = ThreadPoolExecutor(len(shares))
-        return chain.from_iterable(self._pool.map(_asked, self._processes, shares))
+        return chain.from_iterable(self._pool.map(_draw, self._processes, shares))
 
 
 def cores() -> int:
@@ -64,7 +64,7 @@ def cores() -> int:
 
 
 def _started() -> subprocess.Popen[bytes]:
-    # In a session of its own: Ctrl-C is for the process that this comes from, which then ends it.
+    # A new session: Ctrl-C interrupts the parent process only, which then ends this one.
     code = f"from {__name__} import main; main()"
     return subprocess.Popen(
         [sys.executable, "-P", "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True
@@ -72,26 +72,26 @@ def _started() -> subprocess.Popen[bytes]:
 
 
 def _shared(sheets: Sequence[Sheet], count: int) -> list[list[Sheet]]:
-    """Share sheets out, the largest first, each to whom has least to do."""
+    """Distribute sheets, the largest first, each to the process with the fewest panels."""
     shares: list[list[Sheet]] = [[] for _ in range(count)]
     for sheet in sorted(sheets, key=lambda sheet: -sheet.panels):
-        min(shares, key=lambda share: sum(one.panels for one in share)).append(sheet)
+        min(shares, key=lambda share: sum(sheet.panels for sheet in share)).append(sheet)
     return shares
 
 
-def _asked(process: subprocess.Popen[bytes], jobs: Sequence[Job]) -> list[tuple[str, bytes]]:
-    given, _ = process.communicate(pickle.dumps(jobs, pickle.HIGHEST_PROTOCOL))
+def _draw(process: subprocess.Popen[bytes], jobs: Sequence[Job]) -> list[tuple[str, bytes]]:
+    output, _ = process.communicate(pickle.dumps(jobs, pickle.HIGHEST_PROTOCOL))
     if process.returncode:
         raise ChildProcessError(f"the process that draws the pictures ended with {process.returncode}")
-    files: list[tuple[str, bytes]] = pickle.loads(given)
+    files: list[tuple[str, bytes]] = pickle.loads(output)
     return files
 
 
 def main() -> None:
-    """Be such a process: read matplotlib, take jobs from standard input, and give their files to standard output."""
+    """Main function of a drawing process: read jobs from standard input, write their files to standard output."""
     from signorini.plot.pictures import drawn
 
-    given = sys.stdin.buffer.read()
-    if given:
-        files = list(chain.from_iterable(map(drawn, pickle.loads(given))))
+    jobs = sys.stdin.buffer.read()
+    if jobs:
+        files = list(chain.from_iterable(map(drawn, pickle.loads(jobs))))
         sys.stdout.buffer.write(pickle.dumps(files, pickle.HIGHEST_PROTOCOL))

@@ -1,4 +1,4 @@
-"""Curves: of a load path, along profiles, and of meshes on the way to an accuracy."""
+"""Curves of load paths, along profiles, and of mesh refinement."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from signorini.shapes.arrays import Floats
 _CURVES = ("#1f5fa8", "#d95f02", "#1b6e53", "#7a3e9d", "#8c6d1f", "#b3261e")
 _STYLES: tuple[Literal["solid", "dashed", "dotted"], ...] = ("solid", "dashed", "dotted")
 """Line styles of curves of one colour."""
-_MOST_CURVES = len(_CURVES) * len(_STYLES)
+_MAX_CURVES = len(_CURVES) * len(_STYLES)
 _END, _ASKED, _EVENT = "#b3261e", "#5c5c5c", "#3f6f8f"
 _WIDEST = 2.6
-"""Inches of a line of a legend."""
+"""Width of a line of a legend [inches]."""
 _DESIGN, _DWARFED = 0.97, 2.5
-"""A panel is scaled by the first part of t if later values are this many times larger."""
+"""A panel is scaled by the first 97 % of t if later values are over 2.5 times larger."""
 _ROOM, _LONGEST = 0.04, 40
-"""Part of t between the words of two events, and letters of these."""
+"""Distance of the labels of two events, relative to the range of t; characters of a label."""
 _PART = "part closed [%]"
 _ALIKE = 1e-6
 """Relative tolerance for equal curves, relative to the largest value."""
 _HEIGHT, _ROW = 2.3, 0.19
-"""Inches of a panel, and of a row of its legend."""
+"""Height of a panel, and of a row of its legend [inches]."""
 
 
 def line(
@@ -81,14 +81,13 @@ def load_path_picture(
     length: str = "",
     force: str = "",
 ) -> Figure:
-    """Draw supports' reactions, those of points, largest pressures, closed parts and deflections over t, a panel each.
+    """Draw reactions of supports and points, largest pressures, closed fractions and deflections over t, a panel each.
 
-    Curves (k,) by name are at the stops ``t`` (k,), parts that are closed from 0 to 1. A name has one colour in all
-    panels. What coincides is one curve with all its names; of more than eighteen the first are drawn, and the panel
-    says how many are left out. Where the values of the last t are far beyond all before, they leave the panel, which
-    says how far they go. ``thresholds`` are factors to mark, by what is reached there; ``events`` are t with words;
-    ``stepwise`` are supports whose part that is closed changes at once, those at points. Equilibrium ends at the
-    ``limit``; beyond ``until`` the theory does not hold, and beyond ``last`` nothing happens that is worth drawing.
+    Curves (k,) by name are at the stops ``t`` (k,); closed fractions are from 0 to 1. A name has the same colour in all
+    panels. Equal curves are merged. A panel draws at most 18 curves and counts the others. Values of the last t that
+    are far larger than all before are cut off, with a note. ``thresholds`` are t to mark, by the condition reached;
+    ``events`` are t with labels; ``stepwise`` are the point supports, whose closed fraction jumps. Equilibrium ends at
+    ``limit``; beyond ``until`` the theory is invalid; beyond ``last`` there are no events.
     """
     stops = np.asarray(t, dtype=float)
     drawn = min((to for to in (until, last) if to is not None), default=np.inf)
@@ -106,7 +105,7 @@ def load_path_picture(
         f"deflection{_unit(length)}, positive down": deflections,
     }
     curves = {label: {name: at_shown(of) for name, of in panel.items()} for label, panel in panels.items() if panel}
-    rows = [max(_HEIGHT, _ROW * (min(len(of), _MOST_CURVES) + 2)) for of in curves.values()]
+    rows = [max(_HEIGHT, _ROW * (min(len(of), _MAX_CURVES) + 2)) for of in curves.values()]
     figure = Figure(figsize=(8.6, 0.9 + sum(rows)), layout="constrained")
     axes = figure.subplots(len(curves), 1, sharex=True, squeeze=False, height_ratios=rows)[:, 0].tolist()
     figure.suptitle(literal(title), fontsize=11, color=INK)
@@ -143,13 +142,13 @@ def _mark(axes: list[Axes], t: float, words: str, color: str) -> None:
 
 
 def _write_at_top(axes: Axes, t: float, words: str, **look: Any) -> None:
-    """Write text at the upper edge of a panel."""
+    """Write a text at the upper edge of a panel."""
     place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
     axes.annotate(literal(words), (t, 1.0), **place, **look)
 
 
 def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: float) -> None:
-    """Draw lines at events, and their words above the first panel where there is room."""
+    """Draw lines at events, and their labels above the first panel if there is space."""
     before = -np.inf
     for t, words in events:
         for panel in axes:
@@ -161,7 +160,7 @@ def _mark_events(axes: list[Axes], events: Sequence[tuple[float, str]], end: flo
 
 
 def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
-    """Scale a panel by the values before the last part of t if later ones are much larger, and write how large."""
+    """Scale a panel by the values before the last 3 % of t if later ones are much larger; note the larger values."""
     before, every = stops <= _DESIGN * stops[-1], np.array(curves)
     low, high = float(every[:, before].min()), float(every[:, before].max())
     ends = float(every.min()), float(every.max())
@@ -176,7 +175,7 @@ def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
 
 
 def _together(curves: Mapping[str, Floats]) -> list[tuple[list[str], Floats]]:
-    """Merge curves that coincide; each has all of its names."""
+    """Merge equal curves; each has the names of all."""
     tolerance = _ALIKE * size_of(list(curves.values()))
     merged: list[tuple[list[str], Floats]] = []
     for name, values in curves.items():
@@ -197,18 +196,18 @@ def _draw_curves(
     looks: Mapping[str, tuple[str, Literal["solid", "dashed", "dotted"]]],
 ) -> None:
     every = _together(curves)
-    for names, values in every[:_MOST_CURVES]:
+    for names, values in every[:_MAX_CURVES]:
         colour, style = looks[names[0]]
         line = Line2D(stops, values, color=colour, linestyle=style)
         line.set(label=literal(wrapped(", ".join(names), _WIDEST, 8.0)), linewidth=1.5)
         line.set_drawstyle("steps-post" if set(names) & set(stepwise) else "default")
         axes.add_line(line)
-    left_out = len(every) - _MOST_CURVES
+    left_out = len(every) - _MAX_CURVES
     if left_out > 0:
         axes.add_line(Line2D([], [], label=f"{left_out} more are not drawn", linestyle="none"))
     axes.autoscale_view()
     axes.margins(x=0.01)
-    _leave_out_end(axes, stops, [values for _, values in every[:_MOST_CURVES]])
+    _leave_out_end(axes, stops, [values for _, values in every[:_MAX_CURVES]])
     _without_rounding(axes, size_of(list(curves.values())))
     axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     axes.grid(alpha=0.25, linewidth=0.5)
@@ -229,8 +228,8 @@ def _without_rounding(axes: Axes, size: float) -> None:
     low, high = axes.get_ylim()
     least = _ALIKE * size
     if abs(high - low) < least:
-        middle, way = 0.5 * (low + high), np.sign(high - low) or 1.0
-        axes.set_ylim(middle - way * least, middle + way * least)
+        middle, sign = 0.5 * (low + high), np.sign(high - low) or 1.0
+        axes.set_ylim(middle - sign * least, middle + sign * least)
         axes.ticklabel_format(axis="y", useOffset=False)
 
 
@@ -289,20 +288,20 @@ _FOUND, _LIMIT = "#1f5fa8", "#b3261e"
 
 
 def refinement_picture(dofs: ArrayLike, worst: ArrayLike, asked: float, order: float, title: str = "") -> Figure:
-    """Draw the largest relative half-width against the dofs, and the curve expected of uniform refinement.
+    """Draw the largest relative half-width over the dofs, with the curve expected for uniform refinement.
 
     ``order`` is the expected order of convergence in the element size.
     """
-    at, result = np.asarray(dofs, dtype=float), np.asarray(worst, dtype=float)
+    n, half_width = np.asarray(dofs, dtype=float), np.asarray(worst, dtype=float)
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
     axes = figure.subplots()
     figure.suptitle(literal(title), fontsize=11, color=INK)
-    axes.loglog(at, result, color=_FOUND, marker="o", markersize=4, label="these meshes")
-    axes.axhline(asked, color=_LIMIT, linewidth=1.2, label="asked")
-    far = np.array([at[0], max(at[-1], at[0] * (result[0] / asked) ** (2 / order))])
-    expected = result[0] * (far / at[0]) ** (-order / 2)
-    axes.loglog(far, expected, color=INK, linewidth=1, linestyle="--", label="uniform refinement, expected")
-    _write_labels(axes, "dofs", "largest ± over the largest value of its field", 9, 8.5)
+    axes.loglog(n, half_width, color=_FOUND, marker="o", markersize=4, label="these meshes")
+    axes.axhline(asked, color=_LIMIT, linewidth=1.2, label="mesh.accuracy")
+    range_of_n = np.array([n[0], max(n[-1], n[0] * (half_width[0] / asked) ** (2 / order))])
+    expected = half_width[0] * (range_of_n / n[0]) ** (-order / 2)
+    axes.loglog(range_of_n, expected, color=INK, linewidth=1, linestyle="--", label="uniform refinement, expected")
+    _write_labels(axes, "dofs", "largest ±, relative to the largest value of its field", 9, 8.5)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(fontsize=8.5, frameon=False)
     return figure

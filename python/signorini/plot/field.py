@@ -1,4 +1,4 @@
-"""Contours of a field at nodes; contact pressures, which end at the outlines of areas and at the edge of contact."""
+"""Filled contours of nodal fields and of contact pressures, with labels and colour bars."""
 
 from __future__ import annotations
 
@@ -36,24 +36,24 @@ from signorini.shapes.arrays import Floats
 
 _NOISE = 1e-9
 _TINT = 0.3
-"""Part of the scale by which the palest colour of a pressure is darker than white."""
+"""Distance of the palest colour of a pressure from white, relative to the range of the scale."""
 _BANDS = 14
 _STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 10)
-"""Widths of bands, times powers of ten: their limits have few digits."""
-_MOST_LABELS = 7
-"""Contours, about, that have their value written on them."""
+"""Widths of bands, times powers of ten, so that their limits have few digits."""
+_MAX_LABELS = 7
+"""Approximate number of contours with a label."""
 _SHORTEST = 50.0
-"""Points that a contour is long at least that has its value."""
+"""Smallest length of a contour with a label [points]."""
 _PARTS = np.array([0.5, 0.3, 0.7, 0.15, 0.85])
 """Positions along a contour for its value."""
 _ON_OUTLINE = 1e-9
-"""Part of the plate's size within which a point is on an area's outline."""
+"""Distance of a point on an outline, relative to the plate's size."""
 _EDGE: dict[str, Any] = {"edgecolor": to_rgba(INK, 0.3), "linewidth": 0.3}
 
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """Bands of colours: their limits (k + 1,), and from values to colours, not banded."""
+    """Colour bands: limits (k + 1,), the colour map, and the normalisation of values."""
 
     bounds: Floats
     colours: Colormap
@@ -61,7 +61,7 @@ class Scale:
 
     @classmethod
     def of(cls, panel: Panel) -> Self:
-        """Choose bands, and colours: zero in the middle where both signs occur, else half of them, pale near zero."""
+        """Choose bands and colours: both signs are centred at zero; a single sign uses half the map, pale near zero."""
         low, high = panel.limits
         if not isinstance(panel.values, np.ndarray) and high <= low:
             high = 1.0
@@ -70,15 +70,15 @@ class Scale:
         if low < 0 < high:
             norm = Normalize(-max(-low, high), max(-low, high))
         else:
-            # Beside a blank plate even the least pressure has a colour.
+            # On a blank plate the smallest pressure must be visible.
             more = (high - low) * (1.0 if isinstance(panel.values, np.ndarray) else 1.0 + _TINT)
             norm = Normalize(low - more, high) if high > 0 else Normalize(low, high + more)
         return cls(bounds, colormaps[panel.colours], norm)
 
     def clipped(self, values: Floats) -> Floats:
-        """Give values beyond the scale the last colour."""
+        """Clip values to the scale."""
         low, high = self.bounds[[0, -1]]
-        # The upper end itself is in no band.
+        # The upper limit itself belongs to no band.
         return np.clip(values, low, high - _NOISE * (high - low))
 
     @property
@@ -89,7 +89,7 @@ class Scale:
 
 
 def _settled(low: float, high: float) -> tuple[float, float]:
-    """A range without rounding on the other side of zero, and never empty."""
+    """A nonempty range; an end within rounding of zero is zero."""
     largest = max(abs(low), abs(high))
     low, high = (0.0 if abs(end) < _NOISE * largest else end for end in (low, high))
     if high - low <= _NOISE * largest:
@@ -99,7 +99,7 @@ def _settled(low: float, high: float) -> tuple[float, float]:
 
 
 def draw_field(axes: Axes, plan: Plan, field: Floats, scale: Scale, labels: Labels) -> None:
-    """Draw filled contours, some of them with their values, and the plate's outline."""
+    """Draw filled contours, labels of some of them, and the plate's outline."""
     fine = scale.clipped(plan.cut.interpolate(field))
     draw_outlines(axes, plan)
     bands = axes.tricontourf(plan.triangles, fine, levels=scale.bounds, cmap=scale.colours, norm=scale.norm)
@@ -108,7 +108,7 @@ def draw_field(axes: Axes, plan: Plan, field: Floats, scale: Scale, labels: Labe
 
 
 def draw_pressure(axes: Axes, plan: Plan, layers: Sequence[PressureLayer], scale: Scale, labels: Labels) -> None:
-    """Draw pressures, blank where there is none, and the plate's outline."""
+    """Draw pressures, blank where the pressure is zero, and the plate's outline."""
     draw_sheet(axes, plan, "white")
     draw_outlines(axes, plan, hatched=False)
     for layer in layers:
@@ -141,15 +141,15 @@ def _draw_layer(axes: Axes, nodes: Floats, layer: PressureLayer, scale: Scale, l
 
 
 def _within(layer: PressureLayer, places: Floats, size: float) -> NDArray[np.bool_]:
-    """Which places are on an area, its outline included, of a plate of a size."""
+    """Mask of the points on an area or its outline; ``size`` is that of the plate."""
     if layer.outline is None:
         return np.ones(len(places), np.bool_)
-    # The sign of the radius that includes the outline depends on its orientation.
-    slack = _ON_OUTLINE * size
-    (around, *holes), ways = map(Path, pieces(layer.outline)), (slack, -slack)
-    within: NDArray[np.bool_] = np.any([around.contains_points(places, radius=way) for way in ways], axis=0)
+    # Which sign of the radius includes the outline depends on its orientation.
+    tolerance = _ON_OUTLINE * size
+    (outer, *holes), radii = map(Path, pieces(layer.outline)), (tolerance, -tolerance)
+    within: NDArray[np.bool_] = np.any([outer.contains_points(places, radius=radius) for radius in radii], axis=0)
     for hole in holes:
-        within &= ~np.all([hole.contains_points(places, radius=way) for way in ways], axis=0)
+        within &= ~np.all([hole.contains_points(places, radius=radius) for radius in radii], axis=0)
     return within
 
 
@@ -161,15 +161,15 @@ def _label_contours(
     labels: Labels,
     within: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> None:
-    """Draw some of the contours stronger, each with its value at a place that is within; zero strongest."""
-    every = -(-len(bounds) // _MOST_LABELS)
+    """Draw some contours as lines with their values at positions that are ``within``; zero has the widest line."""
+    every = -(-len(bounds) // _MAX_LABELS)
     zero = int(np.abs(bounds).argmin())
     chosen = [float(level) for i, level in enumerate(bounds) if (i - zero) % every == 0]
     chosen = [level for level in chosen if values.min() < level < values.max()]
     if not chosen:
         return
-    nothing = 1e-12 * float(np.abs(bounds).max())
-    widths = [0.9 if abs(level) <= nothing else 0.6 for level in chosen]
+    rounding = 1e-12 * float(np.abs(bounds).max())
+    widths = [0.9 if abs(level) <= rounding else 0.6 for level in chosen]
     lines = axes.tricontour(triangles, values, levels=chosen, colors=INK, linewidths=widths, linestyles="solid")
     step = float(np.diff(bounds).min())
     for level, path in zip(chosen, lines.get_paths(), strict=True):
@@ -179,8 +179,8 @@ def _label_contours(
             continue
         along = np.append(0.0, np.hypot(*np.diff(longest, axis=0).T).cumsum()) * labels.scale
         before, places, after = (
-            np.column_stack([np.interp(_PARTS * along[-1] + way, along, side) for side in longest.T])
-            for way in (-9.0, 0.0, 9.0)
+            np.column_stack([np.interp(_PARTS * along[-1] + shift, along, axis) for axis in longest.T])
+            for shift in (-9.0, 0.0, 9.0)
         )
         kept = np.ones(len(places), np.bool_) if within is None else within(places)
         if along[-1] > _SHORTEST and kept.any():
@@ -189,7 +189,7 @@ def _label_contours(
 
 
 def _in_words(level: float, step: float) -> str:
-    """Write a level as short as its distance to the next one allows.
+    """Write a level with as few digits as its distance to the next level allows.
 
     Examples
     --------
@@ -204,7 +204,7 @@ def _in_words(level: float, step: float) -> str:
 
 
 def add_colour_bar(axes: Axes, scale: Scale, label: str, beside: Axes | None = None) -> None:
-    """Put the scale of the colours beside the axes, or into axes of its own."""
+    """Draw the colour bar into the axes ``beside``, or next to ``axes``."""
     room: dict[str, Any] = {"cax": beside} if beside is not None else {"shrink": 0.92, "aspect": 28, "pad": 0.025}
     bar = figure_of(axes).colorbar(scale.bar, ax=axes, spacing="proportional", **room)
     bar.set_label(literal(label), fontsize=9)

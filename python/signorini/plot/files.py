@@ -1,4 +1,4 @@
-"""How pictures reach a file."""
+"""Write pictures to files."""
 
 from __future__ import annotations
 
@@ -15,36 +15,37 @@ from signorini.base.files import replacing
 from signorini.base.provenance import PROGRAM
 
 _FAST = 1
-"""zlib's level for .png files: a fifth larger than by default, in a fourth of the time."""
+"""Compression level of zlib for .png files: 20 % larger than by default, in a quarter of the time."""
 DOTS = 120
 """Dots per inch of .png files."""
 
 
 def save(figure: Figure, path: str | os.PathLike[str], metadata: Mapping[str, str] | None = None) -> None:
-    """Write a figure to a file, whole or not at all; the suffix (``.png``, ``.svg``, ``.pdf``) gives the format.
+    """Write a figure to a file atomically; the suffix (``.png``, ``.svg``, ``.pdf``) selects the format.
 
-    The file carries the metadata, texts by name; .svg and .pdf have the program as creator and all of it in words.
+    A .png file has the metadata by name; .svg and .pdf have the program as creator and the metadata as one text.
     """
     metadata = metadata or {"Software": PROGRAM}
-    with replacing(path) as beside:
-        png = beside.suffix.lower() == ".png"
+    with replacing(path) as temporary:
+        png = temporary.suffix.lower() == ".png"
         options = {"pil_kwargs": {"compress_level": _FAST}} if png else {}
-        words = "; ".join(f"{name}: {text}" for name, text in metadata.items())
-        kept = {"Creator": metadata["Software"], "Subject" if beside.suffix.lower() == ".pdf" else "Description": words}
-        figure.savefig(beside, dpi=DOTS, metadata=dict(metadata) if png else kept, **options)  # type: ignore[arg-type]
+        text = "; ".join(f"{name}: {value}" for name, value in metadata.items())
+        key = "Subject" if temporary.suffix.lower() == ".pdf" else "Description"
+        entries = dict(metadata) if png else {"Creator": metadata["Software"], key: text}
+        figure.savefig(temporary, dpi=DOTS, metadata=entries, **options)  # type: ignore[arg-type]
 
 
 def png_of(figure: Figure) -> bytes:
-    """Draw a figure, made on a canvas of dots, as a PNG file."""
+    """Draw a figure with a raster canvas as a PNG file."""
     figure.set_dpi(DOTS)
-    canvas: Any = figure.canvas  # matplotlib leaves its methods without types
+    canvas: Any = figure.canvas  # untyped in matplotlib
     canvas.draw()
     return as_png(canvas)
 
 
 def as_png(canvas: Any) -> bytes:
-    """Return a canvas as a PNG file of unfiltered lines: as small as matplotlib's, in half the time."""
-    # Pages need no alpha channel. Without it there is a fourth less to compress.
+    """Return a canvas as a PNG file of unfiltered lines: the size of matplotlib's, in half the time."""
+    # Without the alpha channel, which pages do not need, there is a quarter less to compress.
     dots = np.asarray(canvas.buffer_rgba())[..., :3]
     height, width, _ = dots.shape
     lines = np.zeros((height, 1 + 3 * width), np.uint8)
@@ -56,7 +57,7 @@ def as_png(canvas: Any) -> bytes:
         (b"IDAT", zlib.compress(lines.tobytes(), _FAST)),
         (b"IEND", b""),
     )
-    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(*one) for one in chunks)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(*chunk) for chunk in chunks)
 
 
 _HEAD = 33
@@ -64,7 +65,7 @@ _HEAD = 33
 
 
 def with_texts(png: bytes, metadata: Mapping[str, str]) -> bytes:
-    """Put texts by name into a PNG file."""
+    """Insert texts by name into a PNG file."""
     return png[:_HEAD] + b"".join(_chunk(*_text(name, text)) for name, text in metadata.items()) + png[_HEAD:]
 
 
@@ -73,7 +74,7 @@ def _chunk(kind: bytes, data: bytes) -> bytes:
 
 
 def _text(name: str, text: str) -> tuple[bytes, bytes]:
-    """Give a text as a chunk of a PNG file, in UTF-8 where Latin-1 does not have its letters."""
+    """Kind and data of a text chunk of a PNG file: Latin-1 if possible, else UTF-8."""
     try:
         return b"tEXt", f"{name}\0{text}".encode("latin-1")
     except UnicodeEncodeError:

@@ -1,4 +1,4 @@
-"""Reactions along lines, drawn on the plan of a plate as ordinates across each line."""
+"""Diagrams of reactions per length along lines, on the plan of a plate."""
 
 from __future__ import annotations
 
@@ -22,33 +22,33 @@ from signorini.shapes.arrays import Floats
 
 _UP, _DOWN = "#1f78b4", "#d7301f"
 _LARGEST = 0.14
-"""Largest ordinate over the plate's size."""
+"""Largest ordinate, relative to the plate's size."""
 
 
 def line_diagrams(plan: Plan, picture: Picture, largest: float, length: str) -> Figure:
-    """Draw the plate, its supports, and the reactions per length along lines; ``largest`` has the longest ordinate."""
+    """Draw the plate, its supports, and the reactions per length along lines; ``largest`` sets the scale."""
     scale = _LARGEST * float(np.ptp(plan.nodes, axis=0).max()) / (largest or 1.0)
-    tips = [_tips(one, values, scale) for one in picture.diagrams for values in one.values]
+    tips = [_tips(diagram, values, scale) for diagram in picture.diagrams for values in diagram.values]
     page = Page(replace(plan, beside=np.concatenate(tips)), 1, length, bars=False)
     (axes,) = page.plans
     draw_sheet(axes, plan)
     draw_outlines(axes, plan, hatched=False)
     entries = draw_supports(picture.marks, axes)
     labels = Labels(axes)
-    for one in picture.diagrams:
-        for values in one.values:
-            _draw(axes, one, values, scale)
-            labels.keep_free(_tips(one, values, scale), 4.0)
-        if len(one.corners):
-            axes.plot(*one.corners.T, "s", color=INK, markersize=4.5, zorder=6)
-            labels.keep_free(one.corners, LARGEST)
-    for one in picture.diagrams:
-        for words, station, value in one.words:
-            at = one.positions[station] + scale * value * one.normals[station]
-            labels.beside(words, at, 8.0, color=_DOWN if value < 0.0 else _UP)
-        for words, at in zip(one.corner_words, one.corners, strict=True):
+    for diagram in picture.diagrams:
+        for values in diagram.values:
+            _draw(axes, diagram, values, scale)
+            labels.keep_free(_tips(diagram, values, scale), 4.0)
+        if len(diagram.corners):
+            axes.plot(*diagram.corners.T, "s", color=INK, markersize=4.5, zorder=6)
+            labels.keep_free(diagram.corners, LARGEST)
+    for diagram in picture.diagrams:
+        for words, station, value in diagram.words:
+            tip = diagram.positions[station] + scale * value * diagram.normals[station]
+            labels.beside(words, tip, 8.0, color=_DOWN if value < 0.0 else _UP)
+        for words, corner in zip(diagram.corner_words, diagram.corners, strict=True):
             if words:
-                labels.beside(words, at, 8.0)
+                labels.beside(words, corner, 8.0)
     page.finish(picture.title, [*entries, *_legend(picture.diagrams)])
     return page.figure
 
@@ -58,18 +58,18 @@ def _tips(diagram: LineDiagram, values: Floats, scale: float) -> Floats:
 
 
 def _draw(axes: Axes, diagram: LineDiagram, values: Floats, scale: float) -> None:
-    """Draw the ordinates (k,) run by run: those that push the plate up to the right of the line."""
+    """Draw the ordinates (k,) of each run; reactions that push the plate up are to the right of the line."""
     tips, firsts = _tips(diagram, values, scale), np.flatnonzero(diagram.begins).tolist()
     for first, last in pairwise([*firsts, len(values)]):
-        own = slice(first, last)
+        run = slice(first, last)
         for sign, colour in ((1.0, _UP), (-1.0, _DOWN)):
-            line, end = _of_sign(diagram.positions[own], tips[own], sign * values[own])
+            line, end = _of_sign(diagram.positions[run], tips[run], sign * values[run])
             fill: dict[str, Any] = {"facecolor": to_rgba(colour, 0.25), "edgecolor": colour, "linewidth": 0.9}
             axes.add_patch(Polygon(np.concatenate([line, end[::-1]]), closed=True, zorder=3.5, **fill))
 
 
 def _of_sign(line: Floats, tips: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Places on the line and tips of the ordinates of positive values (k,), with those where they are zero."""
+    """Base points and tips of the positive ordinates (k,), with the zeros between stations inserted."""
     begin, end = values[:-1], values[1:]
     (crossed,) = np.nonzero(begin * end < 0.0)
     part = (begin[crossed] / (begin[crossed] - end[crossed]))[:, None]
@@ -80,13 +80,13 @@ def _of_sign(line: Floats, tips: Floats, values: Floats) -> tuple[Floats, Floats
 
 def _legend(diagrams: Sequence[LineDiagram]) -> list[Entry]:
     per_length, force = diagrams[0].units
-    values = np.concatenate([one.values.ravel() for one in diagrams])
+    values = np.concatenate([diagram.values.ravel() for diagram in diagrams])
     entries: list[Entry] = []
-    for colour, words, some in ((_UP, "pushes the plate up", values > 0.0), (_DOWN, "holds it down", values < 0.0)):
-        if some.any():
+    for colour, words, present in ((_UP, "pushes the plate up", values > 0.0), (_DOWN, "holds it down", values < 0.0)):
+        if present.any():
             patch = Patch(facecolor=to_rgba(colour, 0.25), edgecolor=colour)
             entries.append((f"reaction per length{per_length}: {words}", (patch,)))
-    if any(len(one.corners) for one in diagrams):
+    if any(len(diagram.corners) for diagram in diagrams):
         square = Line2D([], [], marker="s", color=INK, linestyle="none", markersize=4.5)
         entries.append((f"concentrated force{force}", (square,)))
     return entries

@@ -1,4 +1,4 @@
-"""Supports and zones as they are drawn in plan, and the legend."""
+"""Symbols of supports and zones in plan, and the legend."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ from signorini.shapes.arrays import Bools, Floats
 _EDGE = "#d95f02"
 _ZONE = "#3f6f8f"
 LEGEND_SIZE = 8.5
-"""Points of the letters of legends."""
+"""Font size of legends [points]."""
 LARGEST, _SMALLEST = 8.5, 3.2
-"""Points (1/72 inch) that a mark is wide."""
+"""Largest and smallest width of a mark [points]."""
 _FEW = 600
-"""Points whose distances are all looked at."""
+"""Largest number of points for which all distances are computed."""
 _FITS = 0.8
-"""Part of the distance to its neighbour that a mark may take."""
+"""Size of a mark, relative to the distance of its neighbour."""
 _SPACED = {"line": 0.55, "area": 1.1}
-"""Inches between the marks along a line, and along the outline of an area."""
+"""Distance of the marks along a line, and along the outline of an area [inches]."""
 _INSIDE = 0.35
-"""Largest share of a footprint that its mark may cover: the rest shows the field beneath."""
+"""Largest size of a mark, relative to its footprint, so that the field remains visible."""
 _WAVE, _SWING = 5.0, 1.7
-"""Points of a spring's zigzag: half its length, and half its width."""
+"""Half the period and half the width of a zigzag line [points]."""
 _FLIPPED = np.array([1.0, -1.0])
 _TRIANGLE = np.array([[0.0, 0.5], [-0.5, -0.42], [0.5, -0.42], [0.0, 0.5]])
 _GLYPHS = {
@@ -48,18 +48,18 @@ _GLYPHS = {
 }
 _SPRING = np.array([[0.0, -0.45], [0.4, -0.6], [-0.4, -0.78], [0.4, -0.96], [-0.3, -1.1]])
 _BAR = np.array([[-0.5, 0.85], [0.5, 0.85]])
-"""Below and above the triangle: a spring that carries it, and the plate that has not come down to it yet."""
+"""Bar above the triangle: the plate before the gap is closed; the spring is below the triangle."""
 _DETAILED = 5.0
-"""Smallest size of a mark, in points, that has its spring and bar."""
+"""Smallest size of a mark with spring and bar [points]."""
 _WAVY = Path(np.column_stack([np.linspace(-1, 1, 9), [0, 0.22, -0.22, 0.22, -0.22, 0.22, -0.22, 0.22, 0]]))
 _BOX = Path(np.array([[-1, -0.55], [1, -0.55], [1, 0.55], [-1, 0.55], [-1, -0.55]]))
 
 Entry = tuple[str, tuple[Artist, ...]]
-"""A line of the legend: its words and its samples."""
+"""A legend entry: text and samples."""
 
 
 def draw_supports(marks: Sequence[SupportMark], axes: Axes) -> list[Entry]:
-    """Draw supports and edges of contact and return their entries in the legend."""
+    """Draw supports and edges of contact; return the legend entries."""
     entries = [draw_support(mark, axes) for mark in marks]
     look: dict[str, Any] = {"color": _EDGE, "linewidth": 1.8, "solid_capstyle": "butt"}
     lines = [line for mark in marks for line in mark.boundary]
@@ -70,12 +70,12 @@ def draw_supports(marks: Sequence[SupportMark], axes: Axes) -> list[Entry]:
 
 
 def legend_words(marks: Sequence[SupportMark]) -> list[str]:
-    """The entries of the legend of supports."""
+    """Texts of the legend of supports."""
     return [mark.label for mark in marks] + (["edge of contact"] if any(len(mark.boundary) for mark in marks) else [])
 
 
 def draw_support(mark: SupportMark, axes: Axes) -> Entry:
-    """Draw one support and return its entry in the legend."""
+    """Draw one support; return its legend entry."""
     positions = np.asarray(mark.positions, dtype=float)
     closed = np.ones(len(positions), dtype=bool) if mark.closed is None else np.asarray(mark.closed, dtype=bool)
     samples: list[Artist] = []
@@ -98,7 +98,7 @@ def draw_support(mark: SupportMark, axes: Axes) -> Entry:
 
 
 def draw_numbers(marks: Iterable[SupportMark], labels: Labels) -> None:
-    """Write the numbers of points beside them."""
+    """Write the numbers of points."""
     named = [(words, at) for mark in marks for words, at in zip(mark.numbers, mark.positions, strict=False)]
     for place, (words, at) in enumerate(named):
         others = [other for number, (_, other) in enumerate(named) if number != place]
@@ -106,9 +106,9 @@ def draw_numbers(marks: Iterable[SupportMark], labels: Labels) -> None:
 
 
 def _draw_footprints(mark: SupportMark, closed: Bools, axes: Axes, per_unit: float) -> float:
-    """Draw footprints to scale, shaded where closed and dashed where open; return how large marks within may be."""
+    """Draw footprints to scale, shaded if closed and dashed if open; return the largest size of marks within."""
     prints = pieces(mark.footprints)
-    # Those of a model before it is solved, whose points come in another order, are all closed.
+    # Without a solution, where the points have another order, all are drawn as closed.
     states = closed if len(closed) == len(prints) else np.ones(len(prints), np.bool_)
     for chosen, shade, line in ((states, to_rgba(INK, 0.18), "solid"), (~states, "none", "dashed")):
         if chosen.any():
@@ -119,7 +119,7 @@ def _draw_footprints(mark: SupportMark, closed: Bools, axes: Axes, per_unit: flo
 
 
 def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path, labels: Labels) -> list[Entry]:
-    """Draw zones on a plate, with their numbers from 1, and return their entries in the legend."""
+    """Draw zones with their numbers from 1; return the legend entries."""
     entries: list[Entry] = []
     look: dict[str, Any] = {"facecolor": to_rgba(_ZONE, 0.22), "edgecolor": _ZONE, "linewidth": 0.9}
     for number, mark in enumerate(marks, 1):
@@ -131,7 +131,7 @@ def draw_zones(marks: Iterable[ZoneMark], axes: Axes, plate: Path, labels: Label
 
 
 def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
-    """How a mark is drawn at a point: with a spring if it is elastic, with a bar if there is a gap before it."""
+    """Style of a mark at a point: with a spring if it is elastic, with a bar if it has a gap."""
     shape, turned = _GLYPHS[mark.kind], _FLIPPED if mark.kind == "up" else np.ones(2)
     details = [_SPRING] if mark.elastic and mark.style == "points" else []
     details += [_BAR] if mark.gap else []
@@ -140,7 +140,7 @@ def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
     edge = max(0.6, 0.12 * size)
     return {
         "marker": joined,
-        # A marker's largest coordinate is drawn half its size from its middle.
+        # matplotlib scales a marker so that its largest coordinate is half its size from the center.
         "markersize": 2 * size * float(np.abs(joined.vertices).max()),
         "markerfacecolor": "white" if hollow else INK,
         "markeredgecolor": INK,
@@ -151,7 +151,7 @@ def _glyph(mark: SupportMark, size: float, hollow: bool) -> dict[str, Any]:
 
 
 def _draw_line(mark: SupportMark, positions: Floats, closed: Bools, axes: Axes, per_unit: float) -> list[Artist]:
-    """Draw a line support, or the outline of an area: a band, filled where closed, and a zigzag where it is elastic."""
+    """Draw a line support, or the outline of an area: a band, filled where closed; elastic lines are zigzags."""
     width = 1.0 if mark.style == "area" else 2.2
     look: dict[str, Any] = {"color": INK, "linewidth": width, "clip_on": False, "solid_capstyle": "butt"}
     if mark.kind == "symmetry":
@@ -184,7 +184,7 @@ def _draw_line(mark: SupportMark, positions: Floats, closed: Bools, axes: Axes, 
 
 
 def _fitting(positions: Floats, per_unit: float) -> float:
-    """Size of marks at points: as large as their distance allows, and never too small to read."""
+    """Size of marks at points, limited by their distance, but at least the smallest size."""
     if len(positions) < 2:
         return LARGEST
     spread = np.ptp(positions, axis=0) * per_unit * 72
@@ -197,7 +197,7 @@ def _fitting(positions: Floats, per_unit: float) -> float:
 
 
 def _spaced(positions: Floats, closed: Bools, apart: float) -> tuple[Floats, Bools]:
-    """Places along polylines at about a given distance, and whether each is closed."""
+    """Points along polylines at about equal distances ``apart``, and their states."""
     places, states = [np.zeros((0, 2))], [np.zeros(0, bool)]
     for piece, shut in ((positions[rows], closed[rows]) for rows in runs(positions)):
         if len(piece) < 2:
@@ -211,19 +211,19 @@ def _spaced(positions: Floats, closed: Bools, apart: float) -> tuple[Floats, Boo
 
 
 def _along(piece: Floats) -> Floats:
-    """Length (k,) of a polyline up to each of its vertices."""
+    """Arc lengths (k,) of the vertices of a polyline."""
     return np.append(0.0, np.hypot(*np.diff(piece, axis=0).T).cumsum())
 
 
 def _at(piece: Floats, shut: Bools, along: Floats, parts: Floats) -> tuple[Floats, Bools]:
-    """Places at parts of a polyline's length, and whether it is closed there."""
+    """Points at fractions of a polyline's length, and the states there."""
     at = parts * along[-1]
     states = shut[np.clip(np.searchsorted(along, at), 0, len(shut) - 1)]
     return np.column_stack([np.interp(at, along, side) for side in piece.T]), states
 
 
 def _zigzag(piece: Floats, shut: Bools, per_unit: float) -> tuple[Floats, Bools]:
-    """Swing to and fro about a polyline."""
+    """A zigzag line along a polyline."""
     along = _along(piece)
     count = max(4, round(along[-1] * per_unit * 72 / _WAVE))
     places, states = _at(piece, shut, along, np.linspace(0.0, 1.0, count + 1))
@@ -236,13 +236,13 @@ def _zigzag(piece: Floats, shut: Bools, per_unit: float) -> tuple[Floats, Bools]
 
 
 def _runs(chosen: Bools) -> list[tuple[int, int]]:
-    """First and last place of every run."""
+    """First and last index of every run."""
     steps = np.diff(np.concatenate([[False], chosen, [False]]).astype(int))
     return list(zip(np.flatnonzero(steps > 0).tolist(), (np.flatnonzero(steps < 0) - 1).tolist(), strict=True))
 
 
 def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | None = None) -> None:
-    """Put the legend below the axes and their labels, or at a place of the figure in inches."""
+    """Draw the legend below the axes, or at a position of the figure [inches]."""
     if not entries:
         return
     inches = figure_of(axes).dpi_scale_trans
@@ -261,7 +261,7 @@ def draw_legend(axes: Axes, entries: Sequence[Entry], at: tuple[float, float] | 
 
 
 def _hatched_outside(piece: Floats, middle: Floats) -> Floats:
-    """Orient a polyline so that its right side is away from the middle."""
+    """Orient a polyline so that its right side faces away from the center."""
     start, step = piece[:-1] - middle, np.diff(piece, axis=0)
     turning = float(np.sum(start[:, 0] * step[:, 1] - start[:, 1] * step[:, 0]))
     return piece if turning >= 0 else piece[::-1]

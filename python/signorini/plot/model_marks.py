@@ -1,4 +1,4 @@
-"""Marks of a model in plan besides supports and zones: loads, sections, strips, edges, singularities, resultants."""
+"""Symbols of loads, sections, strips, edges, singularities and resultants in plan."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from signorini.plot.plan import Labels, enclosed, inches_per_unit, pieces
 from signorini.shapes.arrays import Floats
 
 _COLOURS = ("#b3261e", "#7a3e9d", "#b8860b", "#1b6e53", "#c2185b", "#4d5b9e")
-"""Those of load cases, one after the other."""
-_MOST_VALUES = 12
-"""Points of a load beside which its value stands; of more the legend has it."""
-_MOST_PLACES = 5
-"""Places along a line at which its value may stand."""
+"""Colours of the load cases, in order."""
+_MAX_VALUES = 12
+"""Largest number of points of a load with labels; otherwise the value is in the legend only."""
+_MAX_PLACES = 5
+"""Candidate positions of a label along a line."""
 _IN_AREA = np.array([[0.2, 0.8], [0.5, 0.5], [0.8, 0.2], [0.2, 0.2], [0.8, 0.8]])
-"""Places in an area, in parts of its size, at which its value may stand."""
+"""Candidate positions of a label in an area, relative to its bounding box."""
 
 
 def draw_load(mark: LoadMark, axes: Axes, colour: str, plate: Path) -> Entry:
@@ -68,9 +68,9 @@ def draw_load(mark: LoadMark, axes: Axes, colour: str, plate: Path) -> Entry:
 def draw_loads(
     marks: Sequence[LoadMark], axes: Axes, totals: Mapping[str, str], plate: Path, labels: Labels
 ) -> list[Entry]:
-    """Draw loads, those of one case in one colour, and return their entries in the legend, sums of cases last.
+    """Draw loads with a colour per case; return the legend entries, totals of cases last.
 
-    Loads of which the legend would say the same have one entry.
+    Loads with equal legend texts share one entry.
     """
     cases = list(dict.fromkeys(mark.case for mark in marks))
     colours = {case: _COLOURS[place % len(_COLOURS)] for place, case in enumerate(cases)}
@@ -79,12 +79,12 @@ def draw_loads(
         if mark.value:
             _write_value(mark, colours[mark.case], labels)
     look: dict[str, Any] = {"marker": "s", "markersize": 4.0, "linestyle": "none"}
-    sums = [(f"{case}: {totals[case]} in all", colours[case]) for case in cases if case in totals]
+    sums = [(f"{case}: {totals[case]} in total", colours[case]) for case in cases if case in totals]
     return entries + [(words, (Line2D([], [], color=colour, **look),)) for words, colour in sums]
 
 
 def _write_value(mark: LoadMark, colour: str, labels: Labels) -> None:
-    """Write a load's value beside its points, its line or in its area."""
+    """Write the value of a load at its points, along its line or in its area."""
     positions = mark.positions
     for piece in pieces(positions)[:1] if mark.style != "points" else ():
         inside = piece
@@ -92,24 +92,24 @@ def _write_value(mark: LoadMark, colour: str, labels: Labels) -> None:
             low, high = piece.min(axis=0), piece.max(axis=0)
             inside = low + _IN_AREA * (high - low)
         labels.beside(mark.value, inside[_spread(len(inside))], 7.5, colour, zorder=6.4)
-    for at in positions if mark.style == "points" and len(positions) <= _MOST_VALUES else ():
+    for at in positions if mark.style == "points" and len(positions) <= _MAX_VALUES else ():
         labels.beside(mark.value, at, 7.5, colour, zorder=6.4)
 
 
 def _spread(count: int) -> NDArray[np.int64]:
-    """A selection of places, the middle one first."""
-    if count <= _MOST_PLACES:
+    """Indices of candidate positions, the middle one first."""
+    if count <= _MAX_PLACES:
         return np.roll(np.arange(count), -(count // 2))
-    return np.linspace(0, count - 1, _MOST_PLACES).astype(np.int64)[[2, 1, 3, 0, 4]]
+    return np.linspace(0, count - 1, _MAX_PLACES).astype(np.int64)[[2, 1, 3, 0, 4]]
 
 
 _HEAD = 0.01
-"""Share of the last piece of a line that is under its arrow."""
+"""Length of an arrow head, relative to the last segment of its line."""
 _SECTION, _STRIP = "#a0356d", "#2f7f86"
 
 
 def draw_cuts(marks: Iterable[CutMark], axes: Axes, labels: Labels) -> list[Entry]:
-    """Draw sections as lines with an arrow at their end, strips as bands, each with its name at its beginning."""
+    """Draw sections as lines with an arrow at the end, strips as bands, with their names."""
     entries: dict[str, Entry] = {}
     for mark in marks:
         strip = mark.borders is not None
@@ -132,16 +132,17 @@ def draw_cuts(marks: Iterable[CutMark], axes: Axes, labels: Labels) -> list[Entr
 
 _NAME, _SINGULAR = "#5d6b78", "#d6006c"
 _INWARD = 8.0
-"""Points from an edge to the middle of its name."""
+"""Distance from an edge to the middle of its name [points]."""
 _FEW = 60
-"""Places that are each drawn with a ring about them; of more there are dots."""
-_MOST_WORDS = 3
+"""Largest number of singular points with rings; more have dots."""
+_MAX_WORDS = 3
+"""Kinds of singularities that the legend lists."""
 _ALONG_EDGE = np.array([0.0, 0.5, -0.5, 1.0, -1.0, 1.5, -1.5])
-"""Where the name of an edge may stand, from its middle, in fifths of its length."""
+"""Candidate positions of the name of an edge, from its middle, in fifths of its length."""
 
 
 def draw_edges(marks: Iterable[EdgeMark], labels: Labels) -> None:
-    """Write the names of edges along them, on the plate, where there is room."""
+    """Write the names of edges along them, inside the plate, if there is space."""
     for mark in marks:
         along = np.array(mark.along)
         x, y = along / max(float(np.hypot(*along)), 1e-300)
@@ -151,41 +152,41 @@ def draw_edges(marks: Iterable[EdgeMark], labels: Labels) -> None:
 
 
 def draw_singular(marks: Sequence[SingularMark], axes: Axes) -> list[Entry]:
-    """Ring the places where numbers have no limit, and return their entries in the legend."""
+    """Mark singular points and lines; return the legend entries."""
     entries: list[Entry] = []
     for limited, means in ((False, "no limit as the mesh is refined"), (True, "too small for this mesh")):
-        those = [mark for mark in marks if mark.limited == limited]
-        if not those:
+        selected = [mark for mark in marks if mark.limited == limited]
+        if not selected:
             continue
-        count = sum(len(mark.places) for mark in those if not mark.line)
+        count = sum(len(mark.places) for mark in selected if not mark.line)
         look: dict[str, Any] = {"color": _SINGULAR, "linestyle": "none", "marker": "o"}
         look |= {"markerfacecolor": "none", "markeredgewidth": 0.9, "clip_on": False}
         look |= {"markersize": 13.0} if count <= _FEW else {"markersize": 1.5}
-        for mark in those:
+        for mark in selected:
             if mark.line:
                 axes.plot(*mark.places.T, color=_SINGULAR, linewidth=1.2, linestyle=(0, (3, 2)), zorder=6.2)
             else:
                 axes.plot(*mark.places.T, zorder=6.2, **look)
-        words = list(dict.fromkeys(mark.words for mark in those))
-        more = f" and {len(words) - _MOST_WORDS} more" if len(words) > _MOST_WORDS else ""
+        words = list(dict.fromkeys(mark.words for mark in selected))
+        more = f" and {len(words) - _MAX_WORDS} more" if len(words) > _MAX_WORDS else ""
         sample = Line2D([], [], **look | {"markersize": 9.0})
-        entries.append((f"{means}: {', '.join(words[:_MOST_WORDS])}{more}", (sample,)))
+        entries.append((f"{means}: {', '.join(words[:_MAX_WORDS])}{more}", (sample,)))
     return entries
 
 
 _GOOD, _BAD = "#1b6e53", "#b3261e"
 _ARROW = 22.0
-"""Points that the arrow to a resultant is long that is off the picture."""
-_MOST_NAMED = 8
-"""Combinations that have names in the picture; of more these are some that cannot be balanced, if there are any."""
+"""Length of the arrow towards a resultant outside the picture [points]."""
+_MAX_NAMED = 8
+"""Largest number of combinations with names; of more, only unbalanced ones have names."""
 
 _NEAR = 0.02
-"""Part of the picture's size within which resultants are at one place."""
+"""Distance of resultants that share a label, relative to the picture's size."""
 
 
 def draw_balances(marks: Sequence[BalanceMark], axes: Axes, labels: Labels) -> list[Entry]:
     """Draw the resultant of each combination; of many combinations only a few have names."""
-    named = [*marks] if len(marks) <= _MOST_NAMED else [mark for mark in marks if mark.unbalanced][:_MOST_NAMED]
+    named = [*marks] if len(marks) <= _MAX_NAMED else [mark for mark in marks if mark.unbalanced][:_MAX_NAMED]
     entries = [entry for mark in _together(named, axes) for entry in _draw(mark, axes, labels)]
     for colour, unbalanced in ((_GOOD, False), (_BAD, True)):
         others = [mark.at for mark in marks if mark.unbalanced == unbalanced and mark not in named and mark.at]
@@ -204,20 +205,20 @@ def draw_balances(marks: Sequence[BalanceMark], axes: Axes, labels: Labels) -> l
 
 
 def _away(at: Floats, axes: Axes) -> Floats:
-    """How far places (k, 2) are from the picture; 0 in it."""
+    """Distances of points (k, 2) from the picture; 0 inside."""
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
     return np.asarray(np.hypot(*(at - np.clip(at, low, high)).T))
 
 
 def _together(marks: list[BalanceMark], axes: Axes) -> list[BalanceMark]:
-    """Join marks at one place, whose names would lie on each other, into one with all their names."""
+    """Merge marks at nearly the same point, whose names would overlap."""
     near = _NEAR * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     groups: list[list[BalanceMark]] = []
     for mark in marks:
         for group in groups:
-            one = group[0]
-            alike = (mark.upward, mark.unbalanced, mark.axis) == (one.upward, one.unbalanced, one.axis)
-            if alike and mark.at is not None and one.at is not None and np.hypot(*np.subtract(mark.at, one.at)) < near:
+            head = group[0]
+            same = (mark.upward, mark.unbalanced, mark.axis) == (head.upward, head.unbalanced, head.axis)
+            if same and mark.at is not None and head.at is not None and np.hypot(*np.subtract(mark.at, head.at)) < near:
                 group.append(mark)
                 break
         else:
@@ -229,13 +230,13 @@ def _together(marks: list[BalanceMark], axes: Axes) -> list[BalanceMark]:
 
 
 def _draw(mark: BalanceMark, axes: Axes, labels: Labels) -> list[Entry]:
-    """Draw a resultant as a named cross in a square, off the picture as an arrow to it, a tipping axis dash-dotted."""
+    """Draw a resultant as a crossed square, outside the picture as an arrow; draw its tipping axis dash-dotted."""
     entries: list[Entry] = []
     colour = _BAD if mark.unbalanced else _GOOD
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
     if mark.at is not None:
         at = np.array(mark.at)
-        way = "upward resultant" if mark.upward else "resultant"
+        kind = "upward resultant" if mark.upward else "resultant"
         ending = ", not balanced" if mark.unbalanced else ""
         place = ""
         look: dict[str, Any] = {"marker": "$\\boxtimes$", "linestyle": "none", "color": colour, "markersize": 10.0}
@@ -252,7 +253,7 @@ def _draw(mark: BalanceMark, axes: Axes, labels: Labels) -> list[Entry]:
             labels.keep_free([start, border], 8.0)
             labels.beside(f"{mark.name}: at {point(mark.at)}", start, color=colour, zorder=8)
             place = f" at {point(mark.at)}, off the picture"
-        entries.append((f"{mark.name}: {way}{place}{ending}", (Line2D([], [], **look),)))
+        entries.append((f"{mark.name}: {kind}{place}{ending}", (Line2D([], [], **look),)))
     if mark.axis is not None:
         start, end = np.array(mark.axis)
         reach = (end - start) / max(float(np.hypot(*(end - start))), 1e-300) * float((high - low).max())

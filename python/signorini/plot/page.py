@@ -1,4 +1,4 @@
-"""The page of a picture: where plans, colour bars, title and legend are, in inches."""
+"""Layout of a picture's page: positions of plans, colour bars, title and legend, in inches."""
 
 from __future__ import annotations
 
@@ -15,35 +15,37 @@ from signorini.plot.marks import LEGEND_SIZE, Entry, draw_legend
 from signorini.plot.plan import INK, Plan, literal, put_label, set_window, wrapped
 
 _WIDEST, _TALLEST = 5.6, 7.6
-"""Inches that the plan of a plate may take."""
-_BESIDE_EACH_OTHER = 3.4
-"""Inches that it takes where there are several in a row, which they are unless they are ..."""
+"""Largest width and height of a plan [inches]."""
+_WIDTH_IN_ROW = 3.4
+"""Largest width of each of several plans in a row [inches]."""
 _WIDE = 1.7
-"""times as wide as high."""
+"""Largest width over height of plans in a row; wider plans are stacked."""
 _SMALLEST = (1.6, 0.8)
-"""Inches that it takes at least."""
+"""Smallest width and height of a plan [inches]."""
 _LEFT, _BETWEEN, _BELOW, _GAP, _BAR, _RIGHT, _LINE = 0.68, 0.1, 0.5, 0.12, 0.15, 0.8, 0.2
-"""Inches left of a plan, of the next one beside it, and below it, to its colours, for them and for their numbers; for a
-line of text."""
+"""Inches left of the first plan, between plans, below a plan, to its colour bar, for the bar, for the numbers of the
+bar, for a line of text."""
 _TITLE = 0.4
-"""Inches above a plan for its title, and below that for the name of an extreme at the upper edge."""
+"""Inches above a plan for its title and for the label of an extreme at the upper edge."""
 _TALLEST_BAR = 5.0
+"""Largest height of a colour bar [inches]."""
 _NARROWEST, _SAMPLES = 4.2, 1.1
-"""Inches that a page is wide at least, and that a legend takes beside its words."""
+"""Smallest width of a page, and width of the samples of a legend [inches]."""
 _TITLE_SIZE = 11.0
+"""Font size of titles [points]."""
 _TICKS = 0.6
-"""Inches from one number of an axis to the next, about."""
+"""Approximate distance of the numbers of an axis [inches]."""
 
 
 class Page:
-    """A figure whose parts have their places in inches, so that none need be sought by drawing it."""
+    """A figure with its parts at fixed positions in inches; no layout pass is needed."""
 
     def __init__(self, plan: Plan, count: int, length: str, *, bars: bool, rows: int = 1, titles: bool = False) -> None:
         low, high = plan.window
         width, height = high - low
         self._columns = -(-count // rows) if width <= _WIDE * height else 1
         self._rows, self._beside = -(-count // self._columns), _GAP + _BAR + _RIGHT if bars else 0.3
-        widest = _WIDEST if self._columns == 1 else _BESIDE_EACH_OTHER
+        widest = _WIDEST if self._columns == 1 else _WIDTH_IN_ROW
         scale = min(widest / width, _TALLEST / height)
         self._box = np.maximum([scale * width, scale * height], _SMALLEST)
         self._above = self._below = 0.0
@@ -60,16 +62,16 @@ class Page:
                 axis.set_label_text(f"{name}{unit}", fontsize=9)
             put_label(axes.xaxis, 0.5, 0.0, 0.0, -0.36)
             put_label(axes.yaxis, 0.0, 0.5, -0.5, 0.0)
-            # The first of plans beside each other has the axis numbers.
+            # In a row only the first plan has the numbers of the y axis.
             axes.yaxis.set_visible(place % self._columns == 0)
         self._place()
 
     def artists(self) -> list[Artist]:
-        """Everything that there is on the plans, and on the page beside them."""
+        """All artists of the plans and of the page."""
         return [artist for part in (*self.plans, self.figure) for artist in part.get_children()]
 
     def make_room(self, title: str, words: Sequence[str]) -> None:
-        """Grow, if need be, by the room of a title above and of a legend below."""
+        """Increase the page, if necessary, for a title above and a legend below."""
         lines = self._title(title).count("\n") + 1 if title else 0
         self._above = max(self._above, 0.12 + _LINE * lines)
         heights = [0.165 * (self._words(part).count("\n") + 1) + 0.035 for part in words]
@@ -78,7 +80,7 @@ class Page:
         self._place()
 
     def finish(self, title: str, entries: list[Entry]) -> None:
-        """Put the title above and the legend below."""
+        """Draw the title above and the legend below."""
         self.make_room(title, [words for words, _ in entries])
         across, up = self._size
         if title:
@@ -96,7 +98,7 @@ class Page:
 
     @property
     def _pitch(self) -> NDArray[np.float64]:
-        """From one plan to the next, to the right and down."""
+        """Distance between plans, horizontal and vertical [inches]."""
         return np.asarray(self._box + np.array([_BETWEEN + self._beside, _BELOW + 0.1 + self._title_of_plan]))
 
     @property

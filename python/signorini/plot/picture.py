@@ -1,6 +1,6 @@
-"""What pictures show, as arrays: made, and handed to another process, without matplotlib.
+"""The content of pictures as arrays, without matplotlib, for another process to draw.
 
-Outlines (k, 2) have a row of NaN between their pieces. Texts go into legends, but for labels and titles.
+Outlines (k, 2) have a row of NaN between their pieces. Texts appear in legends, except labels and titles.
 """
 
 from __future__ import annotations
@@ -19,37 +19,37 @@ Place = tuple[float, float]
 Style = Literal["points", "line", "area"]
 Kind = Literal["down", "up", "both", "clamped", "hinged", "symmetry"]
 
-ACTIONS = {"down": "pushes up only", "up": "holds down only", "both": "holds both ways"}
+ACTIONS = {"down": "pushes up only", "up": "holds down only", "both": "holds in both directions"}
 
 
-def _nothing() -> Floats:
+def _no_points() -> Floats:
     return np.zeros((0, 2))
 
 
 @dataclass(frozen=True)
 class SupportMark:
-    """A support as it is drawn.
+    """A drawn support.
 
-    At points a triangle up pushes the plate up, a triangle down holds it down, a diamond does both. Along a line
-    ``clamped`` has a hatch, ``hinged`` circles, and ``symmetry`` is dash-dotted.
+    Symbols at points: a triangle up pushes the plate up, a triangle down holds it down, a diamond does both. Along a
+    line ``clamped`` is hatched, ``hinged`` has circles, and ``symmetry`` is dash-dotted.
     """
 
     name: str
     kind: Kind
     positions: Floats  # (k, 2): points, or the vertices of a line or outline
-    closed: NDArray[np.bool_] | None = None  # (k,): in contact is filled, open is hollow; None: not known, always held
+    closed: NDArray[np.bool_] | None = None  # (k,): in contact is filled, open is hollow; None: unknown, or always held
     style: Style = "points"
     boundary: Sequence[Floats] = ()  # edges of contact of an area, polylines (n, 2)
     elastic: bool = False  # drawn with a spring, or as a zigzag line
     gap: bool = False  # drawn with a bar before the mark
-    words: str = ""  # what it is; by default what the kind means
-    counts: tuple[int, int] | None = None  # how many points are closed and open; by default those of ``closed``
-    footprints: Floats = field(default_factory=_nothing)  # outlines of what the points' reactions are spread over
-    numbers: Sequence[str] = ()  # what is written beside each point
+    words: str = ""  # description; default that of the kind
+    counts: tuple[int, int] | None = None  # numbers of closed and open points; default those of ``closed``
+    footprints: Floats = field(default_factory=_no_points)  # outlines of the footprints of the points
+    numbers: Sequence[str] = ()  # a label for each point
 
     @property
     def label(self) -> str:
-        """The name, the kind, and how many points are closed and open."""
+        """The name, the description, and the numbers of closed and open points."""
         words = f"{self.name}: {self.words or ACTIONS.get(self.kind, self.kind)}"
         counts = self.counts
         if counts is None and self.closed is not None:
@@ -59,7 +59,7 @@ class SupportMark:
 
 @dataclass(frozen=True)
 class LoadMark:
-    """A load as it is drawn: a force is a crossed circle, one upward a dotted circle, a couple the pair of both."""
+    """A drawn load: ⊗ a downward force, ⊙ an upward force, ⊙–⊗ a couple."""
 
     case: str  # loads of one case have one colour
     name: str
@@ -67,8 +67,8 @@ class LoadMark:
     style: Style = "points"
     upward: bool = False
     couple: tuple[float, float] | None = None
-    value: str = ""  # how much it is, with its unit
-    footprints: Floats = field(default_factory=_nothing)
+    value: str = ""  # value with its unit
+    footprints: Floats = field(default_factory=_no_points)
 
     @property
     def label(self) -> str:
@@ -78,7 +78,7 @@ class LoadMark:
 
 @dataclass(frozen=True)
 class ZoneMark:
-    """A zone: what it is, in the legend after its number, and its outline."""
+    """A zone: its description for the legend, and its outline."""
 
     words: str
     outline: Floats
@@ -86,7 +86,7 @@ class ZoneMark:
 
 @dataclass(frozen=True)
 class CutMark:
-    """A section or a strip: its line from the first point on, and the borders (2, n, 2) of a strip."""
+    """A section or a strip: its line, and the borders (2, n, 2) of a strip."""
 
     name: str
     line: Floats
@@ -95,7 +95,7 @@ class CutMark:
 
 @dataclass(frozen=True)
 class EdgeMark:
-    """An edge's name, at a place of it, with the direction along which the plate is on the left."""
+    """The name of an edge, a point of it, and the direction with the plate on the left."""
 
     name: str
     at: Place
@@ -104,7 +104,7 @@ class EdgeMark:
 
 @dataclass(frozen=True)
 class SingularMark:
-    """Places (k, 2), or a line, where numbers have no limit as the mesh is refined, or one that this mesh misses."""
+    """Points (k, 2), or a line, at which numbers diverge on refinement; ``limited``: this mesh is too coarse."""
 
     words: str
     places: Floats
@@ -114,7 +114,7 @@ class SingularMark:
 
 @dataclass(frozen=True)
 class BalanceMark:
-    """The resultant of a combination, None where it is a couple, and two points of the line about which it tips."""
+    """The resultant of a combination, None for a couple, and two points of the tipping axis."""
 
     name: str
     at: Place | None
@@ -125,19 +125,19 @@ class BalanceMark:
 
 @dataclass(frozen=True, eq=False)
 class PressureLayer:
-    """The pressure of one area, on the elements that it is on.
+    """The pressure of one area on its elements.
 
-    Between ``bounds`` is what the area can exert; values beyond say where there is a gap, and are not drawn.
+    Pressures are drawn between ``bounds``, the range of the area; values outside mark a gap.
     """
 
     cut: Tessellation
-    values: Floats  # (v,) at the vertices, or (e,) one an element
+    values: Floats  # (v,) at the vertices, or (e,) one per element
     bounds: tuple[float, float]
-    outline: Floats | None = None  # None where the elements end with the area
+    outline: Floats | None = None  # None if the elements follow the outline of the area
 
     @property
     def an_element(self) -> bool:
-        """Whether there is one value an element."""
+        """Whether there is one value per element."""
         return len(self.values) == len(self.cut.elements)
 
 
@@ -146,20 +146,20 @@ class Panel:
     """One field in a picture: values (n,) at nodes, or pressures of areas."""
 
     values: Floats | Sequence[PressureLayer]
-    limits: tuple[float, float]  # range of the colours; of pressures with 0
-    label: str = ""  # beside the colour bar
-    colours: str = "RdBu"  # a map whose middle is zero
-    extremes: Sequence[tuple[str, Sequence[float]]] = ()  # what is written in the picture, and where
+    limits: tuple[float, float]  # range of the colours; includes 0 for pressures
+    label: str = ""  # of the colour bar
+    colours: str = "RdBu"  # a diverging colour map
+    extremes: Sequence[tuple[str, Sequence[float]]] = ()  # labels and their points
     title: str = ""
     hatched: Floats = field(default_factory=lambda: np.zeros((0, 3)))  # (c, 3): x, y and radius of excluded discs
 
 
 @dataclass(frozen=True, eq=False)
 class LineDiagram:
-    """Values (m, k) at stations (k, 2) of a line as ordinates along normals (k, 2): of a result, or both ends of many.
+    """Values (m, k) at stations (k, 2) of a line, drawn along normals (k, 2): one row, or largest and smallest values.
 
-    Runs begin at the stations ``begins`` (k,). Beside the tips stand ``words``, each with its station and value; beside
-    ``corners`` (c, 2) their words. ``units`` are those of values and corners, in brackets.
+    ``begins`` (k,) marks the first station of each connected run. ``words`` are labels, each with its station and
+    value; ``corner_words`` are labels of ``corners`` (c, 2). ``units`` are those of values and corners, in brackets.
     """
 
     positions: Floats
@@ -174,7 +174,7 @@ class LineDiagram:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture of one result: panels, of one kind with the same labels, limits and titles, or diagrams along lines."""
+    """A picture of one result: panels with equal labels, limits and titles for each kind, or diagrams along lines."""
 
     panels: Sequence[Panel]
     marks: Sequence[SupportMark]
@@ -184,9 +184,9 @@ class Picture:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """Pictures of one kind and in one scale, the file of each, and in how many rows their panels are.
+    """Pictures of one kind and scale, with their files; ``rows`` is the number of rows of panels.
 
-    Where there are places ``seen``, of the nodes (n, 2) in each picture, these are views, else plans.
+    With ``seen``, the positions of the nodes (n, 2) in each picture, they are oblique views, else plans.
     """
 
     files: Sequence[str]
@@ -196,21 +196,21 @@ class Sheet:
 
     @property
     def panels(self) -> int:
-        """How many fields are to be drawn in all."""
+        """Total number of fields to draw."""
         return sum(len(picture.panels) or 1 for picture in self.pictures)
 
     @property
     def largest(self) -> float:
         """Largest ordinate of all diagrams."""
-        values = [np.abs(one.values).max(initial=0.0) for picture in self.pictures for one in picture.diagrams]
+        values = [np.abs(diagram.values).max(initial=0.0) for picture in self.pictures for diagram in picture.diagrams]
         return float(max(values, default=0.0))
 
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """Pictures of one plate: nodes (n, 2), elements (e, 8), of which some (e,) are hatched in place of a field.
+    """Pictures of one plate with nodes (n, 2) and elements (e, 8); ``left_out`` (e,) marks elements that are hatched.
 
-    ``metadata`` are texts by name in each file.
+    ``metadata`` are written to each file.
     """
 
     points: Floats

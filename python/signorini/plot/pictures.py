@@ -59,13 +59,13 @@ _MOST_NUMBERS = 5000
 
 
 def draw_panel(axes: Axes, plan: Plan, panel: Panel, marks: Sequence[SupportMark]) -> list[Entry]:
-    """Draw a field with its colour bar, its extremes and the supports; return their entries in the legend."""
+    """Draw a field with its colour bar, its extremes and the supports; return the legend entries."""
     set_window(axes, plan)
     return _draw_on(axes, plan, panel, _frame(axes, panel), marks)
 
 
 def _frame(axes: Axes, panel: Panel, bar: Axes | None = None) -> Scale:
-    """Draw a panel's colour bar, on axes of its own if there are any, and its title; return its colours."""
+    """Draw a panel's colour bar, on the axes ``bar`` if given, and its title; return its scale."""
     scale = Scale.of(panel)
     add_colour_bar(axes, scale, panel.label, bar)
     if panel.title:
@@ -74,7 +74,7 @@ def _frame(axes: Axes, panel: Panel, bar: Axes | None = None) -> Scale:
 
 
 def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence[SupportMark]) -> list[Entry]:
-    """Draw what differs from result to result; return entries of the legend."""
+    """Draw the result-dependent parts; return the legend entries."""
     labels = Labels(axes)
     for mark in marks:
         if mark.style == "points" and len(mark.positions):
@@ -106,7 +106,7 @@ def _draw_excluded(axes: Axes, panel: Panel) -> list[Entry]:
 
 
 def _remarks(plan: Plan, hatched: bool = True) -> list[Entry]:
-    """Entries in the legend of dashed lines inside the plate and of what is hatched, if there are any."""
+    """Legend entries of dashed borders and hatched areas, if there are any."""
     dashed = Line2D([], [], color=INK, linewidth=0.7, linestyle="dashed")
     result: list[Entry] = [("moments and shears jump", (dashed,))] * bool(np.size(plan.edges[2].vertices))
     if hatched and plan.left_out is not None and plan.left_out.any():
@@ -138,9 +138,9 @@ def _draw_fields(
 
 
 def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows: int = 1) -> Iterator[bytes]:
-    """Draw pictures of one kind, of several results, as `field_picture` does; yield .png files.
+    """Draw pictures of several results with equal labels, limits and titles (see `field_picture`); yield .png files.
 
-    Their panels have the same labels, limits and titles. What they share, axes and colour bars, is drawn once.
+    The common parts, axes and colour bars, are drawn once.
     """
     if not pictures:
         return
@@ -227,16 +227,15 @@ def check_picture(
     length: str = "",
     numbers: bool = False,
 ) -> Figure:
-    """Draw a model before it is solved: mesh, supports, loads and what they amount to, sections and strips.
+    """Draw a model before it is solved: mesh, supports, loads and their totals, sections and strips.
 
-    ``bedding`` has the stiffness of areas as layers.
-    ``totals`` are sums of load cases in words, ``poorest`` the corner of the worst element with words about it.
-    ``numbers`` are those of the nodes, from 1.
+    ``bedding`` has the stiffness of areas as layers. ``totals`` are texts with the totals of load cases. ``poorest`` is
+    the worst corner of an element with its text. ``numbers`` adds the node numbers, from 1.
     """
     if numbers and len(plan.nodes) > _MOST_NUMBERS:
         raise InputError(
-            f"numbers of {len(plan.nodes)} nodes cannot be read in a picture; {_MOST_NUMBERS} is the most. Leave them "
-            "out, or take a coarser mesh."
+            f"the numbers of {len(plan.nodes)} nodes are unreadable in a picture; at most {_MOST_NUMBERS} are drawn. "
+            "Remove --nodes, or use a coarser mesh."
         )
     page = Page(plan, 1, length, bars=bedding is not None)
     (axes,) = page.plans
@@ -266,7 +265,7 @@ def check_picture(
 
 
 def _number_nodes(axes: Axes, plan: Plan) -> None:
-    """Write the number of every node beside it, as large as there is room."""
+    """Write the node numbers, as large as the element size allows."""
     side = float(np.hypot(*(plan.nodes[plan.cells[:, 4]] - plan.nodes[plan.cells[:, 0]]).T).min())
     size = float(np.clip(0.35 * side * inches_per_unit(axes) * 72, _SMALLEST_NUMBER, 8.0))
     halo = [withStroke(linewidth=0.3 * size, foreground="white")]

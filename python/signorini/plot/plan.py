@@ -1,4 +1,4 @@
-"""The plan of a plate: its mesh ready to be drawn, axes of its proportions, its outline; words beside their places."""
+"""The plan of a plate: triangles of its mesh, axes, outline, and placement of labels."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ _SHEET = "#eef2f5"
 HATCHED: dict[str, Any] = {"facecolor": _SHEET, "edgecolor": "#aeb8c0", "hatch": "////", "linewidth": 0.0}
 """Hatch of excluded areas."""
 _FINE = 4000
-"""Smallest number of elements drawn as two flat triangles each: they are a few dots wide."""
+"""Largest number of elements with fine triangles; of more, each is two triangles and a few dots wide."""
 _SAME = 1e-7
-"""Part of the plate's size within which points of sides that coincide are one: far above rounding."""
+"""Distance of equal points, relative to the plate's size: far above rounding."""
 _FAINTEST = 0.07
-"""How faint edges of elements may be: fainter ones nobody sees, and they take their time."""
+"""Smallest opacity of element edges; fainter edges are not drawn."""
 _MARGIN = 0.04
-"""Room around the plate, in parts of its larger side."""
+"""Margin around the plate, relative to its larger side."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Plan:
     nodes: Floats  # (n, 2)
     cells: NDArray[np.int64]  # (e, 8)
     left_out: NDArray[np.bool_] | None = None  # (e,): hatched in place of a field
-    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further places that there is room for
+    beside: Floats = field(default_factory=lambda: np.zeros((0, 2)))  # (k, 2): further points inside the window
 
     @cached_property
     def cut(self) -> Tessellation:
@@ -67,9 +67,9 @@ class Plan:
 
     @cached_property
     def edges(self) -> tuple[Path, Path, Path]:
-        """Edges between elements, the outline of the plate, and borders inside it, at which nodes are twice."""
+        """Edges between elements, the outline of the plate, and inner borders, at which nodes are double."""
         vertices = np.column_stack([self.triangles.x, self.triangles.y])[self.cut.edges]
-        # One side of a border is the other's, the other way round.
+        # The two sides of a border have the same points in opposite order.
         steps = np.round(vertices / (_SAME * np.ptp(vertices))).astype(np.int64)
         ends = np.sort(steps[..., 0] + 1j * steps[..., 1], axis=1)
         _, which, uses = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
@@ -79,27 +79,27 @@ class Plan:
 
 
 def triangulation(cut: Tessellation, nodes: Floats) -> Triangulation:
-    """Give matplotlib the triangles of a mesh, or of a part of it."""
+    """Triangulation for matplotlib of a mesh or a part of it."""
     x, y = cut.interpolate(nodes).T
     made = Triangulation(x, y, cut.triangles)
-    # matplotlib would look at every triangle again for each picture.
+    # Otherwise matplotlib would check the triangles for each picture.
     made.is_delaunay = False
     return made
 
 
 def literal(text: str) -> str:
-    """Let matplotlib show a text as it is: a dollar is no mathematics."""
+    """Escape a text for matplotlib, where a dollar sign begins a formula."""
     return text.replace("$", r"\$")
 
 
 @cache
 def _width(text: str, size: float) -> float:
-    """Inches that a text is wide."""
+    """Width of a text [inches]."""
     return float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), False)[0]) / 72
 
 
 def wrapped(text: str, inches: float, size: float) -> str:
-    """Break a text into lines of such a width, at blanks or, where a word is wider, within it."""
+    """Wrap a text at blanks to lines of a width; words wider than a line are divided."""
     lines = [""]
     for word in text.split(" "):
         joined = f"{lines[-1]} {word}" if lines[-1] else word
@@ -141,7 +141,7 @@ def draw_outlines(axes: Axes, plan: Plan, hatched: bool = True) -> None:
 
 
 def set_window(axes: Axes, plan: Plan) -> None:
-    """Set the plan's limits, both axes alike."""
+    """Set the limits of the axes, with equal scales."""
     axes.set_aspect("equal")
     (x0, y0), (x1, y1) = plan.window
     axes.set_xlim(x0, x1)
@@ -158,13 +158,13 @@ def figure_of(axes: Axes) -> Figure:
 
 
 def put_label(axis: Axis, across: float, up: float, right: float, above: float) -> None:
-    """Put the label of an axis at a fixed place, a distance in inches from its axes; automatic placing is slow."""
+    """Place the label of an axis at a fixed offset [inches] from its axes; automatic placement is slow."""
     away = ScaledTranslation(right, above, figure_of(axis.axes).dpi_scale_trans)
     axis.set_label_coords(across, up, axis.axes.transAxes + away)
 
 
 def inches_per_unit(axes: Axes) -> float:
-    """How large the unit of length of the plate is drawn."""
+    """Drawn size of a unit of length of the plate [inches]."""
     size = axes.get_position(original=True).size * figure_of(axes).get_size_inches()
     spans = np.abs([np.diff(axes.get_xlim())[0], np.diff(axes.get_ylim())[0]])
     return float((size / spans).min())
@@ -206,7 +206,7 @@ _LETTER, _LINE = 0.6, 1.25
 """Width of a letter and height of a line, relative to the font size."""
 _AROUND = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1], [0, 1], [0, -1], [1, 0], [-1, 0]], dtype=np.float64)
 _FAR = (5.0, 14.0, 26.0, 40.0)
-"""Points from a place to the words beside it: nearer ones first."""
+"""Distances from a point to its label [points], in order of preference."""
 _LEADER = 10.0
 """Smallest distance, in points, at which a line connects a text to its place."""
 _APART, _MISTAKEN = 3.0, 400
@@ -231,7 +231,7 @@ class Labels:
         self._size = np.array([right - left, high - low]) * self.scale
 
     def points(self, at: ArrayLike) -> Floats:
-        """Turn places (k, 2) of the plan into points from its lower left."""
+        """Convert positions (k, 2) of the plan to points from its lower left corner."""
         return np.asarray((np.atleast_2d(np.asarray(at, dtype=np.float64)) - self._corner) * self.scale)
 
     def keep_free(self, at: ArrayLike, size: float) -> None:
@@ -242,9 +242,9 @@ class Labels:
     def beside(
         self, words: str, places: ArrayLike, size: float = 8.0, color: str = INK, others: ArrayLike = (), **look: Any
     ) -> None:
-        """Write words beside one of the places (k, 2), the first one if that is free; a line leads to it from afar.
+        """Write a label at one of the candidate positions (k, 2), preferably the first; a distant label has a line.
 
-        Words are not nearer to ``others`` (r, 2), places with words of their own.
+        The label is not closer to ``others`` (r, 2), positions with other labels.
         """
         at = np.atleast_2d(np.asarray(places, dtype=np.float64))
         extent = np.array([_LETTER * len(words), _LINE]) * size
@@ -279,7 +279,7 @@ class Labels:
             turned.set(rotation=turns[best], **_look(size, color, look))
 
     def _best(self, middles: Floats, extent: Floats, order: NDArray[np.int64], free: bool = False) -> int:
-        """Take the box that costs least, of middles (k, 2) in points; -1 if it must be free and none is."""
+        """Choose the box of least cost among centers (k, 2) [points]; -1 if ``free`` is required and impossible."""
         boxes = np.hstack([middles - 0.5 * extent, middles + 0.5 * extent])
         area = np.prod(np.broadcast_to(extent, middles.shape), axis=1)
         on_words = _covered(boxes, self.words) / area
@@ -303,7 +303,7 @@ def _look(size: float, color: str, look: dict[str, Any]) -> dict[str, Any]:
 
 
 def _covered(boxes: Floats, taken: Sequence[Floats]) -> Floats:
-    """Sum the areas that boxes (k, 4) share with those that are taken."""
+    """Areas (k,) of boxes (k, 4) covered by occupied boxes."""
     if not taken:
         return np.zeros(len(boxes))
     others = np.concatenate(taken)

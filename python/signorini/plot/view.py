@@ -1,4 +1,4 @@
-"""A plate seen from above at an angle, its deflections exaggerated: places of the picture, without matplotlib."""
+"""Oblique view of a plate with exaggerated deflections: positions in the picture, without matplotlib."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from signorini.shapes.arrays import Floats
 from signorini.shapes.tessellation import tessellate
 
 _TURNED, _RAISED = np.radians(30.0), np.radians(35.0)
-"""By how much the plan is turned, and how far above the plate the eye is."""
+"""Rotation of the plan, and elevation of the eye [rad]."""
 AXES: Final = np.array([[np.cos(_TURNED), np.sin(_TURNED)], [-np.sin(_TURNED), np.cos(_TURNED)]]) * [1, np.sin(_RAISED)]
-"""Where lengths along x and along y lead in the picture (2, 2)."""
+"""Vectors in the picture (2, 2) of unit lengths along x and y."""
 _DOWN = np.array([0.0, -np.cos(_RAISED)])
 _TALLEST = 0.15
-"""Part of the plate's size that the largest deflection is drawn with."""
+"""Drawn size of the largest deflection, relative to the plate's size."""
 _UPRIGHT = 0.9
-"""Share of the largest factor, at which a part of the plate hides another."""
+"""Exaggeration factor, relative to the factor at which a part of the plate hides another."""
 
 
 def seen(places: Floats, deflection: Floats | float = 0.0, factor: float = 1.0) -> Floats:
-    """Where places (k, 2) of the plate are in the picture (k, 2), exaggerated deflections (k,) below where they were.
+    """Positions in the picture (k, 2) of points (k, 2) of the plate with deflections (k,) times ``factor``.
 
     Examples
     --------
@@ -34,7 +34,7 @@ def seen(places: Floats, deflection: Floats | float = 0.0, factor: float = 1.0) 
 
 
 def exaggeration(points: Floats, elements: NDArray[np.int64], deflections: Sequence[Floats]) -> float:
-    """Choose one factor for deflections (n,) at nodes (n, 2): no part of the plate is to hide another.
+    """Factor for deflections (n,) at nodes (n, 2) with which no part of the plate hides another.
 
     Examples
     --------
@@ -42,7 +42,7 @@ def exaggeration(points: Floats, elements: NDArray[np.int64], deflections: Seque
     >>> exaggeration(points, np.arange(8)[None], [1e-3 * points[:, 0]])
     150.0
     """
-    largest = max(float(np.abs(one).max()) for one in deflections)
+    largest = max(float(np.abs(w).max()) for w in deflections)
     if not largest:
         return 1.0
     factor = _TALLEST * float(np.ptp(points, axis=0).max()) / largest
@@ -54,9 +54,9 @@ def exaggeration(points: Floats, elements: NDArray[np.int64], deflections: Seque
         return np.asarray(x * v - y * u)
 
     level = areas(seen(points))
-    for one in deflections:
-        # The area of an element in the picture is linear in the factor; it is negative where the element is hidden.
-        change = areas(seen(points, one)) - level
+    for w in deflections:
+        # The area of an element in the picture is linear in the factor; it is negative if the element is hidden.
+        change = areas(seen(points, w)) - level
         turning = change < 0.0
         factor = min(factor, _UPRIGHT * float((level[turning] / -change[turning]).min(initial=np.inf)))
     return float(f"{factor:.2g}")

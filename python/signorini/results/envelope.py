@@ -35,7 +35,7 @@ _EQUAL = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Extremes:
-    """Largest and smallest values (n,) met so far, with the numbers of the results, of equals the first.
+    """Largest and smallest values (n,) of the results met, with the numbers of the results; the first of equal ones.
 
     Values are equal within a billionth of the ``size`` (n,) of the largest of their kind; where that is 0, to the bit.
     """
@@ -83,7 +83,7 @@ class Extremes:
         return new
 
     def meet(self, other: Extremes) -> list[Bools]:
-        """Meet what others have met; return which of the largest and smallest (n,) are theirs."""
+        """Merge other extremes; return masks (n,) of the largest and smallest values that come from them."""
         result = []
         np.maximum(self.size, other.size, out=self.size)
         within = _EQUAL * self.size
@@ -112,9 +112,9 @@ class Extremes:
     def take_sums(
         self, coefficients: Floats, vectors: Floats, who: Ints, classes: Ints, left_out: Bools
     ) -> tuple[Floats, Ints]:
-        """Meet sums of vectors (b, n) with coefficients (k, b); return each one's extremes and their places (k, 2).
+        """Update by sums of vectors (b, n) with coefficients (k, b); return each sum's extremes and places (k, 2).
 
-        Those extremes leave out what is in some of the classes (n,), by ``left_out`` (k, c).
+        These extremes exclude nodes of classes (n,) by ``left_out`` (k, c).
         """
         return _core.envelop(coefficients, vectors, who, *self.sides[0], *self.sides[1], classes, left_out)
 
@@ -138,7 +138,7 @@ class Envelope:
     layout: Layout
     values: Extremes  # of every number of the layout's catalogue (n,)
     places: Floats  # (f, 4, 2): where the extremes of each field and of its means are, then of each plate's
-    # (2, e, b): the reactions of all bearings where what the layout calls governed is largest, and smallest
+    # (2, e, b): reactions of all bearings at the largest and smallest value of each governed number of the layout
     beside: Floats
     fields: dict[str, Extremes]  # at every node of a field, by its name; "reaction" is that of supports on nodes
     # "contact_pressure" at the nodes of elastic areas, "rigid_contact_pressure" on the elements of rigid ones: which
@@ -185,9 +185,10 @@ class Envelope:
         return Ends(largest, int(of.largest_by[at]), smallest, int(of.smallest_by[at]))
 
     def field(self, name: str, mean: str = "") -> Ends:
-        """Extremes of a field over all results and its nodes, away from where it has no limit.
+        """Extremes of a field over all results and nodes, outside places without a limit.
 
-        With ``mean`` "_mean" those of its means there. Of several plates "plate.field" is one plate's.
+        With ``mean`` "_mean" they are those of the means at these places. With several plates "plate.field" is one
+        plate's.
         """
         high, low = self[f"max{mean}:{name}"], self[f"min{mean}:{name}"]
         return Ends(high.max, high.max_by, low.min, low.min_by)
@@ -252,7 +253,7 @@ class Envelope:
             extremes.take(pressure, who, _size(pressure))
 
     def meet(self, other: Envelope) -> None:
-        """Meet what others have met."""
+        """Merge other envelopes."""
         new = self.values.meet(other.values)
         for side, better in enumerate(new):
             at = better[self.layout.governed_places]
@@ -305,7 +306,7 @@ def _sizes(values: Floats, kinds: list[tuple[str, str, int]]) -> Floats:
 
 
 def _size(values: ArrayLike) -> float:
-    """The size of the largest of values, but for those that are none."""
+    """Largest magnitude of values, ignoring NaN."""
     return float(np.fmax.reduce(np.abs(np.asarray(values, dtype=np.float64)), axis=None, initial=0.0))
 
 
@@ -329,7 +330,7 @@ class States(Remade, Generic[Key]):
 
     @abstractmethod
     def key(self, row: int) -> Key:
-        """What tells a row of the table, from 0, from the others: the combination's name, or t."""
+        """Key of a row of the table, counted from 0: the combination's name, or t."""
 
     @property
     @abstractmethod

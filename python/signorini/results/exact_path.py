@@ -1,4 +1,4 @@
-"""A load path that is followed from event to event of every contact point: segments, jumps, and what is not unique."""
+"""A load path that follows every event of every contact point: segments, jumps, and ranges with several answers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from signorini.results.result import Result
 class Segment(Brief):
     """A stretch of the path on which no point opens or closes, so that everything is linear in t."""
 
-    begin: PathStop  # what holds at its two ends
+    begin: PathStop  # states at the two ends of the segment
     end: PathStop
     pieces: Pieces  # (m,): pieces of their laws that contact points are on
 
@@ -63,9 +63,9 @@ class ExactPath(LoadPath):
 
     @cached_property
     def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
-        """Where more answers than one are right: from one t to another, and what could be otherwise.
+        """Ranges of t with several equally right answers, and the freedom there.
 
-        The stops show an answer that leads on, `at` the least one.
+        The stops show an answer that continues the path, `at` the least-norm one.
         """
         result, stretches = self.problem.discretisation, list[tuple[float, float, NotUnique]]()
         for segment in (self.segments[index] for index in self._doubtful):
@@ -80,7 +80,7 @@ class ExactPath(LoadPath):
         return tuple(stretches)
 
     def words(self, index: int) -> str:
-        """Say what the supports do at a stop, and where the plate moves on its own."""
+        """Describe the supports' changes at a stop, and jumps of the plate."""
         jumps = index < len(self.segments) and self.segments[index].jumps
         moves = "the plate moves on its own until another support holds it"
         return "; ".join(part for part in (super().words(index), moves * jumps) if part)
@@ -102,7 +102,7 @@ class ExactPath(LoadPath):
     def _of_stops(self) -> Iterator[Result]:
         count = len(self.stops)
         for row, stop in enumerate(self.stops):
-            # Of the two stops of a jump the first is what holds before it, the second what holds after.
+            # The first of the two stops of a jump is the state before it, the second the state after.
             after = 0 < row < count - 1 and self.segments[row - 1].jumps
             yield self._on(stop.t, row if after else max(row - 1, 0), leading=True)
 
@@ -117,7 +117,7 @@ class ExactPath(LoadPath):
         methods: Sequence[Method] = (self.problem.method,)
         answer, certificate = certified(discretisation, load, answer, made_of)
         if not certificate.passed:
-            # Supports that repeat each other share a reaction in more ways than one; this set alone does not tell how.
+            # Redundant supports share a reaction arbitrarily; one contact state does not determine the shares.
             tried = answered(self.problem, load, beside=made_of)
             answer, certificate = certified(discretisation, load, tried.answer.somehow or tried.answer, made_of)
             methods = tried.methods

@@ -22,7 +22,7 @@ _ALIKE = 1e-9
 
 
 def peak(values: Floats, places: Floats) -> int:
-    """Which of values (n,) is the largest; of those alike but for rounding that at the least x, and then y.
+    """Index of the largest of values (n,); among values equal to rounding that at the least x, then y.
 
     Places are (n, 2). Values of minus infinity do not count.
 
@@ -42,16 +42,16 @@ def peak(values: Floats, places: Floats) -> int:
 
 @dataclass(frozen=True)
 class FieldExtremes:
-    """Extremes of a field over the nodes; of places alike but for rounding that of the least x, and then y."""
+    """Extremes of a field over the nodes; among places equal to rounding that of the least x, then y."""
 
     max: float
     max_at: tuple[float, float]
-    # the singularity at which the field is larger still, or smaller, and has no limit; empty where there is none
+    # singularity with larger or smaller values of the field than the extreme; empty without one
     max_beside: str
     min: float
     min_at: tuple[float, float]
     min_beside: str
-    # the largest and smallest mean at singularities of this field, where and over what width; NaN where there is none
+    # largest and smallest mean at singularities of this field, with place and width; NaN without one
     max_mean: float = math.nan
     max_mean_at: tuple[float, float] = (math.nan, math.nan)
     max_mean_width: float = math.nan
@@ -103,10 +103,10 @@ _LINES = {"mx": [0], "sx": [0], "my": [1], "sy": [1], "qx": [0, 1], "txz": [0, 1
 
 
 def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools) -> tuple[Floats, Ints]:
-    """Give the largest and smallest mean (..., 2) of a field, and the places (..., 2) that have them.
+    """Return the largest and smallest mean (..., 2) of a field, and the indices (..., 2) of their places.
 
-    ``means`` (..., k, 10) are those of `means_of`, ``acting`` (..., k) tells where it has no limit. Fields that
-    follow from moments or shears follow here from the means. NaN, and place 0, where there is none.
+    ``means`` (..., k, 10) are those of `means_of`; ``acting`` (..., k) marks places without a limit. Derived fields are
+    computed from the means. NaN and index 0 without such a place.
     """
     peaks, lines = PEAKS.index(FIELDS[name].singular), _LINES.get(name.partition("_")[0], [0, 1])
     moment, shear = means[..., :6].reshape(*means.shape[:-1], 2, 3), means[..., 6:, None]
@@ -132,9 +132,9 @@ def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools) -> tuple[
 def extremes(
     fields: Mapping[str, Floats], nodes: StressNodes, singular: Sequence[Singularity], means: Means | None
 ) -> dict[str, FieldExtremes]:
-    """Find the extremes of the deflection, and of what moments and shears make away from where these have no limit.
+    """Find the extremes of the deflection, and of fields of moments and shears outside places without a limit.
 
-    Those of means are where these have none.
+    Extremes of means are at these places.
     """
     numbers = {name: one.singular if name in PEAKING else "" for name, one in FIELDS.items() if name in TOLD}
     away = {number: away_from(nodes.mesh, singular, number) for number in dict.fromkeys(numbers.values())}
@@ -183,6 +183,6 @@ class Means:
 
 
 def _nearest(at: Floats, singular: Sequence[Singularity], number: str) -> str:
-    """What singularity of a number is nearest."""
+    """Name of the nearest singularity of a number."""
     those = [one for one in singular if one.excludes(number) and one.where]
     return min(those, key=lambda one: min(math.dist(at, place) for place in one.where)).what

@@ -1,4 +1,4 @@
-"""What results.json says of one combination in numbers: deflection, fields, supports, probes, sections, strips."""
+"""Numbers of one combination in results.json: deflection, fields, supports, probes, sections, strips."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _of_plate(result: Result) -> dict[str, Any]:
 
 
 def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str, Any]:
-    """Put numbers (n,) into a tree at their keys, None where there is none."""
+    """Put numbers (n,) into a tree at their keys; NaN becomes None."""
     for one, value in zip(catalogue, values.tolist(), strict=True):
         shown = None if np.isnan(value) else int(value) if one.quantity.kind == "count" else value
         at: Any = tree
@@ -54,7 +54,7 @@ def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str,
 
 
 def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ()) -> Any:
-    """Put half-widths in place of the numbers of a tree: 0 for what the input gives, None for what has none."""
+    """Replace the numbers of a tree by half-widths: 0 for numbers of the input, None without one."""
     match tree:
         case dict():
             return {key: with_widths(value, widths, (*path, key)) for key, value in tree.items()}
@@ -141,7 +141,7 @@ def _line(support: SupportResult) -> dict[str, Any]:
 
 
 def total(support: SupportResult) -> dict[str, Any]:
-    """Say what a support does as a whole."""
+    """JSON of a support as a whole."""
     return {
         "reaction": support.reaction,
         "closed": support.closed_count,
@@ -152,7 +152,7 @@ def total(support: SupportResult) -> dict[str, Any]:
 
 
 def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
-    """Say what a support does at each of its points; of a held edge the consistent nodal forces."""
+    """JSON of each point of a support; for a held edge the consistent nodal forces."""
     columns = (support.positions.tolist(), support.reactions.tolist(), support.gaps.tolist(), support.states)
     for at, reaction, gap, state in zip(*columns, strict=True):
         point = {"at": at, "reaction": reaction, "gap": gap, "state": state}

@@ -31,7 +31,7 @@ from signorini.results.support_points import SupportPoints
 from signorini.shapes import Ring
 
 CORNER = np.cos(np.radians(15.0))
-"""Cosine of the angle from which a turn of a line is a corner. Quadratic sides of a circle turn by less than 1°."""
+"""Largest cosine of the turning angle at a corner of a line. Quadratic sides of a circle turn by less than 1°."""
 _APART = 2.0
 """Distance of stations along a line that cuts elements, over the element size. The line holds the mean deflection of
 each element, and the forces of neighbouring elements alternate.
@@ -69,7 +69,7 @@ class Pieces:
         if sides is not None:
             tangents = quadratic_tangents(mesh, sides)[:, [0, 2]]
             return cls(mesh.points[sides[:, [0, 2]]], tangents, side_lengths(mesh, sides).sum(axis=1), sides)
-        assert where.curve is not None  # what is on no edge is on a line or a circle
+        assert where.curve is not None  # supports off edges are along a line or a circle
         parts = []
         for arc, stops, elements in curve_pieces(mesh, where.curve):
             size = _APART * np.sqrt(mesh.element_area[elements[elements >= 0]].mean())
@@ -153,7 +153,7 @@ class Line:
     sides: Ints | None
     forces: csr_array  # (v, p): from the forces of the support's points to those at vertices
     couples: csr_array | None  # (v, 2n): from the couples on nodes' slopes θx, θy, where the twist is held
-    extrapolated: csr_array  # (k, k): reactions per length of smooth stations, and at ends what follows from these
+    extrapolated: csr_array  # (k, k): interpolates reactions per length of smooth stations, and extrapolates to ends
     beside: Ints  # (k,): of stations in a layer one beyond it, else they themselves
     zones: csr_array  # (c, v): vertices in the layer at each corner
     corners: Floats  # (c, 2): where these are
@@ -211,7 +211,8 @@ class Line:
     def read(self, forces: Floats, couples: Floats | None = None) -> tuple[Floats, Floats]:
         """Reactions per length (..., k) and concentrated forces (..., c).
 
-        ``forces`` (..., p) are those of the support's points, ``couples`` (..., v) what couples add at vertices.
+        ``forces`` (..., p) are the forces of the support's points, ``couples`` (..., v) the contributions of couples at
+        vertices.
         """
         at_vertices = (self.forces @ forces.T).T + (0.0 if couples is None else couples)
         whole = np.bincount(self.vertex, self.lengths)
@@ -312,7 +313,7 @@ class LineReactions(Remade):
 
     @property
     def max_per_length_at(self) -> tuple[float, float]:
-        """Where it is largest; of places alike but for 1e-9 that of the least x, and then y."""
+        """Index of the largest value; among places equal to 1e-9 that of the least x, then y."""
         x, y = self.positions[peak(self.reactions, self.positions)].tolist()
         return x, y
 
@@ -467,7 +468,7 @@ def per_length_of_sides(mesh: Mesh, sides: Ints, directions: Floats, alone: Bool
 
 
 def of_the_line_alone(mesh: Mesh, sides: Ints, held: Ints, rigid: Bools) -> Bools:
-    """Whether no other held side meets sides (k, 3) at their nodes, but for one in which they go on."""
+    """Mask of sides (k, 3) that no other held side meets at a node, except a straight continuation."""
     tangents = quadratic_tangents(mesh, sides)
     _, once = np.unique(held[:, 1], return_index=True)
     meeting = np.bincount(held[once][:, [0, 2]].ravel(), minlength=len(rigid))

@@ -1,4 +1,4 @@
-"""What a load path says: its stops, named events, thresholds, and every result at any t."""
+"""A load path: stops, named events, thresholds, and the result at any t."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ if TYPE_CHECKING:
     from signorini.plot.curves import Figure
 
 AT_LIMIT = 1e-6
-"""Distance from the limit of equilibrium, over the limit, that is none: the last contact sets barely hold the plate."""
+"""Relative distance from the limit of equilibrium that counts as zero: the last contact sets hardly hold the plate."""
 
 _DRAWN = 2.0
-"""Deflections over the thickness up to which a path is drawn: beyond, nothing of the theory is left."""
+"""Largest ratio of deflection to thickness that is drawn: beyond it the theory does not hold."""
 
 _AFTER = 2.0
-"""Times the t of the last event up to which a path is drawn that has no other end."""
+"""Ratio of the end of the drawing to the t of the last event, if the path has no other end."""
 
 Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 
@@ -119,7 +119,7 @@ class LoadPath(States[float]):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """What of the model, and of the deflections on the way, is seldom meant."""
+        """Warnings about the model and the deflections along the path."""
         discretisation = self.discretisation
         thinnest = bending_thickness(discretisation).min()
         acting = self._loads[0].acting | self._loads[1].acting
@@ -146,7 +146,7 @@ class LoadPath(States[float]):
 
     @property
     def not_unique(self) -> tuple[tuple[float, float, NotUnique], ...]:
-        """Where more answers than one are right: from the t of one stop to another's, and what could be otherwise."""
+        """Ranges between stops with several equally right answers, and the freedom there."""
         result: dict[tuple[NotUnique, int], tuple[float, float]] = {}
         for row, stop in enumerate(self.stops):
             for one in stop.not_unique:
@@ -160,7 +160,7 @@ class LoadPath(States[float]):
 
     @property
     def table(self) -> Mapping[str, Column]:
-        """Every column by name, with a row a stop: t, what happens there, and what a table of combinations has."""
+        """Columns by name, a row for each stop: t, event, and the columns of a table of combinations."""
         return self._tabulated[0]
 
     @property
@@ -188,7 +188,7 @@ class LoadPath(States[float]):
         return (self._result(stop.t) for stop in self.stops)
 
     def words(self, index: int) -> str:
-        """Say what the supports do at a stop, by its number from 0, and which thresholds are reached there."""
+        """Describe the supports' changes and the thresholds at a stop, given its number from 0."""
         index = arguments.index(index, len(self.stops), "stop", "index")
         pulling = {support.name for support in self.model.support if support.resists == "up"}
         event = in_words([self.support_events[number] for number in self.events_at.get(index, ())], pulling)
@@ -269,7 +269,7 @@ class LoadPath(States[float]):
 
     @property
     def _drawn(self) -> float | None:
-        """The t at which deflections leave what is drawn, if that is after the first event."""
+        """The t at which deflections leave the drawn range, if that is after the first event."""
         thickness = bending_thickness(self.discretisation)
         places = np.array(
             [stop.smallest_at if stop.utmost == stop.smallest else stop.largest_at for stop in self.stops]
@@ -283,7 +283,7 @@ class LoadPath(States[float]):
 
     @property
     def _last(self) -> float | None:
-        """The t up to which a path is drawn of which the last event is known: the rest is a line."""
+        """End of the drawn range of t of a path with a known last event: afterwards the answer is linear in t."""
         events = self.support_events
         return _AFTER * events[-1].t if events and self.ending == "no_more_events" else None
 
@@ -319,7 +319,7 @@ class LoadPath(States[float]):
 
 
 def factors_named(discretisation: Discretisation, name: str | None) -> Mapping[str, float]:
-    """Factors of cases in what has a name: a case or, if there is none of that name, a combination; None is no load."""
+    """Factors of the cases of a named load: a case or, without a case of that name, a combination; empty for None."""
     if name is None or name in discretisation.cases:
         return {} if name is None else {name: 1.0}
     return next(one.factors or {} for one in discretisation.model.effective_combinations if one.name == name)
@@ -337,6 +337,6 @@ def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, C
 
 
 def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> tuple[CaseLoad, CaseLoad]:
-    """What the load at t is the sum of, at a t at which both parts count."""
+    """Load cases in the load at t, with their factors, at a t at which both parts count."""
     start, add = (float(np.abs(load.nodal).max()) for load in loads)
     return loads[0], max(t, start / add if start and add else 1.0) * loads[1]

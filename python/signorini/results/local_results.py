@@ -1,4 +1,4 @@
-"""What places of the plate show: points, profiles along lines, sections and strips."""
+"""Results at places of the plate: points, profiles along lines, sections and strips."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from signorini.results.support_result import SupportResult, areas_below
 
 @dataclass(frozen=True)
 class ProbeResult:
-    """What a point of the plate shows; where moments and shears jump, of each the side where it is larger in size.
+    """Results at a point of the plate; where moments and shears jump, those of the side of larger size.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def stations(mesh: Mesh, at: Floats) -> tuple[Location, Bools]:
 
 @dataclass(frozen=True)
 class SectionResult:
-    """What the part of the plate on the right of a line gives the part on its left, summed along the line.
+    """Force and moments that the part on the right of a line exerts on the part on its left, summed along the line.
 
     Parameters
     ----------
@@ -282,7 +282,7 @@ class StripResult:
 def section_results(
     discretisation: Discretisation, through: Floats
 ) -> tuple[Listed[SectionResult], Listed[StripResult]]:
-    """Give sections and strips what `Discretisation.through` says (3s,)."""
+    """Results of sections and strips from the numbers (3s,) of `Discretisation.through`."""
     lengths = discretisation.cut_lengths.tolist()
     values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=True))
     sections = [SectionResult(section.name, *next(values)) for section in discretisation.model.section]

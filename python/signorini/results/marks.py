@@ -70,9 +70,9 @@ def support_mark(
     numbers: Sequence[str] = (),
     words: str = "",
 ) -> SupportMark:
-    """Draw a support that acts at positions (k, 2), of which some are closed; None: not known yet.
+    """Draw a support at positions (k, 2), some of them closed; None: not known yet.
 
-    ``numbers`` stand beside its points, ``words`` behind what it is.
+    ``numbers`` stand beside its points, ``words`` behind its kind.
     """
     style = _STYLES.get(support.place, "line")
     if support.fix is not None:
@@ -96,7 +96,7 @@ def support_mark(
         states,
         style,
         boundary,
-        support.gives_way,
+        support.is_compliant,
         not (support.gap.is_constant and support.gap.value == 0),
         describe(support) + words,
         counts,
@@ -106,9 +106,9 @@ def support_mark(
 
 
 def _numbers(supports: Sequence[Support], counts: Sequence[int]) -> list[list[str]]:
-    """Name the points of supports at points as tables do, from 1: by number alone where one support has points.
+    """Name the points of supports at points as in tables, from 1: by number alone if one support has points.
 
-    Of more than a hundred points none is named.
+    A support with more than a hundred points has no names.
     """
     pointed = [count if one.place == "at" else 0 for one, count in zip(supports, counts, strict=True)]
     alone = sum(count > 0 for count in pointed) == 1
@@ -120,7 +120,7 @@ def _numbers(supports: Sequence[Support], counts: Sequence[int]) -> list[list[st
 
 
 def _given(support: Support, positions: Floats, units: Units) -> tuple[str, list[str]]:
-    """Say gap, preload and order of a support's points: what all have once, else of each point."""
+    """Write gap, preload and order of a support's points: common values once, other values for each point."""
     same, each = "", [""] * len(positions)
     for key, unit in (("gap", units.length), ("preload", units.force), ("order", "")):
         value = getattr(support, key)
@@ -174,7 +174,7 @@ def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
 
 
 def bedding_panel(discretisation: Discretisation) -> Panel | None:
-    """Draw the stiffness of areas where it is not constant; None where there is none."""
+    """Draw the stiffness of areas that is not constant; None without such an area."""
     mesh, model = discretisation.mesh, discretisation.model
     layers, known = [], []
     for support in model.support:
@@ -195,7 +195,7 @@ def bedding_panel(discretisation: Discretisation) -> Panel | None:
 
 
 def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
-    """Draw the zones of a model, with what they change in the legend."""
+    """Draw the zones of a model, with their changes in the legend."""
     marks = []
     for zone in discretisation.model.zone:
         parts = ["rigid"] if zone.rigid else [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
@@ -386,7 +386,7 @@ class Shown(Protocol):
 
     @property
     def model(self) -> Model:
-        """What was asked."""
+        """Options of the picture."""
 
     @property
     def stress_nodes(self) -> StressNodes:
@@ -398,11 +398,11 @@ class Shown(Protocol):
 
     @property
     def extremes(self) -> Mapping[str, FieldExtremes]:
-        """Of the fields that have them."""
+        """Units of fields."""
 
     @property
     def supports(self) -> Sequence[SupportResult]:
-        """What was found of each support."""
+        """Results of each support."""
 
     def excluding(self, number: str) -> Sequence[Singularity]:
         """Singularities around which extremes of "moment" or "shear" leave out nodes."""
@@ -481,7 +481,7 @@ def discs(excluded: Iterable[Singularity]) -> Floats:
 
 
 _NONE = 1e-9
-"""Part of all that a line carries below which a concentrated force is not written."""
+"""Smallest concentrated force that is written, relative to the total of the line."""
 
 
 def line_diagram(
@@ -525,9 +525,9 @@ def enveloped_diagram(line: Line, ends: Floats, units: Units) -> LineDiagram:
 
 
 def _written_at(values: Floats, begins: Bools, ends: Iterable[int]) -> list[int]:
-    """Stations whose values are written: the largest in size of each run, and of ``ends`` those of its sign or below 0.
+    """Stations with written values: the largest in size of each run, for ``ends`` of its sign or negative.
 
-    A smallest value that pushes too is nothing to design for.
+    A positive smallest value does not govern a design.
     """
     firsts = [*np.flatnonzero(begins).tolist(), len(values)]
     result = [a + int(np.abs(values[a:b]).argmax()) for a, b in pairwise(firsts)]
@@ -535,7 +535,7 @@ def _written_at(values: Floats, begins: Bools, ends: Iterable[int]) -> list[int]
 
 
 def extreme(name: str, value: float, told: bool, width: float | None) -> str:
-    """Say what stands at an extreme: its value and, where they are told, its half-width.
+    """Label of an extreme: its value and its half-width, if known.
 
     Examples
     --------

@@ -27,9 +27,9 @@ def supports_table(
     units: Units,
     widths: Sequence[Mapping[str, Any]] | None = None,
 ) -> str:
-    """Write a table in HTML: what kind each support is, its reaction and those of its points, the pressure of areas.
+    """Write a table in HTML: kind of each support, its reaction and those of its points, pressures of areas.
 
-    Without half-widths, as in results.json, there is no ±. Of many points those with the largest reactions are listed.
+    Numbers have a ± if half-widths are known. Points with the largest reactions are listed.
     """
     areas = any(one.area is not None for one in result)
     gapped = any(support.place == "at" and not one.closed.all() for support, one in zip(supports, result, strict=True))

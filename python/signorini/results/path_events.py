@@ -30,10 +30,10 @@ _TOUCHING = 1e-9
 
 
 def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
-    """How far a support is from each of its events: not negative where it, or that part of it, is closed.
+    """Margin of a support to each of its events: nonnegative while the support, or that part of it, is closed.
 
-    Of a support at points (p,) one a point; of a line or area (5,) one a level. Behind them, where it has a limit, how
-    far it is from that, of every point or of all. Continuous in t along a load path.
+    A support at points has (p,), one for each point, a line or area (5,), one for each level. A support with a limit
+    has further margins to the limit, of every point or of all. Margins are continuous in t.
     """
     closing = _closing(discretisation, index, answer, scales, part)
     support = discretisation.model.support[index]
@@ -89,8 +89,8 @@ def _of_parts(own: Floats, weights: Floats, between: bool) -> Floats:
 Change = Literal[
     "opens", "closes", "yields", "stops yielding", "begins to open", "begins to close", "open", "closed", "part closed"
 ]
-"""Of points "opens", "closes"; of lines and areas "begins to open", "begins to close", "open", "closed", and "part
-closed" as a quarter is passed; of all that have a limit "yields" as a first point does, and "stops yielding"."""
+"""Name of the change. Points: "opens", "closes"; lines and areas: "begins to open", "part closed" at each quarter,
+"open", "begins to close", "closed"; with a limit: "yields" at the first point, "stops yielding"."""
 
 _MOST_POINTS = 3
 """Points of one support named at a stop."""
@@ -120,7 +120,7 @@ def closing_margins(support: Support, margins: int) -> int:
 
 
 def event_of(support: Support, number: int, opening: bool, margins: int) -> tuple[Change, float | None]:
-    """What happens as the margin of that number changes its sign, and the part that is closed there, if it tells."""
+    """Name of the event as a margin changes its sign, and the closed part after it, if known."""
     if number >= closing_margins(support, margins):
         return "yields" if opening else "stops yielding", None
     if support.place == "at":
@@ -200,7 +200,7 @@ class Threshold:
     when: str  # as it was asked for: ``"bolts[1].reaction = -203e3"``
     quantity: str  # its name
     value: float
-    t: float | None = None  # where it first comes to the value; None where it does not on the path
+    t: float | None = None  # t at which the quantity first reaches the value; None if it does not on the path
 
     @property
     def linear(self) -> bool:

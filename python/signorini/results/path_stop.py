@@ -46,19 +46,19 @@ class Switch:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PathStop(Brief):
-    """The path at one t. Between two stops all is linear in t, but for the extremes and the work."""
+    """The path at one t. Between two stops all numbers are linear in t, except extremes and work."""
 
     t: float
     switched: tuple[Switch, ...]  # contact points that open or close here
     points: Ints  # (k,): which contact points these are
     pieces: Pieces  # (k,): pieces of their laws that they are on from here on
-    catalogue: Catalogue  # what ``values`` are
-    values: Floats  # (n,): supports count as closed what is closed from here on
+    catalogue: Catalogue  # catalogue of ``values``
+    values: Floats  # (n,): points that are closed after the stop
     largest_at: tuple[float, float]  # where the extremes of the deflection are
     smallest_at: tuple[float, float]
     work: float  # sum of nodal loads times displacements: the same for all solutions of one load
     work_size: float  # sum of the magnitudes
-    not_unique: tuple[NotUnique, ...] = ()  # what of the answer is a choice among equal ones
+    not_unique: tuple[NotUnique, ...] = ()  # freedoms of the answer among equally right ones
 
     @property
     def reactions(self) -> Floats:
@@ -150,9 +150,9 @@ def path_stops(
     answers: Sequence[Answer],
     imbalance: Floats | None = None,
 ) -> list[PathStop]:
-    """Reduce answers (k,) to what the path keeps of them; ``switched`` are the points that are said to open or close.
+    """Reduce answers (k,) to the numbers that a path keeps; ``switched`` are the points that open or close.
 
-    ``imbalance`` (k, 3n) are their residuals, of plate and springs alone, where they are known.
+    ``imbalance`` (k, 3n) are their residuals, of plate and springs alone, if known.
     """
     catalogue = numbers_at_stops(discretisation)
     numbers = _numbers(discretisation, catalogue, loads, answers, imbalance, {})

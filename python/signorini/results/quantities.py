@@ -1,6 +1,6 @@
-"""Every quantity of results, once: its name, symbol, unit and key, what it is compared with, and where it is told.
+"""Registry of quantities: name, symbol, unit, key, kind, and the files in which each appears.
 
-JSON, tables, envelopes, half-widths, thresholds, pictures and the terminal take it from here.
+JSON, tables, envelopes, half-widths, thresholds, pictures and the terminal take names and paths from here.
 """
 
 from __future__ import annotations
@@ -69,11 +69,11 @@ Home = Literal["field", "mean", "support", "point", "corner", "probe", "section"
 
 @dataclass(frozen=True)
 class Kind:
-    """What is compared with each other: numbers of one unit that are large and small together."""
+    """Kind of numbers that are compared with each other: of one unit and of similar size."""
 
     force: int = 0  # powers of force and length in its unit
     length: int = 0
-    singular: str = ""  # what singularities call it; empty where it always has a limit
+    singular: str = ""  # name in singularities; empty for numbers that always have a limit
     colours: str = "RdBu"  # a colour map whose middle is zero
 
     def unit(self, units: Units) -> str:
@@ -107,25 +107,25 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Quantity:
-    """What numbers of results are of."""
+    """Owners of numbers."""
 
     name: str  # in tables and thresholds
     kind: str  # one of `KINDS`
-    words: str = ""  # what it is, with its symbol
-    key: Path = ()  # keys and indices that lead to it in results.json, from what it is of; by default the name
-    vector: str = ""  # what turns into it: numbers of one vector of one probe change together
+    words: str = ""  # description with the symbol
+    key: Path = ()  # keys and indices below the owner in results.json; by default the name
+    vector: str = ""  # vector to which it belongs: numbers of one vector at one probe change together
     tabled: bool = True  # whether tables have it
     enveloped: bool = True  # whether extremes of it are sought
     along_paths: bool = True  # whether load paths tell it at every stop
 
     @property
     def path(self) -> Path:
-        """Where it stands below what it is of."""
+        """Keys below the owner."""
         return self.key or (self.name,)
 
     @property
     def singular(self) -> str:
-        """What singularities call it."""
+        """Name of the quantity in singularities."""
         return KINDS[self.kind].singular
 
     def unit(self, units: Units) -> str:
@@ -136,7 +136,7 @@ class Quantity:
         return KINDS[self.kind].unit(units)
 
     def label(self, units: Units) -> str:
-        """Say what it is, with its unit.
+        """Words and unit of the quantity.
 
         Examples
         --------
@@ -209,7 +209,15 @@ DERIVED = (
             *_of_face("top"),
             *_of_face("bottom"),
             Quantity("von_mises", "stress", "von Mises stress", ("stress", "von_mises", 0), "stress"),
-            Quantity("von_mises_bottom", "stress", "", ("stress", "von_mises", 1), "stress", False, False),
+            Quantity(
+                "von_mises_bottom",
+                "stress",
+                "von Mises stress at the bottom",
+                ("stress", "von_mises", 1),
+                "stress",
+                False,
+                False,
+            ),
         ),
     ),
     Derived(
@@ -227,56 +235,75 @@ FIELDS: Mapping[str, Quantity] = _by_name(
 )
 """Every field at the nodes."""
 PEAKING: Mapping[str, Quantity] = _by_name([one for one in FIELDS.values() if one.singular in ("moment", "shear")])
-"""Fields whose extremes are told away from where they have no limit. Deflections grow too slowly for that."""
+"""Fields with extremes outside places without a limit. Deflections grow too slowly to be excluded."""
 RESULTANTS = tuple(name for name in LINEAR if name in PEAKING)
 """Moments and shears."""
 TOLD = ("deflection", *PEAKING)
-"""Fields whose extremes every result tells."""
+"""Fields with extremes in every result."""
 PRESSURE = Quantity("pressure", "pressure", "contact pressure, positive up", tabled=False, enveloped=False)
 PICTURED = {**FIELDS, PRESSURE.name: PRESSURE}
-"""What pictures and profiles show, by name."""
+"""Quantities of pictures and profiles, by name."""
 AT_PROBES: tuple[Quantity, ...] = tuple(
     one if one.name == "deflection" else replace(one, along_paths=False)
     for one in (*LINEAR.values(), PRESSURE, *(one for of in DERIVED for one in of.quantities))
 )
 OF_SUPPORTS = (
-    Quantity("reaction", "reaction"),
-    Quantity("closed", "count", enveloped=False),
-    Quantity("open", "count", enveloped=False),
-    Quantity("closed_part", "part", tabled=False),
+    Quantity("reaction", "reaction", "reaction, total, positive up"),
+    Quantity("closed", "count", "closed, number of points", enveloped=False),
+    Quantity("open", "count", "open, number of points", enveloped=False),
+    Quantity("closed_part", "part", "closed part, 0 to 1", tabled=False),
 )
 OF_AREAS = (
-    Quantity("max_pressure", "pressure"),
-    Quantity("contact_area", "area"),
-    Quantity("max_tension", "pressure", tabled=False, along_paths=False),
+    Quantity("max_pressure", "pressure", "max pressure, positive up"),
+    Quantity("contact_area", "area", "contact area"),
+    Quantity("max_tension", "pressure", "max tension, pressure that pulls down", tabled=False, along_paths=False),
 )
-OF_LINES = tuple(Quantity(f"{side}_per_length", "per_length", along_paths=False) for side in ("max", "min"))
-"""Of supports along edges, lines and circles."""
+OF_LINES = tuple(
+    Quantity(f"{side}_per_length", "per_length", f"{side} per length, reaction positive up", along_paths=False)
+    for side in ("max", "min")
+)
+"""Quantities of supports along edges, lines and circles."""
 AT_CORNERS = Quantity("reaction", "corner", "concentrated force", (), "", False, False, False)
 """Concentrated forces at their corners and ends."""
-OF_LIMITED_AREAS = (Quantity("yielded_area", "area", tabled=False, along_paths=False),)
-OF_POINTS = (Quantity("reaction", "reaction"), Quantity("gap", "deflection"))
+OF_LIMITED_AREAS = (
+    Quantity("yielded_area", "area", "yielded area, where the limit is reached", tabled=False, along_paths=False),
+)
+OF_POINTS = (
+    Quantity("reaction", "reaction", "reaction, positive up"),
+    Quantity("gap", "deflection", "gap, remaining free travel"),
+)
 OF_TURNING_POINTS = tuple(
-    Quantity(f"moment_{axis}", "couple", "", ("moment", at), "moment") for at, axis in enumerate("xy")
+    Quantity(f"moment_{axis}", "couple", f"moment {axis}, couple on θ{axis} of the plate", ("moment", at), "moment")
+    for at, axis in enumerate("xy")
 )
 OF_POINTS_WITH_LAWS = (Quantity("piece", "count", "piece of the law", (), "", False, False, False),)
 TURNING = tuple(one.name for one in OF_TURNING_POINTS)
 OF_BOLTS = (
-    Quantity("preload", "reaction", enveloped=False, along_paths=False),
-    Quantity("prying", "part", tabled=False, along_paths=False),
+    Quantity("preload", "reaction", "preload, sum over the bolts", enveloped=False, along_paths=False),
+    Quantity("prying", "part", "prying, −Σ reaction / upward load", tabled=False, along_paths=False),
 )
-"""Of supports whose points are tightened."""
+"""Quantities of supports with tightened points."""
 AT_BOLTS = (
-    Quantity("tightened_to", "reaction", enveloped=False, along_paths=False),
-    Quantity("preload", "reaction", enveloped=False, along_paths=False),
-    Quantity("change", "reaction", enveloped=False, along_paths=False),
+    Quantity("tightened_to", "reaction", "tightened to, last tightening force", enveloped=False, along_paths=False),
+    Quantity("preload", "reaction", "preload, force before other loads", enveloped=False, along_paths=False),
+    Quantity("change", "reaction", "change, reaction − preload", enveloped=False, along_paths=False),
 )
 """At their points."""
-THROUGH = (Quantity("moment", "couple"), Quantity("twist", "couple"), Quantity("shear", "force"))
+THROUGH = (
+    Quantity("moment", "couple", "moment, ∫ mₙₙ ds"),
+    Quantity("twist", "couple", "twist, ∫ mₙₛ ds"),
+    Quantity("shear", "force", "shear, ∫ qₙ ds"),
+)
 """Forces through sections."""
-MEANS = (Quantity("moment", "moment"), Quantity("twist", "moment"), Quantity("shear", "shear"))
+MEANS = (
+    Quantity("moment", "moment", "moment, mean of mₙₙ"),
+    Quantity("twist", "moment", "twist, mean of mₙₛ"),
+    Quantity("shear", "shear", "shear, mean of qₙ"),
+)
 """Their means at the stations of a strip."""
-OF_STRIPS = tuple(Quantity(name, "moment", tabled=False) for name in ("max_moment", "min_moment"))
+OF_STRIPS = tuple(
+    Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations", tabled=False) for side in ("max", "min")
+)
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
 """Extremes of the means at places where a field has no limit."""
@@ -286,7 +313,7 @@ _EXTREME = ("field", "mean")
 SMOOTH = frozenset(
     ("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment", "max_per_length", "min_per_length")
 )
-"""What is not linear in the load on one contact set."""
+"""Quantities that are not linear in the load on one contact state."""
 
 
 def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness: Floats) -> Floats:
@@ -302,13 +329,13 @@ def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness:
 
 @dataclass(frozen=True)
 class Number:
-    """One number of a result: what it is and of whom, and with that where it stands in files."""
+    """One number of a result: quantity and owner, and with them its place in files."""
 
     quantity: Quantity
-    home: Home  # what it is of
+    home: Home  # owner
     owner: int  # which of these, in the order of the model
     path: Path  # keys and indices in results.json
-    subject: str  # what it is of, as columns and thresholds name it
+    subject: str  # name of the owner in columns and thresholds
     part: int = 0  # which point of a support, or station of a strip, from 0
     tabled: bool = True  # whether tables have it
     estimated: bool = True  # whether it has a half-width
@@ -347,7 +374,7 @@ class Number:
 
     @property
     def ties(self) -> tuple[str, str, int]:
-        """What it is told apart from but for rounding: numbers of one kind, of pressures and areas of one support."""
+        """Group of numbers that are compared to rounding: those of one kind, pressures and areas of one support."""
         kind = self.quantity.kind
         return self.home, kind, self.owner if kind in ("pressure", "area", "per_length") else -1
 
@@ -369,7 +396,7 @@ class Catalogue:
 
     numbers: tuple[Number, ...]
     in_plates: tuple[tuple[tuple[int, int], ...], ...] = ()
-    """Of several plates the numbers of plates that each of these is, and of which of their numbers it is one."""
+    """For several plates: pairs (plate, number of that plate's catalogue) behind each number."""
 
     @classmethod
     def of(
@@ -381,7 +408,7 @@ class Catalogue:
         probes: int,
         fields: Sequence[str],
     ) -> Catalogue:
-        """List a model's numbers: of supports with so many points that may open or not and corners, and of fields."""
+        """List a model's numbers, given the counts of opening points and corners of each support, and fields."""
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             own = OF_SUPPORTS + OF_AREAS * (support.area is not None)
@@ -477,7 +504,7 @@ class Catalogue:
         return {one.path: place for place, one in enumerate(self.numbers)}
 
     def derive(self, values: Floats, thickness: Floats) -> None:
-        """Fill in what follows at probes from moments and shears there, in values (..., n); ``thickness`` is (q,)."""
+        """Fill in derived numbers at probes from moments and shears in values (..., n); ``thickness`` is (q,)."""
         names = [one.name for of in DERIVED for one in of.quantities if ("probe", one.name) in self._places]
         if names:
             moment, shear = values[..., self.at("probe", "mx", "my", "mxy")], values[..., self.at("probe", "qx", "qy")]

@@ -101,11 +101,11 @@ class Result(Remade):
         What supports do, forces through sections, mean moments of strips: each by its number from 0 or by its name, as
         ``supports["columns"]``.
     method : str
-        "lemke", "active_set" or "interior_point"; "given" where `signorini.recover` was given the reactions.
+        "lemke", "active_set" or "saddle"; "given" where `signorini.recover` was given the reactions.
     unsettled : tuple of str
         Methods that were tried before and did not settle; almost always none.
     iterations : int
-        Lemke's pivots, the active set's Newton steps, or the steps of the interior point method.
+        Pivots of Lemke's algorithm, or Newton steps of the active set.
     not_unique : tuple of NotUnique
         What else would be as right, where supports repeat each other or the plate may rest elsewhere: of all these the
         least reactions, and then the least deflection, are given. Empty where this is the only answer.
@@ -170,10 +170,9 @@ class Result(Remade):
     ) -> Self:
         """Recover every field from a contact solution; the last of ``methods`` found it.
 
-        ``load_of`` is the combination, or the name of a load that is none.
-        ``stress`` (s, 5) are the moments and shears at the nodes, where they are known already; ``beneath`` the
-        deflections (n,) of other plates, by the number of the support between this one and them; ``upon`` those of
-        supports by which another plate lies on this one.
+        ``load_of`` is the combination, or the name of another load. ``stress`` (s, 5) are the moments and shears at the
+        nodes, if already known. ``beneath`` are the deflections (n,) of other plates by the number of the support
+        between; ``upon`` are the supports by which another plate lies on this one.
         """
         if discretisation.plates:
             return cls._of_plates(discretisation, load_of, methods, load, answer, certificate)
@@ -259,7 +258,7 @@ class Result(Remade):
             plates[one.name] = cls.of(one.own, load_of, methods, own, *part, beneath, one.upon)
 
         def in_order(key: str, of: Callable[[Self], Sequence[Any]]) -> Listed[Any]:
-            """What plates have for each table of the model, in its order; of what is between two the upper one's."""
+            """Entries of the plates for each table of the model, in its order; between plates the upper one's."""
             result: dict[int, Any] = {}
             for one in each:
                 for which, value in zip(one.numbers[key], of(plates[one.name]), strict=True):
@@ -299,8 +298,8 @@ class Result(Remade):
 
     @property
     def counted(self) -> str:
-        """What ``iterations`` counts."""
-        return {"lemke": "pivots", "active_set": "Newton steps"}.get(self.method, "interior point steps")
+        """Unit that ``iterations`` counts."""
+        return "pivots" if self.method == "lemke" else "Newton steps"
 
     @property
     def heading(self) -> str:
@@ -389,7 +388,7 @@ class Result(Remade):
 
     @cached_property
     def numbers(self) -> Floats:
-        """Every number (k,) of its ``catalogue``; NaN where there is none."""
+        """Every number (k,) of its ``catalogue``; NaN if missing."""
         result, at = np.full(len(self.catalogue), np.nan), self.catalogue.at
         if self.status != "solved":
             return result
@@ -459,8 +458,8 @@ class Result(Remade):
     def pressure(self, points: Points) -> Floats:
         """Contact pressure (q,) of the area supports at points (q, 2) of the plate, positive where they push it up.
 
-        0 where there is a gap, NaN where there is no area support. Of an elastic area k ⟨w − settlement − gap⟩, of a
-        rigid one its reaction over the area, an element at a time.
+        It is 0 at a gap, and NaN without area support. An elastic area has k ⟨w − settlement − gap⟩, a rigid one its
+        reaction over the area, element by element.
 
         Raises
         ------
@@ -632,7 +631,7 @@ def _by_table(result: Result) -> list[tuple[ProbeResult, ...]]:
 
 
 def in_notebook(result: Result, plus_minus: Mapping[str, Any] | None, of_mesh: str) -> str:
-    """Write a result as HTML, with half-widths if there are any and what they come from."""
+    """Write a result as HTML, with half-widths and their meshes if there are any."""
     title = f"<p><b>{html.escape(result.name)}</b>: {result.status.replace('_', ' ')}</p>"
     if result.status != "solved":
         return f"{title}<p>{html.escape(result.message)}</p>"

@@ -1,4 +1,4 @@
-"""Results as rows of a table: what is kept of each, whoever solved it; for pandas and xarray too."""
+"""Results as rows of a table, also for pandas and xarray."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
 
 _MOVED = 1.0 + 1e-9
-"""Travel over that at rest from which on a point has moved away: more than rounding."""
+"""Smallest ratio of a travel to the travel at rest of a lifted point: more than rounding."""
 _MOST_BEARINGS = 100
-"""Points of one support beyond which its reaction is looked at as a whole."""
+"""Largest number of points of a support that are bearings of their own; with more points the support is one bearing."""
 
 Column = Sequence[str] | Floats | Ints
 NamedColumns = Iterable[tuple[str, Column]]
@@ -57,13 +57,13 @@ class Hidden:
     A field has no limit there, or they are left out whatever acts.
     """
 
-    classes: Ints  # (n,): 0 of those that nothing hides
+    classes: Ints  # (n,): class of each node; class 0 is never hidden
     always: Bools  # (c,): which classes are hidden whatever acts
     by_case: Mapping[str, Bools]  # which classes a load case hides, if any
 
     @classmethod
     def nothing(cls, count: int) -> Hidden:
-        """No node of so many."""
+        """Hide none of a number of nodes."""
         return cls(np.zeros(count, np.int64), np.zeros(1, np.bool_), {})
 
     @classmethod
@@ -139,7 +139,7 @@ class Layout:
         fields = tuple(name for name in FIELDS if name in asked)
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
         areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
-        # Of several plates each has its own, in its results.
+        # Areas of several plates are in the results of each plate.
         areas = [] if discretisation.plates else areas
         at_rest = {index: area_at_rest(discretisation, index) for index in areas}
         number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
@@ -173,7 +173,7 @@ class Layout:
 
     @cached_property
     def around_areas(self) -> Ints:
-        """Nodes (k,) of the elements that elastic areas are in; what these do follows from the deflections there."""
+        """Nodes (k,) of the elements of elastic areas, whose deflections give pressures and contact areas."""
         elastic = [area for area in self.at_rest.values() if area.support.modulus is not None]
         nodes = [area.mesh.elements[area.covered > 0].ravel() for area in elastic]
         return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
@@ -192,7 +192,7 @@ class Layout:
 
     @cached_property
     def governed(self) -> tuple[tuple[str, Bearing], ...]:
-        """Of which numbers extremes are told with what all bearings do then: reactions, gaps, what areas do."""
+        """Numbers whose extremes are listed with all reactions: reactions, gaps, pressures and areas."""
         result = [("reaction", bearing) for bearing in self.bearings]
         opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
         areas = [one for one in self.bearings if one.support in self.at_rest]
@@ -310,7 +310,7 @@ class Block:
             values[np.ix_(rows, at("point", what))] = of_points[:, every]
 
     def put_lines(self, rows: Ints, layout: Layout, couples: Floats) -> None:
-        """Fill rows (r,) with the reactions per length, from what couples add (r, v) at vertices of all lines."""
+        """Fill rows (r,) with the reactions per length, given contributions of couples (r, v) at vertices of lines."""
         first = 0
         at = dict(zip(layout.lines, layout.catalogue.at("support", *(one.name for one in OF_LINES)), strict=True))
         for index, line in layout.lines.items():
@@ -330,7 +330,7 @@ class Block:
     def columns(self, layout: Layout, keys: NamedColumns, loads: NamedColumns = ()) -> Iterator[tuple[str, Column]]:
         """Yield every column (k,) with its name.
 
-        ``keys`` are the columns that tell the rows apart, ``loads`` those that say what is on the plate.
+        ``keys`` are the columns that identify the rows, ``loads`` those of the load.
         """
         yield from keys
         yield "status", ["solved" if solved else "no_equilibrium" for solved in self.solved]
@@ -370,10 +370,10 @@ def dataframe(table: Mapping[str, Column], key: str) -> Any:
 
 
 def dataset(results: Mapping[str, Result]) -> Any:
-    """Give fields and reactions of results on one mesh as an `xarray.Dataset`.
+    """Return fields and reactions of results on one mesh as an `xarray.Dataset`.
 
-    Fields are by combination and node of stresses, whose places are the coordinates x and y; reactions by combination
-    and support. Every variable says what it is (``long_name``) and its unit (``units``).
+    Fields are by combination and stress node, with coordinates x and y; reactions by combination and support. Every
+    variable has its description (``long_name``) and unit (``units``).
     """
     first = next(iter(results.values()))
     units, nodes = first.model.units, first.stress_nodes

@@ -23,13 +23,13 @@ class SupportPoints:
     nodes: Ints  # (h,): nodes whose deflection it holds; they and springs are the fixed points, always closed
     springs: Ints  # (s,)
     share: Floats  # (h,): its part of the reaction at each node, which supports there carry in equal parts
-    rows: Ints  # (ways, c): its contact points, repeated ones included; a point with travel both ways has two rows
-    direction: Floats  # (ways, c): +1 where a row pushes the plate up, −1 where it holds it down
+    rows: Ints  # (r, c): contact points, with repeated ones; a point with travel in both directions has two rows
+    direction: Floats  # (r, c): +1 where a row pushes the plate up, −1 where it holds it down
     order: Ints  # (h + s + c,): from nodes, springs and contact points, one behind the other, to the order of the input
     positions: Floats  # (p, 2): in the order of the input
     weights: Floats  # (p,): the length or area that a point stands for, 1 at a point
     elements: Ints  # (p,): the element that a point is in; of held nodes −1
-    shares: csr_array | None  # (c', c): of an averaged area, each element's share of what its contact points do
+    shares: csr_array | None  # (c', c): for an area with element means, each element's shares of its contact points
     turning: Ints  # (p, 2): of points, springs on their slopes θx and θy; none of others
 
     @staticmethod
@@ -90,11 +90,11 @@ class SupportPoints:
         return self.forces(np.zeros(self.fixed), discretisation.points.tightened_to)
 
     def moments(self, pull: Floats) -> Floats:
-        """Couples (..., p, 2) on θx and θy that points exert on the plate, from what all springs do (..., s)."""
+        """Couples (..., p, 2) on θx and θy that points exert on the plate, given the forces (..., s) of all springs."""
         return np.asarray(-pull[..., self.turning])
 
     def centres(self, discretisation: Discretisation, reaction: Floats) -> Floats:
-        """Where the force of every point acts (p, 2), given the contacts' (m,): in an element nearer to what pushes."""
+        """Point of application (p, 2) of every point's force, given contact forces (m,): in an element the centroid."""
         if self.shares is None:
             return self.positions
         pushing = np.abs(reaction[self.rows]).sum(axis=0)
@@ -108,7 +108,7 @@ class SupportPoints:
         return np.asarray(np.concatenate([self.positions[np.argsort(self.order)][: self.fixed], acting])[self.order])
 
     def gaps(self, gap: Floats) -> Floats:
-        """What is left of the travel (..., p) of every point, from that of contacts (..., m); 0 of repeated ones."""
+        """Remaining free travel (..., p) of every point, given that of contacts (..., m); 0 for repeated ones."""
         gap = _with(np.maximum(gap, 0.0), self.rows, 0.0)
         travel = gap[..., self.rows].min(axis=-2)
         if self.shares is not None:
@@ -135,7 +135,7 @@ class SupportPoints:
         return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
 
     def pieces(self, discretisation: Discretisation, pieces: Pieces) -> Ints:
-        """Pieces (p,) of the laws, by travel down of what acts both ways, from those of contacts (m,)."""
+        """Pieces (p,) of the laws, given those of contacts (m,); supports in both directions count by travel down."""
         contacts, own = discretisation.points, _with(pieces, self.rows, 0)[self.rows].astype(np.int64)
         if len(own) == 2:
             last = np.array([len(law.slopes) - 1 for law in contacts.laws])[contacts.law[self.rows[1]]]
@@ -178,14 +178,16 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
 
 
 _ALL = 1.0 - 1e-9
-"""Part of a limit from which on a point yields: the rest is rounding."""
+"""Smallest share of a limit at which a point yields: the difference is rounding."""
 _INWARD = 3e-10
-"""Part of the plate's size by which an element's point is kept within the element: corners are of several."""
+"""Distance, relative to the plate's size, by which an element's point is kept inside: corners belong to several
+elements.
+"""
 
 
 @dataclass(frozen=True)
 class Scales:
-    """What reactions and lengths are divided by where both are on one scale of how far a point is closed or open."""
+    """Divisors of reactions and lengths that make the margins of closed and open points comparable."""
 
     force: float
     length: float

@@ -1,4 +1,4 @@
-"""What each support is in words, and what it does in a solution: reactions, gaps, states, contact of areas."""
+"""Results of each support: kind in words, reactions, gaps, states, contact of areas."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class EdgeCouples:
 
     @classmethod
     def of_springs(cls, mesh: Mesh, edges: Sequence[str], positions: Floats, couples: Floats) -> Self:
-        """Sum what springs (s,) at points (s, 2) of the edges do on each side."""
+        """Sum the forces of springs (s,) at points (s, 2) of the edges on each side."""
         sides = _sides(mesh, edges, np.zeros(mesh.node_count, np.bool_))
         begin, end = mesh.points[sides[:, 0]], mesh.points[sides[:, 2]]
         along = end - begin
@@ -49,10 +49,10 @@ class EdgeCouples:
 
     @classmethod
     def of(cls, mesh: Mesh, edges: Sequence[str], nodal: Floats, held: Ints, rigid: Bools) -> Self:
-        """Spread couples (n, 2) that hold nodes over the lengths that these stand for, as consistent nodal forces do.
+        """Spread couples (n, 2) that hold nodes over the lengths of the nodes, as consistent nodal forces do.
 
-        What holds a node at a corner of two ``held`` sides (h, 3), or one of a rigid zone (n,), is not of one side
-        alone: there the other nodes of the side tell its mean.
+        A node at a corner of two ``held`` sides (h, 3), or in a rigid zone (n,), has couples of more than one side:
+        there the other nodes of the side give its mean.
 
         Examples
         --------
@@ -73,7 +73,7 @@ class EdgeCouples:
 
 
 def _sides(mesh: Mesh, edges: Sequence[str], rigid: Bools) -> Ints:
-    """Sides (k, 3) of elements along edges, each once, but for those within a rigid zone (n,) or inside the plate."""
+    """Sides (k, 3) of elements along edges, each once, without those in a rigid zone (n,) or inside the plate."""
     sides = np.concatenate([mesh.edges[name] for name in edges])
     sides = sides[np.sort(np.unique(sides[:, 1], return_index=True)[1])]
     outer = mesh.sides[mesh.on_boundary][:, 1]
@@ -93,7 +93,7 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 def kinds(support: Support) -> list[str]:
     """Give the kinds of a support, keys of `MEANINGS` and `SYMBOLS`: how it acts, and whether it is elastic."""
     how = "fixed" if support.fix is not None else support.resists or "both"
-    return [how, "elastic"] if support.gives_way else [how]
+    return [how, "elastic"] if support.is_compliant else [how]
 
 
 def symbol(support: Support) -> str:
@@ -118,7 +118,7 @@ def describe(support: Support) -> str:
         how = support.fix if isinstance(support.fix, str) else " ".join(support.fix) + " held"
         return f"{where}, {how}" + (", elastic" if support.modulus is not None else "")
     how = MEANINGS[support.resists or "both"] if support.between is None else f"between {' and '.join(support.between)}"
-    later = "rigid at first, then elastic" if support.gives_way else "rigid"
+    later = "rigid at first, then elastic" if support.is_compliant else "rigid"
     parts = [where, how, later if support.modulus is None else "elastic"]
     if not (support.gap.is_constant and support.gap.value == 0):
         parts.append("with gap")
@@ -131,7 +131,7 @@ def describe(support: Support) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SupportResult(Remade):
-    """What one support does.
+    """Results of one support.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ class SupportResult(Remade):
 
     @property
     def changes(self) -> Floats | None:
-        """What loads add to the reactions (k,) that points with a preload have before."""
+        """Change (k,) of the reactions by loads at points with a preload."""
         return None if self.preloads is None else self.reactions - self.preloads
 
     @property
@@ -203,12 +203,12 @@ class SupportResult(Remade):
 
     @property
     def preload(self) -> float:
-        """Sum of the preloads; NaN where there is none."""
+        """Sum of the preloads; NaN without preload."""
         return np.nan if self.preloads is None else float(self.preloads.sum())
 
     @property
     def prying(self) -> float:
-        """The force of its bolts over the pull of the loads; NaN where there is none."""
+        """Force of the bolts over the pull of the loads; NaN without either."""
         return -self.reaction / self.pull
 
     @property
@@ -234,15 +234,15 @@ class SupportResult(Remade):
 
     @property
     def yielded_area(self) -> float | None:
-        """Area that gives its limit, from the deflection field where it is elastic; None of what has none."""
+        """Area at its limit, from the deflection field of an elastic area; None without limit."""
         return None if self.area is None else self.area.yielding(self.yielded)
 
     @property
     def contact_boundary(self) -> tuple[Floats, ...]:
         """Edge of an area's contact: polylines (k, 2) with the contact on their left.
 
-        The last point of a closed one is its first; the others end where the plate or the support does. Of an elastic
-        area they follow the deflection field, of a rigid one the sides of elements.
+        The last point of a closed one is its first; the others end at the border of the plate or the support. They
+        follow the deflection field of an elastic area, the sides of elements of a rigid one.
         """
         return () if self.area is None else self.area.contact_boundary
 
@@ -276,11 +276,11 @@ def support_result(
     beneath: Floats | float = 0.0,
     upon: bool = False,
 ) -> SupportResult:
-    """Say what a support does in an answer.
+    """Result of a support in an answer.
 
-    From the upward force (n,) and the couples (n, 2) on every held node, the upward force (s,) of every spring, and the
-    force with which the loads lift the plate, NaN where they do not. Of one between two plates ``beneath`` (n,) is the
-    deflection of the other plate; ``upon`` says that the other lies on this one.
+    Inputs are the upward force (n,) and the couples (n, 2) on every held node, the upward force (s,) of every spring,
+    and the force with which the loads lift the plate, NaN where they do not. For a support between two plates
+    ``beneath`` (n,) is the deflection of the other plate; ``upon`` says that the other plate lies on this one.
     """
     support = discretisation.model.support[index]
     points = SupportPoints.of(discretisation, index)
@@ -340,7 +340,7 @@ def lines_below(supports: Sequence[SupportResult]) -> list[tuple[SupportResult, 
 def area_contact(
     discretisation: Discretisation, index: int, deflection: Floats, positions: Floats, closed: Bools, reactions: Floats
 ) -> AreaContact:
-    """Contact of an area, from the deflection (n,) and what its points (q,) do."""
+    """Contact of an area, from the deflection (n,) and the forces of its points (q,)."""
     support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
     on_means = points.shares is not None or support.modulus is None
     stiff = on_means | _stiff(discretisation, support, points)
@@ -357,7 +357,7 @@ def _ground(discretisation: Discretisation, index: int) -> Mesh:
 
 @kept
 def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
-    """Contact of an area that nothing presses yet, built once: where it is, and its law."""
+    """Contact of an area without any load, computed once: its place and law."""
     positions, flat = SupportPoints.of(discretisation, index).positions, np.zeros(discretisation.mesh.node_count)
     nothing = np.zeros(len(positions))
     return area_contact(discretisation, index, flat, positions, nothing > 0, nothing)

@@ -19,18 +19,18 @@ _LENGTHS = {"metre": "m", "millimetre": "mm", "centimetre": "cm", "decimetre": "
 _LENGTHS |= {"inch": "in", "foot": "ft", "feet": "ft", "yard": "yd"}
 _FORCES = {"newton": "N", "decanewton": "daN", "kilonewton": "kN", "meganewton": "MN", "pound": "lbf", "tonne": "tf"}
 _ALIKE = 0.7
-"""Likeness from which a unit that is not known is a known one spelt otherwise."""
+"""Smallest similarity of an unknown unit to a known unit that is suggested."""
 _THICKEST = 0.5
-"""Thickness over the plate's smaller extent beyond which it is surely none: EN 1992-1-1, 5.3.1, calls slab what has a
-fifth at most."""
+"""Largest ratio of thickness to the plate's smaller extent without a warning. EN 1992-1-1, 5.3.1, allows a fifth for
+slabs."""
 _SOFTEST, _STIFFEST = 1e8, 1e12
 """Pascals between which Young's moduli of plates are: rubber is softer, and hardly anything stiffer than diamond."""
 _LIGHTEST, _HEAVIEST = 100.0, 3e5
-"""Newtons per cubic metre between which their weights are: foam is lighter, and nothing heavier than osmium."""
+"""Range of unit weights, N/m³: from foam to osmium."""
 _RIGID, _NONE = 1e3, 1e-4
-"""Stiffness of a support, over D/h⁴ of a bed, D/h³ of a line, D/h² of a point, from which the plate does not feel that
-it is elastic; and over the same with the plate's size, below which the plate moves as if it were free. Concrete on
-soil has 0.001 of the one and 100 of the other, a base plate on grout 1 of the first."""
+"""Range of a support's stiffness, over D/h⁴ of a bed, D/h³ of a line, D/h² of a point: above the first it is
+practically rigid; below the second, over the same with the plate's size, it is practically zero. Concrete on soil has
+0.001 of the first and 100 of the second, a base plate on grout 1 of the first."""
 _POWERS = {"area": 4, "edge": 3, "line": 3, "circle": 3, "at": 2}
 
 
@@ -49,8 +49,8 @@ def _unknown(kind: str, given: str, known: Mapping[str, float], words: Mapping[s
         near = difflib.get_close_matches(given.casefold(), spelt, n=1, cutoff=_ALIKE)
         meant = f' Did you mean "{spelt[near[0]]}"?' if near else ""
         yield (
-            f"units.{kind} = {describe(given)} is none of the units that are known, {', '.join(known)}: whether "
-            f"numbers are in the right unit cannot be told.{meant}"
+            f"units.{kind} = {describe(given)} is an unknown unit. Known are {', '.join(known)}; only "
+            f"with these can the size of numbers be checked.{meant}"
         )
 
 
@@ -99,7 +99,7 @@ def _of_material(discretisation: Discretisation) -> Iterator[str]:
     pascals = (modulus or 0.0) * _NEWTONS[force] / METRES[length] ** 2
     if modulus is not None and not _SOFTEST <= pascals <= _STIFFEST:
         yield (
-            f"E = {modulus:.4g} {force}/{length}² is {pascals:.4g} Pa, and what plates are made of has "
+            f"E = {modulus:.4g} {force}/{length}² is {pascals:.4g} Pa; materials of plates have "
             f"{_SOFTEST:.0e} to {_STIFFEST:.0e}: was another unit meant?"
         )
     for weight in (
@@ -110,7 +110,7 @@ def _of_material(discretisation: Discretisation) -> Iterator[str]:
         newtons = (weight or _LIGHTEST) * _NEWTONS[force] / METRES[length] ** 3
         if weight and not _LIGHTEST <= newtons <= _HEAVIEST:
             yield (
-                f"unit_weight = {weight:.4g} {force}/{length}³ is {newtons:.4g} N/m³, and what plates are made of has "
+                f"unit_weight = {weight:.4g} {force}/{length}³ is {newtons:.4g} N/m³; materials of plates have "
                 f"{_LIGHTEST:.0f} to {_HEAVIEST:.0f}: was another unit meant, or a mass?"
             )
 

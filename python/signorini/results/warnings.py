@@ -1,4 +1,4 @@
-"""What a model or an answer may say that nobody meant, in sentences: it is solved all the same."""
+"""Warnings of a model or an answer: input that is solved but probably not meant, in sentences."""
 
 from __future__ import annotations
 
@@ -31,26 +31,26 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import at_peaks
 
 _FOLLOWED = 0.5
-"""Part of a line on the plate that is on sides of elements, from which on a mesh follows it."""
+"""Least share of a line along sides of elements if the mesh follows the line."""
 _SMALLER = 0.5
 """Part of an element that a line cuts, of which a mesh may follow it."""
 _STRIP = 4
-"""Elements in a row from which on they are a strip; fewer are a pad, of which the force matters."""
+"""Least number of elements in a row that are a strip; fewer are a pad."""
 _INSIDE = 1e-6
-"""Part of the plate's size by which a point of one area must be inside another: areas that touch do not overlap."""
+"""Least depth of a point of one area inside another, relative to the plate's size, of overlapping areas."""
 _TOUCH = 1e-6
 """Part of the smaller region that two have in common where they touch."""
 _NOTHING = 1e-9
 """Part of a couple that is rounding."""
 _HARDLY = 1e-6
-"""Part of the largest pressure up to which a tension is none."""
+"""Zero tolerance of a tension, relative to the largest pressure."""
 _OUTWEIGHS = 1e3
 """Reactions over forces that act, and couples over the thickness, that are seldom meant: a thin plate on supports that
 are a tenth of its thickness apart can have them."""
 _UNSAID = ', since resists is left out. Say resists = "down" if the plate can lift off it, "both" if it cannot.'
 _MOST = 0.75
-"""Part of the plate beside places where moments have no limit, from which on the largest moments say little of it.
-Covers of flanges, thick and on many bolts, have half."""
+"""Largest share of the plate that extremes of moments may exclude without a warning. Covers of flanges, thick and on
+many bolts, have half."""
 
 
 def model_warnings(discretisation: Discretisation, acting: Collection[str] | None = None) -> tuple[str, ...]:
@@ -77,7 +77,7 @@ def result_warnings(
     supports: Sequence[SupportResult],
     not_unique: Sequence[NotUnique],
 ) -> tuple[str, ...]:
-    """Say what of one combination is seldom meant, behind what is of the model."""
+    """Warnings of one combination, after those of the model."""
     warned = [
         *model_warnings(discretisation, load.acting),
         *idle_cases(discretisation.model),
@@ -90,7 +90,7 @@ def result_warnings(
 
 
 def sentences(not_unique: Sequence[NotUnique]) -> tuple[str, ...]:
-    """Say what else would be as right."""
+    """Describe the other equally right answers."""
     return tuple(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique)
 
 
@@ -109,9 +109,9 @@ def idle_cases(model: Model) -> Iterator[str]:
 
 
 def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str]:
-    """Whether forces act that sum to zero, or nothing acts at all, and no support moves either."""
+    """Whether forces sum to zero or no force acts, and no support is moved."""
     if load.curvature.any() or any(support.between for support in discretisation.model.support):
-        # What another plate does there is no load.
+        # Forces of another plate are not loads.
         return
     forces = load.nodal[::3]
     total = float(np.abs(forces).sum())
@@ -162,7 +162,7 @@ def _zones(discretisation: Discretisation) -> Iterator[str]:
     for (one, earlier), (other, later) in combinations(enumerate(discretisation.model.zone, 1), 2):
         first, second = discretisation.zones.inside[[one - 1, other - 1]]
         both = first & second
-        keys = " and ".join(key for key in earlier.given(ZONE_KEYS) if key in later.given(ZONE_KEYS))
+        keys = " and ".join(key for key in earlier.present(ZONE_KEYS) if key in later.present(ZONE_KEYS))
         if not keys or (both == second).all() or not both.any():
             continue
         if (both == first).all():
@@ -183,8 +183,8 @@ def _never_act(discretisation: Discretisation) -> Iterator[str]:
         if listed < count and support.holds_w:
             which = f"{count - listed} of its {count} points are" if count > 1 else "its point is"
             yield (
-                f"{support.name}: {which} where other supports hold the plate, and can do nothing there. Results "
-                "number the other points without them."
+                f"{support.name}: {which} where other supports hold the plate, and have no reaction. Results "
+                "number the other points only."
             )
 
 
@@ -205,7 +205,7 @@ def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator
 
 
 def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
-    """Reactions far beyond what loads can ask for: of a thin plate supports may be near, and pry it apart between."""
+    """Reactions much larger than the loads: rigid supports near each other pry a thin plate apart."""
     if load.curvature.any() or _some_base_moves(discretisation, load) or discretisation.points.distance.any():
         return
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0).tolist()
@@ -215,7 +215,7 @@ def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Seque
         names = " and ".join(name for name, value in sums.items() if value > 0.1 * most)
         yield (
             f"Reactions of {names} add up to {_with_unit(discretisation.model, most, 0)}, {most / acting:.1g} times "
-            "what acts: rigid supports near each other pry the plate apart between them. Let them coincide, move them "
+            "the loads: rigid supports near each other pry the plate apart between them. Let them coincide, move them "
             "apart, or give them a stiffness."
         )
 
@@ -238,7 +238,7 @@ def _some_one_way(model: Model) -> bool:
 
 def _beds_unsaid(model: Model) -> Iterator[str]:
     for support in model.support:
-        if support.area is not None and support.holds_both_ways_unsaid:
+        if support.area is not None and support.resists_by_default:
             yield support.name
 
 
@@ -253,7 +253,7 @@ def _unrefined(discretisation: Discretisation) -> Iterator[str]:
         ):
             off.append(part.place)
         for what in off:
-            yield f"The {what} of refinement {index} is not on the plate, and nothing is refined for it."
+            yield f"The {what} of refinement {index} is not on the plate: it refines no elements."
 
 
 def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
@@ -366,7 +366,7 @@ def _couples(discretisation: Discretisation) -> Iterator[str]:
                 if len(lost := np.flatnonzero((apart.min(axis=1) <= mesh.near.place) & (part > _NOTHING))):
                     yield (
                         f"The couple of {_name(index, load)} at {point(load.at[lost[0]])} turns the plate across the "
-                        f"edge {name}, where {holding.name} holds the slope: that part of it does nothing."
+                        f"edge {name}, where {holding.name} holds the slope: that part loads the support only."
                     )
 
 

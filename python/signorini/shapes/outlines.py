@@ -21,7 +21,7 @@ Side: TypeAlias = tuple[Point, Point | None, Point]
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """What a region or curve is drawn with: straight segments (k, 2, 2), full circles (m, 3) as x, y, radius, and arcs.
+    """Segments (k, 2, 2), full circles (m, 3) as x, y, radius, and arcs that draw a region or curve.
 
     Arcs (n, 3, 2) are their first ends, points that they pass, and their other ends.
     """

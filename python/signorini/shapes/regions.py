@@ -348,7 +348,7 @@ class Hollow(outlines.Drawn):
                 if overlap(own, earlier.loops[0]) > _SAME * size:
                     raise InputError(f"Holes {other + 1} and {number + 1} overlap. Draw them as one.")
         if not self.area > 0.0:
-            raise InputError("The holes leave nothing of the area.")
+            raise InputError("The holes cover the whole area.")
 
     @cached_property
     def parts(self) -> tuple[Whole, ...]:

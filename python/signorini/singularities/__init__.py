@@ -1,1 +1,1 @@
-"""Where a plate's numbers have no limit as the mesh is refined, known before it is solved."""
+"""Singularities of a plate, found before it is solved: results that diverge as the mesh is refined."""

@@ -1,13 +1,13 @@
-"""Means of moments and shears at places where they have no limit: the numbers to design with there.
+"""Means of moments and shears at singular points, for design.
 
-At a place p with radius r (`Singularity.within`), of moments
+At a point p with radius r (`Singularity.within`), the mean moment is
 
     m̄ = 1/(2r) ∫ m ds
 
-along each of the two lines of length 2r whose middle is p: x = p_x for m_x, y = p_y for m_y. A strip of width 2r has
-this moment per width at p. For shears it is the mean along each side, 2r long, of the square about p: x = p_x ± r for
-q_x, y = p_y ± r for q_y. About a support at a point with reaction R they add up to R less the load inside, so that each
-is about R/(8r). Lines count as far as they are on the plate. All means are linear in the solution.
+along each of the two lines of length 2r with the middle p: x = p_x for m_x, y = p_y for m_y. A strip of width 2r has
+this moment per width at p. The mean shear is taken along each side, of length 2r, of the square about p: x = p_x ± r
+for q_x, y = p_y ± r for q_y. About a point support with reaction R the sides sum to R minus the load inside, so that
+each mean is about R/(8r). Only the part of a line on the plate counts. All means are linear in the solution.
 """
 
 from __future__ import annotations
@@ -25,19 +25,20 @@ from signorini.discretise.stressnodes import StressNodes
 from signorini.singularities.named import singularities_of
 
 _LINES = np.array([[0, 0, 0, 1], [0, 0, 1, 0], [-1, 0, 0, 1], [1, 0, 0, 1], [0, -1, 1, 0], [0, 1, 1, 0]])
-"""Middle less p, and direction, over r: two lines through p, then the sides of the square."""
+"""(Middle − p)/r and direction of each line: two lines through p, then the four sides of the square."""
 _PARTS = 12
-"""Parts of a line with two Gauss points each: p is between two of them, where moments have a kink."""
+"""Number of parts of a line, with two Gauss points each; it is even, so that p, with a kink of moments, is between."""
 PEAKS = ("moment", "shear")
+"""Results with means, in the order of the columns of ``Beside.numbers``."""
 
 
 @dataclass(frozen=True, eq=False)
 class Beside:
-    """The k places of a plate at which moments or shears have no limit.
+    """The k points of a plate with singular moments or shears.
 
-    ``places`` (k, 2), by x and then y, have the radii ``within`` (k,). ``numbers`` (k, 2) tells which of moment and
-    shear have no limit. ``case`` (k,) is the load case that acts there, "" at supports and corners. ``thickness``
-    (k, 6) is the mean of the solid plate's along each line.
+    ``places`` (k, 2) are sorted by x, then y; ``within`` (k,) are their radii r. ``numbers`` (k, 2) marks whether
+    moment and shear are singular. ``case`` (k,) is the load case of a singular load, "" at supports and corners.
+    ``thickness`` (k, 6) is the mean thickness along each line.
     """
 
     places: Floats
@@ -51,23 +52,23 @@ class Beside:
         return len(self.places)
 
     def width_at(self, place: Sequence[float]) -> float:
-        """The width 2r of the means at a place."""
+        """Width 2r of the means at a point; 0 at any other point."""
         return 2.0 * float(self.within[(self.places == place).all(axis=1)].max(initial=0.0))
 
     def under(self, cases: Collection[str]) -> Bools:
-        """Which places (k,) have no limit where load cases act."""
+        """Mask (k,) of the points that are singular under load cases."""
         return np.array([not case or case in cases for case in self.case], np.bool_)
 
 
 def beside_of(discretisation: Discretisation) -> Beside:
-    """Every place of one plate at which moments or shears have no limit under any load case; none of several plates."""
+    """Every point of one plate with singular moments or shears under any load case; empty for several plates."""
     return _lines_of(discretisation)[0]
 
 
 def means_of(discretisation: Discretisation, moment: Floats, shear: Floats) -> Floats:
-    """Give means (k, 10): mx, my, mxy along both lines through p, then qx and qx, qy and qy on the square's sides.
+    """Means (k, 10): mx, my, mxy along both lines through p, then qx, qx, qy, qy on the sides of the square.
 
-    ``moment`` (s, 3) and ``shear`` (s, 2) are at the nodes of stresses. NaN along a line off the plate.
+    ``moment`` (s, 3) and ``shear`` (s, 2) are values at stress nodes. NaN along a line off the plate.
     """
     _, rows = _lines_of(discretisation)
     of_moment = (rows @ moment).reshape(-1, len(_LINES), 3)
@@ -77,25 +78,25 @@ def means_of(discretisation: Discretisation, moment: Floats, shear: Floats) -> F
 
 @kept
 def _lines_of(discretisation: Discretisation) -> tuple[Beside, csr_array]:
-    """The places, and rows (6k, s): the mean along each line of values at the nodes of stresses."""
-    found: dict[tuple[tuple[float, float], str], tuple[float, Bools]] = {}
+    """The singular points, and rows (6k, s) of the mean along each line of values at stress nodes."""
+    places_found: dict[tuple[tuple[float, float], str], tuple[float, Bools]] = {}
     for case in () if discretisation.plates else (None, *discretisation.cases):
-        for one in singularities_of(discretisation, case):
-            numbers = np.array([one.excludes(number) for number in PEAKS], np.bool_)
-            for place in one.where if one.within and numbers.any() else ():
-                radius, before = found.get((place, case or ""), (0.0, np.zeros(2, np.bool_)))
-                found[place, case or ""] = max(radius, one.within), before | numbers
-    keys = sorted(found)
+        for singularity in singularities_of(discretisation, case):
+            numbers = np.array([singularity.excludes(number) for number in PEAKS], np.bool_)
+            for place in singularity.where if singularity.within and numbers.any() else ():
+                radius, flags = places_found.get((place, case or ""), (0.0, np.zeros(2, np.bool_)))
+                places_found[place, case or ""] = max(radius, singularity.within), flags | numbers
+    keys = sorted(places_found)
     places = np.array([place for place, _ in keys], np.float64).reshape(-1, 2)
-    within = np.array([found[key][0] for key in keys], np.float64)
-    numbers = np.array([found[key][1] for key in keys], np.bool_).reshape(-1, len(PEAKS))
+    within = np.array([places_found[key][0] for key in keys], np.float64)
+    numbers = np.array([places_found[key][1] for key in keys], np.bool_).reshape(-1, len(PEAKS))
     rows = _rows(discretisation.stress_nodes, places, within)
     thickness = (rows @ discretisation.node_thickness).reshape(-1, len(_LINES))
     return Beside(places, within, numbers, tuple(case for _, case in keys), thickness), rows
 
 
 def _rows(nodes: StressNodes, places: Floats, within: Floats) -> csr_array:
-    """Rows (6k, s) of means along the lines; where the mesh follows a line each side counts half."""
+    """Rows (6k, s) of means along the lines; at a jump each side counts half."""
     gauss, _ = np.polynomial.legendre.leggauss(2)
     station = ((2.0 * np.arange(_PARTS) + 1.0)[:, None] / _PARTS - 1.0 + gauss / _PARTS).ravel()
     offset, along = _LINES[:, None, :2], _LINES[:, None, 2:] * station[:, None]

@@ -1,7 +1,7 @@
-"""The boundary of a plate: what its edges hold, and at which corners numbers have no limit.
+"""The boundary of a plate: dofs held along its edges, and corners with singular moments or shears.
 
-Near a corner the deflection and the slopes part (Rössle & Sändig 2011): w solves Laplace's equation, θ the equations of
-plane stress with the plate's ν. Along rays they grow as r^λ, and where some λ < 1, shears or moments as r^(λ - 1).
+Near a corner the deflection and the slopes decouple (Rössle & Sändig 2011): w solves Laplace's equation, θ the
+equations of plane stress with the plate's ν. Along rays they grow as r^λ. If λ < 1, shears or moments grow as r^(λ−1).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
-from signorini.discretise.laws import can_let_go
+from signorini.discretise.laws import can_let_go, is_elastic
 from signorini.discretise.places import quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
@@ -25,75 +25,78 @@ from signorini.model.where import Where
 
 Complexes = npt.NDArray[np.complex128]
 Slopes = Literal["free", "slope", "twist", "clamped"]
-"""What is held of the slopes along an edge: nothing, the one across it, the one along it, or both."""
+"""Held slopes along an edge: none, the one normal to it, the one along it, or both."""
 
 _LEAST, _MOST, _TALL = 4e-3, 0.98, 2.0
-"""Real parts between which exponents are looked for, and their largest imaginary part. At 0 and 1 rigid motions have
-theirs; what grows as r^-0.02 shows on no mesh, and a hard corner of 179 degrees has 0.0056."""
+"""Range of the real parts of exponents, and their largest imaginary part (dimensionless).
+
+The exponents 0 and 1 of rigid motions are outside. Growth as r^-0.02 is invisible on any mesh; the smallest exponent of
+interest, of a hard corner of 179°, is 0.0056."""
 _STEPS = 400
-"""Points on each side of the box around them, on which the determinant turns by far less than half a circle a step."""
+"""Number of points on each side of the box in the complex plane: the argument changes by far less than π per step."""
 STRAIGHT = np.radians(1.0)
-"""Turning at a node below which an edge runs on smoothly."""
+"""Largest angle in radians (1°) between two sides of a smooth edge."""
 _OF_ROUND = 0.2
-"""Part of what two round sides turn themselves by which they may turn between them: parabolas stand for an arc."""
+"""Largest angle between two sides of a smooth round edge, relative to the turning of either: parabolas are not arcs."""
 _OFF_ROUND = 0.1
-"""Part of a side's rise within which a point of the circle that it stands for is on it."""
+"""Tolerance for a point on a curved side, relative to the side's rise: points of the exact circle are off it."""
 _NEAR, _NONE = 1e-4, 1e-6
-"""Part of the plate's size over which the slope of a settlement is taken, and of that slope or the prescribed one what
-their difference is at least: the first by its square, of curves, stays below the second."""
+"""Step of the difference quotient of a settlement, relative to the plate's size; relative tolerance for equal slopes.
+
+The error of the quotient, of second order, is below the tolerance."""
 
 
 def slopes_held(across: bool, along: bool) -> Slopes:
-    """What is held of the slopes, given whether those across and along an edge are."""
+    """Held slopes, given whether the slopes across (normal to) and along an edge are held."""
     if across:
         return "clamped" if along else "slope"
     return "twist" if along else "free"
 
 
 def shears_grow(angle: float, held: bool, other_held: bool, along: bool) -> bool:
-    """Whether shears have no limit at a corner between edges that hold the deflection or not.
+    """Whether shears are singular at a corner between edges that hold the deflection (``held``) or not.
 
-    Between one that does and one that does not, at a right angle, they grow by the logarithm of the distance: along the
-    one there is no shear strain ∂w/∂s - θs but -θs, and along the other none across it. Not so if ``along`` the edge
-    that holds the deflection the slope is held too, as that of the deflection.
+    At a right angle between an edge that does and one that does not, they grow as the logarithm of the distance: on the
+    first the shear strain ∂w/∂s − θs is −θs, on the second the normal shear strain is 0. This does not happen if the
+    first edge also holds the slope ``along`` itself at that of its deflection.
     """
     if held == other_held:
         return bool(angle > np.pi + STRAIGHT)
     return bool(angle > 0.5 * np.pi + (STRAIGHT if along else -STRAIGHT))
 
 
-def moments_grow(angle: float, one: Slopes, other: Slopes, poisson: float) -> bool:
-    """Whether moments have no limit at a corner between edges that hold these slopes."""
-    if abs(angle - np.pi) <= STRAIGHT and one == other:
+def moments_grow(angle: float, first: Slopes, second: Slopes, poisson: float) -> bool:
+    """Whether moments are singular at a corner between two edges with given held slopes."""
+    if abs(angle - np.pi) <= STRAIGHT and first == second:
         return False
-    return exponents_below_one(angle, one, other, poisson) > 0
+    return exponents_below_one(angle, first, second, poisson) > 0
 
 
-def exponents_below_one(angle: float, one: Slopes, other: Slopes, poisson: float) -> int:
-    """Count the exponents with real parts between 0 and 1, by the argument principle.
+def exponents_below_one(angle: float, first: Slopes, second: Slopes, poisson: float) -> int:
+    """Count the exponents λ with real parts between 0 and 1, by the argument principle.
 
-    They are where Williams' functions of plane stress (1952) can meet both edges' conditions: a determinant is zero.
+    They are the zeros of the determinant of both edges' conditions on Williams' functions of plane stress (1952).
     """
-    # Finely beside 0 and 1, where there are exponents just outside the box.
+    # Points are dense near the real axis, since the exponents 0 and 1 lie just outside the box.
     across, along = np.linspace(_LEAST, _MOST, _STEPS), _TALL * np.linspace(-1.0, 1.0, _STEPS) ** 3
     box = [across - 1j * _TALL, _MOST + 1j * along, across[::-1] + 1j * _TALL, _LEAST + 1j * along[::-1]]
-    at = np.concatenate(box)
-    rows = _conditions(at, 0.0, one, poisson) + _conditions(at, angle, other, poisson)
+    exponents = np.concatenate(box)
+    rows = _conditions(exponents, 0.0, first, poisson) + _conditions(exponents, angle, second, poisson)
     value = np.linalg.det(np.stack([np.stack(row, axis=-1) for row in rows], axis=-2))
     turned = np.angle(np.roll(value, -1) / value)
     return round(float(turned.sum()) / (2 * np.pi))
 
 
-def _conditions(exponent: Complexes, at: float, slopes: Slopes, poisson: float) -> list[tuple[Complexes, ...]]:
-    """Two rows over the four functions: slopes that are held, and moments that are zero, without common factors."""
+def _conditions(exponent: Complexes, angle: float, slopes: Slopes, poisson: float) -> list[tuple[Complexes, ...]]:
+    """Two rows over Williams' four functions at an angle: held slopes and zero moments, without common factors."""
     more, less = exponent + 1, exponent - 1
-    # Airy's function is r^(λ + 1) F, and both slopes have a part of their own of its last two functions.
-    value = np.cos(more * at), np.sin(more * at), np.cos(less * at), np.sin(less * at)
+    # Airy's stress function is r^(λ + 1) F; its last two functions contribute an additional term to both slopes.
+    value = np.cos(more * angle), np.sin(more * angle), np.cos(less * angle), np.sin(less * angle)
     slope = -more * value[1], more * value[0], -less * value[3], less * value[2]
-    own = 1 + (3 - poisson) / (1 + poisson)
+    factor = 1 + (3 - poisson) / (1 + poisson)
     none = np.zeros_like(exponent)
-    along = tuple(-more * f + own * g for f, g in zip(value, (none, none, value[2], value[3]), strict=True))
-    across = tuple(-f + own * g for f, g in zip(slope, (none, none, value[3], -value[2]), strict=True))
+    along = tuple(-more * f + factor * g for f, g in zip(value, (none, none, value[2], value[3]), strict=True))
+    across = tuple(-f + factor * g for f, g in zip(slope, (none, none, value[3], -value[2]), strict=True))
     match slopes:
         case "free":
             return [value, slope]
@@ -107,13 +110,13 @@ def _conditions(exponent: Complexes, at: float, slopes: Slopes, poisson: float) 
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """The sides of elements along the boundary, the plate on their left; rigid zones are no part of it, and clamp it.
+    """Element sides along the boundary of the plate without its rigid zones, which clamp it; the plate is on the left.
 
-    ``sides`` (k, 3) are nodes: corner, midside, corner; ``following`` (k,) the next side, ``angles`` (k,) the angle of
-    the plate between both, π where they run on smoothly. ``rigid`` marks sides of a rigid zone, ``held`` those whose
-    deflection is held, or may be, by a rigid support of any kind, ``lets_go`` by what may let go only. ``slope`` and
-    ``twist`` mark slopes held across and along a side, ``sheared`` (k, 2) whether the latter is held to another one
-    than the deflection's, where the side begins and ends. ``poisson`` (k,) is that of the material beside it.
+    ``sides`` (k, 3) are nodes: corner, midside, corner. ``following`` (k,) is the next side, ``angles`` (k,) the angle
+    of the plate between both, π where the edge is smooth. ``rigid`` (k,) marks sides of rigid zones, ``held`` (k,)
+    sides whose deflection a rigid support holds or may hold, ``lets_go`` (k,) those where only supports that can let go
+    do. ``slope`` and ``twist`` (k,) mark held slopes across and along a side. ``sheared`` (k, 2) marks whether at its
+    begin and end the latter differs from that of the deflection. ``poisson`` (k,) is Poisson's ratio beside the side.
     """
 
     mesh: Mesh
@@ -130,7 +133,7 @@ class Boundary:
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Boundary:
-        """The boundary with what the model's supports hold along it."""
+        """Find the boundary and the dofs that supports hold along it."""
         mesh, bodies = discretisation.mesh, discretisation.held.bodies
         elastic = np.flatnonzero(~bodies.rigid)
         sides = (mesh.part(elastic) if 0 < len(elastic) < len(bodies.rigid) else mesh).boundary
@@ -139,29 +142,31 @@ class Boundary:
         held, always, slope, twist = np.tile(rigid, (4, 1))
         sheared = np.zeros((len(sides), 2), np.bool_)
         for support in discretisation.model.support:
-            on = np.isin(sides[:, 1], middles(mesh, support.where))
-            if support.modulus is None:
-                held |= on & support.holds_w
-                always |= on & (not can_let_go(support)) & held
-            slope |= on & ("slope" in support.fixed)
-            twist |= on & ("twist" in support.fixed)
+            along = np.isin(sides[:, 1], middles(mesh, support.where))
+            if not is_elastic(support):
+                held |= along & support.holds_w
+                always |= along & (not can_let_go(support)) & held
+            slope |= along & ("slope" in support.fixed)
+            twist |= along & ("twist" in support.fixed)
             for end, node in enumerate((0, 2)):
-                sheared[on, end] |= shears_along(support, mesh.points[sides[on, node]], tangents[on, node], mesh.size)
+                sheared[along, end] |= shears_along(
+                    support, mesh.points[sides[along, node]], tangents[along, node], mesh.size
+                )
         first = {node: number for number, node in enumerate(sides[:, 0].tolist())}
         following = np.array([first[node] for node in sides[:, 2].tolist()])
-        own = _turn(tangents[:, 0], tangents[:, 2])
+        bend = _turn(tangents[:, 0], tangents[:, 2])
         turn = _turn(tangents[:, 2], tangents[following, 0])
-        slack = np.maximum(STRAIGHT, _OF_ROUND * np.maximum(np.abs(own), np.abs(own[following])))
+        slack = np.maximum(STRAIGHT, _OF_ROUND * np.maximum(np.abs(bend), np.abs(bend[following])))
         angles = np.pi - np.where(np.abs(turn) > slack, turn, 0.0)
         poisson = discretisation.zones.poisson_of(mesh.find_sides(sides)[0])
         return cls(mesh, sides, following, angles, rigid, held, held & ~always, slope, twist, sheared, poisson)
 
     def slopes(self, side: int) -> Slopes:
-        """What a side holds of the slopes."""
+        """Held slopes of a side."""
         return slopes_held(bool(self.slope[side]), bool(self.twist[side]))
 
     def corners(self) -> list[tuple[tuple[float, float], float, bool, tuple[str, ...]]]:
-        """Corners without a limit of some number: where, the angle in degrees, if of a rigid zone, and the numbers."""
+        """Singular corners: position, angle in degrees, whether of a rigid zone, and the singular results."""
         result = []
         keys = np.column_stack([self.held, self.slope, self.twist])
         changes = (keys != keys[self.following]).any(axis=1)
@@ -178,7 +183,7 @@ class Boundary:
         return result
 
     def loops(self) -> Iterator[Floats]:
-        """Closed lines of edges by their corners (m, 2), the first again at the end; where they are round by nodes."""
+        """Yield closed edges by their corners, and by the nodes of round parts: (m, 2), the first one repeated."""
         begin, middle, end = (self.mesh.points[self.sides[:, i]] for i in range(3))
         straight = np.hypot(*(0.5 * (begin + end) - middle).T) <= self.mesh.near.written
         turns = (self.angles != np.pi) | ~straight | ~straight[self.following]
@@ -192,22 +197,22 @@ class Boundary:
             yield np.array([*loop, loop[0]])
 
     def _shears_grow(self, angle: float, side: int, other: int, held: bool, other_held: bool) -> bool:
-        # Of the side that holds the deflection, at the end where they meet.
+        # The side that holds the deflection, at its end in the corner.
         which, end = (side, 1) if held else (other, 0)
         return shears_grow(angle, held, other_held, bool(self.twist[which] and not self.sheared[which, end]))
 
     def _states(self, side: int, other: int) -> set[tuple[bool, bool]]:
-        """Whether two sides hold the deflection where they meet; both that may let go do at once."""
-        mine, beside = bool(self.held[side]), bool(self.held[other])
-        first, second = bool(self.lets_go[side]), bool(self.lets_go[other])
-        return {(mine, beside), (mine and not first, beside and not second)}
+        """Possible pairs of held deflections of two sides at their corner; supports that can let go do so at once."""
+        held, other_held = bool(self.held[side]), bool(self.held[other])
+        lets_go, other_lets_go = bool(self.lets_go[side]), bool(self.lets_go[other])
+        return {(held, other_held), (held and not lets_go, other_held and not other_lets_go)}
 
     def at(self, point: Floats) -> Ints:
-        """Sides that a point (2,) is on: none inside, two at a node between them."""
+        """Sides that contain a point (2,): none inside, two at a common node."""
         sides = self.mesh.points[self.sides]
         distance = np.hypot(*(point - onto(sides, point)).T)
         rise = np.hypot(*(0.5 * (sides[:, 0] + sides[:, 2]) - sides[:, 1]).T)
-        # Ends of lines are on true circles, sides on their parabolas.
+        # Ends of lines lie on exact circles, sides are parabolas.
         return np.flatnonzero(distance <= np.maximum(self.mesh.near.written, _OFF_ROUND * rise))
 
     def tangent(self, side: int) -> Floats:
@@ -216,7 +221,7 @@ class Boundary:
         return np.asarray((b - a) / np.hypot(*(b - a)))
 
     def rays(self, point: Floats) -> list[tuple[int, Floats]]:
-        """Sides that go on from a point on the boundary, with their directions (2,) from there; none inside."""
+        """Sides that leave a point on the boundary, with their directions (2,); none at a point inside."""
         result = []
         for side in self.at(point).tolist():
             tangent = self.tangent(side)
@@ -228,7 +233,7 @@ class Boundary:
 
 
 def middles(mesh: Mesh, where: Where) -> Ints:
-    """Nodes in the middles of the sides along an edge, a line or a circle; none where the mesh does not follow."""
+    """Midside nodes (k,) along an edge, a line or a circle; none where the mesh does not follow it."""
     if where.edges:
         return np.concatenate([mesh.edges[name] for name in where.edges])[:, 1]
     sides = None if where.curve is None else mesh.edges_along(where.curve)
@@ -237,21 +242,25 @@ def middles(mesh: Mesh, where: Where) -> Ints:
 
 @kept
 def boundary_of(discretisation: Discretisation) -> Boundary:
-    """The boundary of the plate, found once."""
+    """The boundary of the plate, computed once."""
     return Boundary.of(discretisation)
 
 
-def shears_along(support: Support, at: Floats, tangents: Floats, size: float) -> Bools:
-    """Whether a support holds slopes along tangents (k, 2) at points (k, 2) that are not those of its settlement."""
-    if support.rotation is None or "twist" not in support.fixed or not support.holds_w or not len(at):
-        return np.zeros(len(at), np.bool_)
+def shears_along(support: Support, points: Floats, tangents: Floats, size: float) -> Bools:
+    """Whether prescribed slopes along tangents (k, 2) at points (k, 2) differ from those of the settlement."""
+    if support.rotation is None or "twist" not in support.fixed or not support.holds_w or not len(points):
+        return np.zeros(len(points), np.bool_)
     units = tangents / np.hypot(*tangents.T)[:, None]
-    prescribed = sum(one(*at.T) * unit for one, unit in zip(support.rotation, units.T, strict=True))
+    prescribed = sum(component(*points.T) * unit for component, unit in zip(support.rotation, units.T, strict=True))
     step = _NEAR * size * units
-    own = (support.settlement(*(at + step).T) - support.settlement(*(at - step).T)) / (2 * _NEAR * size)
-    return np.asarray(np.abs(prescribed - own) > _NONE * np.maximum(np.abs(prescribed), np.abs(own)))
+    of_settlement = (support.settlement(*(points + step).T) - support.settlement(*(points - step).T)) / (
+        2 * _NEAR * size
+    )
+    return np.asarray(
+        np.abs(prescribed - of_settlement) > _NONE * np.maximum(np.abs(prescribed), np.abs(of_settlement))
+    )
 
 
 def _turn(a: Floats, b: Floats) -> Floats:
-    """Angles (k,) from directions (k, 2) to others, to the left."""
+    """Counter-clockwise angles (k,) from directions (k, 2) to others."""
     return np.asarray(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))

@@ -1,4 +1,4 @@
-"""Lines: ends and bends with singular results, and lines within elements, where moments belong to neither side."""
+"""Lines: singular ends and bends, and elements cut by lines, whose moments are means of both sides."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from signorini.singularities.singularity import Singularity, as_places
 _ENDS = 1e-9
 """Smallest line load at the end of a line, relative to its largest value, that makes the end singular."""
 _BESIDE = "take values from beside these elements."
-_AS_ZONE = "Or say it with a zone, whose border the mesh follows."
+_AS_ZONE = "Or define it by a zone, whose border the mesh follows."
 _ON_SIDE = 1e-6
-"""Part of an element within which a line is on its side."""
+"""Tolerance for a line on a side of an element, in reference coordinates."""
 
 
 def ends_of_load(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
@@ -36,39 +36,39 @@ def ends_of_load(discretisation: Discretisation, load: Load) -> tuple[tuple[floa
     value = np.abs(load.line_load(*points.T))
     acts = value > _ENDS * value.max(initial=0.0)
     chosen = []
-    for at, directions, act in zip(points, directions_of, acts, strict=True):
-        ends = _bends(*directions) if len(directions) == 2 else _load_ends(edge, at, directions[0])
+    for point, directions, act in zip(points, directions_of, acts, strict=True):
+        ends = _bends(*directions) if len(directions) == 2 else _load_ends(edge, point, directions[0])
         if act and ends:
-            chosen.append(at)
+            chosen.append(point)
     return as_places(np.array(chosen).reshape(-1, 2))
 
 
-def _load_ends(edge: Boundary, at: Floats, into: Floats) -> bool:
-    """Whether shears grow at the end of a line load that runs on in a direction (2,)."""
-    sides = edge.at(at)
+def _load_ends(edge: Boundary, point: Floats, into: Floats) -> bool:
+    """Whether shears are singular at the end of a line load that continues in a direction (2,)."""
+    sides = edge.at(point)
     if not len(sides):
         return True
     along = np.abs([edge.tangent(int(side)) @ into for side in sides])
-    mine = sides[along > np.cos(STRAIGHT)]
-    if len(mine):
-        beside = np.setdiff1d(sides, mine)
-        return _grows_on_edge(edge, int(mine[0]), int(beside[0]) if len(beside) else int(mine[0]))
-    # Mirrored at a free edge a load across it runs on straight; at a held one its sign changes.
+    along_line = sides[along > np.cos(STRAIGHT)]
+    if len(along_line):
+        beside = np.setdiff1d(sides, along_line)
+        return _grows_on_edge(edge, int(along_line[0]), int(beside[0]) if len(beside) else int(along_line[0]))
+    # Mirrored at a free edge, a load normal to it continues straight; at a held edge its sign changes.
     return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 
-def _grows_on_edge(edge: Boundary, mine: int, beside: int) -> bool:
-    """Whether shears grow where a load on a side ends and another, or the same, goes on without."""
-    if edge.held[mine]:
+def _grows_on_edge(edge: Boundary, loaded: int, beside: int) -> bool:
+    """Whether shears are singular where a loaded side is followed by an unloaded one, or the load ends on it."""
+    if edge.held[loaded]:
         return False
     angle = np.pi
-    if mine != beside:
-        angle = edge.angles[mine if edge.following[mine] == beside else beside]
+    if loaded != beside:
+        angle = edge.angles[loaded if edge.following[loaded] == beside else beside]
     return bool(angle >= 0.5 * np.pi - STRAIGHT if edge.held[beside] else abs(angle - np.pi) <= STRAIGHT)
 
 
 def _ends_on_edges(discretisation: Discretisation, load: Load) -> tuple[tuple[float, float], ...]:
-    """Ends of a load on edges where the edge runs on straight, or into one that is held at a right angle."""
+    """Singular ends of a load on edges: where the edge continues straight, or meets a held edge at a right angle."""
     assert load.line_load is not None
     edge, mesh = boundary_of(discretisation), discretisation.mesh
     middles = np.concatenate([mesh.edges[name] for name in load.where.edges])[:, 1]
@@ -77,49 +77,49 @@ def _ends_on_edges(discretisation: Discretisation, load: Load) -> tuple[tuple[fl
     ends = np.flatnonzero(loaded != loaded[other])
     pairs = [(side, int(other[side])) if loaded[side] else (int(other[side]), side) for side in ends.tolist()]
     grows = np.array([_grows_on_edge(edge, *pair) for pair in pairs], np.bool_)
-    at = mesh.points[edge.sides[ends, 2]]
-    value = np.abs(load.line_load(*at.T)) if len(at) else np.zeros(0)
-    return as_places(at[grows & (value > _ENDS * value.max(initial=0.0))])
+    points = mesh.points[edge.sides[ends, 2]]
+    value = np.abs(load.line_load(*points.T)) if len(points) else np.zeros(0)
+    return as_places(points[grows & (value > _ENDS * value.max(initial=0.0))])
 
 
 def ends_of_line(
     discretisation: Discretisation, along: Curve, support: Support
 ) -> dict[tuple[str, ...], tuple[tuple[float, float], ...]]:
-    """Ends and corners of a line that supports the plate, by the numbers that have no limit there."""
+    """Singular ends and corners of a line support, grouped by the singular results."""
     edge = boundary_of(discretisation)
-    own = slopes_held("slope" in support.fixed, "twist" in support.fixed)
+    held_slopes = slopes_held("slope" in support.fixed, "twist" in support.fixed)
     rigid, acts = support.is_rigid, support.holds_w
     of_deflection = ("shear", "pressure") if rigid else ("shear",) if acts else ()
     places: dict[tuple[str, ...], list[Floats]] = {}
-    for at, directions in zip(*_points_along(discretisation, along), strict=True):
-        rays = edge.rays(at) if len(directions) == 1 else []
+    for point, directions in zip(*_points_along(discretisation, along), strict=True):
+        rays = edge.rays(point) if len(directions) == 1 else []
         within = [float(np.arccos(np.clip(ray @ directions[0], -1.0, 1.0))) for _, ray in rays]
         along_edge = any(min(angle, np.pi - angle) <= STRAIGHT for angle in within)
         if along_edge or (len(directions) == 2 and not _bends(*directions)):
-            continue  # an edge has corners of its own
+            continue  # corners of edges are found in `Boundary.corners`
         if not rays:
-            numbers = (("moment",) if own != "free" else ()) + of_deflection
+            numbers = (("moment",) if held_slopes != "free" else ()) + of_deflection
         else:
             held = np.array([edge.held[side] for side, _ in rays])
             askew = any(abs(angle - 0.5 * np.pi) > STRAIGHT for angle in within)
-            # At a right angle slopes part into those even about the line and those odd; where one is held, the other is
-            # zero by symmetry, so that one of both parts is clamped.
+            # At a right angle, slopes split into parts even and odd about the line. Where one slope is held, the other
+            # is 0 by symmetry, so that one of the parts is clamped.
             bends = any(
                 moments_grow(angle, "clamped", edge.slopes(side), float(edge.poisson[side]))
                 for angle, (side, _) in zip(within, rays, strict=True)
             )
-            # A rigid line and an edge are a corner; an elastic one acts as a line load does.
-            sheared = shears_along(support, at[None], np.array(directions), discretisation.mesh.size).any()
+            # A rigid line and an edge form a corner; an elastic line acts as a line load.
+            sheared = shears_along(support, point[None], np.array(directions), discretisation.mesh.size).any()
             strained = "twist" not in support.fixed or sheared
             grows = not held.all() and (askew or strained) if rigid else held.any() or askew
-            numbers = (("moment",) if own != "free" and bends else ()) + (of_deflection if grows else ())
+            numbers = (("moment",) if held_slopes != "free" and bends else ()) + (of_deflection if grows else ())
         if numbers:
-            places.setdefault(numbers, []).append(at)
-    return {numbers: as_places(np.array(those)) for numbers, those in places.items()}
+            places.setdefault(numbers, []).append(point)
+    return {numbers: as_places(np.array(points)) for numbers, points in places.items()}
 
 
 def _points_along(discretisation: Discretisation, along: Curve) -> tuple[Floats, list[list[Floats]]]:
-    """Points (n, 2) of a line with the directions (2,) of the line from each; one direction at an end."""
+    """Points (n, 2) of a line, and the directions (2,) along the line from each: one at an end, else two."""
     if isinstance(along, Polyline):
         return np.array(along.points), _directions(along)
     plate = discretisation.model.plate
@@ -132,7 +132,7 @@ def _points_along(discretisation: Discretisation, along: Curve) -> tuple[Floats,
 
 
 def _directions(along: Polyline) -> list[list[Floats]]:
-    """Directions from every point of a polyline along it; both sides' where it begins and ends if it is closed."""
+    """Directions along a polyline from each of its points; two at the first point of a closed one."""
     tangents = [side.at(np.array([0.0, side.length]))[1] for side in map(arc_of, along.sides)]
     result = [[tangents[0][0]], *([-before[1], after[0]] for before, after in pairwise(tangents)), [-tangents[-1][1]]]
     if along.points[0] == along.points[-1]:
@@ -140,44 +140,44 @@ def _directions(along: Polyline) -> list[list[Floats]]:
     return result
 
 
-def _bends(back: Floats, on: Floats) -> bool:
-    return bool(-back @ on < np.cos(STRAIGHT))
+def _bends(backward: Floats, forward: Floats) -> bool:
+    return bool(-backward @ forward < np.cos(STRAIGHT))
 
 
 def of_cut_elements(discretisation: Discretisation) -> Iterator[Singularity]:
-    """Nodes of elements inside which thickness or stiffness jump: their moments are of neither side."""
+    """Nodes of elements in which thickness or stiffness jumps: their moments are those of a laminate."""
     zones = discretisation.zones
     cut = discretisation.thickness.layered[0] if discretisation.thickness.layered is not None else np.zeros(0, np.int64)
     parted = zones.parted[:, cut]
-    borders = {f"Border of zone {number}": mine for number, mine in enumerate(parted, 1)}
-    for what, mine in (borders | {"Jump of the thickness": ~parted.any(axis=0)}).items():
+    borders = {f"Border of zone {number}": elements for number, elements in enumerate(parted, 1)}
+    for subject, elements in (borders | {"Jump of the thickness": ~parted.any(axis=0)}).items():
         advice = f"They are those of a laminate of both sides there; {_BESIDE} "
-        advice += to_follow(discretisation.model) if what in borders else _AS_ZONE
-        yield from _within(discretisation, cut[mine], what, advice, "plate")
+        advice += to_follow(discretisation.model) if subject in borders else _AS_ZONE
+        yield from _within(discretisation, cut[elements], subject, advice, "plate")
 
 
 def of_held_slopes(discretisation: Discretisation) -> Iterator[Singularity]:
-    """Nodes of elements through which a line runs that holds slopes: moments jump there."""
+    """Nodes of elements cut by a line that holds slopes, across which moments jump."""
     for support in discretisation.model.support:
         along = support.where.curve
-        if along is None or not support.turns_held:
+        if along is None or not support.holds_rotation:
             continue
-        what = f"The {'circle' if isinstance(along, Ring) else 'line'} of {support.name}"
+        subject = f"The {'circle' if isinstance(along, Ring) else 'line'} of {support.name}"
         advice = f"They are means of both sides there; {_BESIDE} {to_follow(discretisation.model)}"
-        yield from _within(discretisation, _crossed(discretisation, along), what, advice, support.name)
+        yield from _within(discretisation, _crossed(discretisation, along), subject, advice, support.name)
 
 
 def _within(
-    discretisation: Discretisation, elements: Ints, what: str, advice: str, source: str
+    discretisation: Discretisation, elements: Ints, subject: str, advice: str, source: str
 ) -> Iterator[Singularity]:
     if len(elements):
         count = f"{len(elements)} element{'s' if len(elements) > 1 else ''}"
         where = as_places(discretisation.mesh.points[np.unique(discretisation.mesh.elements[elements])])
-        yield Singularity(where, f"{what} within {count}", ("moment", "shear"), advice, source)
+        yield Singularity(where, f"{subject} within {count}", ("moment", "shear"), advice, source)
 
 
 def _crossed(discretisation: Discretisation, along: Curve) -> Ints:
-    """Elements (k,) through which a line runs, not along their sides."""
+    """Elements (k,) that a line cuts, not those with the line along a side."""
     mesh = discretisation.mesh
     if mesh.edges_along(along) is not None:
         return np.zeros(0, np.int64)

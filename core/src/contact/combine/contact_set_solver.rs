@@ -3,8 +3,8 @@
 //! The equations of a state differ from those of a reference state in the rows of the points that changed their piece,
 //! so that one inverse serves both (Woodbury 1950), with corrections by residuals in double-double.
 
-use crate::contact::interface::Form;
-use crate::contact::problem::ContactProblem;
+use crate::contact::interface::{Form, Interface};
+use crate::contact::points::Points;
 use crate::contact::responses::Response;
 use crate::contact::solution::differing;
 use crate::contact::tolerances;
@@ -45,7 +45,7 @@ struct ReferenceInverse {
 
 /// The compliances of a contact state.
 struct On<'a> {
-    problem: &'a ContactProblem,
+    interface: &'a Interface,
     form: Form,
     compliance: Vec<Compliance>,
 }
@@ -60,16 +60,16 @@ impl On<'_> {
         match (self.form, self.compliance[i]) {
             (Form::Stiffness, Some(compliance)) => (compliance == 0.0).then_some(1.0),
             (Form::Stiffness, None) => None,
-            (Form::Dual, Some(compliance)) => self.problem.interface().absorbs(i, compliance).then_some(compliance),
-            (Form::Dual, None) => (self.problem.delta[i] == 0.0).then_some(-1.0),
+            (Form::Dual, Some(compliance)) => self.interface.absorbs(i, compliance).then_some(compliance),
+            (Form::Dual, None) => (self.interface.delta[i] == 0.0).then_some(-1.0),
         }
     }
 }
 
 impl ContactSetSolver {
     /// Makes the solver from the response of each point.
-    pub(super) fn new(problem: &ContactProblem, form: Form, points: &[Response]) -> Result<Self, OutOfMemory> {
-        let count = problem.points.len();
+    pub(super) fn new(form: Form, points: &[Response]) -> Result<Self, OutOfMemory> {
+        let count = points.len();
         Ok(Self {
             form,
             moved: dense::row_major(count, count, |i, j| points[i].moved[j])?,
@@ -78,21 +78,26 @@ impl ContactSetSolver {
         })
     }
 
-    fn on<'a>(&self, problem: &'a ContactProblem, pieces: &[u8]) -> On<'a> {
+    fn on<'a>(&self, interface: &'a Interface, points: &Points, pieces: &[u8]) -> On<'a> {
         let compliance = |(i, &number): (usize, &u8)| {
-            let piece = problem.points.piece(i, number);
+            let piece = points.piece(i, number);
             piece.holds().then(|| piece.compliance())
         };
-        On { problem, form: self.form, compliance: pieces.iter().enumerate().map(compliance).collect() }
+        On { interface, form: self.form, compliance: pieces.iter().enumerate().map(compliance).collect() }
     }
 
     /// Inverts the equations of a reference state, unless they are singular.
-    pub(super) fn begin_with(&mut self, problem: &ContactProblem, pieces: Vec<u8>) -> Result<(), OutOfMemory> {
+    pub(super) fn begin_with(
+        &mut self,
+        interface: &Interface,
+        points: &Points,
+        pieces: Vec<u8>,
+    ) -> Result<(), OutOfMemory> {
         let count = pieces.len();
         if count > MOST {
             return Ok(());
         }
-        let on = self.on(problem, &pieces);
+        let on = self.on(interface, points, &pieces);
         let unit: Vec<f64> = (0..count).map(|i| self.unit(&on, i)).collect();
         let factors = Lu::of(dense::matrix(count, count, |i, j| unit[i] * self.coefficient(&on, i, j))?)?;
         if factors.has_pivots_above(0.0) {
@@ -107,14 +112,15 @@ impl ContactSetSolver {
     /// singular.
     pub(super) fn solve(
         &self,
-        problem: &ContactProblem,
+        interface: &Interface,
+        points: &Points,
         pieces: &[u8],
         moved: &[f64],
         reaction: &[f64],
     ) -> Result<Option<PointFactors>, OutOfMemory> {
         let count = pieces.len();
-        let line: Vec<_> = (0..count).map(|i| problem.points.piece(i, pieces[i])).collect();
-        let on = self.on(problem, pieces);
+        let line: Vec<_> = (0..count).map(|i| points.piece(i, pieces[i])).collect();
+        let on = self.on(interface, points, pieces);
         let right: Vec<f64> = (0..count)
             .map(|i| match on.compliance[i] {
                 Some(compliance) => line[i].travel - moved[i] + compliance * (reaction[i] - line[i].force),

@@ -6,14 +6,14 @@
 
 mod contact_set_solver;
 
-use super::finders::{ended, in_memory, is_feasible, pieces_of};
-use super::interface::{CondensedRhs, Form, FreeMotions, PosedLcp, Work};
+use super::error::{SolveError, require_length};
+use super::finders::{beyond, pieces_of};
+use super::interface::{CondensedRhs, Form, Interface, LcpTemplate, Work};
+use super::points::PointState;
 use super::problem::ContactProblem;
 use super::residual::largest_force;
 use super::responses::Response;
-use super::solution::Outcome;
 use super::tolerances;
-use crate::cholesky::FactorError;
 use crate::lcp::{Lcp, LcpBasis, LcpFamily};
 use contact_set_solver::ContactSetSolver;
 use rayon::prelude::*;
@@ -24,9 +24,6 @@ const TOGETHER: usize = 256;
 /// Result of one combination at the contact points.
 #[derive(Clone, Debug)]
 pub struct Combined {
-    /// `NoEquilibrium` includes contradictory gaps. `Unsolved` means that the combination needs a solve of its own:
-    /// signs are within rounding, or the pivot limit was reached.
-    pub outcome: Outcome,
     /// Factors x of the responses of points.
     pub factor: Vec<f64>,
     pub reaction: Vec<f64>,
@@ -38,9 +35,7 @@ pub struct Combined {
 /// Data shared by all combinations.
 pub struct CombinedCases {
     form: Form,
-    /// The LCP of the sum of all cases; q at rest and of each case, before the free motions are imposed.
-    lcp: PosedLcp,
-    motions: FreeMotions,
+    /// q at rest and of each case, before the free motions are imposed.
     q_at_rest: Vec<f64>,
     q: Vec<Vec<f64>>,
     /// Family of LCPs with one M; `None` without a start basis.
@@ -57,15 +52,16 @@ impl ContactProblem {
     /// are unused.
     ///
     /// Each LCP starts from the basis, and each contact state from the factor, of all cases at factor 1, or of the open
-    /// state if these have no equilibrium. `None` if `watch` cancels.
+    /// state if these have no equilibrium.
     pub fn combined_cases(
         &self,
         rest: Response,
         cases: Vec<Response>,
         points: &[Response],
         watch: &mut dyn FnMut() -> bool,
-    ) -> Result<Option<CombinedCases>, FactorError> {
-        let interface = self.interface();
+    ) -> Result<CombinedCases, SolveError> {
+        let interface = self.condensed()?;
+        require_length("the responses of points", points.len(), self.points.len())?;
         let form = interface.better_form();
         let still = vec![0.0; self.points.len()];
         let first = interface.first_pieces(&self.points, form);
@@ -75,98 +71,99 @@ impl ContactProblem {
             piece.travel - piece.compliance() * piece.force
         };
         let distance: Vec<f64> = first.iter().enumerate().map(to_piece).collect();
-        let of_cases = cases.iter().map(|case| rhs(form, case, &still));
-        let all: Vec<_> = std::iter::once(rhs(form, &rest, &distance)).chain(of_cases).collect();
-        let (mut lcp, q) = interface.posed(&self.points, form, &all, &still)?;
-        let motions = interface.impose_motions(&self.points, &mut lcp)?;
-        let set_solver = ContactSetSolver::new(self, form, points)?;
-        let q_at_rest = lcp.q.clone();
-        let mut shared =
-            CombinedCases { form, lcp, motions, q_at_rest, q, family: None, set_solver, distance, rest, cases };
-        shared.lcp.q = shared.pose(&vec![1.0; shared.cases.len()]).1;
-        let pieces = match pieces_of(self, &shared.lcp, None, &mut 0, &mut |_| watch())? {
-            Ok(pieces) => pieces,
-            Err(Outcome::Interrupted) => return Ok(None),
-            Err(_) => shared.lcp.pieces(&vec![false; shared.lcp.q.len()]),
+        let template = self.lcp_template(form)?;
+        let q_at_rest = template.q(interface, &self.points, &rhs(form, &rest, &distance), &still)?;
+        let of_case = |case: &Response| template.increment(interface, &rhs(form, case, &still));
+        let q = cases.iter().map(of_case).collect::<Result<_, _>>()?;
+        let set_solver = ContactSetSolver::new(form, points)?;
+        let mut shared = CombinedCases { form, q_at_rest, q, family: None, set_solver, distance, rest, cases };
+        let q = shared.pose(template, &vec![1.0; shared.cases.len()]).1;
+        let pieces = match pieces_of(self, template, &q, None, &mut 0, &mut |_| watch()) {
+            Err(error) if error.is_of_load() => template.vertices.pieces(&vec![false; q.len()]),
+            pieces => pieces?,
         };
-        let Some(lcp) = in_memory(Lcp::new(&shared.lcp.matrix, &shared.lcp.q))? else { return Ok(Some(shared)) };
-        shared.family = in_memory(LcpFamily::new(&lcp, &shared.lcp.basis(&pieces)))?.flatten();
-        shared.set_solver.begin_with(self, pieces)?;
-        Ok(Some(shared))
+        let family = Lcp::new(&template.matrix, &q)
+            .and_then(|lcp| LcpFamily::new(&lcp, &template.vertices.basis(&pieces)))
+            .map_err(SolveError::from);
+        shared.family = match family {
+            Err(SolveError::Unsolved) => return Ok(shared),
+            family => family?,
+        };
+        shared.set_solver.begin_with(interface, &self.points, pieces)?;
+        Ok(shared)
     }
 
     /// Solves combinations, one row of factors each, in parallel. `watch` is called at intervals and cancels by
-    /// returning false; then results are missing.
+    /// returning false.
+    ///
+    /// [`SolveError::NoEquilibrium`] includes contradictory gaps. [`SolveError::Unsolved`] means that the combination
+    /// needs a solve of its own: signs are within rounding, or the pivot limit was reached.
     pub fn combine(
         &self,
         shared: &CombinedCases,
         factors: &[Vec<f64>],
         watch: &mut dyn FnMut() -> bool,
-    ) -> Result<Vec<Combined>, FactorError> {
+    ) -> Result<Vec<Result<Combined, SolveError>>, SolveError> {
+        let interface = self.condensed()?;
+        factors.iter().try_for_each(|row| require_length("factors", row.len(), shared.cases.len()))?;
         let mut result = Vec::with_capacity(factors.len());
         for rows in factors.chunks(TOGETHER) {
             if !watch() {
-                break;
+                return Err(SolveError::Cancelled);
             }
-            let some: Result<Vec<_>, _> =
-                rows.par_iter().with_min_len(16).map(|row| self.combine_one(shared, row)).collect();
+            let solved = |row: &Vec<f64>| match self.combine_one(interface, shared, row) {
+                Err(error) if !error.is_of_load() => Err(error),
+                combined => Ok(combined),
+            };
+            let some: Result<Vec<_>, _> = rows.par_iter().with_min_len(16).map(solved).collect();
             result.extend(some?);
         }
         Ok(result)
     }
 
-    fn combine_one(&self, shared: &CombinedCases, factors: &[f64]) -> Result<Combined, FactorError> {
-        let (sum, q) = shared.pose(factors);
+    fn combine_one(
+        &self,
+        interface: &Interface,
+        shared: &CombinedCases,
+        factors: &[f64],
+    ) -> Result<Combined, SolveError> {
+        let template = self.lcp_template(shared.form)?;
+        let (sum, q) = shared.pose(template, factors);
         if q.is_empty() {
-            return self.on_pieces_of(shared, &sum, Ok(shared.lcp.pieces(&[])), 0);
+            return self.on_pieces_of(interface, shared, &sum, template.vertices.pieces(&[]), 0);
         }
-        let end = shared.family.as_ref().map(|family| in_memory(family.solve(&q))).transpose()?.flatten();
-        let Some(LcpBasis { status, basis, mut pivots }) = end else {
-            return self.on_pieces_of(shared, &sum, Err(Outcome::Unsolved), 0);
-        };
-        let ended = ended(status);
-        let pieces = shared.lcp.pieces(&basis);
-        let combined = self.on_pieces_of(shared, &sum, ended.map(|()| pieces.clone()), pivots)?;
-        if ended.is_err() || combined.outcome == Outcome::Solved {
-            return Ok(combined);
+        let family = shared.family.as_ref().ok_or(SolveError::Unsolved)?;
+        let LcpBasis { status, basis, mut pivots } = family.solve(&q)?;
+        SolveError::of(status)?;
+        let pieces = template.vertices.pieces(&basis);
+        match self.on_pieces_of(interface, shared, &sum, pieces.clone(), pivots) {
+            Err(SolveError::Unsolved) => {}
+            combined => return combined,
         }
         // Rounding of many pivots gave an infeasible state nearby: few pivots with a fresh tableau remain.
-        let mut posed = shared.lcp.clone();
-        posed.q = q;
-        let again = pieces_of(self, &posed, Some(pieces), &mut pivots, &mut |_| true)?;
-        self.on_pieces_of(shared, &sum, again, pivots)
+        let again = pieces_of(self, template, &q, Some(pieces), &mut pivots, &mut |_| true)?;
+        self.on_pieces_of(interface, shared, &sum, again, pivots)
     }
 
-    /// The combination on the contact state of its LCP.
+    /// The combination on a contact state.
     fn on_pieces_of(
         &self,
+        interface: &Interface,
         shared: &CombinedCases,
         sum: &Response,
-        end: Result<Vec<u8>, Outcome>,
+        piece: Vec<u8>,
         pivots: usize,
-    ) -> Result<Combined, FactorError> {
-        let count = sum.moved.len();
-        let ended = |outcome| {
-            let nan = vec![f64::NAN; count];
-            let (factor, reaction, gap) = (nan.clone(), nan.clone(), nan);
-            Ok(Combined { outcome, factor, reaction, gap, piece: vec![0; count], pivots })
-        };
-        let piece = match end {
-            Ok(piece) => piece,
-            Err(outcome) => return ended(outcome),
-        };
+    ) -> Result<Combined, SolveError> {
         let travel = match shared.form {
-            Form::Dual => (0..count).map(|i| self.points.arm[i] * sum.moved[i].abs()).fold(0.0, f64::max),
+            Form::Dual => (0..piece.len()).map(|i| self.points.arm[i] * sum.moved[i].abs()).fold(0.0, f64::max),
             Form::Stiffness => 0.0,
         };
-        match shared.set_solver.solve(self, &piece, &sum.moved, &sum.reaction)? {
-            Some((factor, reaction, gap)) => {
-                let settled = self.is_certain(&piece, &reaction, &gap, travel);
-                let outcome = if settled { Outcome::Solved } else { Outcome::Unsolved };
-                Ok(Combined { outcome, factor, reaction, gap, piece, pivots })
-            }
-            None => ended(Outcome::Unsolved),
+        let solved = shared.set_solver.solve(interface, &self.points, &piece, &sum.moved, &sum.reaction)?;
+        let (factor, reaction, gap) = solved.ok_or(SolveError::Unsolved)?;
+        if !self.is_certain(&piece, &reaction, &gap, travel) {
+            return Err(SolveError::Unsolved);
         }
+        Ok(Combined { factor, reaction, gap, piece, pivots })
     }
 
     /// Whether every point is within the bounds of its piece, beyond rounding.
@@ -180,7 +177,8 @@ impl ContactProblem {
             (tolerances::SIGN * moved.max(shift[i].abs())).max(tolerances::RESIDUAL * travel / arm[i])
         };
         let finite = reaction.iter().chain(gap).all(|value| value.is_finite());
-        finite && is_feasible(self, pieces, reaction, gap, force, length)
+        let state = |i: usize| PointState { piece: pieces[i], reaction: reaction[i], gap: gap[i] };
+        finite && beyond(self, state, force, length).next().is_none()
     }
 }
 
@@ -195,13 +193,13 @@ fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
 
 impl CombinedCases {
     /// The sum of the cases of a combination, and q of its LCP.
-    fn pose(&self, factors: &[f64]) -> (Response, Vec<f64>) {
+    fn pose(&self, template: &LcpTemplate, factors: &[f64]) -> (Response, Vec<f64>) {
         let sum = self.sum(factors);
         let mut q = self.q_at_rest.clone();
         for (part, &factor) in self.q.iter().zip(factors).filter(|(_, factor)| **factor != 0.0) {
             q.iter_mut().zip(part).for_each(|(total, value)| *total += factor * value);
         }
-        self.motions.balance(&mut q, &rhs(self.form, &sum, &self.distance), &sum.work);
+        template.balance(&mut q, &rhs(self.form, &sum, &self.distance), &sum.work);
         (sum, q)
     }
 

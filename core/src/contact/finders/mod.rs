@@ -1,12 +1,9 @@
-//! Methods that find the contact state.
+//! Methods that find the contact state under a load: Lemke's algorithm and the active set.
 
 mod active_set;
-mod finder;
-mod interior_point;
+mod feasibility;
 mod lemke;
-mod program;
 
-pub(super) use active_set::{ActiveSet, solve_together, solved_and_factored};
-pub(super) use finder::{SetFinder, is_feasible};
-pub(super) use interior_point::InteriorPoint;
-pub(super) use lemke::{Lemke, ended, in_memory, pieces_of, posed_from};
+pub(super) use active_set::{by_active_set, solve_together, solved_and_factored};
+pub(super) use feasibility::beyond;
+pub(super) use lemke::{by_lemke, pieces_of, posed_from};

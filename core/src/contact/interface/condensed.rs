@@ -14,6 +14,8 @@ use std::sync::OnceLock;
 pub(in crate::contact) struct Interface {
     /// δ: stiffness that the factor includes at each point, in addition to K.
     pub(in crate::contact) delta: Vec<f64>,
+    /// Rigid motions (3n,) that springs, held dofs and two-sided points leave free.
+    pub(in crate::contact) free_motions: Vec<Vec<f64>>,
     /// N: displacements Gu of each free rigid motion, by column.
     pub(super) moves: Mat<f64>,
     /// The Schur complement, where the rows select single dofs; the flexibility is then made on demand.
@@ -56,14 +58,15 @@ pub(in crate::contact) struct CondensedRhs {
 
 impl Interface {
     /// Condenses a factor that ends with `trailing` columns of contact dofs. `rows` are the rows of G by its columns,
-    /// `multiplier_rows` its columns of multipliers, `moves` the displacements Gu of each free rigid motion.
+    /// `multiplier_rows` its columns of multipliers.
     pub(in crate::contact) fn on(
         factor: &Factor,
         trailing: usize,
+        points: &Points,
         rows: &[Vec<(usize, f64)>],
         multiplier_rows: &HashSet<usize>,
         delta: Vec<f64>,
-        moves: &[Vec<f64>],
+        free_motions: Vec<Vec<f64>>,
     ) -> Result<Self, FactorError> {
         let flexibility = OnceLock::new();
         let block = factor.trailing_block(trailing)?;
@@ -75,8 +78,8 @@ impl Interface {
             let matrix = rows.products(&rows)?;
             flexibility.get_or_init(|| Flexibility { rows, matrix });
         }
-        let moves = Mat::from_fn(rows.len(), moves.len(), |i, k| moves[k][i]);
-        Ok(Self { delta, moves, stiffness, flexibility })
+        let moves = Mat::from_fn(rows.len(), free_motions.len(), |i, k| points.dot(i, &free_motions[k]));
+        Ok(Self { delta, free_motions, moves, stiffness, flexibility })
     }
 
     pub(in crate::contact) fn len(&self) -> usize {

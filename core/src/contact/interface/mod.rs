@@ -15,13 +15,15 @@
 
 mod condensed;
 mod forward_rows;
+mod lcp_template;
 mod motions;
 mod on_pieces;
-mod posed;
 mod schur;
+mod vertices;
 
 pub use condensed::Form;
 pub(super) use condensed::{CondensedRhs, Interface, ReducedLoad};
-pub(super) use motions::{FreeMotions, Work};
+pub use lcp_template::LcpTemplate;
+pub(super) use motions::Work;
 pub(super) use on_pieces::OnPieces;
-pub use posed::{PosedLcp, VertexRow};
+pub use vertices::{VertexRow, Vertices};

@@ -5,8 +5,8 @@
 //! reactions of the first pieces balance the load: N_Jᵀ q_J = work. With rounding in these, marginal equilibrium would
 //! be decided at random.
 
-use super::condensed::{CondensedRhs, Form, Interface};
-use super::posed::PosedLcp;
+use super::condensed::{CondensedRhs, Interface};
+use super::vertices::Vertices;
 use crate::contact::points::Points;
 use crate::contact::scale::largest;
 use crate::contact::tolerances;
@@ -35,7 +35,7 @@ impl Work {
 }
 
 /// The part of the imposed motions that does not depend on the load.
-pub(in crate::contact) struct FreeMotions {
+pub(super) struct FreeMotions {
     /// N_J and WN_J(N_JᵀWN_J)⁻¹, with W the stiffness δ in the factor.
     moves: Mat<f64>,
     dual: Mat<f64>,
@@ -52,47 +52,33 @@ pub(in crate::contact) struct FreeMotions {
 }
 
 impl Interface {
-    /// Poses the LCP for reactions that act already, with the free motions imposed. `violation` is relative to
-    /// [`Interface::first_pieces`].
-    pub(in crate::contact) fn lcp(
-        &self,
-        points: &Points,
-        form: Form,
-        right: &CondensedRhs,
-        work: &Work,
-        reaction: &[f64],
-    ) -> Result<PosedLcp, OutOfMemory> {
-        let (mut lcp, _) = self.posed(points, form, std::slice::from_ref(right), reaction)?;
-        let motions = self.impose_motions(points, &mut lcp)?;
-        motions.balance(&mut lcp.q, right, work);
-        Ok(lcp)
-    }
-
     /// Imposes the free motions on M: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ; M_OJ changes by the least that
     /// satisfies its equation.
-    pub(in crate::contact) fn impose_motions(
+    pub(super) fn impose_motions(
         &self,
         points: &Points,
-        lcp: &mut PosedLcp,
+        vertices: &Vertices,
+        matrix: &mut [f64],
     ) -> Result<FreeMotions, OutOfMemory> {
         let free = self.moves.ncols();
-        let order = lcp.q.len();
-        let (inside, paired) = (lcp.gaps(), lcp.paired());
-        let moves = |r: usize, k: usize| self.moves[(lcp.rows[r].point, k)];
+        let rows = &vertices.rows;
+        let order = rows.len();
+        let (inside, paired) = (vertices.gaps(), vertices.paired());
+        let moves = |r: usize, k: usize| self.moves[(rows[r].point, k)];
         let n = Mat::from_fn(inside, free, moves);
-        let sum = |r: usize| lcp.matrix[r * order..r * order + inside].iter().map(|m| m.abs()).sum();
+        let sum = |r: usize| matrix[r * order..r * order + inside].iter().map(|m| m.abs()).sum();
         let held = (0..inside).map(sum).collect();
         let projected = paired > inside || self.stiffness.is_none();
-        let reference = lcp.reference_forces(points);
+        let reference = vertices.reference_forces(points);
         let known = (0..free).map(|k| (0..self.len()).map(|i| self.moves[(i, k)] * reference[i]).sum()).collect();
-        let mirrored = lcp.mirrored(points);
-        let of_rows = lcp.rows[..paired].iter().map(|row| row.point).collect();
+        let mirrored = vertices.mirrored(points);
+        let of_rows = rows[..paired].iter().map(|row| row.point).collect();
         let mut motions = FreeMotions { dual: n.clone(), moves: n, paired: of_rows, known, held, projected, mirrored };
         if free == 0 {
             return Ok(motions);
         }
         // Weighted by the stiffness in the factor, so that the correction does not exceed the entry of a soft point.
-        let carried = |r: usize| self.delta[lcp.rows[r].point];
+        let carried = |r: usize| self.delta[rows[r].point];
         let all_carried = (0..inside).all(|r| carried(r) > 0.0);
         let weight = |r: usize| if all_carried { carried(r) } else { 1.0 };
         let n = &motions.moves;
@@ -103,7 +89,7 @@ impl Interface {
             return Ok(motions);
         }
         let (n, dual) = (&motions.moves, &motions.dual);
-        let mut within = dense::matrix(inside, inside, |r, c| lcp.matrix[r * order + c])?;
+        let mut within = dense::matrix(inside, inside, |r, c| matrix[r * order + c])?;
         let before: Vec<f64> = (0..inside).map(|r| within[(r, r)].abs()).collect();
         let across = n.transpose() * &within;
         subtract_product(&mut within, dual, across.as_ref());
@@ -114,7 +100,7 @@ impl Interface {
             .map(|r| inside == free || within[(r, r)] <= tolerances::interface::PROJECTED * before[r])
             .collect();
         let outside = paired - inside;
-        let mut across = dense::matrix(outside, inside, |r, c| lcp.matrix[(inside + r) * order + c])?;
+        let mut across = dense::matrix(outside, inside, |r, c| matrix[(inside + r) * order + c])?;
         let moved = Mat::from_fn(outside, free, |r, k| moves(inside + r, k));
         let missed = &across * n - &moved;
         subtract_product(&mut across, &missed, dual.transpose());
@@ -129,18 +115,18 @@ impl Interface {
         for r in 0..inside {
             for c in 0..inside {
                 let even = 0.5 * (within[(r, c)] + within[(c, r)]);
-                lcp.matrix[r * order + c] = if loose[r] || loose[c] { 0.0 } else { even };
+                matrix[r * order + c] = if loose[r] || loose[c] { 0.0 } else { even };
             }
             for c in 0..outside {
-                lcp.matrix[(inside + c) * order + r] = across[(c, r)];
-                lcp.matrix[r * order + inside + c] = -across[(c, r)];
+                matrix[(inside + c) * order + r] = across[(c, r)];
+                matrix[r * order + inside + c] = -across[(c, r)];
             }
         }
         for &(row, earlier, _) in &motions.mirrored {
-            (0..order).for_each(|c| lcp.matrix[row * order + c] = -lcp.matrix[earlier * order + c]);
+            (0..order).for_each(|c| matrix[row * order + c] = -matrix[earlier * order + c]);
             // Rows of further vertices depend on the length of the piece before them, and on no base.
-            for r in (0..order).filter(|&r| lcp.rows[r].is_next()) {
-                lcp.matrix[r * order + row] = -lcp.matrix[r * order + earlier];
+            for r in (0..order).filter(|&r| rows[r].is_next()) {
+                matrix[r * order + row] = -matrix[r * order + earlier];
             }
         }
         Ok(motions)
@@ -161,12 +147,12 @@ impl Interface {
 
 impl FreeMotions {
     /// Imposes on q that the reactions of the first pieces balance the load; entries of rounding become zero.
-    pub(in crate::contact) fn balance(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
+    pub(super) fn balance(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &self.known, 1.0);
     }
 
     /// The same for an increment of load.
-    pub(in crate::contact) fn balance_increment(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
+    pub(super) fn balance_increment(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &vec![0.0; self.known.len()], 0.0);
     }
 

@@ -3,13 +3,14 @@
 use super::coarse::CoarseSolver;
 use super::solver::{Correction, Kkt};
 use crate::cholesky::FactorError;
-use crate::contact::interface::{OnPieces, ReducedLoad};
+use crate::contact::interface::{Interface, OnPieces, ReducedLoad};
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::Residual;
 
 /// The condensed equations of a contact state.
 pub(in crate::contact) struct Condensed<'a> {
     problem: &'a ContactProblem,
+    interface: &'a Interface,
     on: Option<OnPieces>,
     /// Rigid motions, where springs alone hold the plate.
     coarse: Option<CoarseSolver<'a>>,
@@ -18,24 +19,24 @@ pub(in crate::contact) struct Condensed<'a> {
 }
 
 impl<'a> Condensed<'a> {
-    pub(in crate::contact) fn new(problem: &'a ContactProblem) -> Self {
+    pub(in crate::contact) fn new(problem: &'a ContactProblem, interface: &'a Interface) -> Self {
         let coarse = if problem.points.is_empty() { CoarseSolver::by(problem, Vec::new()) } else { None };
-        Self { problem, on: None, coarse, reduced: None }
+        Self { problem, interface, on: None, coarse, reduced: None }
     }
 }
 
 impl Kkt for Condensed<'_> {
     fn prepare(&mut self, pieces: &[u8]) -> Result<bool, FactorError> {
-        self.on = self.problem.interface().on_pieces(&self.problem.points, pieces)?;
+        self.on = self.interface.on_pieces(&self.problem.points, pieces)?;
         Ok(self.on.is_some())
     }
 
     fn solve(&mut self, right: &Residual) -> Result<Option<Correction>, FactorError> {
         let Some(on) = &self.on else { return Ok(None) };
-        let interface = self.problem.interface();
+        let interface = self.interface;
         let ReducedLoad { mut forward, rhs } = match self.reduced.take() {
             Some(reduced) => reduced,
-            None => self.problem.reduced(right, interface.better_form())?,
+            None => self.problem.reduced(interface, right, interface.better_form())?,
         };
         let mut reaction = Vec::new();
         if interface.len() > 0 {

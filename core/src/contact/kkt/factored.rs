@@ -3,6 +3,7 @@
 
 use super::coarse::CoarseSolver;
 use crate::cholesky::FactorError;
+use crate::contact::backend::Augmentation;
 use crate::contact::problem::ContactProblem;
 use crate::contact::system::System;
 use crate::residual::twice_the_energy;
@@ -33,6 +34,7 @@ impl Direction {
 /// A factor and the augmentation compliances of a penalty.
 pub(in crate::contact) struct Factored<'a> {
     pub(in crate::contact) problem: &'a ContactProblem,
+    pub(in crate::contact) augmentation: &'a Augmentation,
     /// Penalty: largest spring stiffness over the shear stiffness of the plate.
     pub(in crate::contact) limit: f64,
     /// Augmentation compliance σ of each point.
@@ -56,12 +58,14 @@ pub(in crate::contact) struct Factored<'a> {
 impl<'a> Factored<'a> {
     pub(in crate::contact) fn new(
         problem: &'a ContactProblem,
+        augmentation: &'a Augmentation,
         given: Option<&'a Arc<System>>,
         limit: f64,
         shares: bool,
     ) -> Self {
         let mut new = Self {
             problem,
+            augmentation,
             limit,
             series: Vec::new(),
             given,
@@ -80,7 +84,7 @@ impl<'a> Factored<'a> {
     /// Sets the penalty.
     pub(in crate::contact) fn set_penalty(&mut self, limit: f64) {
         self.limit = limit;
-        self.series = self.problem.series(limit);
+        self.series = self.augmentation.series(&self.problem.points, limit);
     }
 
     /// Whether some point has an augmentation compliance.
@@ -112,11 +116,11 @@ impl<'a> Factored<'a> {
     pub(in crate::contact) fn refactor(&mut self, pieces: &[u8]) -> Result<(), FactorError> {
         let problem = self.problem;
         let slenderness = problem.plate.slenderness();
-        let least = problem.series(slenderness * slenderness / pieces.len() as f64);
-        let a_little = |i: usize| problem.steepest(i).in_series(least[i]);
+        let least = slenderness * slenderness / pieces.len() as f64;
+        let a_little = self.augmentation.slopes(&problem.points, |i| problem.points.steepest(i), least);
         for retains in [false, true] {
             let slope = |i: usize| match self.slope(i, pieces[i]) {
-                0.0 if retains => a_little(i),
+                0.0 if retains => a_little[i],
                 slope => slope,
             };
             match problem.factored((0..pieces.len()).map(slope).collect()) {

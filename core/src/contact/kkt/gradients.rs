@@ -6,7 +6,7 @@
 
 use super::factored::{Direction, Factored};
 use crate::cholesky::FactorError;
-use crate::contact::problem::Method;
+use crate::contact::backend::Backend;
 use crate::contact::scale::dot;
 use crate::contact::tolerances;
 
@@ -59,8 +59,8 @@ impl Gradients {
             differing: kkt.differing(pieces),
             enough: f64::max(tolerance * kkt.problem.scale.length(&imbalance), rounding),
             may_refactor: true,
-            most: match kkt.problem.method {
-                Method::Saddle => 0,
+            most: match kkt.problem.backend {
+                Backend::SaddlePoint(_) => 0,
                 _ if kkt.shares() => SHARED * BEFORE_A_FACTOR,
                 _ => BEFORE_A_FACTOR,
             },
@@ -118,7 +118,7 @@ impl Gradients {
     /// are soft beside the plate and take fewer.
     fn is_far(&self, kkt: &Factored) -> bool {
         let augmented = self.differing.iter().filter(|(i, _)| kkt.series[*i] > 0.0).count();
-        augmented > self.most && kkt.limit > kkt.problem.first_penalty
+        augmented > self.most && kkt.limit > kkt.augmentation.first_penalty
     }
 
     /// Restarts with a factor of the contact state.

@@ -9,10 +9,23 @@ pub(super) struct Line<'a> {
     pub points: &'a Points,
     pub at: [f64; 2],
     pub ends: [ContactSolution; 2],
-    /// Reference force and travel of each point, and reference deflection.
-    pub forces: Vec<f64>,
-    pub lengths: Vec<f64>,
+    pub scales: Scales,
+    /// Reference deflection.
     pub deflection: f64,
+}
+
+/// Reference force and travel of each point (m,).
+#[derive(Clone)]
+pub(super) struct Scales {
+    pub force: Vec<f64>,
+    pub travel: Vec<f64>,
+}
+
+impl Scales {
+    /// The reference of the distance of a point from an end of its piece.
+    pub fn of(&self, points: &Points, i: usize, piece: u8) -> f64 {
+        if points.piece(i, piece).holds() { self.force[i] } else { self.travel[i] }
+    }
 }
 
 /// An end of the present piece of a point.
@@ -56,13 +69,9 @@ impl Line<'_> {
 
     /// Scaled distance of a point from an end of its piece, at an end of the line.
     pub fn value(&self, end: usize, Breakpoint { point: i, is_upper }: Breakpoint) -> f64 {
-        let (solution, piece) = (&self.ends[end], self.points.piece(i, self.pieces()[i]));
-        let breakpoint = self.points.ends(i, self.pieces()[i])[usize::from(is_upper)].expect("an end");
-        let (value, breakpoint, size) = match piece.holds() {
-            true => (solution.reaction[i], breakpoint[1], self.forces[i]),
-            false => (-solution.gap[i], breakpoint[0] - piece.travel, self.lengths[i]),
-        };
-        let inside = if is_upper { breakpoint - value } else { value - breakpoint };
+        let state = self.ends[end].state(i);
+        let inside = self.points.signed_distance(i, state, is_upper).expect("an end");
+        let size = self.scales.of(self.points, i, state.piece);
         if size > 0.0 { inside / size } else { 0.0 }
     }
 

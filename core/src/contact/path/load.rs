@@ -1,5 +1,7 @@
 //! The load of a path, its stops and its end.
 
+use crate::contact::error::{SolveError, require_length};
+use crate::contact::problem::ContactProblem;
 use crate::contact::solution::ContactSolution;
 
 /// The load f₀ + t f₁ (3n,), prescribed values (3n,), and the largest t, which may be infinite.
@@ -42,6 +44,13 @@ pub enum PathEnd {
 pub const MOST_EVENTS: usize = 100_000;
 
 impl PathLoad<'_> {
+    pub(super) fn require_lengths(&self, problem: &ContactProblem) -> Result<(), SolveError> {
+        let dofs = problem.plate.dof_count();
+        require_length("the load", self.start.len(), dofs)?;
+        require_length("the load to be added", self.add.len(), dofs)?;
+        require_length("held_value", self.held_value.len(), dofs)
+    }
+
     pub(super) fn at(&self, t: f64) -> Vec<f64> {
         self.start.iter().zip(self.add).map(|(a, b)| a + t * b).collect()
     }

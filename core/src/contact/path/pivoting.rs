@@ -4,9 +4,9 @@ use super::line::Line;
 use super::load::PathEnd;
 use super::recorder::PathRecorder;
 use super::tracer::PathTracer;
-use crate::cholesky::FactorError;
-use crate::contact::finders::{in_memory, posed_from};
-use crate::contact::interface::{CondensedRhs, Work};
+use crate::contact::error::SolveError;
+use crate::contact::finders::posed_from;
+use crate::contact::interface::{Interface, Work};
 use crate::contact::residual::Residual;
 use crate::contact::solution::Progress;
 use crate::contact::tolerances;
@@ -17,10 +17,15 @@ type Pivoted = (ParametricPath, Vec<Vec<u8>>);
 
 impl PathTracer<'_> {
     /// Traces the path from the solution at t = 0. Where rounding stops the pivots, it continues event by event.
-    pub(super) fn pivot_along(&mut self, recorder: &mut PathRecorder) -> Result<PathEnd, FactorError> {
+    pub(super) fn pivot_along(
+        &mut self,
+        interface: &Interface,
+        recorder: &mut PathRecorder,
+    ) -> Result<PathEnd, SolveError> {
         let load = self.load;
-        let Some((result, sets)) = self.pivoted(&recorder.here().piece)? else {
-            return self.step_along(0.0, recorder);
+        let (result, sets) = match self.pivoted(interface, &recorder.here().piece) {
+            Err(SolveError::Unsolved) => return self.step_along(0.0, recorder),
+            pivoted => pivoted?,
         };
         let mut t = 0.0;
         for (k, segment) in result.segments.iter().enumerate() {
@@ -66,28 +71,26 @@ impl PathTracer<'_> {
     }
 
     /// The bases of the LCP along the path, and the pieces of each.
-    fn pivoted(&mut self, pieces: &[u8]) -> Result<Option<Pivoted>, FactorError> {
+    fn pivoted(&mut self, interface: &Interface, pieces: &[u8]) -> Result<Pivoted, SolveError> {
         let (problem, load) = (self.problem, self.load);
-        let interface = problem.interface();
         let form = interface.better_form();
         let rest = problem.at_rest(load.held_value);
-        let first = posed_from(problem, load.start, form, &rest)?;
+        let first = posed_from(problem, interface, load.start, form, &rest)?;
         // The added load alone: without gaps and prescribed values.
         let mut imbalance = load.add.to_vec();
         problem.release_held(&mut imbalance);
         let added = Residual { imbalance, violation: vec![0.0; pieces.len()], worst: 0.0 };
-        let rhs: [CondensedRhs; 2] = [first.rhs, problem.reduced(&added, form)?.rhs];
-        let (mut begin, mut along) = interface.posed(&problem.points, form, &rhs, &rest.reaction)?;
-        let motions = interface.impose_motions(&problem.points, &mut begin)?;
-        motions.balance(&mut begin.q, &rhs[0], &Work::of(&problem.free_motions, load.start));
-        motions.balance_increment(&mut along[0], &rhs[1], &Work::of(&problem.free_motions, load.add));
-        let basis = begin.basis(pieces);
+        let added = problem.reduced(interface, &added, form)?.rhs;
+        let template = problem.lcp_template(form)?;
+        let work = Work::of(&interface.free_motions, load.start);
+        let q = template.balanced_q(interface, &problem.points, &first.rhs, &work, &rest.reaction)?;
+        let mut along = template.increment(interface, &added)?;
+        template.balance_increment(&mut along, &added, &Work::of(&interface.free_motions, load.add));
+        let basis = template.vertices.basis(pieces);
         let mut watch = |step| self.goes_on(Progress { step, changing: 0, residual: 0.0 });
-        let solved =
-            Lcp::new(&begin.matrix, &begin.q).and_then(|lcp| parametric(&lcp, &along[0], &basis, load.end, &mut watch));
-        Ok(in_memory(solved)?.map(|path| {
-            let sets = path.segments.iter().map(|segment| begin.pieces(&segment.basis)).collect();
-            (path, sets)
-        }))
+        let lcp = Lcp::new(&template.matrix, &q)?;
+        let path = parametric(&lcp, &along, &basis, load.end, &mut watch)?;
+        let sets = path.segments.iter().map(|segment| template.vertices.pieces(&segment.basis)).collect();
+        Ok((path, sets))
     }
 }

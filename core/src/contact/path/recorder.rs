@@ -1,6 +1,6 @@
 //! The stops of a path, as reported.
 
-use super::line::Line;
+use super::line::{Line, Scales};
 use super::load::{PathEnd, Stop};
 use crate::contact::solution::{ContactSolution, differing};
 use crate::contact::tolerances;
@@ -8,8 +8,7 @@ use crate::contact::tolerances;
 /// The end of the last line, and its reference sizes.
 struct Arrival {
     solution: ContactSolution,
-    forces: Vec<f64>,
-    lengths: Vec<f64>,
+    scales: Scales,
 }
 
 /// Reports every stop to the callback.
@@ -23,7 +22,8 @@ impl<'a> PathRecorder<'a> {
     /// Starts with the solution at t = 0.
     pub fn new(first: ContactSolution, visit: &'a mut dyn FnMut(Stop) -> bool) -> Self {
         let none = vec![0.0; first.gap.len()];
-        Self { visit, arrived: Arrival { solution: first, forces: none.clone(), lengths: none }, begun: false }
+        let scales = Scales { force: none.clone(), travel: none };
+        Self { visit, arrived: Arrival { solution: first, scales }, begun: false }
     }
 
     /// The solution at the end of the last line.
@@ -33,7 +33,7 @@ impl<'a> PathRecorder<'a> {
 
     /// Stores the end of a line.
     pub fn arrive(&mut self, line: &Line<'_>, t: f64) {
-        self.arrived = Arrival { solution: line.at(t), forces: line.forces.clone(), lengths: line.lengths.clone() };
+        self.arrived = Arrival { solution: line.at(t), scales: line.scales.clone() };
     }
 
     /// Reports the start of a line: the start of the path, an event, or both ends of a jump; false if cancelled.
@@ -71,8 +71,9 @@ impl Arrival {
     fn jump_to(&self, begin: &ContactSolution, line: &Line<'_>) -> Option<Vec<u8>> {
         let largest = |a: f64, b: f64, size: f64| if size > 0.0 { a.abs().max(b.abs()) / size } else { 0.0 };
         let here = &self.solution;
-        let presses = |i: usize| largest(here.reaction[i], begin.reaction[i], self.forces[i].max(line.forces[i]));
-        let parts = |i: usize| largest(here.gap[i], begin.gap[i], self.lengths[i].max(line.lengths[i]));
+        let presses =
+            |i: usize| largest(here.reaction[i], begin.reaction[i], self.scales.force[i].max(line.scales.force[i]));
+        let parts = |i: usize| largest(here.gap[i], begin.gap[i], self.scales.travel[i].max(line.scales.travel[i]));
         let jumps = |&i: &usize| presses(i).max(parts(i)) > tolerances::path::JUMP;
         differing(&here.piece, &begin.piece).iter().any(jumps).then(|| {
             let stays = |i: usize| here.piece[i] == begin.piece[i];
@@ -82,7 +83,7 @@ impl Arrival {
                 if piece.holds() {
                     return parts(i) <= tolerances::path::JUMP;
                 }
-                let size = self.forces[i].max(line.forces[i]);
+                let size = self.scales.force[i].max(line.scales.force[i]);
                 (begin.reaction[i] - piece.force).abs() <= tolerances::path::JUMP * size
             };
             let between = |i: usize| if is_on(i) { here.piece[i] } else { begin.piece[i] };

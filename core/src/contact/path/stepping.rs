@@ -4,8 +4,8 @@ use super::line::{Breakpoint, Line};
 use super::load::{MOST_EVENTS, PathEnd};
 use super::recorder::PathRecorder;
 use super::tracer::PathTracer;
-use crate::cholesky::FactorError;
-use crate::contact::solution::{ContactSolution, Outcome};
+use crate::contact::error::SolveError;
+use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
 /// Largest number of switches of points that move in the wrong direction after an event.
@@ -16,7 +16,7 @@ const LENGTHENED: usize = 2;
 
 impl<'a> PathTracer<'a> {
     /// Traces the path from `t`.
-    pub(super) fn step_along(&mut self, mut t: f64, recorder: &mut PathRecorder) -> Result<PathEnd, FactorError> {
+    pub(super) fn step_along(&mut self, mut t: f64, recorder: &mut PathRecorder) -> Result<PathEnd, SolveError> {
         let load = self.load;
         let mut pieces = recorder.here().piece.clone();
         // Contact states without progress since the last event.
@@ -71,9 +71,9 @@ impl<'a> PathTracer<'a> {
     /// `None` if no event appears.
     ///
     /// With little load, or far from a support, the first step may be too short to detect that a gap closes.
-    fn until_it_counts(&mut self, line: &Line<'a>) -> Result<Option<Line<'a>>, FactorError> {
+    fn until_it_counts(&mut self, line: &Line<'a>) -> Result<Option<Line<'a>>, SolveError> {
         let [t, mut far] = line.at;
-        let gap = line.lengths.iter().fold(0.0, |most, &length| f64::max(most, length));
+        let gap = line.scales.travel.iter().fold(0.0, |most, &length| f64::max(most, length));
         let mut travel = line.travel(t, far);
         for _ in 0..LENGTHENED {
             if travel == 0.0 || travel >= tolerances::path::COUNTS * gap {
@@ -90,7 +90,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// The line that starts at t; `pieces` is the first candidate of its contact state.
-    fn leaving(&mut self, t: f64, pieces: &[u8], here: &ContactSolution) -> Result<Option<Line<'a>>, FactorError> {
+    fn leaving(&mut self, t: f64, pieces: &[u8], here: &ContactSolution) -> Result<Option<Line<'a>>, SolveError> {
         let span = self.span(t);
         let mut set = pieces.to_vec();
         for _ in 0..ROUNDS {
@@ -111,10 +111,7 @@ impl<'a> PathTracer<'a> {
             }
         }
         for part in tolerances::path::BEYOND {
-            let near = self.solution(t + part * span, Some(here))?;
-            if near.outcome != Outcome::Solved {
-                continue;
-            }
+            let Some(near) = self.solution(t + part * span, Some(here))? else { continue };
             if let Some(line) = self.line(&near.piece, [t, t + span], Some(&near))?
                 && self.wrong(&line).is_some_and(|breakpoints| breakpoints.is_empty())
             {

@@ -1,14 +1,18 @@
 //! The path tracer: solves from line to line, with a callback.
 
-use super::line::{Line, travel};
+use super::line::{Line, Scales, travel};
 use super::load::{PathEnd, PathLoad, Stop};
 use super::recorder::PathRecorder;
-use crate::cholesky::FactorError;
+use crate::contact::backend::Backend;
+use crate::contact::error::SolveError;
+use crate::contact::fixed_state::{kkt, solve_on};
 use crate::contact::kkt::Kkt;
+use crate::contact::load::Load;
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::{least_length, lengths};
 use crate::contact::scale::largest;
-use crate::contact::solution::{ContactSolution, Outcome, Progress, Watch, differing};
+use crate::contact::solution::{ContactSolution, Progress, Watch, differing};
+use crate::contact::solve::Settings;
 use crate::contact::tolerances;
 
 /// The path tracer of one load.
@@ -30,19 +34,24 @@ impl<'a> PathTracer<'a> {
         !self.interrupted
     }
 
-    /// The solution at one t, from a nearby one if given.
-    pub fn solution(&mut self, t: f64, near: Option<&ContactSolution>) -> Result<ContactSolution, FactorError> {
-        let (problem, load) = (self.problem, self.load.at(t));
-        problem.solve(&load, self.load.held_value, None, near, &mut |now| self.goes_on(now))
+    /// The solution at one t, from a nearby one if given; `None` where there is none.
+    pub fn solution(&mut self, t: f64, near: Option<&ContactSolution>) -> Result<Option<ContactSolution>, SolveError> {
+        some(self.solved(t, near))
     }
 
-    /// The line on a contact state; `None` where the state does not hold the plate.
+    fn solved(&mut self, t: f64, near: Option<&ContactSolution>) -> Result<ContactSolution, SolveError> {
+        let (problem, nodal) = (self.problem, self.load.at(t));
+        let load = Load { nodal: &nodal, held_value: self.load.held_value };
+        problem.solve(&load, &Settings::default(), near, &mut |now| self.goes_on(now))
+    }
+
+    /// The solution u₀ + t u₁ on a contact state; `None` if the state leaves the plate a free motion.
     pub fn line(
         &mut self,
         pieces: &[u8],
         at: [f64; 2],
         start: Option<&ContactSolution>,
-    ) -> Result<Option<Line<'a>>, FactorError> {
+    ) -> Result<Option<Line<'a>>, SolveError> {
         match self.solution_on(pieces, at, 0, start)? {
             Some(from) => self.line_from(from, at),
             None => Ok(None),
@@ -50,7 +59,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// The line on the contact state of a solution at the first of two t.
-    pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line<'a>>, FactorError> {
+    pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line<'a>>, SolveError> {
         let Some(to) = self.solution_on(&from.piece, at, 1, Some(&from))? else { return Ok(None) };
         let loads = at.map(|t| self.load.at(t));
         // Bounds from below, for a load that hardly acts on the points and for a plate that cannot deflect.
@@ -65,15 +74,14 @@ impl<'a> PathTracer<'a> {
         let deflection = deflection.fold(least, |most, w| most.max(w.abs()));
         let lengths: Vec<f64> =
             lengths(self.problem, &ends[0]).into_iter().map(|length| length.max(deflection)).collect();
-        let forces = self.forces(force, &lengths);
-        Ok(Some(Line { points: &self.problem.points, at, ends, forces, lengths, deflection }))
+        let scales = self.scales(force, lengths);
+        Ok(Some(Line { points: &self.problem.points, at, ends, scales, deflection }))
     }
 
     /// The solution with other pieces, if the changed points are at the common ends of their pieces.
     pub fn standing_on(&self, solution: &ContactSolution, pieces: &[u8]) -> Option<ContactSolution> {
         let points = &self.problem.points;
-        let lengths = lengths(self.problem, solution);
-        let forces = self.forces(largest(&solution.reaction), &lengths);
+        let scales = self.scales(largest(&solution.reaction), lengths(self.problem, solution));
         let differing = differing(&solution.piece, pieces);
         let mut same = ContactSolution { piece: pieces.to_vec(), ..solution.clone() };
         for i in differing {
@@ -82,13 +90,8 @@ impl<'a> PathTracer<'a> {
                 return None;
             }
             let [travel, force] = points.ends(i, from)[usize::from(to > from)]?;
-            let old = points.piece(i, from);
-            let nothing = tolerances::path::NOTHING;
-            let at_end = match old.holds() {
-                true => (solution.reaction[i] - force).abs() <= nothing * forces[i],
-                false => (old.travel - solution.gap[i] - travel).abs() <= nothing * lengths[i],
-            };
-            if !at_end {
+            let inside = points.signed_distance(i, solution.state(i), to > from)?;
+            if !(inside.abs() <= tolerances::path::NOTHING * scales.of(points, i, from)) {
                 return None;
             }
             same.reaction[i] = force;
@@ -119,7 +122,7 @@ impl<'a> PathTracer<'a> {
 
     /// For a path from no load: unit of t in which the plate moves by about its least gap, as a power of two; 1 if that
     /// is not far below 1.
-    fn unit(&mut self, rest: &ContactSolution) -> Result<f64, FactorError> {
+    fn unit(&mut self, rest: &ContactSolution) -> Result<f64, SolveError> {
         if self.parts()[0] != 0.0 {
             return Ok(1.0);
         }
@@ -135,12 +138,9 @@ impl<'a> PathTracer<'a> {
             Some(line) => line.travel(0.0, far),
             // The first motion of a plate without hold does not scale with its load; its bending does.
             None => {
-                let half = self.solution(0.5 * far, Some(rest))?;
-                if half.outcome != Outcome::Solved {
-                    return Ok(1.0);
-                }
+                let Some(half) = self.solution(0.5 * far, Some(rest))? else { return Ok(1.0) };
                 let whole = self.solution(far, Some(&half))?;
-                if whole.outcome == Outcome::Solved { 2.0 * travel(&half, &whole) } else { 0.0 }
+                whole.map_or(0.0, |whole| 2.0 * travel(&half, &whole))
             }
         };
         let unit = gap * far / moved;
@@ -152,14 +152,14 @@ impl<'a> PathTracer<'a> {
         [self.load.start, self.load.add].map(|load| self.problem.scale.largest(load))
     }
 
-    /// Reference force of each point: the largest reaction, or for a soft spring its reference travel over its
+    /// Reference sizes of the points: the reference force is the largest reaction, or for a soft spring its reference travel over its
     /// compliance. Travel and reaction then have equal weight at a change of piece.
-    fn forces(&self, force: f64, lengths: &[f64]) -> Vec<f64> {
-        let of = |(i, length): (usize, &f64)| match self.problem.steepest(i).compliance() {
+    fn scales(&self, force: f64, travel: Vec<f64>) -> Scales {
+        let of = |(i, length): (usize, &f64)| match self.problem.points.steepest(i).compliance() {
             compliance if *length > 0.0 => force.min(length / compliance),
             _ => force,
         };
-        lengths.iter().enumerate().map(of).collect()
+        Scales { force: travel.iter().enumerate().map(of).collect(), travel }
     }
 
     /// The solution on a contact state at one end of a line.
@@ -169,7 +169,7 @@ impl<'a> PathTracer<'a> {
         at: [f64; 2],
         end: usize,
         start: Option<&ContactSolution>,
-    ) -> Result<Option<ContactSolution>, FactorError> {
+    ) -> Result<Option<ContactSolution>, SolveError> {
         self.lines += 1;
         if !self.goes_on(Progress { step: self.lines, changing: 0, residual: 0.0 }) {
             return Ok(None);
@@ -178,8 +178,8 @@ impl<'a> PathTracer<'a> {
         let scale = &self.problem.scale;
         let least = f64::max(scale.largest(&loads[0]), scale.largest(&loads[1]));
         let Self { problem, kkt, load, .. } = self;
-        let solution = problem.solve_with(&mut **kkt, &loads[end], load.held_value, pieces, start, least)?;
-        Ok((solution.outcome == Outcome::Solved).then_some(solution))
+        let load = Load { nodal: &loads[end], held_value: load.held_value };
+        some(solve_on(problem, &mut **kkt, &load, pieces, start, least))
     }
 
     /// Ends the path on its last line: at the requested t, or at `far`.
@@ -202,29 +202,40 @@ impl ContactProblem {
         load: &PathLoad,
         visit: &mut dyn FnMut(Stop) -> bool,
         watch: &mut Watch<'_>,
-    ) -> Result<PathEnd, FactorError> {
+    ) -> Result<PathEnd, SolveError> {
+        load.require_lengths(self)?;
         let (add, counted);
         let mut watch = watch;
         let mut tracer =
-            PathTracer { problem: self, load, kkt: self.kkt(), watch: &mut watch, interrupted: false, lines: 0 };
-        let first = tracer.solution(0.0, None)?;
-        let end = match first.outcome {
-            Outcome::Solved => {
+            PathTracer { problem: self, load, kkt: kkt(self), watch: &mut watch, interrupted: false, lines: 0 };
+        let end = match tracer.solved(0.0, None) {
+            Ok(first) => {
                 let unit = tracer.unit(&first)?;
                 add = load.add.iter().map(|force| unit * force).collect::<Vec<f64>>();
                 counted = PathLoad { add: &add, end: load.end / unit, ..*load };
                 tracer.load = &counted;
                 tracer.follow(first, &mut |stop| visit(Stop { t: unit * stop.t, ..stop }))?
             }
-            Outcome::NoEquilibrium => PathEnd::NoEquilibrium,
-            _ => PathEnd::Unsolved,
+            Err(SolveError::NoEquilibrium) => PathEnd::NoEquilibrium,
+            Err(SolveError::Unsolved) => PathEnd::Unsolved,
+            Err(SolveError::Cancelled) => PathEnd::Interrupted,
+            Err(error) => return Err(error),
         };
         Ok(if tracer.interrupted { PathEnd::Interrupted } else { end })
     }
 }
 
+/// The solution, if there is one and the solve was not cancelled.
+fn some(solved: Result<ContactSolution, SolveError>) -> Result<Option<ContactSolution>, SolveError> {
+    match solved {
+        Ok(solution) => Ok(Some(solution)),
+        Err(SolveError::NoEquilibrium | SolveError::Unsolved | SolveError::Cancelled) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
 impl PathTracer<'_> {
-    fn follow(&mut self, first: ContactSolution, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, FactorError> {
+    fn follow(&mut self, first: ContactSolution, visit: &mut dyn FnMut(Stop) -> bool) -> Result<PathEnd, SolveError> {
         if self.interrupted {
             return Ok(PathEnd::Interrupted);
         }
@@ -232,6 +243,9 @@ impl PathTracer<'_> {
         if self.load.end <= 0.0 {
             return Ok(recorder.end(0.0, None, PathEnd::Reached));
         }
-        if self.problem.is_condensed() { self.pivot_along(&mut recorder) } else { self.step_along(0.0, &mut recorder) }
+        match &self.problem.backend {
+            Backend::Condensed { interface, .. } => self.pivot_along(interface, &mut recorder),
+            Backend::Penalised(_) | Backend::SaddlePoint(_) => self.step_along(0.0, &mut recorder),
+        }
     }
 }

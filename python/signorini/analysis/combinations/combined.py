@@ -36,7 +36,9 @@ _FEW_POINTS = 100
 _MOST_POINTS = 500
 """Contact points whose responses are always worth their time, and at most have the memory."""
 _BALANCED = 1e-10
-"""Balance from which on a combination is solved by itself, where it is asked too whether equilibrium exists."""
+"""Largest relative balance error of a sum. Above it the combination is solved by itself, after the check of
+equilibrium.
+"""
 _EXPLAINED = 100
 """Combinations without equilibrium of which is said why."""
 
@@ -59,7 +61,7 @@ class Ways(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Combined(Brief):
-    """What is known of all combinations together."""
+    """Results of all combinations: rows, envelopes, counts and the worst certificate figures."""
 
     combinations: Combinations
     layout: Layout
@@ -70,7 +72,7 @@ class Combined(Brief):
     solved: int
     """How many have an equilibrium."""
     alone: int
-    """How many of them were solved by themselves, because what was found together was not certain enough."""
+    """Number of combinations solved by themselves, since the sum of responses was not certified."""
     not_unique: int
     """How many have other answers that are as right; of each the least is in the table."""
     certificate: Mapping[str, float]
@@ -99,8 +101,8 @@ def combine(
 ) -> Combined:
     """Solve every combination of a model.
 
-    ``ways`` is asked for the first combination of each tightening of the bolts. ``begin`` is called with the name of
-    the first combination of each block; what it raises ends the run. ``sink`` takes the columns of each block.
+    ``ways`` is called with the first combination of each set of bolt preloads. ``begin`` is called with the name of the
+    first combination of each block; an exception in it ends the run. ``sink`` receives the columns of each block.
     """
     model, layout = discretisation.model, Layout.of(discretisation)
     combinations = model.effective_combinations
@@ -147,7 +149,7 @@ def _over(layout: Layout, mesh: Mesh, envelopes: Sequence[Envelope]) -> Envelope
 
 
 class _Run:
-    """What grows from block to block, of combinations of one tightening."""
+    """Envelopes, counts and figures of combinations with the same bolt preloads, accumulated over the blocks."""
 
     def __init__(self, ways: Ways, layout: Layout, cases: tuple[str, ...]) -> None:
         self.problem, self.single, self.several = ways
@@ -203,7 +205,7 @@ class _Run:
     def _sums(
         self, block: Block, combinations: Sequence[Combination], places: Ints, terms: Terms, groups: Sequence[str]
     ) -> Sequence[int]:
-        """Solve what sums of responses are certain of; return the rows that are left."""
+        """Solve combinations as sums of responses; return the rows without a certified sum."""
         factors = _factors(combinations, terms.cases)
         verdict, pushes, reaction, gap, closed, pivots = _core.combine(self.problem.core, terms.shared, factors)
         rows = np.flatnonzero(verdict == 0)

@@ -1,4 +1,4 @@
-"""What every combination is a sum of, and certificates of many sums from what was measured of their terms."""
+"""Terms of the sums that make combinations, and bounds of certificate figures of sums from figures of the terms."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Watch:
 
 
 class Sizes(NamedTuple):
-    """What certificates need of one term, or, with an axis (b,) in front, of all."""
+    """Quantities of one term for certificates; with a leading axis (b,) those of all terms."""
 
     moved: Floats
     """(m,): displacement Gu of every contact point."""
@@ -52,9 +52,9 @@ class Sizes(NamedTuple):
     balance: Floats
     """(3,): the resultants that supports do not balance."""
     resultant: Floats
-    """(3,): those of the load, of what of it has any."""
+    """(3,): resultants of the load, excluding parts that balance themselves."""
     deflection: Floats
-    """Of the nodes that are watched."""
+    """Deflections of the watched nodes."""
     load: Floats
     """On the dofs that are watched."""
 
@@ -71,7 +71,7 @@ class Sizes(NamedTuple):
         on_plate: Floats,
         at_rest: bool,
     ) -> Sizes:
-        """Measure a term: displacements ``hi + lo``, what is out of balance, and the supports' forces (3n,) each."""
+        """Measure a term: displacements ``hi + lo``, residual forces and forces of the supports (3n,) each."""
         rows, held = discretisation.contacts.rows, discretisation.held
         exact = hi.astype(np.longdouble) + lo
         moved = rows.dot(discretisation.mesh.elements, exact)
@@ -93,14 +93,14 @@ class Sizes(NamedTuple):
 
 
 def _units(discretisation: Discretisation) -> Floats:
-    """What turns the three dofs' forces into forces: couples count by the force at an element's size."""
+    """Divisors (3,) that convert the three nodal forces of a node to forces, couples by the element size."""
     across = float(np.sqrt(discretisation.mesh.element_area.mean()))
     return np.array([1.0, across, across])
 
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """What was measured of all terms, how points (m,) move with rigid motions, and how they grip."""
+    """Quantities of all terms, rigid motions at the points (m, 3), and the largest coefficient of each row (m, 1)."""
 
     discretisation: Discretisation
     terms: Sizes
@@ -179,13 +179,13 @@ class Terms:
     fixed: Floats
     """(b, f): upward force of held nodes and springs, support by support."""
     on_lines: Floats
-    """(b, v): what couples of edges that hold the twist add at vertices of their lines, line by line."""
+    """(b, v): contribution of twisting couples of edges at the vertices of their lines, line by line."""
     moments: Floats
     """(b, 2t): couples on θx and θy of points that turn, support by support."""
     means: Floats
     """(b, 10k): means at the places of `Beside`."""
     proof: Proof
-    """What certificates are made of."""
+    """Data of the certificates."""
 
 
 def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str], nodes: Ints) -> Terms:
@@ -220,7 +220,7 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
-    """Fields that sums are sought of, for some that envelopes are sought of: those, or what they follow from."""
+    """Fields that are summed for the enveloped fields: these, and moments and shears of derived fields."""
     derived = any(name not in LINEAR for name in enveloped)
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
@@ -230,7 +230,7 @@ _Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, F
 
 
 class _Reader:
-    """Reads what is kept of terms, so that their displacements can go."""
+    """Reads the numbers of terms, so that displacements need not stay in memory."""
 
     def __init__(self, discretisation: Discretisation, names: list[str], watch: Watch, nodes: Ints) -> None:
         self._found, self._names, self._watch, self._nodes = discretisation, names, watch, nodes

@@ -2,6 +2,14 @@
 
 from signorini.discretise.quadrature.areas import area_quadrature, off_plate
 from signorini.discretise.quadrature.lines import curve_quadrature, edge_quadrature
-from signorini.discretise.quadrature.rules import LineQuadrature, Quadrature
+from signorini.discretise.quadrature.rules import GAUSS, LineQuadrature, Quadrature
 
-__all__ = ["LineQuadrature", "Quadrature", "area_quadrature", "curve_quadrature", "edge_quadrature", "off_plate"]
+__all__ = [
+    "GAUSS",
+    "LineQuadrature",
+    "Quadrature",
+    "area_quadrature",
+    "curve_quadrature",
+    "edge_quadrature",
+    "off_plate",
+]

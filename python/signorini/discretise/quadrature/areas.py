@@ -8,7 +8,7 @@ import numpy as np
 
 from signorini._core import serendipity, triangular
 from signorini.discretise.quadrature.cutcells import cut
-from signorini.discretise.quadrature.rules import Quadrature, collapsed, gauss, lobatto, radon
+from signorini.discretise.quadrature.rules import GAUSS, Quadrature, collapsed, gauss, lobatto, radon
 from signorini.discretise.quadrature.stepped import OFF, Levels, among, crossed, cut_by, sides_of
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
@@ -18,30 +18,31 @@ from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.cuts import Part
 
 _ON_PLATE = 1e-9
+"""Relative tolerance for an area or a length that lies on the plate."""
 _RADON = 3
-"""Largest order of Gauss's rule for which seven points are as accurate on a triangle."""
+"""Largest order of Gauss's rule for which Radon's seven points are as accurate on a triangle."""
 _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (2, 0), 6: (0, 1), 5: (1, 2), 7: (0, 1, 2)}
-"""From which corners of a triangle the lines of a rule run to its sides on the outline, which are 1, 2 and 4 in sum."""
+"""Corners at which the lines of a collapsed rule meet, by the sum of 1, 2 and 4 for each side on the outline."""
 _ROUNDINGS = 16.0
-"""Relative rounding of a coordinate in the computation of an area."""
+"""Rounding of coordinates in the computation of an area, relative to machine epsilon times the coordinate."""
 
 
 def area_quadrature(
     mesh: Mesh,
     region: Part | None = None,
-    order: int = 3,
+    order: int = GAUSS,
     to_outline: Bools | None = None,
     levels: Levels = (),
     off: float = OFF,
     follow: bool = False,
 ) -> Quadrature:
-    """Quadrature over the part of a region, or else of the whole plate, that is on the plate, by element.
+    """Quadrature over the intersection of a region, or of the whole plane, with the plate, sorted by element.
 
-    Area and first moments are exact to about 1e-12. Whole elements have ``order`` Gauss points in each direction, those
-    that the outline cuts more, see `cutcells`. If elements (ne,) are marked ``to_outline``, their sides on the outline
-    have Lobatto's rule with a point more, as exact, across them, so that points are on them; so have all that it cuts.
-    What is to be integrated jumps where ``levels`` change their sign; a cut lies up to ``off``, over the element's
-    side, from a curved jump (`stepped`). To ``follow`` is to take sides that stand for arcs of the outline for it.
+    Area and first moments are exact to about 1e-12. Whole elements have ``order`` Gauss points in each direction,
+    elements that the outline cuts have more, see `cutcells`. Elements (ne,) in ``to_outline``, and cut elements, have
+    Lobatto's rule of the same accuracy across their sides on the outline, so that points lie on it. The integrand jumps
+    where ``levels`` change sign; a cut deviates from a curved jump by at most ``off``, relative to the element's side
+    (`stepped`). With ``follow``, element sides that approximate arcs of the outline replace these.
     """
     smooth = _smooth(mesh, region, order, to_outline, follow)
     if not levels:
@@ -56,7 +57,7 @@ def area_quadrature(
         levels += among(outline, crossed(mesh, elements, outline))
     result = cut_by(mesh, elements, levels, order, off).points
     inside = np.ones(len(result.weights), dtype=bool) if region is None else region.contains(result.positions)
-    # On curved outlines the cuts are not exact; the area of the part on the region is known.
+    # On curved outlines the cuts are not exact: weights are scaled to the exact area.
     count = len(mesh.elements)
     area = np.bincount(smooth.elements, smooth.weights, count)
     cut_area = np.bincount(result.elements[inside], result.weights[inside], count)
@@ -74,12 +75,13 @@ def _smooth(mesh: Mesh, region: Part | None, order: int, to_outline: Bools | Non
     xi = mesh.invert(result.elements, result.positions)
     covered = np.union1d(result.whole, result.elements)
     real = real_sides(mesh.elements)
-    times = np.bincount(mesh.elements[covered, 4:][real[covered]], minlength=mesh.node_count)
-    outer = (times[mesh.elements[result.whole, 4:]] == 1) & real[result.whole] & marked[result.whole, None]
+    uses = np.bincount(mesh.elements[covered, 4:][real[covered]], minlength=mesh.node_count)
+    outer = (uses[mesh.elements[result.whole, 4:]] == 1) & real[result.whole] & marked[result.whole, None]
     factors = np.ones(len(mesh.elements))
     factors[result.whole] = result.factors
     whole = [
-        replace(one, weights=factors[one.elements] * one.weights) for one in _whole(mesh, result.whole, order, outer)
+        replace(points, weights=factors[points.elements] * points.weights)
+        for points in _whole(mesh, result.whole, order, outer)
     ]
     return _by_element([*whole, Quadrature(result.elements, xi, result.weights, result.positions)])
 
@@ -90,37 +92,38 @@ def _by_element(parts: list[Quadrature]) -> Quadrature:
 
 
 def _whole(mesh: Mesh, elements: Ints, order: int, outer: Bools) -> list[Quadrature]:
-    """Whole elements (k,), by Lobatto's rule across sides (k, 4) on the outline, else by Gauss's."""
+    """Quadrature over whole elements (k,): Lobatto's rule across their sides ``outer`` (k, 4), else Gauss's."""
     triangles = mesh.triangles[elements]
     across = np.column_stack([outer[:, 1] | outer[:, 3], outer[:, 0] | outer[:, 2]])
     rules = (gauss(order), lobatto(order))
     parts = []
     for x, y in ((0, 0), (0, 1), (1, 0), (1, 1)):
-        some = elements[(across == (x, y)).all(axis=1) & ~triangles]
+        group = elements[(across == (x, y)).all(axis=1) & ~triangles]
         station = np.stack(np.meshgrid(rules[x][0], rules[y][0], indexing="ij"), axis=-1).reshape(-1, 2)
-        parts.append(_alike(mesh, some, station, np.outer(rules[x][1], rules[y][1]).ravel()))
+        parts.append(_by_rule(mesh, group, station, np.outer(rules[x][1], rules[y][1]).ravel()))
     at_corner = np.zeros(outer.shape, np.bool_)
     at_corner[outer] = at_ends(mesh.points, mesh.sides[elements][outer])
     kinds = np.where(outer.any(axis=1) & at_corner.any(axis=1), 8, 0) + outer[:, [0, 1, 3]] @ [1, 2, 4]
     for kind in np.unique(kinds[triangles]):
         rule = _on_triangle(order, kind % 8, kind > 8)
-        parts.append(_alike(mesh, elements[triangles & (kinds == kind)], *rule, triangles=True))
+        parts.append(_by_rule(mesh, elements[triangles & (kinds == kind)], *rule, triangles=True))
     return parts
 
 
-def _alike(mesh: Mesh, some: Ints, station: Floats, weight: Floats, triangles: bool = False) -> Quadrature:
-    """Quadrature by one rule over whole elements, all triangles or none."""
-    nodes = mesh.nodes[some]
+def _by_rule(mesh: Mesh, elements: Ints, station: Floats, weight: Floats, triangles: bool = False) -> Quadrature:
+    """Quadrature by one rule over whole elements, either all triangles or all quadrilaterals."""
+    nodes = mesh.nodes[elements]
     weights = determinants(nodes, station, triangles) * weight
     positions = ((triangular if triangles else serendipity)(station)[0] @ nodes).reshape(-1, 2)
-    xi = np.tile(station, (len(some), 1))
-    return Quadrature(np.repeat(some, len(station)), xi, weights.ravel(), positions)
+    xi = np.tile(station, (len(elements), 1))
+    return Quadrature(np.repeat(elements, len(station)), xi, weights.ravel(), positions)
 
 
 def _on_triangle(order: int, sides: int, to_corners: bool) -> tuple[Floats, Floats]:
-    """Points and weights on the triangle, exact to the degree 2·order − 2 at least.
+    """Points and weights on the triangle, exact at least to the degree 2·order − 2.
 
-    On the outline are some of its sides, of 1, 2 and 4 the sum; on these there are points, if asked for at their ends.
+    ``sides`` is the sum of 1, 2 and 4 for each side on the outline. These sides have points, with ``to_corners`` also
+    at their ends.
     """
     if sides == 0:
         return radon() if order <= _RADON else collapsed(TRIANGLE_CORNERS[:3], gauss(order), gauss(order))
@@ -133,12 +136,12 @@ def _on_triangle(order: int, sides: int, to_corners: bool) -> tuple[Floats, Floa
 
 
 def off_plate(mesh: Mesh, where: Region | Curve, quadrature: Quadrature, part: float = 1.0) -> float:
-    """How much of a region's area or a curve's length, or of the part that has to be on the plate, is off it.
+    """Area of a region, or length of a curve, off the plate; ``part`` is the fraction that must be on it.
 
-    It is zero where only rounding is missing of what a quadrature found, or of a region a strip of a millionth of the
-    plate's size, or what lies between the plate's round outline and the parabolas that elements have for it.
+    It is 0 within a tolerance: rounding, for a region also a strip of a millionth of the plate's size, and the area
+    between the plate's round outline and the parabolas of its elements.
     """
-    # Where an outline is, is known to the rounding of coordinates.
+    # Positions of outlines are rounded as coordinates are.
     apart = _ROUNDINGS * float(np.finfo(float).eps) * float(np.abs(mesh.points).max())
     if isinstance(where, Ring | Polyline):
         measure, slack = where.length, apart

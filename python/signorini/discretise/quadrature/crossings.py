@@ -8,18 +8,20 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.shapes.outlines import Outline
 
 _BISECTIONS = 54
+"""Number of bisections: the interval shrinks to the rounding of its ends."""
 _ZERO = 1e-12
+"""Relative tolerance for a zero value of a polynomial, relative to its terms."""
 
 
 def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
-    """Find roots (r,) of polynomials (k, d + 1) on [−1, 1], and which polynomial each is of; one may be given twice.
+    """Find roots (r,) on [−1, 1] of polynomials (k, d + 1), constant terms first; return also their polynomials (r,).
 
-    Between neighbouring extrema, which are roots of the derivative, there is at most one. Constant terms come first,
-    leading ones may vanish. Values as small as the tolerance (k,) count as zero, so that double roots are found too.
+    Between neighbouring roots of the derivative there is at most one root. Leading coefficients may vanish. Values up
+    to the tolerance (k,) count as zero, so that double roots are found; a root may occur twice.
     """
     if not len(coefficients):
         return np.zeros(0, np.int64), np.zeros(0)
-    # Straight sides that straight outlines cut are by far the most.
+    # Most sides and outlines are straight: degree 1.
     degree = max(np.flatnonzero(coefficients.any(axis=0)), default=0)
     coefficients = coefficients[:, : max(degree, 1) + 1]
     derivatives = [coefficients]
@@ -31,8 +33,8 @@ def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
     for polynomial in reversed(derivatives):
         between = _bisect(polynomial, knots[:, :-1], knots[:, 1:])
         knots = np.hstack([-ends, between, ends])
-    which, at = np.nonzero(np.abs(_value(coefficients, knots)) <= tolerance[:, None])
-    return which, np.asarray(knots[which, at])
+    which, knot = np.nonzero(np.abs(_value(coefficients, knots)) <= tolerance[:, None])
+    return which, np.asarray(knots[which, knot])
 
 
 def _value(coefficients: Floats, t: Floats) -> Floats:
@@ -40,22 +42,22 @@ def _value(coefficients: Floats, t: Floats) -> Floats:
 
 
 def _bisect(coefficients: Floats, lower: Floats, upper: Floats) -> Floats:
-    """Halve to the change of sign; without one it is the end where the value is smaller."""
+    """Bisect to the change of sign; without one, return the end with the smaller magnitude."""
     start, stop = _value(coefficients, lower), _value(coefficients, upper)
     result = np.where(np.abs(stop) > np.abs(start), lower, upper)
-    which, at = np.nonzero((start < 0.0) != (stop < 0.0))
-    low, high, own = lower[which, at][:, None], upper[which, at][:, None], coefficients[which]
-    rising = (stop > start)[which, at][:, None]
+    which, interval = np.nonzero((start < 0.0) != (stop < 0.0))
+    low, high, polynomials = lower[which, interval][:, None], upper[which, interval][:, None], coefficients[which]
+    rising = (stop > start)[which, interval][:, None]
     for _ in range(_BISECTIONS if len(which) else 0):
         middle = 0.5 * (low + high)
-        right = (_value(own, middle) < 0.0) == rising
+        right = (_value(polynomials, middle) < 0.0) == rising
         low, high = np.where(right, middle, low), np.where(right, high, middle)
-    result[which, at] = 0.5 * (low + high)[:, 0]
+    result[which, interval] = 0.5 * (low + high)[:, 0]
     return result
 
 
 def quadratics(sides: Floats) -> Floats:
-    """Write sides (k, 3, 2), given by corner, midside, corner, as polynomials (k, 2, 3) in t on [−1, 1]."""
+    """Polynomials (k, 2, 3) in t on [−1, 1] of sides (k, 3, 2), given by corner, midside, corner."""
     a, middle, b = np.moveaxis(sides, 1, 0)
     return np.stack([middle, 0.5 * (b - a), 0.5 * (a + b) - middle], axis=-1)
 
@@ -66,9 +68,9 @@ def evaluate(curves: Floats, t: Floats) -> Floats:
 
 
 def with_segments(curves: Floats, segments: Floats) -> tuple[Ints, Floats]:
-    """Cross quadratics (k, 2, 3) with segments (k, 2, 2): the pair of each crossing, and its place (r, 2).
+    """Intersect quadratics (k, 2, 3) with segments (k, 2, 2), pair by pair: indices of pairs (r,), positions (r, 2).
 
-    A crossing may appear twice. A side along a segment gives both of its ends.
+    A crossing may occur twice. A side along a segment gives both of its ends.
     """
     a, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     length = np.hypot(*along.T)
@@ -80,12 +82,12 @@ def with_segments(curves: Floats, segments: Floats) -> tuple[Ints, Floats]:
     points = evaluate(curves[pair], t)
     station = np.einsum("rd,rd->r", points - a[pair], along[pair]) / length[pair] ** 2
     slack = _ZERO * scale[pair] / length[pair]
-    on = (station >= -slack) & (station <= 1.0 + slack)
-    return pair[on], points[on]
+    inside = (station >= -slack) & (station <= 1.0 + slack)
+    return pair[inside], points[inside]
 
 
 def with_circles(curves: Floats, circles: Floats) -> tuple[Ints, Floats]:
-    """Cross quadratics (k, 2, 3) with circles (k, 3), pair by pair; see `with_segments`."""
+    """Intersect quadratics (k, 2, 3) with circles (k, 3), pair by pair, as `with_segments`."""
     a, b, c = curves[..., 0] - circles[:, :2], curves[..., 1], curves[..., 2]
     radius = circles[:, 2]
     distance = np.hypot(*a.T)
@@ -97,7 +99,7 @@ def with_circles(curves: Floats, circles: Floats) -> tuple[Ints, Floats]:
 
 
 def between_circles(circles: Floats, others: Floats) -> tuple[Ints, Floats]:
-    """Cross circles (k, 3) with others, pair by pair: which pair a crossing is of, and where (r, 2)."""
+    """Intersect circles (k, 3) with others, pair by pair, as `with_segments`."""
     apart = others[:, :2] - circles[:, :2]
     distance, radius = np.hypot(*apart.T), circles[:, 2]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -111,16 +113,16 @@ def between_circles(circles: Floats, others: Floats) -> tuple[Ints, Floats]:
 
 
 def together(owner: Ints, others: Ints) -> tuple[Ints, Ints]:
-    """Find the pairs of entries (p,) of two tables, by number, that have one owner."""
+    """Pairs of entries (p,) of two tables, by index, that have the same owner."""
     order = np.argsort(others, kind="stable")
-    first, last = (np.searchsorted(others[order], owner, side) for side in ("left", "right"))
-    count = last - first
-    one = np.repeat(np.arange(len(owner)), count)
-    return one, order[np.arange(len(one)) + np.repeat(first - np.cumsum(count) + count, count)]
+    first, stop = (np.searchsorted(others[order], owner, side) for side in ("left", "right"))
+    count = stop - first
+    first_entries = np.repeat(np.arange(len(owner)), count)
+    return first_entries, order[np.arange(len(first_entries)) + np.repeat(first - np.cumsum(count) + count, count)]
 
 
 def touched(boxes: Floats, outline: Outline, margin: float) -> tuple[Ints, Ints, Ints, Ints]:
-    """Find pairs of a box (n, 4) and a segment of an outline that passes through it, then of a box and a circle."""
+    """Pairs (box, segment) of boxes (n, 4) and segments of an outline through them, then pairs (box, circle)."""
     centre, half = 0.5 * (boxes[:, :2] + boxes[:, 2:]), 0.5 * (boxes[:, 2:] - boxes[:, :2]) + margin
     by_segment = []
     for a, b in outline.segments:
@@ -139,5 +141,5 @@ def touched(boxes: Floats, outline: Outline, margin: float) -> tuple[Ints, Ints,
 
 
 def _pairs(boxes: list[Ints]) -> tuple[Ints, Ints]:
-    what = np.repeat(np.arange(len(boxes)), [len(result) for result in boxes])
-    return np.concatenate([np.empty(0, dtype=np.int64), *boxes]), what
+    numbers = np.repeat(np.arange(len(boxes)), [len(result) for result in boxes])
+    return np.concatenate([np.empty(0, dtype=np.int64), *boxes]), numbers

@@ -1,9 +1,9 @@
-"""Integrate over the part of each element that lies in a region.
+"""Quadrature over the intersection of each element with a region.
 
 An element is cut into strips along y at every corner, turning point and crossing of its sides and the region's outline.
-Within a strip these curves neither begin, end nor cross, so what is to be integrated is bounded below and above by one
-smooth curve each, and Gauss rules apply. A square-root end (a vertical tangent) is removed by substitution, as in the
-height-function quadrature of Saye (2015); what remains is bisected until area and first moments have converged.
+Within a strip these curves neither begin, end nor cross. So the domain is bounded below and above by one smooth curve
+each, and Gauss rules apply. A square-root end (a vertical tangent) is removed by substitution, as in the
+height-function quadrature of Saye (2015). Cells are bisected until area and first moments have converged.
 """
 
 from __future__ import annotations
@@ -27,26 +27,30 @@ from signorini.mesh.isoparametric import real_sides
 from signorini.shapes.cuts import Part
 
 _STRAIGHT = 1e-14
+"""Largest bend of a straight side, relative to its coordinates: rounding."""
 _THIN = 1e-13
+"""Least width of a strip, area of a cell, and weight of a point, relative to those of the element or the cell."""
 _ROUNDED = 8.0 * np.finfo(float).eps
-"""Relative tolerance for the width of a strip, relative to the coordinates of the element: the rounding of common ends
-of sides."""
+"""Least width of a strip, relative to the coordinates of the element: the rounding of common ends of sides."""
 _SLIVER = 1e-12
+"""Largest uncovered area, relative to the element's, of an element that counts as whole."""
 _ALONG = 1e-9
-"""Part of the mesh's size within which nodes are on a circle that the mesh follows."""
+"""Tolerance for nodes on a circle that the mesh follows, relative to the mesh's size."""
 _CONVERGED = 1e-13
+"""Tolerance for converged moments, relative to the area of the element's box or of the region."""
 _CURVED_POINTS = 8
+"""Number of Gauss points in x of a cell with curved bounds."""
 _BISECTIONS = 40
+"""Largest number of bisections of a cell."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces(Table):
-    """Curves y(x) between ``ends`` (p, 2) in x: sides of a cut element, their ``owner``, or of the outline.
+    """Curves y(x) between ``ends`` (p, 2) in x: sides of cut elements, ``owner`` (p,), or parts of the outline in them.
 
-    ``quadratic`` (p, 2, 3) has coefficients of x and y as polynomials in t, of a stretch on which x is monotone; NaN
-    for a half circle, of which ``circle`` (p, 3) has centre and radius, and which is NaN for the others. ``sign`` (p,)
-    tells whether x grows or falls with t, of a circle whether it is the half of greater or smaller y. ``turns`` (p, 2)
-    marks vertical tangents at the ends.
+    ``quadratic`` (p, 2, 3) has the coefficients of x(t) and y(t), with x monotone in t; NaN for half circles.
+    ``circle`` (p, 3) has centre and radius of half circles; NaN for quadratics. ``sign`` (p,) is that of dx/dt; for
+    half circles +1 is the upper half, −1 the lower one. ``turns`` (p, 2) marks vertical tangents at the ends.
     """
 
     owner: Ints
@@ -59,7 +63,7 @@ class Pieces(Table):
 
     @classmethod
     def of_quadratics(cls, owner: Ints, curves: Floats, is_side: bool) -> Pieces:
-        """Split quadratics (k, 2, 3) on −1 ≤ t ≤ 1 where x turns back."""
+        """Split quadratics (k, 2, 3) on −1 ≤ t ≤ 1 at the extremum of x."""
         x0, x1, x2 = curves[:, 0].T
         with np.errstate(divide="ignore", invalid="ignore"):
             turn = np.clip(np.nan_to_num(-x1 / (2.0 * x2), nan=1.0), -1.0, 1.0)
@@ -83,24 +87,24 @@ class Pieces(Table):
     @classmethod
     def of_circles(cls, owner: Ints, circles: Floats) -> Pieces:
         """Split circles (k, 3) into their lower and upper halves."""
-        both = np.tile(circles, (2, 1))
+        halves = np.tile(circles, (2, 1))
         return cls(
             owner=np.tile(owner, 2),
-            is_side=np.zeros(len(both), dtype=bool),
-            quadratic=np.full((len(both), 2, 3), np.nan),
-            circle=both,
+            is_side=np.zeros(len(halves), dtype=bool),
+            quadratic=np.full((len(halves), 2, 3), np.nan),
+            circle=halves,
             sign=np.repeat([-1.0, 1.0], len(circles)),
-            ends=both[:, :1] + both[:, 2:] * np.array([-1.0, 1.0]),
-            turns=np.ones((len(both), 2), dtype=bool),
+            ends=halves[:, :1] + halves[:, 2:] * np.array([-1.0, 1.0]),
+            turns=np.ones((len(halves), 2), dtype=bool),
         )
 
     @property
     def straight(self) -> Bools:
-        """Which pieces (p,) are straight."""
+        """Whether pieces (p,) are straight."""
         return np.asarray((self.quadratic[..., 2] == 0.0).all(axis=1))
 
     def height(self, index: Ints, x: Floats) -> Floats:
-        """Compute y (k,) on the pieces numbered (k,) at x (k,)."""
+        """Compute y (k,) at x (k,) on the pieces with indices (k,)."""
         y = np.empty(len(x))
         round_ = np.isnan(self.quadratic[index, 0, 0])
         y[round_] = self._on_circle(index[round_], x[round_])
@@ -114,7 +118,7 @@ class Pieces(Table):
     def _on_quadratic(self, index: Ints, x: Floats) -> Floats:
         (x0, x1, x2), (y0, y1, y2) = self.quadratic[index].transpose(1, 2, 0)
         sign = self.sign[index]
-        # dx/dt is this root; of the two forms of t the one that does not cancel.
+        # The root is dx/dt; of the two forms of t, take the one without cancellation.
         root = sign * np.sqrt(np.maximum(x1 * x1 + 4.0 * x2 * (x - x0), 0.0))
         with np.errstate(divide="ignore", invalid="ignore"):
             t = np.where(x1 * sign > 0.0, 2.0 * (x - x0) / (x1 + root), (root - x1) / (2.0 * x2))
@@ -124,9 +128,9 @@ class Pieces(Table):
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Elements wholly in a region (k,), and points (q, 2) with weights (q,) in those elements (q,) that are cut.
+    """Elements in a region: ``whole`` (k,), and points (q, 2) with weights (q,) in cut elements (q,).
 
-    ``factors`` (k,) are the areas of the former between true arcs, over their own.
+    ``factors`` (k,) are the areas of whole elements between true arcs, relative to those between parabolas.
     """
 
     whole: Ints
@@ -138,7 +142,7 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class _Cells(Table):
-    """Parts of strips: cut element (c,), range in x (c, 2), curves below and above (c, 2), vertical tangents (c, 2)."""
+    """Cells of strips: cut element (c,), range in x (c, 2), curves below and above (c, 2), vertical tangents (c, 2)."""
 
     owner: Ints
     x: Floats
@@ -153,11 +157,11 @@ class _Cells(Table):
 
 
 def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool = False) -> Parts:
-    """Divide a mesh by a region, whose outline may cut elements in any way, or leave the mesh.
+    """Intersect a mesh with a region, whose outline may cut elements anywhere, or leave the mesh.
 
-    Across a strip there are ``order`` points of Gauss's rule, or of one as exact: of Lobatto's points are on the
-    outline. To ``follow`` is to take sides that stand for arcs of the outline for it: slivers between both, which would
-    have points of next to no weight, are neither cut off nor cut out.
+    ``rule`` is Gauss's, or Lobatto's with points on the outline; it has ``order`` points across a strip. With
+    ``follow``, element sides that approximate arcs of the outline replace these, so that slivers between both have no
+    points.
     """
     x0, y0, x1, y1 = region.bounds
     boxes = mesh.boxes
@@ -174,7 +178,7 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool =
     centres = mesh.map(clear, mesh.inward(clear, np.zeros((len(clear), 2)), 0.0))
     whole, cut_elements = clear[region.contains(centres)], candidates[cut_]
     owners = (np.searchsorted(cut_, by_segment), np.searchsorted(cut_, by_circle))
-    # About the region: far from the origin rounding would tell which of two curves that touch is above the other.
+    # Coordinates about the region's middle: far from the origin, rounding would decide the order of touching curves.
     origin = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])
     sides = mesh.points[mesh.sides[cut_elements]] - origin
     segments, circles = region.outline.segments[segment] - origin, region.outline.whole_circles[circle]
@@ -193,15 +197,15 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool =
 
 
 def _along_circles(mesh: Mesh, elements: Ints, circles: Floats) -> tuple[Bools, Floats]:
-    """Which elements (k,) have sides for arcs of circles (k, 3), and are on one side of them: (k,).
+    """Whether elements (k,) have sides along circles (k, 3) and lie on one side of them; areas between both.
 
-    And of these the areas between the arcs and their sides, positive within the circle.
+    The areas between arcs and sides, one for each such element, are positive within the circle.
     """
     off = np.hypot(*np.moveaxis(mesh.nodes[elements] - circles[:, None, :2], -1, 0)) - circles[:, 2:]
-    on, slack = np.abs(off) <= _ALONG * mesh.size, _ALONG * mesh.size
+    on_circle, slack = np.abs(off) <= _ALONG * mesh.size, _ALONG * mesh.size
     sides = mesh.sides[elements]
     local = (mesh.elements[elements][:, None, None] == sides[..., None]).argmax(axis=-1)
-    arcs = np.take_along_axis(np.repeat(on[:, None], 4, axis=1), local, axis=2).all(axis=2)
+    arcs = np.take_along_axis(np.repeat(on_circle[:, None], 4, axis=1), local, axis=2).all(axis=2)
     arcs &= real_sides(mesh.elements[elements])
     within, beyond = (off <= slack).all(axis=1), (off >= -slack).all(axis=1)
     along = arcs.any(axis=1) & (within | beyond)
@@ -217,10 +221,10 @@ def _along_circles(mesh: Mesh, elements: Ints, circles: Floats) -> tuple[Bools, 
 def _pieces(
     sides: Floats, owners: tuple[Ints, Ints], segments: Floats, circles: Floats
 ) -> tuple[Pieces, tuple[Ints, Floats]]:
-    """Collect the curves of every cut element, of sides (c, 4, 3, 2), and where in x strips have to begin and end."""
+    """Curves of every cut element with sides (c, 4, 3, 2), and the ends of strips: elements and x."""
     by_segment, by_circle = owners
     curves = quadratics(sides.reshape(-1, 3, 2))
-    # A bend of rounding counts as straight.
+    # A bend within rounding counts as straight.
     size = np.abs(curves[..., 1]).max(axis=1) + np.abs(curves[..., 0]).max(axis=1)
     curves[np.abs(curves[..., 2]).max(axis=1) <= _STRAIGHT * size, :, 2] = 0.0
     sides = curves.reshape(-1, 4, 2, 3)
@@ -239,18 +243,20 @@ def _pieces(
     with_arc, arc_points = with_circles(sides[by_circle].reshape(-1, 2, 3), np.repeat(circles, 4, axis=0))
     arc, line = together(by_circle, by_segment)
     on_line, corners = with_circles(lines[line], circles[arc])
-    one, other = together(by_circle, by_circle)
-    on_circle, tips = between_circles(circles[one], circles[other])
+    first_circle, second_circle = together(by_circle, by_circle)
+    on_circle, tips = between_circles(circles[first_circle], circles[second_circle])
     owners_of_x = np.repeat(pieces.owner, 2), by_segment[with_line // 4], by_circle[with_arc // 4]
-    owner = np.concatenate([*owners_of_x, by_circle[arc[on_line]], by_circle[one[on_circle]]])
-    x = np.concatenate([pieces.ends.ravel(), *(at[:, 0] for at in (line_points, arc_points, corners, tips))])
+    owner = np.concatenate([*owners_of_x, by_circle[arc[on_line]], by_circle[first_circle[on_circle]]])
+    x = np.concatenate(
+        [pieces.ends.ravel(), *(positions[:, 0] for positions in (line_points, arc_points, corners, tips))]
+    )
     return pieces, (owner, x)
 
 
 def _strips(owner: Ints, x: Floats, boxes: Floats, rounding: Floats) -> tuple[Ints, Floats]:
-    """Divide into strips, elements (s,) and ranges (s, 2), between neighbouring breaks within each element's box.
+    """Strips between neighbouring breaks within each element's box: elements (s,) and ranges (s, 2) in x.
 
-    Breaks less apart than the rounding (c,) of an element's coordinates are one.
+    Breaks nearer than the rounding (c,) of an element's coordinates are merged.
     """
     x = np.clip(x, boxes[owner, 0], boxes[owner, 2])
     order = np.lexsort((x, owner))
@@ -278,18 +284,18 @@ def _cells(pieces: Pieces, strips: tuple[Ints, Floats], region: Part, origin: Fl
     first = np.searchsorted(strip, strip)
     within = (crossed - crossed[first] + pieces.is_side[piece[first]]) % 2 == 1
     inside = (strip[1:] == strip[:-1]) & within[:-1] & (y[1:] > y[:-1])
-    at = np.flatnonzero(inside)
-    at = at[region.contains(np.column_stack([middle[at], 0.5 * (y[at] + y[at + 1])]) + origin)]
-    between = np.column_stack([piece[at], piece[at + 1]])
-    ranges = x[strip[at]]
+    lower = np.flatnonzero(inside)
+    lower = lower[region.contains(np.column_stack([middle[lower], 0.5 * (y[lower] + y[lower + 1])]) + origin)]
+    between = np.column_stack([piece[lower], piece[lower + 1]])
+    ranges = x[strip[lower]]
     reaches = np.abs(pieces.ends[between] - ranges[:, None]) <= 1e-12 * np.abs(np.diff(pieces.ends[between]))
-    return _Cells(owner[strip[at]], ranges, between, (pieces.turns[between] & reaches).any(axis=1))
+    return _Cells(owner[strip[lower]], ranges, between, (pieces.turns[between] & reaches).any(axis=1))
 
 
 def _integrate(
     pieces: Pieces, cells: _Cells, boxes: Floats, area: float, order: int, rule: Rule
 ) -> tuple[Ints, Floats, Floats]:
-    """Place points in the cells, bisecting in x those bounded by curves until converged."""
+    """Points of the cells; cells with curved bounds are bisected in x until their moments have converged."""
     straight = np.asarray(pieces.straight[cells.between].all(axis=1))
     done = [_points(pieces, cells.pick(straight), order + 1, order, rule)]
     cells = cells.pick(~straight)
@@ -327,7 +333,7 @@ def _stations(pieces: Pieces, cells: _Cells, rule: tuple[Floats, Floats]) -> tup
 
 
 def _moments(pieces: Pieces, cells: _Cells, boxes: Floats) -> Floats:
-    """Area and first moments (c, 3), these about the middle of the element's box and over its extent."""
+    """Area and first moments (c, 3) of cells, moments about the middle of the element's box, relative to its size."""
     x, weight, low, high = _stations(pieces, cells, gauss(_CURVED_POINTS))
     lower, upper = boxes[cells.owner, :2, None], boxes[cells.owner, 2:, None]
     (middle_x, middle_y), (extent_x, extent_y) = (np.moveaxis(f, 1, 0) for f in (0.5 * (lower + upper), upper - lower))
@@ -344,6 +350,6 @@ def _points(pieces: Pieces, cells: _Cells, count: int, order: int, rule: Rule) -
     weights = weight[..., None] * 0.5 * (high - low)[..., None] * across
     positions = np.stack([np.broadcast_to(x[..., None], y.shape), y], axis=-1)
     owner = np.broadcast_to(cells.owner[:, None, None], y.shape)
-    # Points at the tip of a cell have zero weight.
-    some = weights > _THIN * weights.sum(axis=(1, 2), keepdims=True)
-    return owner[some], positions[some], weights[some]
+    # Points at the tip of a cell have weight 0.
+    positive = weights > _THIN * weights.sum(axis=(1, 2), keepdims=True)
+    return owner[positive], positions[positive], weights[positive]

@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from signorini.discretise.quadrature.crossings import quadratics, touched, with_circles, with_segments
-from signorini.discretise.quadrature.rules import LineQuadrature, gauss, lobatto
+from signorini.discretise.quadrature.rules import GAUSS, LineQuadrature, gauss, lobatto
 from signorini.discretise.quadrature.stepped import INSIDE, Levels
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
@@ -20,21 +20,24 @@ from signorini.shapes import Curve, Ring
 from signorini.shapes.outlines import Outline, Side, arc_through
 
 _SAME = 1e-13
+"""Relative rounding of coordinates and of thirds of a circle."""
 _TOUCHED = 1e-6
-"""Part of an arc that counts as one point: where a side only touches a circle, rounding finds it to half the digits."""
+"""Least length of a piece relative to its arc: a tangent point has half of the digits only."""
 _STRAIGHT = 1e-9
-"""Part of its length that a side may be off a line on which it lies."""
+"""Largest distance of a side from a line on which it lies, relative to its length."""
 _NONE = np.zeros((0, 2))
+"""No points."""
 _INSIDE = 1e-6
-"""Part of an interval, at either end, in which a jump counts as one at the end."""
+"""Tolerance for jumps at the ends of an interval, relative to its length."""
 _SEEN = 17
-"""Points at which an interval is looked at: what begins and ends between two of them is missed."""
+"""Number of sample points of an interval; features between two of them are missed."""
 _BISECTIONS = 50
+"""Number of bisections for a jump: down to the rounding of the interval."""
 
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """A straight piece from one point (2,) to another."""
+    """A straight piece between two points (2,)."""
 
     begin: Floats
     end: Floats
@@ -50,29 +53,29 @@ class Segment:
         return self.begin + s[:, None] * along, np.tile(along, (len(s), 1))
 
     def crossings(self, sides: Floats) -> Floats:
-        """Find the arc lengths (r,) at which sides (k, 3, 2) meet the segment, in any order, some of them twice."""
+        """Arc lengths (r,) at which sides (k, 3, 2) meet the segment, unordered, possibly repeated."""
         segment = np.stack([self.begin, self.end])[None]
         near, _, _, _ = touched(side_boxes(sides), Outline(segments=segment), _margin(sides))
         sides = sides[near]
-        # Where a side crosses a line that it lies on is what rounding says.
+        # The crossing of a side with a line on which it lies is undefined: its ends are taken.
         along = self._holds(sides)
         _, points = with_segments(quadratics(sides[~along]), np.repeat(segment, int((~along).sum()), axis=0))
         return self.nearest(np.concatenate([points, sides[along][:, [0, 2]].reshape(-1, 2)]))
 
     def _holds(self, sides: Floats) -> Bools:
-        """Tell which sides (k, 3, 2) lie on the line through both ends."""
+        """Whether sides (k, 3, 2) lie on the line through both ends."""
         x, y = (self.end - self.begin) / self.length
         off = np.abs((sides - self.begin) @ np.array([-y, x])).max(axis=1, initial=0.0)
         return np.asarray(off <= _STRAIGHT * np.hypot(*(sides[:, 2] - sides[:, 0]).T) + _margin(sides))
 
     def nearest(self, points: Floats) -> Floats:
-        """The arc lengths (q,) of the places nearest to points (q, 2), on the line through both ends."""
+        """Arc lengths (q,) of the feet of points (q, 2) on the infinite line."""
         return np.asarray((points - self.begin) @ (self.end - self.begin) / self.length)
 
 
 @dataclass(frozen=True, eq=False)
 class PartOfCircle:
-    """A part of a circle from an angle on, in radians, counter-clockwise if the angle turned through is positive."""
+    """Arc of a circle from the angle ``start`` through ``sweep``, in radians, counter-clockwise if positive."""
 
     center: Floats
     radius: float
@@ -86,39 +89,39 @@ class PartOfCircle:
 
     def at(self, s: Floats) -> tuple[Floats, Floats]:
         """Compute positions and unit tangents (q, 2) at arc lengths (q,)."""
-        way = np.copysign(1.0, self.sweep)
-        angle = self.start + way * s / self.radius
+        sign = np.copysign(1.0, self.sweep)
+        angle = self.start + sign * s / self.radius
         outward = np.column_stack([np.cos(angle), np.sin(angle)])
-        return self.center + self.radius * outward, way * np.column_stack([-outward[:, 1], outward[:, 0]])
+        return self.center + self.radius * outward, sign * np.column_stack([-outward[:, 1], outward[:, 0]])
 
     def crossings(self, sides: Floats) -> Floats:
-        """Find the arc lengths (r,) at which sides (k, 3, 2) meet its circle, in any order, some of them twice."""
+        """Arc lengths (r,) at which sides (k, 3, 2) meet the full circle, unordered, possibly repeated."""
         circle = np.array([[*self.center, self.radius]])
         _, _, near, _ = touched(side_boxes(sides), Outline(circles=circle), _margin(sides))
         _, points = with_circles(quadratics(sides[near]), np.repeat(circle, len(near), axis=0))
         return self.nearest(points)
 
     def nearest(self, points: Floats) -> Floats:
-        """The arc lengths (q,) of the places nearest to points (q, 2), on all of the circle; beyond its ends too."""
+        """Arc lengths (q,) of the feet of points (q, 2) on the full circle; beyond the arc's ends too."""
         angle = np.arctan2(points[:, 1] - self.center[1], points[:, 0] - self.center[0])
-        # The half turn on either side of its middle.
+        # Angles within half a turn of the arc's middle.
         turned = np.copysign(1.0, self.sweep) * (angle - self.start) - 0.5 * abs(self.sweep) + np.pi
         return np.asarray((np.mod(turned, 2.0 * np.pi) - np.pi + 0.5 * abs(self.sweep)) * self.radius)
 
     @property
     def closed(self) -> bool:
-        """Whether it is a whole circle."""
+        """Whether the arc is a full circle."""
         return abs(self.sweep) == 2.0 * np.pi
 
 
 Arc: TypeAlias = Segment | PartOfCircle
-"""A smooth piece of a curve, by arc length."""
+"""A smooth piece of a curve, parametrised by arc length."""
 
 
 def breaks(arc: Arc, sides: Floats, beside: Floats = _NONE) -> Floats:
-    """Divide an arc where sides (k, 3, 2) meet it, and beside points (q, 2): increasing, once along it.
+    """Increasing arc lengths at which sides (k, 3, 2) meet an arc, and feet of points (q, 2), with both ends.
 
-    A whole circle begins and ends at the first such place.
+    A full circle begins and ends at the first of them.
     """
     s, least = np.sort(np.concatenate([arc.crossings(sides), arc.nearest(beside)])), _TOUCHED * arc.length
     if isinstance(arc, PartOfCircle) and arc.closed:
@@ -131,7 +134,7 @@ def breaks(arc: Arc, sides: Floats, beside: Floats = _NONE) -> Floats:
 
 
 def _in_thirds(arc: Arc, breaks: Floats) -> Floats:
-    """Divide what is longer than a third of a circle: Gauss points on three such pieces prefer no direction."""
+    """Divide pieces longer than a third of a circle: Gauss points on three thirds prefer no direction."""
     if isinstance(arc, Segment):
         return breaks
     turns = 3.0 * np.diff(breaks) / (2.0 * np.pi * arc.radius)
@@ -141,7 +144,7 @@ def _in_thirds(arc: Arc, breaks: Floats) -> Floats:
 
 
 def arcs_of(outline: Outline) -> list[Arc]:
-    """Smooth pieces of an outline: segments in order, arcs, then circles counter-clockwise from the right."""
+    """Smooth pieces of an outline: segments, then arcs, then circles counter-clockwise from their rightmost points."""
     segments: list[Arc] = [Segment(a, b) for a, b in outline.segments]
     arcs = [arc_of((tuple(a), tuple(m), tuple(b))) for a, m, b in outline.arcs.tolist()]
     circles = [PartOfCircle(np.array([x, y]), r, 0.0, 2.0 * np.pi) for x, y, r in outline.circles.tolist()]
@@ -149,7 +152,7 @@ def arcs_of(outline: Outline) -> list[Arc]:
 
 
 def arc_of(side: Side) -> Arc:
-    """Take a side by its length, straight or an arc."""
+    """Convert a side, straight or an arc, to a piece parametrised by arc length."""
     begin, through, end = side
     result = None if through is None else arc_through(begin, through, end)
     return Segment(np.array(begin), np.array(end)) if result is None else PartOfCircle(*result)
@@ -160,12 +163,12 @@ def _margin(sides: Floats) -> float:
 
 
 def divided(
-    begin: Floats, end: Floats, at: Callable[[Ints, Floats], Floats], levels: Levels
+    begin: Floats, end: Floats, positions: Callable[[Ints, Floats], Floats], levels: Levels
 ) -> tuple[Ints, Floats, Floats]:
-    """Divide intervals (k,), of whatever parameter, where a level changes its sign.
+    """Divide intervals (k,) of a parameter where a level changes sign.
 
-    ``at`` gives positions (q, 2) for intervals (q,) and parameters (q,). The parts (m,) come in order: which interval
-    each is of, and where it begins and ends.
+    ``positions`` maps intervals (q,) and parameters (q,) to positions (q, 2). Return interval, begin and end of each
+    part (m,), in order.
     """
     if not (len(begin) and len(levels)):
         return np.arange(len(begin)), begin, end
@@ -174,12 +177,12 @@ def divided(
     interval = np.repeat(np.arange(len(begin)), _SEEN)
     owners, breaks = [np.arange(len(begin))], [begin]
     for level in levels:
-        above = (level(at(interval, samples.ravel())) > 0.0).reshape(samples.shape)
+        above = (level(positions(interval, samples.ravel())) > 0.0).reshape(samples.shape)
         which, gap = np.nonzero(above[:, 1:] != above[:, :-1])
         low, high, first = samples[which, gap], samples[which, gap + 1], above[which, gap]
         for _ in range(_BISECTIONS if len(which) else 0):
             middle = 0.5 * (low + high)
-            same = (level(at(which, middle)) > 0.0) == first
+            same = (level(positions(which, middle)) > 0.0) == first
             low, high = np.where(same, middle, low), np.where(same, high, middle)
         owners.append(which)
         breaks.append(0.5 * (low + high))
@@ -195,12 +198,12 @@ def divided(
 def curve_pieces(mesh: Mesh, curve: Curve) -> Iterator[tuple[Arc, Floats, Ints]]:
     """Divide a curve into pieces within one element.
 
-    Yields every arc of the curve, the arc lengths (k + 1,) at which its pieces end, and the element (k,) of each piece;
-    −1 off the plate.
+    Yield each arc of the curve with the arc lengths (k + 1,) of the ends of its pieces, and the element (k,) of each
+    piece, −1 off the plate.
     """
     sides, beside = mesh.unique_sides, np.zeros((0, 3), np.int64)
     if isinstance(curve, Ring):
-        # Parabolas along it cross it at midside nodes too, into more pieces than their deflection has dofs.
+        # Sides along the circle would cross it at midside nodes too, and make more pieces than free deflections.
         along = mesh.sides_on(curve)
         beside = mesh.boundary_beside(curve)
         beside = beside[~np.isin(beside[:, 1], along[:, 1])]
@@ -210,21 +213,23 @@ def curve_pieces(mesh: Mesh, curve: Curve) -> Iterator[tuple[Arc, Floats, Ints]]
         yield arc, stops, mesh.locate(arc.at(0.5 * (stops[1:] + stops[:-1]))[0]).elements
 
 
-def curve_quadrature(mesh: Mesh, curve: Curve, order: int = 3, at_ends: int = 0, levels: Levels = ()) -> LineQuadrature:
-    """Quadrature along the part of a curve that is on the plate, in order; pieces end where levels change sign.
+def curve_quadrature(
+    mesh: Mesh, curve: Curve, order: int = GAUSS, at_ends: int = 0, levels: Levels = ()
+) -> LineQuadrature:
+    """Quadrature along the part of a curve on the plate, in order; pieces end where levels change sign.
 
-    Tangents point along the curve, of a ring counter-clockwise. Pieces within one element have ``order`` Gauss points,
-    those at ends and corners of a polyline as many of Lobatto's as ``at_ends`` says, if not 0.
+    Tangents point along the curve, counter-clockwise on a ring. Pieces within one element have ``order`` Gauss points.
+    Pieces at ends and corners of a polyline have ``at_ends`` points of Lobatto's rule, unless it is 0.
     """
     parts = []
     for arc, stops, elements in curve_pieces(mesh, curve):
-        on = elements >= 0
-        piece, begin, end = divided(stops[:-1][on], stops[1:][on], partial(_along, arc), levels)
+        on_plate = elements >= 0
+        piece, begin, end = divided(stops[:-1][on_plate], stops[1:][on_plate], partial(_along, arc), levels)
         at_end = ((begin == stops[0]) | (end == stops[-1])) & (at_ends > 0 and not isinstance(curve, Ring))
         s, weights, part = _stations(begin, end, at_end, gauss(order), lobatto(max(at_ends - 1, 1)))
         points, tangents = arc.at(s)
         within, _ = arc.at(_inward(s, begin[part], end[part]))
-        elements = elements[on][piece][part]
+        elements = elements[on_plate][piece][part]
         xi = mesh.invert(elements, points)
         parts.append((elements, xi, weights, points, tangents, within))
     return LineQuadrature(*(np.concatenate(items) for items in zip(*parts, strict=True)))
@@ -235,22 +240,22 @@ def _along(arc: Arc, _: Ints, s: Floats) -> Floats:
 
 
 def edge_quadrature(
-    mesh: Mesh, triples: Ints, order: int = 3, to_ends: bool = False, levels: Levels = ()
+    mesh: Mesh, triples: Ints, order: int = GAUSS, to_ends: bool = False, levels: Levels = ()
 ) -> LineQuadrature:
-    """Quadrature along sides of elements (k, 3), as curved as they are, divided where levels change sign.
+    """Quadrature along curved element sides (k, 3), divided where levels change sign.
 
-    Tangents point from the first node to the last; points are in the element on the left where there is one. Sides have
-    ``order`` Gauss points, or, ``to_ends``, at ends and corners of the line Lobatto's rule with a point more, as exact.
+    Tangents point from the first node to the last; points belong to the element on the left if there is one. Sides
+    have ``order`` Gauss points; with ``to_ends``, sides at ends and corners have Lobatto's rule of the same accuracy.
     """
     elements, sides, forward = mesh.find_sides(triples)
     a, b = mesh.corners_of_sides(elements, sides)
     begin, end = np.where(forward[:, None], a, b), np.where(forward[:, None], b, a)
 
-    def at(side: Ints, t: Floats) -> Floats:
+    def reference(side: Ints, t: Floats) -> Floats:
         return np.asarray(0.5 * (begin + end)[side] + 0.5 * t[:, None] * (end - begin)[side])
 
     def positions(side: Ints, t: Floats) -> Floats:
-        return mesh.map(elements[side], at(side, t))
+        return mesh.map(elements[side], reference(side, t))
 
     ones = np.ones(len(triples))
     side, first, last = divided(-ones, ones, positions, levels)
@@ -258,7 +263,7 @@ def edge_quadrature(
     t, weights, part = _stations(first, last, at_end, gauss(order), lobatto(order))
     within = positions(side[part], _inward(t, first[part], last[part]))
     side = side[part]
-    elements, xi = elements[side], at(side, t)
+    elements, xi = elements[side], reference(side, t)
     tangents = np.einsum("qda,qa->qd", mesh.jacobian(elements, xi), 0.5 * (end - begin)[side])
     speed = np.hypot(*tangents.T)
     return LineQuadrature(elements, xi, weights * speed, mesh.map(elements, xi), tangents / speed[:, None], within)
@@ -272,7 +277,7 @@ def _inward(t: Floats, begin: Floats, end: Floats) -> Floats:
 def _stations(
     begin: Floats, end: Floats, at_end: Bools, rule: tuple[Floats, Floats], last: tuple[Floats, Floats]
 ) -> tuple[Floats, Floats, Ints]:
-    """Points and weights (q,) of intervals (k,), and their intervals; those at ends by a rule of their own."""
+    """Points, weights and intervals (q,) of a rule on intervals (k,); those ``at_end`` have the rule ``last``."""
     pick, parts = np.arange(len(begin)), []
     for which, (node, weight) in ((~at_end, rule), (at_end, last)):
         half = 0.5 * (end - begin)[which, None]

@@ -1,4 +1,4 @@
-"""Rules on −1 ≤ t ≤ 1 (Gauss, and Lobatto, which has points at both ends) and on triangles; points on a mesh."""
+"""Quadrature rules on −1 ≤ t ≤ 1 (Gauss; Lobatto, with points at both ends) and on triangles; points on a mesh."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ import numpy as np
 from signorini._core import section_points
 from signorini.discretise.rows import Floats, Ints, Table
 
+GAUSS = 3
+"""Number of Gauss points in each direction, exact to the degree 5, where the integrand is a polynomial."""
 Rule: TypeAlias = Callable[[int], tuple[Floats, Floats]]
-"""Points and weights, given how many."""
+"""Function from the number of points to points and weights on −1 ≤ t ≤ 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class Quadrature(Table):
     """Points and weights of an integral over the plate or part of it.
 
-    ``xi`` (q, 2) are reference points in ``elements`` (q,), ``positions`` (q, 2) where they are in the plane.
+    ``xi`` (q, 2) are reference points in ``elements`` (q,), ``positions`` (q, 2) their positions in the plane.
     ``weights`` (q,) are positive and sum to the area or length, the Jacobian included.
     """
 
@@ -30,12 +32,12 @@ class Quadrature(Table):
     positions: Floats
 
     def times(self, values: Floats | float) -> Self:
-        """The same points with their weights times values (q,)."""
+        """Multiply the weights by values (q,)."""
         return replace(self, weights=self.weights * values)
 
     @property
     def total(self) -> float:
-        """Area or length that was found on the plate."""
+        """Sum of the weights: the area or length on the plate."""
         return float(self.weights.sum())
 
 
@@ -43,8 +45,8 @@ class Quadrature(Table):
 class LineQuadrature(Quadrature):
     """Quadrature along lines, with the unit tangent (q, 2) at each point.
 
-    ``within`` (q, 2) is a place beside each point that is inside its piece, where a formula has the piece's own value
-    even if the point is where it jumps.
+    ``within`` (q, 2) is a position beside each point and inside its piece: there a formula has the value of the piece,
+    even if it jumps at the point.
     """
 
     tangents: Floats
@@ -65,7 +67,7 @@ def gauss(count: int) -> tuple[Floats, Floats]:
 
 @cache
 def lobatto(count: int) -> tuple[Floats, Floats]:
-    """Lobatto's rule with one point more, and so as exact: to the degree 2·count − 1."""
+    """Lobatto's rule with count + 1 points, exact to the degree 2·count − 1 as Gauss's rule with count points."""
     last = np.polynomial.legendre.Legendre.basis(count)
     inner = np.sort(np.real(last.deriv().roots()))
     points = np.concatenate([[-1.0], 0.5 * (inner - inner[::-1]), [1.0]])
@@ -82,7 +84,7 @@ def radon() -> tuple[Floats, Floats]:
     >>> round(float(weights.sum()), 12), round(float(weights @ points[:, 0] ** 5), 12) == round(1 / 42, 12)
     (0.5, True)
     """
-    # As the stiffness is integrated.
+    # The same points as for the stiffness matrix.
     points = section_points("mitc9", True)[:7]
     root = np.sqrt(15.0)
     light, heavy = (155.0 - root) / 2400.0, (155.0 + root) / 2400.0
@@ -90,9 +92,9 @@ def radon() -> tuple[Floats, Floats]:
 
 
 def collapsed(corners: Floats, along: tuple[Floats, Floats], across: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    """Points and weights on a triangle (3, 2): a rule along lines from its first corner, and one across them.
+    """Points and weights of a collapsed rule on a triangle (3, 2): ``along`` lines from its first corner, ``across``.
 
-    A rule of lines that is exact to the degree n is so on the triangle to n − 1; points of no weight are left out.
+    Rules exact to the degree n are exact on the triangle to n − 1. Points of weight 0 are left out.
 
     Examples
     --------

@@ -1,9 +1,9 @@
-"""Integrate functions that jump along curves which the mesh does not follow.
+"""Quadrature of functions that jump along curves which the mesh does not follow.
 
-The curves are the zeros of level functions. An element that one crosses is quartered until, in every part, each
-level that changes sign is a plane as nearly as asked; such a part is cut along the plane's zero into triangles. In
-elements with straight parallel sides straight steps need no quartering and are integrated exactly; of other curves the
-cut lies within `OFF` element sides of the step.
+The curves are the zeros of level functions. An element that a curve crosses is quartered until, in every part, each
+level that changes sign is linear up to a tolerance. The part is then cut into triangles along the zero of the linear
+function. Straight steps in elements with straight parallel sides are integrated exactly without quartering. Cuts along
+other curves deviate by at most `OFF` element sides.
 """
 
 from __future__ import annotations
@@ -26,32 +26,34 @@ _EMPTY = 1e-14
 
 
 Levels = Sequence[Callable[[Floats], Floats]]
-"""Functions of positions (q, 2): steps are where one changes its sign. NaN counts as negative."""
+"""Functions of positions (q, 2), each of which changes sign at a step. NaN counts as negative."""
 OFF = 1e-4
-"""How far a cut may lie from a curved step, over the side of the element."""
+"""Largest deviation of a cut from a curved step, relative to the side of the element."""
 _DEEPEST = 7
+"""Largest number of subdivisions of an element."""
 INSIDE = 1.0 - 1e-6
-"""How far from the middle elements and pieces are looked at: a step along their sides is no step inside."""
+"""Position of sample points relative to the way from the middle to a side: steps along sides are not inside."""
 _PARTED = 0.4863
-"""Where parts are quartered: not in the middle, where steps are wont to run, and would be met on neither side."""
+"""Position of subdivision, relative to the side of a part: off the middle, along which steps often run."""
 _SEEN = 9
-"""Sample points of an element per direction: features smaller than an eighth of it may be missed."""
+"""Number of sample points of an element in each direction; features smaller than an eighth of it may be missed."""
 _CHUNK = 200_000
+"""Largest number of sample points in memory at once."""
 _HYPOTENUSE = np.array([1.0, -1.0, -1.0])
-"""Coordinates of the plane that is positive inside a triangle."""
+"""Coefficients of the plane 1 − ξ − η, positive inside the reference triangle."""
 
 
 @dataclass(frozen=True, eq=False)
 class Triangles(Table):
-    """Triangles with the box (t,) each is a part of, corners (t, 3, 2), and the area (t,) of the box."""
+    """Triangles: indices of the boxes (t,) that contain them, corners (t, 3, 2), areas of the boxes (t,)."""
 
     box: Ints
     corners: Floats
-    of: Floats
+    box_area: Floats
 
     @classmethod
     def of_boxes(cls, which: Ints, boxes: Floats) -> Triangles:
-        """Halve boxes (k, 4), their lower and upper corners, along a diagonal; ``which`` (k,) are their numbers."""
+        """Halve boxes (k, 4), given by lower and upper corners, along a diagonal; ``which`` (k,) are their indices."""
         x0, y0, x1, y1 = boxes.T
         a, b, c, d = (np.column_stack(corner) for corner in ((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
         corners = np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1)
@@ -65,15 +67,15 @@ class Triangles(Table):
 
 
 def split(triangles: Triangles, planes: Floats, changes: Bools) -> tuple[Triangles, Ints, Floats]:
-    """Cut triangles along the zeros of p0 + p1 x + p2 y, with p (c, 3) of their boxes, where that changes a box (c,).
+    """Cut triangles along p0 + p1 x + p2 y = 0, with p (c, 3) of their boxes, in boxes marked in ``changes`` (c,).
 
-    Return those that were not cut and the parts of the others, and boxes (f,) and ends (f, 2, 2) of the cuts.
+    Return uncut triangles and the parts of the others, and boxes (f,) and ends (f, 2, 2) of the cuts.
     """
-    own = triangles.box
-    value = planes[own, :1] + np.einsum("tij,tj->ti", triangles.corners, planes[own, 1:])
+    boxes = triangles.box
+    value = planes[boxes, :1] + np.einsum("tij,tj->ti", triangles.corners, planes[boxes, 1:])
     above = value > 0.0
     count = above.sum(axis=1)
-    cut = changes[own] & (count > 0) & (count < 3)
+    cut = changes[boxes] & (count > 0) & (count < 3)
     if not cut.any():
         return triangles, np.zeros(0, dtype=np.int64), np.zeros((0, 2, 2))
     alone = (above[cut] == (count[cut] == 1)[:, None]).argmax(axis=1)
@@ -84,12 +86,12 @@ def split(triangles: Triangles, planes: Floats, changes: Bools) -> tuple[Triangl
     ends = corners[:, :1] + share * (corners[:, 1:] - corners[:, :1])
     p, q, r, a, b = corners[:, 0], corners[:, 1], corners[:, 2], ends[:, 0], ends[:, 1]
     parts = np.concatenate([np.stack(part, axis=1) for part in ((p, a, b), (a, q, r), (a, r, b))])
-    made = Triangles(
-        np.concatenate([own[~cut], np.tile(own[cut], 3)]),
+    triangles_made = Triangles(
+        np.concatenate([boxes[~cut], np.tile(boxes[cut], 3)]),
         np.concatenate([triangles.corners[~cut], parts]),
-        np.concatenate([triangles.of[~cut], np.tile(triangles.of[cut], 3)]),
+        np.concatenate([triangles.box_area[~cut], np.tile(triangles.box_area[cut], 3)]),
     )
-    return made.pick(made.area > _EMPTY * made.of), own[cut], ends
+    return triangles_made.pick(triangles_made.area > _EMPTY * triangles_made.box_area), boxes[cut], ends
 
 
 def gauss_on_triangles(triangles: Triangles, order: int) -> tuple[Ints, Floats, Floats]:
@@ -111,7 +113,7 @@ def gauss_on_boxes(boxes: Floats, order: int) -> tuple[Ints, Floats, Floats]:
 
 
 class Cut(NamedTuple):
-    """Points of elements cut by steps, and the pieces of these: reference points (f, 2, 2) of elements (f,)."""
+    """Quadrature of elements cut by steps, and the pieces of the steps: ends (f, 2, 2) in reference coordinates."""
 
     points: Quadrature
     front_elements: Ints
@@ -119,7 +121,7 @@ class Cut(NamedTuple):
 
 
 def sides_of(region: Part) -> list[Callable[[Floats], Floats]]:
-    """Levels whose zeros are the lines and circles of a region's outline, on and on."""
+    """Levels whose zeros are the infinite lines and full circles of a region's outline."""
     outline = region.outline
     return [
         *(partial(_across, side) for side in outline.segments),
@@ -138,7 +140,7 @@ def _beyond(circle: Floats, points: Floats) -> Floats:
 
 
 def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
-    """Which of the elements (k,) each of the levels changes its sign in: (levels, k)."""
+    """Mask (levels, k) of the elements (k,) in which each level changes sign."""
     result = np.zeros((len(levels), len(elements)), dtype=bool)
     stations = _square(_SEEN)
     step = _CHUNK // len(stations)
@@ -152,8 +154,8 @@ def crossed(mesh: Mesh, elements: Ints, levels: Levels) -> Bools:
 
 
 def among(levels: Levels, across: Bools) -> list[Callable[[Floats], Floats]]:
-    """Those of the levels that change their sign in any element, given in which (levels, k)."""
-    return [level for level, some in zip(levels, across, strict=True) if some.any()]
+    """The levels that change sign in at least one element of the mask ``across`` (levels, k)."""
+    return [level for level, crossed_elements in zip(levels, across, strict=True) if crossed_elements.any()]
 
 
 def cut_by(
@@ -164,13 +166,13 @@ def cut_by(
     off: float = OFF,
     quarter: bool = False,
 ) -> Cut:
-    """Integrate over elements (k,) a function that is smooth where no level changes its sign.
+    """Quadrature over elements (k,) of a function that is smooth except where a level changes sign.
 
     Parts have up to ``order`` Gauss points in each direction. A cut deviates from its step by at most ``off``, relative
     to the element's side; after seven subdivisions it is accepted with a larger deviation. With ``quarter`` no part
     extends over the middle lines of a quadrilateral.
     """
-    # Of a triangle the box has another half, which is cut off.
+    # The box of a triangle has another half, which is cut off.
     owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
     crossing = np.ones((len(owner), len(levels)), dtype=bool)
     points: list[tuple[Ints, Floats, Floats]] = []
@@ -184,19 +186,21 @@ def cut_by(
         crossing = changes if depth == 0 else crossing
         ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == _DEEPEST)
         if quarter:
-            # The middles of the elements, ξ = 0 and η = 0, are levels too.
+            # The middle lines of the elements, ξ = 0 and η = 0, are levels too.
             axes = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], (len(boxes), 2, 3))
             changes = np.hstack([changes, (boxes[:, :2] < 0.0) & (boxes[:, 2:] > 0.0)])
             planes = np.concatenate([planes, axes], axis=1)
-        over = mesh.triangles[owner] & (boxes[:, 2:].sum(axis=1) > 1.0)
-        clear = ready & ~changes.any(axis=1) & ~over
+        over_hypotenuse = mesh.triangles[owner] & (boxes[:, 2:].sum(axis=1) > 1.0)
+        clear = ready & ~changes.any(axis=1) & ~over_hypotenuse
         fewer = max(2, order - depth)
         square, xi, weights = gauss_on_boxes(boxes[clear], fewer)
         points.append((owner[clear][square], xi, weights))
         triangles = Triangles.of_boxes(np.flatnonzero(ready & ~clear), boxes[ready & ~clear])
-        if over.any():
-            triangles, _, _ = split(triangles, np.tile(_HYPOTENUSE, (len(owner), 1)), over)
-            triangles = triangles.pick(~over[triangles.box] | (triangles.corners.mean(axis=1).sum(axis=1) < 1.0))
+        if over_hypotenuse.any():
+            triangles, _, _ = split(triangles, np.tile(_HYPOTENUSE, (len(owner), 1)), over_hypotenuse)
+            triangles = triangles.pick(
+                ~over_hypotenuse[triangles.box] | (triangles.corners.mean(axis=1).sum(axis=1) < 1.0)
+            )
         for i in np.flatnonzero(changes.any(axis=0)):
             triangles, square, ends = split(triangles, planes[:, i], changes[:, i])
             if i < len(levels):
@@ -206,20 +210,20 @@ def cut_by(
         owner, boxes, crossing = owner[~ready].repeat(4), _quartered(boxes[~ready]), crossing[~ready].repeat(4, axis=0)
         inside = ~mesh.triangles[owner] | (boxes[:, :2].sum(axis=1) < 1.0)
         owner, boxes, crossing = owner[inside], boxes[inside], crossing[inside]
-    held, xi, weights = (np.concatenate(part) for part in zip(*points, strict=True))
-    by_element = np.argsort(held, kind="stable")
-    held, xi, weights = held[by_element], xi[by_element], weights[by_element]
+    element, xi, weights = (np.concatenate(part) for part in zip(*points, strict=True))
+    by_element = np.argsort(element, kind="stable")
+    element, xi, weights = element[by_element], xi[by_element], weights[by_element]
     front_elements, ends = (np.concatenate(part) for part in zip(*fronts, strict=True))
-    weights = weights * np.linalg.det(mesh.jacobian(held, xi))
-    return Cut(Quadrature(held, xi, weights, mesh.map(held, xi)), front_elements, ends)
+    weights = weights * np.linalg.det(mesh.jacobian(element, xi))
+    return Cut(Quadrature(element, xi, weights, mesh.map(element, xi)), front_elements, ends)
 
 
 def _planes(
     mesh: Mesh, owner: Ints, boxes: Floats, levels: Levels, crossing: Bools, count: int
 ) -> tuple[Bools, Floats, Floats]:
-    """Whether levels change sign in boxes (c, l), planes c₀ + c₁ξ + c₂η like them (c, l, 3), and how far off.
+    """Whether levels change sign in boxes (c, l); planes c₀ + c₁ξ + c₂η fitted to them (c, l, 3); their error (c, l).
 
-    Only those are looked at that may be ``crossing`` a box (c, l).
+    Only levels in the mask ``crossing`` (c, l) are evaluated.
     """
     stations, shape = INSIDE * _square(count), (len(owner), len(levels))
     changes, planes, bent = np.zeros(shape, dtype=bool), np.zeros((*shape, 3)), np.zeros(shape)
@@ -229,19 +233,19 @@ def _planes(
     xi = (middle[:, None] + half[:, None] * stations).reshape(-1, 2)
     points = mesh.map(np.repeat(owner, len(stations)), xi).reshape(len(owner), -1, 2)
     for i, level in enumerate(levels):
-        some = np.flatnonzero(crossing[:, i])
-        values = level(points[some].reshape(-1, 2)).reshape(len(some), len(stations))
+        rows = np.flatnonzero(crossing[:, i])
+        values = level(points[rows].reshape(-1, 2)).reshape(len(rows), len(stations))
         above = values > 0.0
         changing = above.any(axis=1) & ~above.all(axis=1)
-        changes[some, i] = changing
+        changes[rows, i] = changing
         values = np.where(np.isfinite(values), values, -1.0)
         local = values @ fit.T
         worst = np.abs(values - local @ terms.T).max(axis=1)
-        slopes = local[:, 1:] / half[some]
+        slopes = local[:, 1:] / half[rows]
         with np.errstate(divide="ignore", invalid="ignore"):
             distance = np.nan_to_num(worst / np.hypot(*slopes.T), nan=np.inf)
-        bent[some, i] = np.where(changing, distance, 0.0)
-        planes[some, i] = np.column_stack([local[:, 0] - (slopes * middle[some]).sum(axis=1), slopes])
+        bent[rows, i] = np.where(changing, distance, 0.0)
+        planes[rows, i] = np.column_stack([local[:, 0] - (slopes * middle[rows]).sum(axis=1), slopes])
     return changes, planes, bent
 
 
@@ -254,6 +258,6 @@ def _quartered(boxes: Floats) -> Floats:
 
 
 def _square(count: int) -> Floats:
-    """Points (count², 2) of the reference square, evenly spaced, its sides included."""
+    """Evenly spaced points (count², 2) of the reference square, its sides included."""
     along = np.linspace(-1.0, 1.0, count)
     return np.stack(np.meshgrid(along, along, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -1,17 +1,17 @@
 """The forces through one line as sums over the elements that it meets.
 
-Of the part of the plate on the line's left the principle of virtual work says, for any displacement v,
+For the part of the plate on the left of the line, the principle of virtual work gives, for any displacement v,
 
-    ∫ t·v along the line  =  ∫ σ : ε(v) over the part  -  the work of what acts on it,
+    ∫ t·v along the line  =  ∫ σ : ε(v) over the part  −  work of loads and reactions on the part,
 
-t what the other part gives it. v is 1, or turns about the line, at the nodes of elements that the line meets and 0 at
-all others. Inner nodes are in equilibrium, so that of those on the left the elements on the right tell as much: only
-elements that the line meets remain. Where v is a rigid motion in them nothing of the elements' own stress is left, and
-the sum is what acts on either side, whatever the quadrature. Where it is not, at an end of the line inside the plate,
-what v is too little on the line times the element's own moments and shears there is added.
+with t the traction from the right. v is w = 1, or a rotation about the line, at the nodes of elements that the line
+meets, and 0 at all others. Inner nodes are in equilibrium, so that only elements that the line meets contribute. Where
+v is a rigid motion in an element, its stresses do no work and the sum is exact, whatever the quadrature. At an end of
+the line inside the plate v is not rigid: there the missing part of v on the line times the element's moments and shears
+is added.
 
-Beyond a re-entrant corner, or where a line touches a round hole, the plate is on the straight continuation of a line
-that has already ended. So a line that ends on an edge is continued by one that leads out of the plate.
+Behind a re-entrant corner, or a round hole that a line touches, the straight continuation of a line that has ended may
+meet the plate again. So a line that ends on an edge is continued in a direction that leads out of the plate.
 """
 
 from __future__ import annotations
@@ -37,76 +37,83 @@ from signorini.shapes.cuts import LEFT, RIGHT, CutLine, LeftOf, Near, Part
 from signorini.shapes.outlines import Point, arc_through
 
 BESIDE = 1e-6
-"""How far from an edge, of the plate's size, an end is on it, and from a node of an edge in it: more than rounding."""
+"""Tolerance for an end of a line on an edge, or at a node of an edge, relative to the plate's size."""
 _BEYOND = 2.0
-"""Diagonals of the largest element by which a line is followed beyond an end inside the plate: v ends within one."""
+"""Length by which a line is continued beyond an end inside the plate, in diagonals of the largest element.
+
+v becomes 0 within one diagonal."""
 _ORDER = 5
+"""Number of Gauss points in each direction."""
 _AROUND = [0, 4, 1, 5, 2, 6, 3, 7]
+"""Indices of an element's nodes in order along its boundary."""
 _POINTS = {"mitc9": 9, "q8r": 4}
-"""Points of an element's stiffness."""
+"""Number of Gauss points of an element's stiffness."""
 _WORK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0])
-"""σ : ε is −mx κx − my κy − mxy 2κxy + qx γx + qy γy."""
+"""Signs in σ : ε = −mx κx − my κy − mxy 2κxy + qx γx + qy γy."""
 _TRIANGULAR = np.array([(i, j) for i in range(3) for j in range(3 - i)])
+"""Exponents (i, j) of the monomials ξⁱ ηʲ up to degree 2."""
 
 
 def followed(mesh: Mesh, points: Sequence[Point]) -> tuple[CutLine, tuple[bool, bool]]:
-    """Give a line through points that leaves the plate where it ends on an edge; and which ends are inside."""
+    """Return a line through points, continued out of the plate where it ends on an edge; whether each end is inside."""
     corners, touching = np.array(points, dtype=np.float64), mesh.near.place
     if len(points) > 2 and points[0] == points[-1]:
         return CutLine(corners, touching), (False, False)
     edges = [_edge(mesh, corners[end]) for end in (0, -1)]
-    for end, (at, _) in zip((0, -1), edges, strict=True):
-        corners[end] = at
-    ways = [
-        None if beside is None else _out(beside - at, at - corners[inner], touching)
-        for inner, (at, beside) in zip((1, -2), edges, strict=True)
+    for end, (position, _) in zip((0, -1), edges, strict=True):
+        corners[end] = position
+    directions = [
+        None if beside is None else _out(beside - position, position - corners[inner], touching)
+        for inner, (position, beside) in zip((1, -2), edges, strict=True)
     ]
-    return CutLine(corners, touching, ways), (ways[0] is None, ways[1] is None)
+    return CutLine(corners, touching, directions), (directions[0] is None, directions[1] is None)
 
 
-def _edge(mesh: Mesh, at: Floats) -> tuple[Floats, Floats | None]:
-    """Where an end is, in a node if it is next to it; of one on an edge the node before and that behind it (2, 2)."""
+def _edge(mesh: Mesh, end: Floats) -> tuple[Floats, Floats | None]:
+    """Position of an end, moved to a node within tolerance; if it is on an edge, neighbouring nodes (2, 2) along it."""
     chords = np.concatenate([mesh.boundary[:, :2], mesh.boundary[:, 1:]])
     near, ends = BESIDE * mesh.size, mesh.points[chords]
-    apart = np.hypot(*np.moveaxis(ends[:, 0] - at, 1, 0))
+    apart = np.hypot(*np.moveaxis(ends[:, 0] - end, 1, 0))
     if apart.min() <= near:
         node = chords[apart.argmin(), 0]
-        at = mesh.points[node]
-        before, behind = ends[chords[:, 1] == node, 0], ends[chords[:, 0] == node, 1]
-        # Where parts of the plate meet in a node, those between which there is no plate.
-        pairs = [np.stack([one, other]) for one in before for other in behind]
-        return at, min(pairs, key=lambda pair: _turn(pair - at))
+        end = mesh.points[node]
+        before, after = ends[chords[:, 1] == node, 0], ends[chords[:, 0] == node, 1]
+        # If parts of the plate meet only in this node, take the pair of neighbours without plate between them.
+        pairs = [
+            np.stack([neighbour_before, neighbour_after]) for neighbour_before in before for neighbour_after in after
+        ]
+        return end, min(pairs, key=lambda pair: _turn(pair - end))
     sides = mesh.points[mesh.boundary]
-    apart = np.hypot(*(onto(sides, at) - at).T)
+    apart = np.hypot(*(onto(sides, end) - end).T)
     side = sides[apart.argmin()]
-    if apart.min() > near and not _on_arc(side, at, near):
-        return at, None
-    chord = side[:2] if (at - side[1]) @ (side[2] - side[0]) < 0.0 else side[1:]
-    return at, chord
+    if apart.min() > near and not _on_arc(side, end, near):
+        return end, None
+    chord = side[:2] if (end - side[1]) @ (side[2] - side[0]) < 0.0 else side[1:]
+    return end, chord
 
 
-def _on_arc(side: Floats, at: Floats, near: float) -> bool:
-    """Whether a place is on the arc for which a side stands: so are ends on circles, the sides being parabolas."""
+def _on_arc(side: Floats, position: Floats, near: float) -> bool:
+    """Whether a position is on the arc that a side, a parabola, approximates."""
     a, middle, b = (tuple(node) for node in side.tolist())
     arc = arc_through(a, middle, b)
-    between = 0.0 < (at - side[0]) @ (side[2] - side[0]) < math.dist(a, b) ** 2
-    return arc is not None and bool(between) and abs(math.dist(at, arc[0]) - arc[1]) <= near
+    between = 0.0 < (position - side[0]) @ (side[2] - side[0]) < math.dist(a, b) ** 2
+    return arc is not None and bool(between) and abs(math.dist(position, arc[0]) - arc[1]) <= near
 
 
 def _turn(beside: Floats) -> float:
-    """Angle counter-clockwise from one direction to the other (2, 2), along an edge that has the plate on the left."""
+    """Counter-clockwise angle between two directions (2, 2) along an edge with the plate on the left."""
     (x, y), (u, v) = beside.tolist()
     return math.atan2(x * v - y * u, x * u + y * v) % math.tau
 
 
 def _out(beside: Floats, outward: Floats, touching: float) -> Floats | None:
-    """Give the direction midway between those along the edge (2, 2), on the side where no plate is.
+    """Direction that bisects the edge's two directions (2, 2) on the side without plate.
 
-    None where the line runs along the edge, and the edge goes on straight ahead: the line is that just inside.
+    None if the line runs along the edge and the edge continues straight: then the line counts as just inside.
     """
     outward = outward / np.hypot(*outward)
-    off, ahead = beside @ [outward[1], -outward[0]], beside @ outward
-    if (np.abs(off) <= touching).all() and ahead[0] * ahead[1] < 0.0:
+    off, forward = beside @ [outward[1], -outward[0]], beside @ outward
+    if (np.abs(off) <= touching).all() and forward[0] * forward[1] < 0.0:
         return None
     half = 0.5 * _turn(beside)
     c, s = math.cos(half), math.sin(half)
@@ -115,12 +122,12 @@ def _out(beside: Floats, outward: Floats, touching: float) -> Floats | None:
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A line, its length on the plate, and the elements (k,) that it meets, in rising order.
+    """A line, its length on the plate, and the elements (k,) that it meets, ascending.
 
-    ``of_forces`` (k, 3, 24) is what nodal forces on the elements count for in moment, twist and shear, in the nodes'
-    frames, ``of_stress`` (k, p, 5, 3) what their moments and shears do at the points of their stiffness. ``motion`` (k,
-    3, 24) is v of the elements that the line divides, else 0, and ``left`` are points of these on the left; elements by
-    their place among the k.
+    Moment, twist and shear are the sum of ``of_forces`` (k, 3, 24) times nodal forces of the elements, in nodal axes,
+    and ``of_stress`` (k, p, 5, 3) times their moments and shears at Gauss points. ``motion`` (k, 3, 24) is v in
+    elements that the line divides, else 0. ``left`` is the quadrature of their parts on the left; its elements are
+    indices among the k.
     """
 
     line: CutLine
@@ -132,36 +139,36 @@ class Cut:
     left: Quadrature
 
     def divided(self) -> Bools:
-        """Which elements (k,) the line divides."""
+        """Whether the line divides each element (k,)."""
         return np.asarray(self.motion.any(axis=(1, 2)))
 
     def on_left(self, mesh: Mesh, region: Part | None, order: int, levels: Levels) -> Quadrature:
-        """Points of a region on the left, in the elements that the line divides, by their place among the k."""
+        """Quadrature of a region's part on the left in divided elements, which are indices among the k."""
         if region is None and not levels:
             return self.left
         return _on_left(mesh.part(self.elements), self.line, self.divided(), region, order, levels)
 
     def work(self, elements: Ints, rows: Floats, left: Floats) -> Floats:
-        """What forces count for (q, 3), down, with rows (q, 24) over elements (q,) by their place among the k.
+        """Contribution (q, 3) of downward forces with rows (q, 24) over elements (q,), indices among the k.
 
-        ``left`` (q,) is the part of each that acts on the left: half of what acts on the line.
+        ``left`` (q,) is the part of each force that acts on the left: a half for a force on the line.
         """
         on_whole = (left == 0.5) & ~self.divided()[elements]
-        lever = self.of_forces[elements] + left[:, None, None] * self.motion[elements]
-        return np.where(on_whole[:, None], 0.0, -np.einsum("qcd,qd->qc", lever, rows))
+        weights = self.of_forces[elements] + left[:, None, None] * self.motion[elements]
+        return np.where(on_whole[:, None], 0.0, -np.einsum("qcd,qd->qc", weights, rows))
 
     def lefts(self, positions: Floats) -> Floats:
-        """What part (q,) of something at positions (q, 2) acts on the left."""
+        """Part (q,) of forces at positions (q, 2) that acts on the left: 1, 0, or a half on the line."""
         return np.asarray(0.5 - 0.5 * self.line.near(positions).side)
 
     def level(self, positions: Floats) -> Floats:
-        """Give numbers (q,) for positions (q, 2) that change their sign where the line is, and nowhere near it."""
+        """Level function (q,) at positions (q, 2), which changes sign at the line."""
         near = self.line.near(positions)
         return np.where(near.side == 0, near.off[np.arange(len(positions)), near.piece], near.side)
 
 
 def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[Point]) -> Cut:
-    """Cut a plate of a kind of elements along a line through points, some of which is on the plate."""
+    """Cut a plate, with elements of a kind, along a line through points."""
     line = _Followed(mesh, points)
     met, divided, pieces = _met(mesh, line)
     length = _length(line.line, pieces)
@@ -170,11 +177,11 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
     near = line.line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
     taken = line.taken(near).reshape(-1, 8)
     taken[_of_bodies_at_ends(mesh.elements[met], held, near.side.reshape(-1, 8), taken)] = 0.0
-    # Where no node is beside the line, v is 0 in an element that the line is in, and too little by all of it.
+    # An element inside which the line lies without a node beside it has v = 0; `_rest` adds the whole traction.
     of_line = (pieces.begin >= 0.0) & (pieces.end <= line.line.lengths[pieces.piece])
-    some = taken.any(axis=1) | np.isin(met, pieces.elements[of_line])
-    elements, divided, taken = met[some], divided[some], taken[some]
-    shares, off = (values.reshape(len(met), 8, -1)[some] for values in (near.shares, near.off))
+    kept = taken.any(axis=1) | np.isin(met, pieces.elements[of_line])
+    elements, divided, taken = met[kept], divided[kept], taken[kept]
+    shares, off = (values.reshape(len(met), 8, -1)[kept] for values in (near.shares, near.off))
     v = np.zeros((len(elements), 3, 8, 3))
     v[:, 0, :, 0], v[:, 0, :, 1:] = -(shares * off).sum(axis=2), -shares @ line.line.normals
     v[:, 1, :, 1:] = -shares @ line.line.along
@@ -185,7 +192,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
         x, y = v[..., 1].copy(), v[..., 2].copy()
         v[..., 1], v[..., 2] = c * x + s * y, c * y - s * x
     rigid = held.bodies.rigid[elements]
-    parts = _parts_of_forces(mesh, line.line, elements, divided, near.side.reshape(-1, 8)[some], rigid)
+    parts = _parts_of_forces(mesh, line.line, elements, divided, near.side.reshape(-1, 8)[kept], rigid)
     of_forces = (v * parts[:, None, :, None]).reshape(-1, 3, 24)
     whole = v.reshape(-1, 3, 24)
     motion = np.where(divided[:, None, None], whole, 0.0)
@@ -203,7 +210,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
 
 
 class _Followed:
-    """A line on a plate: which of its ends lie inside, and how far it is followed beyond these."""
+    """A line on a plate: whether its ends lie inside, and its continuation beyond these."""
 
     def __init__(self, mesh: Mesh, points: Sequence[Point]) -> None:
         self.line, self.inside = followed(mesh, points)
@@ -211,19 +218,19 @@ class _Followed:
         self.beyond = np.where(self.inside, self.reach, 0.0)
 
     def taken(self, near: Near) -> Floats:
-        """1 at points beside the line, 0 beyond an end inside the plate, a half beside the end itself."""
+        """Factor of v: 1 at points beside the line, 0 beyond an end inside the plate, a half at the end itself."""
         taken, lengths = np.ones(len(near.piece)), self.line.lengths
         for end, (piece, past) in enumerate(((0, -near.station), (len(lengths) - 1, near.station - lengths[-1]))):
             if self.inside[end]:
-                there = np.where(np.abs(past) <= self.line.touching, 0.5, past < 0.0)
-                taken = np.where(near.piece == piece, np.minimum(taken, there), taken)
+                factor = np.where(np.abs(past) <= self.line.touching, 0.5, past < 0.0)
+                taken = np.where(near.piece == piece, np.minimum(taken, factor), taken)
         return taken
 
 
 def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
-    """Elements (k,) that the line meets as far as it is followed, be it in a node, and which of them it divides.
+    """Elements (k,) that the continued line meets, at least in a node; whether it divides each; its pieces in them.
 
-    And what of it is in each; of elements with curved sides as if these were straight between nodes.
+    Curved sides count as straight between nodes.
     """
     line, beyond = followed.line, followed.beyond
     x0, y0, x1, y1 = line.extended(followed.reach).bounds
@@ -233,30 +240,32 @@ def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
     nodes = mesh.points[mesh.elements[near][:, _AROUND]]
     pieces = []
     for piece, (begin, along, normal) in enumerate(zip(line.begin, line.along, line.normals, strict=True)):
-        station, off = ((nodes - begin) @ way for way in (along, normal))
+        station, off = ((nodes - begin) @ axis for axis in (along, normal))
         low = -beyond[0] * (piece == 0)
         high = line.lengths[piece] + beyond[1] * (piece == len(line.lengths) - 1)
         off = np.where(np.abs(off) <= line.touching, 0.0, off)
-        ahead, ahead_off = np.roll(station, -1, axis=1), np.roll(off, -1, axis=1)
+        next_station, next_off = np.roll(station, -1, axis=1), np.roll(off, -1, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
-            crossing = station + (ahead - station) * off / (off - ahead_off)
-        at = np.hstack([crossing, station])
-        on = np.hstack([off * ahead_off < 0.0, off == 0.0])
-        first = np.maximum(np.where(on, at, np.inf).min(axis=1), low)
-        final = np.minimum(np.where(on, at, -np.inf).max(axis=1), high)
+            crossing = station + (next_station - station) * off / (off - next_off)
+        stations = np.hstack([crossing, station])
+        crossed = np.hstack([off * next_off < 0.0, off == 0.0])
+        first = np.maximum(np.where(crossed, stations, np.inf).min(axis=1), low)
+        final = np.minimum(np.where(crossed, stations, -np.inf).max(axis=1), high)
         met |= final >= first - line.touching
         longer = final > first + line.touching
         divided |= longer & (off > 0.0).any(axis=1) & (off < 0.0).any(axis=1)
         stops = np.unique([low, 0.0, line.lengths[piece], high])
         for begin_at, end_at in pairwise(stops):
             first_in, final_in = np.maximum(first, begin_at), np.minimum(final, end_at)
-            (some,) = np.nonzero(final_in > first_in + line.touching)
-            pieces.append(_Pieces(near[some], np.full(len(some), piece), first_in[some], final_in[some]))
+            (longer_in,) = np.nonzero(final_in > first_in + line.touching)
+            pieces.append(
+                _Pieces(near[longer_in], np.full(len(longer_in), piece), first_in[longer_in], final_in[longer_in])
+            )
     return near[met], divided[met], _Pieces(*(np.concatenate(part) for part in zip(*pieces, strict=True)))
 
 
 class _Pieces(NamedTuple):
-    """What of the line's pieces (q,) is in elements (q,), or along their sides: from one station to another."""
+    """Parts of a line in elements (q,), or along their sides: piece (q,) of the line, begin and end station (q,)."""
 
     elements: Ints
     piece: Ints
@@ -265,9 +274,9 @@ class _Pieces(NamedTuple):
 
 
 def _of_bodies_at_ends(nodes: Ints, held: Held, side: Ints, taken: Floats) -> Bools:
-    """Which nodes (k, 8) are of rigid bodies that the line ends at, and does not run along: v is 0 on these.
+    """Whether nodes (k, 8) belong to rigid bodies at which the line ends, without running along them: there v = 0.
 
-    A body is in equilibrium as a whole, so that v must be one rigid motion on it.
+    A body is in equilibrium as a whole, so that v must be a single rigid motion on it.
     """
     inside, leader = held.bodies.inside[nodes], held.bodies.leaders[nodes]
     along = leader[inside & (side == 0) & (taken == 1.0)]
@@ -275,57 +284,59 @@ def _of_bodies_at_ends(nodes: Ints, held: Held, side: Ints, taken: Floats) -> Bo
 
 
 def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, side: Ints, rigid: Bools) -> Floats:
-    """What part of v nodal forces of the elements (k, 8) count with, at nodes on a side (k, 8) of the line.
+    """Factors (k, 8) of v with which nodal forces of the elements contribute; ``side`` (k, 8) is that of each node.
 
-    Of elements that it divides, -v at nodes on the left. Of others v at nodes on the line: half of it on its left, half
-    of -v on its right; along an edge of the plate, where elements are on one side alone, the whole. So too along a
-    rigid body, whose nodes are in equilibrium all together, and not each: they count as on the body's side.
+    In divided elements it is −1 at nodes on the left. In others only nodes on the line contribute: ½ for elements on
+    the left, −½ on the right. Along an edge of the plate, with elements on one side only, it is ±1. Nodes of a rigid
+    body, in equilibrium only as a whole, count as on the body's side.
     """
     nodes = mesh.elements[elements]
     centres = mesh.map(elements, mesh.inward(elements, np.zeros((len(elements), 2)), 0.0))
-    where = line.near(centres).side
-    beside = [np.isin(nodes, nodes[divided | (where == way)]) for way in (LEFT, RIGHT)]
-    of_bodies = [np.isin(nodes, nodes[rigid & (where == way)]) for way in (LEFT, RIGHT)]
-    alone = [np.isin(nodes, nodes[~rigid & (divided | (where == way))], invert=True) for way in (LEFT, RIGHT)]
+    side_of_centre = line.near(centres).side
+    beside = [np.isin(nodes, nodes[divided | (side_of_centre == sign)]) for sign in (LEFT, RIGHT)]
+    of_bodies = [np.isin(nodes, nodes[rigid & (side_of_centre == sign)]) for sign in (LEFT, RIGHT)]
+    alone = [
+        np.isin(nodes, nodes[~rigid & (divided | (side_of_centre == sign))], invert=True) for sign in (LEFT, RIGHT)
+    ]
     within = (side == 0) & ((of_bodies[0] & alone[1]) | (of_bodies[1] & alone[0]))
     if (crossed := (rigid & divided) | within.any(axis=1)).any():
-        at = point(centres[np.argmax(crossed)], mesh.size)
+        crossing_at = point(centres[np.argmax(crossed)], mesh.size)
         raise InputError(
-            f"The line crosses a rigid zone at {at}, where there are no moments and shears. Let it run along the "
-            "zone's outline or beside it, or end at the outline."
+            f"The line crosses a rigid zone at {crossing_at}, where there are no moments and shears. Let it run along "
+            "the zone's outline or beside it, or end at the outline."
         )
-    part = np.select(of_bodies, [0.5 + 0.5 * where[:, None], 0.5 - 0.5 * where[:, None]], 0.5)
-    of_whole = -where[:, None] * np.where(beside[0] & beside[1], part, 1.0) * (side == 0)
+    part = np.select(of_bodies, [0.5 + 0.5 * side_of_centre[:, None], 0.5 - 0.5 * side_of_centre[:, None]], 0.5)
+    of_whole = -side_of_centre[:, None] * np.where(beside[0] & beside[1], part, 1.0) * (side == 0)
     of_divided = np.select(of_bodies, [1.0, 0.0], 0.5) * (side == 0) + (side == LEFT)
     return np.asarray(np.where(divided[:, None], -of_divided, of_whole))
 
 
 def _on_left(part: Mesh, line: CutLine, divided: Bools, region: Part | None, order: int, levels: Levels) -> Quadrature:
-    """Points of a region on the left in those elements (k,) of a part of the mesh that the line divides."""
+    """Quadrature of a region's part on the left of the line in the divided elements (k,) of a part of the mesh."""
     (which,) = np.nonzero(divided)
     if not len(which):
         return Quadrature(which, np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)))
-    some = part.part(which)
-    (x0, y0), (x1, y1) = some.boxes[:, :2].min(axis=0).tolist(), some.boxes[:, 2:].max(axis=0).tolist()
-    result = area_quadrature(some, LeftOf(line, (x0, y0, x1, y1), region), order, levels=levels)
+    divided_mesh = part.part(which)
+    (x0, y0), (x1, y1) = divided_mesh.boxes[:, :2].min(axis=0).tolist(), divided_mesh.boxes[:, 2:].max(axis=0).tolist()
+    result = area_quadrature(divided_mesh, LeftOf(line, (x0, y0, x1, y1), region), order, levels=levels)
     return Quadrature(which[result.elements], result.xi, result.weights, result.positions)
 
 
 def _between(mesh: Mesh, kind: str, elements: Ints, xi: Floats) -> Floats:
-    """Values (q, p) of the functions that are 1 at one of the points of an element's stiffness and 0 at the others.
+    """Values (q, p) of the functions that interpolate between the Gauss points of an element's stiffness.
 
-    Of triangles, whose last two places are empty, least squares by quadratics through seven points.
+    Triangles have seven points: a least-squares fit by quadratics; the last two columns are 0.
     """
     count = _POINTS[kind]
     result = np.zeros((len(xi), count))
     triangles = mesh.triangles[elements]
-    for some, degrees, points in (
+    for mask, degrees, points in (
         (~triangles, _square(round(np.sqrt(count))), _core.section_points(kind)[:count]),
         (triangles, _TRIANGULAR, _core.section_points("mitc9", True)[:7]),
     ):
-        if not some.any():
+        if not mask.any():
             continue
-        result[some, : len(points)] = _monomials(xi[some], degrees) @ np.linalg.pinv(_monomials(points, degrees))
+        result[mask, : len(points)] = _monomials(xi[mask], degrees) @ np.linalg.pinv(_monomials(points, degrees))
     return result
 
 
@@ -340,31 +351,31 @@ def _monomials(xi: Floats, degrees: Ints) -> Floats:
 def _rest(
     mesh: Mesh, plate: _core.Plate, kind: str, line: _Followed, elements: Ints, v: Floats, pieces: _Pieces
 ) -> Floats:
-    """What stresses (k, p, 5, 3) do on what v is too little on the line, where it should be 1 to the line's ends."""
-    place, some = placed(elements, pieces.elements)
+    """Work (k, p, 5, 3) of unit stresses on the missing part of v on the line, which should be rigid up to its ends."""
+    place, met = placed(elements, pieces.elements)
     node, weight = gauss(_ORDER)
-    half = 0.5 * (pieces.end - pieces.begin)[some, None]
-    station = (0.5 * (pieces.begin + pieces.end)[some, None] + half * node).ravel()
-    weights = (half * weight * _once(pieces)[some, None]).ravel()
-    place, piece = (np.repeat(values, _ORDER) for values in (place, pieces.piece[some]))
-    along, normal, at = line.line.along[piece], line.line.normals[piece], elements[place]
+    half = 0.5 * (pieces.end - pieces.begin)[met, None]
+    station = (0.5 * (pieces.begin + pieces.end)[met, None] + half * node).ravel()
+    weights = (half * weight * _once(pieces)[met, None]).ravel()
+    place, piece = (np.repeat(values, _ORDER) for values in (place, pieces.piece[met]))
+    along, normal, element = line.line.along[piece], line.line.normals[piece], elements[place]
     positions = line.line.begin[piece] + station[:, None] * along
-    xi = mesh.invert(at, positions)
-    wanted = np.zeros((len(at), 3, 3))
-    wanted[:, 0, 1:], wanted[:, 1, 1:], wanted[:, 2, 0] = -normal, -along, 1.0
-    wanted *= line.taken(line.line.near(positions))[:, None, None]
-    rows = np.stack([plate.interpolation_rows(at, xi, field)[0] for field in range(3)], axis=1)
-    w, x, y = np.moveaxis(wanted - np.einsum("qcd,qfd->qcf", v[place], rows), -1, 0)
+    xi = mesh.invert(element, positions)
+    missing = np.zeros((len(element), 3, 3))
+    missing[:, 0, 1:], missing[:, 1, 1:], missing[:, 2, 0] = -normal, -along, 1.0
+    missing *= line.taken(line.line.near(positions))[:, None, None]
+    rows = np.stack([plate.interpolation_rows(element, xi, field)[0] for field in range(3)], axis=1)
+    w, x, y = np.moveaxis(missing - np.einsum("qcd,qfd->qcf", v[place], rows), -1, 0)
     nx, ny = (part[:, None] for part in normal.T)
-    # What the right gives the left: Q·n on w, -Mn on the slopes.
+    # The traction from the right: Q·n on w, −Mn on the slopes.
     work = weights[:, None, None] * np.stack([-nx * x, -ny * y, -nx * y - ny * x, nx * w, ny * w], axis=1)
     stress = np.zeros((len(elements), _POINTS[kind], 5, 3))
-    np.add.at(stress, place, _between(mesh, kind, at, xi)[:, :, None, None] * work[:, None])
+    np.add.at(stress, place, _between(mesh, kind, element, xi)[:, :, None, None] * work[:, None])
     return stress
 
 
 def _once(pieces: _Pieces) -> Floats:
-    """1, or a half where the line runs between two elements, for each of them."""
+    """Weight of each piece: 1, or a half where the line runs between two elements."""
     middle = 0.5 * (pieces.begin + pieces.end)
     order = np.lexsort((middle, pieces.piece))
     again = (np.diff(pieces.piece[order]) == 0) & (pieces.begin[order][1:] < middle[order][:-1])
@@ -375,13 +386,13 @@ def _once(pieces: _Pieces) -> Floats:
 
 
 def _length(line: CutLine, pieces: _Pieces) -> float:
-    """Length of the line on the plate, without what it is followed beyond its ends."""
+    """Length of the line on the plate, without its continuation beyond its ends."""
     inside = np.minimum(pieces.end, line.lengths[pieces.piece]) - np.maximum(pieces.begin, 0.0)
     return float(np.maximum(inside, 0.0) @ _once(pieces))
 
 
-def placed(elements: Ints, of: Ints) -> tuple[Ints, Ints]:
-    """Which of some elements (q,) are among elements (k,) in rising order: their place there, and which they are."""
-    place = np.minimum(np.searchsorted(elements, of), len(elements) - 1)
-    some = np.flatnonzero(elements[place] == of) if len(elements) else np.zeros(0, np.int64)
-    return place[some], some
+def placed(elements: Ints, wanted: Ints) -> tuple[Ints, Ints]:
+    """Positions in ``elements`` (k,), ascending, of those of ``wanted`` (q,) that occur there; their indices in it."""
+    place = np.minimum(np.searchsorted(elements, wanted), len(elements) - 1)
+    found = np.flatnonzero(elements[place] == wanted) if len(elements) else np.zeros(0, np.int64)
+    return place[found], found

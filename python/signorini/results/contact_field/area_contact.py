@@ -32,13 +32,15 @@ from signorini.shapes.distances import depth
 from signorini.shapes.tessellation import Tessellation
 
 _WHOLE = 1.0 - 1e-9
-"""Part of an element's area from which on the support has all of it."""
+"""Least share of an element's area on the support that counts as the whole element."""
 _TOUCHING = 1e-9
-"""Part of the largest overlap or gap at the nodes below which the plate touches and does not press."""
+"""Relative zero tolerance of overlaps, over the largest overlap or gap at the nodes: smaller ones touch without
+pressure.
+"""
 _ON_OUTLINE = 1e-9
 """Part of the plate's size within which a point is on the support's outline."""
 _STRAIGHT = 1e-3
-"""Part of an element's size by which a polyline may leave the edge of contact."""
+"""Largest distance of a polyline from the edge of contact, relative to the element size."""
 _ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
 
 
@@ -61,8 +63,8 @@ class AreaContact(Remade):
     closed: Bools  # (q,)
     reactions: Floats  # (q,): the upward force there
     on_means: bool  # whether it acts on the means of elements: it is rigid, or as good as that
-    # (ne,): elements in which it is stiffer than the plate. Between points the deflection says nothing of pressures
-    # there, and the pressure is a number an element, not a field.
+    # (ne,): elements in which the support is stiffer than the plate; pressures between points do not follow the
+    # deflection
     stiff: Bools
     ground: Mesh  # of the elements with a part of the support, see `ground_of`
 
@@ -70,7 +72,7 @@ class AreaContact(Remade):
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Least and greatest pressure that the support can exert, but for a limit."""
+        """Least and greatest pressure of the support without its limit."""
         return bounds(self.support)
 
     def _exerted(self, deflection: Floats, positions: Floats) -> Floats:
@@ -85,7 +87,7 @@ class AreaContact(Remade):
 
     @cached_property
     def element_pressure(self) -> Floats:
-        """Mean pressure (ne,) over the support's part of each element, positive up; 0 elsewhere."""
+        """Mean pressure (ne,) over the support's part of each element, positive up; 0 off the support."""
         force = np.bincount(self.elements, self.reactions, len(self.covered))
         return np.asarray(force / np.where(self.covered > 0, self.covered, 1.0))
 
@@ -166,9 +168,10 @@ class AreaContact(Remade):
         return result
 
     def pressing(self, cut: Tessellation) -> Floats:
-        """Pressure (v,) of an elastic area at the vertices of a cut mesh as if it held both ways; 0 where unknown.
+        """Pressure (v,) of an elastic area at vertices of a cut mesh, as if it acted in both directions; 0 if unknown.
 
-        What is beyond `bounds` the area does not exert; without a jump in slope there, it shows the edge of contact.
+        The area exerts only pressures within `bounds`. The pressure without bounds is smooth and shows the edge of
+        contact.
         """
         at = cut.interpolate(self.mesh.points)
         pressure = pressing(self.support, cut.interpolate(self.deflection), at)
@@ -195,7 +198,7 @@ class AreaContact(Remade):
         jumps = any(level.jumps for one in formulas if one is not None for level in one.levels)
         if self.support.modulus is None or jumps or (self.support.law or ((0.0, 0.0),))[0][0] < 0.0:
             return float(self.weights[yielded].sum())
-        # It gives its limit where the plate would press on a support with so much more gap.
+        # The limit is exerted where the plate presses on a support with a gap larger by the travel at the limit.
         beyond = self.support.model_copy(update={"gap": partial(_travel_at_limit, self.support)})
         return replace(self, support=beyond, closed=yielded).contact_area
 
@@ -210,8 +213,8 @@ class AreaContact(Remade):
     def contact_boundary(self) -> tuple[Floats, ...]:
         """Polylines (k, 2) between contact, on their left, and gap; the last point of a closed one is its first.
 
-        They end where the support or the plate does. Of an elastic area they are where the deflection field closes the
-        gap, of a rigid one the sides between elements that are closed and open.
+        Open ones end at the border of the support or the plate. An elastic area has them where the deflection field
+        closes the gap, a rigid one along sides between closed and open elements.
         """
         if self.on_means:
             segments, near = self._sides_between(), self.elements
@@ -247,9 +250,9 @@ class AreaContact(Remade):
         return self._crossed(self.deflection[None], self.closed[None])
 
     def _crossed(self, deflection: Floats, closed: Bools) -> tuple[Ints, Ints, Floats, Floats]:
-        """Solutions and elements (p,) that the edge of contact may cross, their parts (p,) in contact.
+        """Solutions and elements (p,) that the edge of contact may cross, and their parts (p,) in contact.
 
-        With them how little overlap (k,) is none.
+        Also returns the zero tolerances (k,) of the overlap.
         """
         if self.on_means or not can_let_go(self.support):
             nothing = np.zeros(0, np.int64)
@@ -291,16 +294,16 @@ def _travel_at_limit(support: Support, x: Floats, y: Floats) -> Floats:
 
 
 _STEP = 1e-6
-"""Part of the plate's size by which a look goes beside a point: more than what counts as on an outline."""
+"""Step to a place beside a point, relative to the plate's size: more than the tolerance of outlines."""
 _WAYS = np.array([(np.cos(turn), np.sin(turn)) for turn in np.pi / 8 * (2 * np.arange(8) - 6.6)])
 """Directions in which one looks, along no usual outline."""
 
 
 def without_shared_borders(areas: Sequence[AreaContact], positions: Floats, on: Bools) -> Bools:
-    """Which areas (a,) act at positions (q, 2), given those that a position is in or on the border of: (a, q).
+    """Mask (a, q) of the areas that act at positions (q, 2), given the areas that contain them, border included.
 
-    Of areas that have a position on their border those act that are beside it in the first of some directions in which
-    there is any. So one acts where two touch, and both where they overlap.
+    At a common border, the areas act that lie on the first side, in a fixed order of directions, on which any lies. So
+    one area acts where two touch, and both where they overlap.
     """
     several = np.flatnonzero(on.sum(axis=0) > 1)
     if not len(several):

@@ -133,11 +133,11 @@ _Values = TypeVar("_Values", Floats, Bools)
 _FINEST = 12
 _MOST_CELLS = 1_000_000
 _AT_ONCE = 100_000
-"""Vertices taken at once: so many numbers stay in a processor's cache."""
+"""Vertices in one block: their numbers fit into the processor's cache."""
 
 
 def divisions(count: int) -> int:
-    """Into how many cells along a side so many elements are cut."""
+    """Number of cells along a side, for a number of elements to cut."""
     return int(np.clip(2 * round(np.sqrt(_MOST_CELLS / max(count, 1)) / 2), 2, _FINEST))
 
 
@@ -151,7 +151,7 @@ class _Grid(NamedTuple):
     travel: tuple[Floats, Floats]
     """Settlement and gap there."""
     areas: Floats
-    """Of triangles (e, d, d, 2)."""
+    """Areas (e, d, d, 2) of triangles."""
     whole: Bools
     """Cells (e, d, d) all within the support."""
     outside: Bools
@@ -161,7 +161,7 @@ class _Grid(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """What is asked of the elements of an elastic area."""
+    """Inputs of the search in elements of an elastic area."""
 
     mesh: Mesh
     support: Support
@@ -169,11 +169,11 @@ class Cells:
     depth: Callable[[Floats], Floats]  # how deep positions (q, 2) are in the support
 
     def parts(self, deflection: Floats, crossed: Bools, touching: Floats) -> tuple[Ints, Ints, Floats]:
-        """Solutions (p,), elements (p,), and the part (p,) in contact of what each has within the support.
+        """Solutions (p,), elements (p,), and shares (p,) in contact of the part of each element on the support.
 
-        From deflections (k, n), the elements (k, ne) that the edge of contact may cross, and how little overlap (k,) is
-        none. With them come elements into which the edge leaves these. NaN where there is nothing of the support.
-        Overlap and depth are taken as linear on triangles.
+        Inputs are deflections (k, n), the elements (k, ne) that the edge of contact may cross, and zero tolerances (k,)
+        of the overlap. Neighbours into which the edge continues are added. A share is NaN where no part of the element
+        is on the support. Overlap and depth are linear on triangles.
         """
         crossed, known = crossed.copy(), []
         cuts = np.array([divisions(int(count)) for count in crossed.sum(axis=1)])
@@ -215,7 +215,7 @@ class Cells:
         low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
         whole = (low >= 0) & (high > 0) & grid.whole[place]
         pressed = np.einsum("pijt,pij->p", grid.areas[place], whole)
-        # Where the overlap is not known, neither is that it is none.
+        # An unknown overlap is not a zero overlap.
         at, i, j = np.nonzero(~(whole | (high < 0) | grid.outside[place]))
         which = place[at], i, j
         over = _of_triangles([corner[at, i, j] for corner in corners])
@@ -258,7 +258,7 @@ class Cells:
 
     @property
     def _across(self) -> Ints:
-        """The element (ne, 4) beyond each side; −1 where there is none."""
+        """Neighbour (ne, 4) at each side of an element; −1 without one."""
         elements = self.mesh.elements
         real, middles = real_sides(elements), elements[:, 4:]
         owner = np.arange(len(elements))[:, None] + 1
@@ -288,13 +288,13 @@ def _beside(pressed: Bools) -> Bools:
 
 
 def edge_of_contact(mesh: Mesh, support: Support, elements: Ints, deflection: Floats, touching: float) -> Segments:
-    """Where the plate parts from an elastic area in some elements; overlap within ``touching`` of zero is none."""
+    """Mask of the gap between plate and elastic area in elements; overlaps of at most ``touching`` count as zero."""
     cut = tessellate(mesh.elements[elements], divisions(len(elements)))
     positions = cut.interpolate(mesh.points)
     values = overlap(support, cut.interpolate(deflection), free_travel(support, positions))
     values[np.abs(values) <= touching] = 0.0
     pressed = values > 0
-    # What only touches is in contact beside what presses.
+    # Touching parts count as contact if they adjoin pressed ones.
     beside = np.zeros_like(pressed)
     beside[cut.triangles[pressed[cut.triangles].any(axis=1)]] = True
     known = cut.triangles[~np.isnan(values[cut.triangles]).any(axis=1)]

@@ -5,6 +5,9 @@
 use super::newton::{Newton, Next};
 use super::start::{new_newton, system_of};
 use crate::cholesky::{FactorError, LANES};
+use crate::contact::backend::Augmentation;
+use crate::contact::error::SolveError;
+use crate::contact::load::Load;
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::ContactSolution;
 use rayon::prelude::*;
@@ -20,19 +23,20 @@ struct UnderWay<'a> {
 }
 
 /// Solves many loads (3n,), from the solution of another load if given. `watch` is called at intervals and cancels by
-/// returning false; then solutions are missing.
+/// returning false.
 pub(in crate::contact) fn solve_together(
     problem: &ContactProblem,
+    augmentation: &Augmentation,
     start: Option<&ContactSolution>,
     loads: &[Vec<f64>],
     held_value: &[f64],
     watch: &mut dyn FnMut() -> bool,
-) -> Result<Vec<ContactSolution>, FactorError> {
+) -> Result<Vec<Result<ContactSolution, SolveError>>, SolveError> {
     let with = start.and_then(|start| system_of(problem, start)).map_or(&problem.base, |system| system);
     let pattern = &problem.pattern;
     let mut under_way: Vec<UnderWay> = Vec::with_capacity(AT_ONCE);
     let mut waiting = loads.iter().enumerate();
-    let mut solved: Vec<Option<ContactSolution>> = loads.iter().map(|_| None).collect();
+    let mut solved: Vec<Option<Result<ContactSolution, SolveError>>> = loads.iter().map(|_| None).collect();
     loop {
         let next: Vec<(usize, &Vec<f64>)> = waiting.by_ref().take(AT_ONCE - under_way.len()).collect();
         let begun: Vec<UnderWay> = next
@@ -41,13 +45,17 @@ pub(in crate::contact) fn solve_together(
                 // Without load the plate is at rest; only a start at rest gives that exactly.
                 let loaded = load.iter().any(|&force| force != 0.0);
                 let shares = loaded || start.is_none();
-                let newton = new_newton(problem, load, held_value, start.filter(|_| loaded), shares)?;
+                let load = Load { nodal: load, held_value };
+                let newton = new_newton(problem, augmentation, &load, start.filter(|_| loaded), shares)?;
                 Ok(UnderWay { number, newton, answer: None })
             })
             .collect::<Result<_, FactorError>>()?;
         under_way.extend(begun);
-        if under_way.is_empty() && waiting.len() == 0 || !watch() {
+        if under_way.is_empty() && waiting.len() == 0 {
             return Ok(solved.into_iter().flatten().collect());
+        }
+        if !watch() {
+            return Err(SolveError::Cancelled);
         }
         // Each load iterates until it needs the shared factor, or ends. A load with a factor of its own iterates to the
         // end.
@@ -68,7 +76,7 @@ pub(in crate::contact) fn solve_together(
                     under_way.push(load);
                 }
                 Next::Settled => unreachable!("the load went on"),
-                Next::End(outcome) => solved[load.number] = Some(load.newton.ended(outcome)),
+                Next::End(end) => solved[load.number] = Some(load.newton.ended(end)),
             }
         }
         with.factor.solve_side_by_side(&mut block)?;

@@ -29,7 +29,7 @@ impl NewtonIterate<'_> {
     fn minimise_rigid_energy(&mut self, coarse_load: &CoarseLoad<'_>) -> bool {
         let CoarseLoad { rigid_space, load, magnitude } = coarse_load;
         let (springs, points) = (&self.problem.springs, self.problem.points.len());
-        let all = (0..points).map(|i| self.problem.steepest(i).in_series(self.kkt.series[i])).sum::<f64>()
+        let all = (0..points).map(|i| self.problem.points.steepest(i).in_series(self.kkt.series[i])).sum::<f64>()
             + springs.stiffness.iter().sum::<f64>();
         let mut moved = false;
         for _ in 0..STEPS {

@@ -16,76 +16,69 @@ mod start;
 
 pub(in crate::contact) use batch::solve_together;
 
-use super::finder::{SetFinder, signs_are_feasible};
+use super::feasibility::beyond_rounding;
 use crate::cholesky::FactorError;
+use crate::contact::backend::Augmentation;
+use crate::contact::error::SolveError;
+use crate::contact::fixed_state::{kkt, solve_on};
+use crate::contact::load::Load;
 use crate::contact::problem::ContactProblem;
-use crate::contact::solution::{ContactSolution, Outcome, Watch};
+use crate::contact::solution::{ContactSolution, Watch};
 use crate::contact::tolerances;
 use exact_sets::exact_sets;
 use newton::Next;
 use start::new_newton;
 use std::sync::Arc;
 
-/// The Newton method, from rest or from the solution of another load.
-pub(in crate::contact) struct ActiveSet;
-
-impl SetFinder for ActiveSet {
-    fn find(
-        &self,
-        problem: &ContactProblem,
-        load: &[f64],
-        held_value: &[f64],
-        start: Option<&ContactSolution>,
-        watch: &mut Watch<'_>,
-    ) -> Result<ContactSolution, FactorError> {
-        let mut newton = new_newton(problem, load, held_value, start, false)?;
-        let outcome = loop {
-            match newton.go_on(None, watch)? {
-                Next::Solve(_) => unreachable!("the factor is not shared"),
-                Next::Settled => {
-                    let start = newton.offer();
-                    let exact = exact_sets(problem, &mut newton.iterate.kkt, load, held_value, &start, watch)?;
-                    let Some(ContactSolution { displacement, reaction, gap, piece, corrections, .. }) = exact else {
-                        continue;
-                    };
-                    let solution = newton.ended(Outcome::Solved);
-                    return Ok(ContactSolution { displacement, reaction, gap, piece, corrections, ..solution });
-                }
-                Next::End(outcome) => break outcome,
+/// Solves one load by the Newton method, from rest or from the solution of another load.
+pub(in crate::contact) fn by_active_set(
+    problem: &ContactProblem,
+    augmentation: &Augmentation,
+    load: &Load,
+    start: Option<&ContactSolution>,
+    watch: &mut Watch<'_>,
+) -> Result<ContactSolution, SolveError> {
+    let mut newton = new_newton(problem, augmentation, load, start, false)?;
+    let end = loop {
+        match newton.go_on(None, watch)? {
+            Next::Solve(_) => unreachable!("the factor is not shared"),
+            Next::Settled => {
+                let start = newton.offer();
+                let Some(exact) = exact_sets(problem, &mut newton.iterate.kkt, load, &start, watch)? else { continue };
+                let ContactSolution { displacement, reaction, gap, piece, corrections, .. } = exact;
+                let solution = newton.ended(Ok(()))?;
+                return Ok(ContactSolution { displacement, reaction, gap, piece, corrections, ..solution });
             }
-        };
-        let fell_short = newton.fell_short;
-        let solution = newton.ended(outcome);
-        if !fell_short {
-            return Ok(solution);
+            Next::End(end) => break end,
         }
-        let exact = problem.solve_on(load, held_value, &solution.piece)?;
-        if exact.outcome != Outcome::Solved || !signs_are_feasible(problem, load, 0.0, &exact) {
-            return Ok(solution);
-        }
-        let corrections = solution.corrections + exact.corrections;
-        let ContactSolution { displacement, reaction, gap, .. } = exact;
-        Ok(ContactSolution { displacement, reaction, gap, corrections, ..solution })
+    };
+    let fell_short = newton.fell_short;
+    let solution = newton.ended(end)?;
+    if !fell_short {
+        return Ok(solution);
     }
+    let exact = match solve_on(problem, &mut *kkt(problem), load, &solution.piece, None, 0.0) {
+        Ok(exact) if beyond_rounding(problem, load.nodal, 0.0, &exact).is_empty() => exact,
+        Err(error) if !error.is_of_load() => return Err(error),
+        _ => return Ok(solution),
+    };
+    let corrections = solution.corrections + exact.corrections;
+    let ContactSolution { displacement, reaction, gap, .. } = exact;
+    Ok(ContactSolution { displacement, reaction, gap, corrections, ..solution })
 }
 
-/// Solves one load and factors its contact state, for warm starts; `None` where there is no solution, or where the
-/// state does not hold the plate.
+/// Solves one load and factors its contact state, for warm starts; `None` where that state does not hold the plate.
 pub(in crate::contact) fn solved_and_factored(
     problem: &ContactProblem,
-    load: &[f64],
-    held_value: &[f64],
+    augmentation: &Augmentation,
+    load: &Load,
     watch: &mut Watch<'_>,
-) -> Result<Option<ContactSolution>, FactorError> {
-    let solution = ActiveSet.find(problem, load, held_value, None, watch)?;
-    if solution.outcome != Outcome::Solved {
-        return Ok(None);
-    }
-    let series = problem.series(tolerances::newton::STIFFEST);
-    let slope = |i: usize| problem.points.piece(i, solution.piece[i]).in_series(series[i]);
-    match problem.factored((0..series.len()).map(slope).collect()) {
+) -> Result<Option<ContactSolution>, SolveError> {
+    let solution = by_active_set(problem, augmentation, load, None, watch)?;
+    let piece = |i: usize| problem.points.piece(i, solution.piece[i]);
+    match problem.factored(augmentation.slopes(&problem.points, piece, tolerances::newton::STIFFEST)) {
         Ok(system) => Ok(Some(ContactSolution { system: Some(Arc::new(system)), spent: 0, ..solution })),
         Err(FactorError::NotPositiveDefinite { .. }) => Ok(None),
-        Err(error) => Err(error),
+        Err(error) => Err(error.into()),
     }
 }

@@ -3,19 +3,24 @@
 
 use super::iterate::NewtonIterate;
 use crate::cholesky::FactorError;
+use crate::contact::error::SolveError;
 use crate::contact::kkt::{Direction, Gradients};
 use crate::contact::residual::{force_of_settlements, largest_force};
-use crate::contact::solution::{ContactSolution, Outcome, Progress, Watch, differing};
+use crate::contact::solution::{ContactSolution, Progress, Watch, differing};
 use crate::contact::tolerances;
 
 /// Largest number of Newton steps; overlapping circles on a rigid bed, one of 150,000 random plates, needed 732.
 const NEWTON: usize = 2000;
 /// Steps with a changing contact state after which directions are computed accurately.
 const UNSETTLED: usize = 8;
-/// Successive steps with little reduction of the residual that end the iteration: the rest is rounding.
+/// Number of successive steps with little reduction of the residual at which the iteration ends: the residual is
+/// then rounding.
 const STALLS: usize = 3;
 /// Steps on an unchanged contact state without a new least residual that end the iteration.
 const LASTING: usize = 12;
+
+/// How the iteration ended.
+pub(super) type End = Result<(), SolveError>;
 
 /// Request of the iteration.
 pub(super) enum Next {
@@ -23,7 +28,7 @@ pub(super) enum Next {
     Solve(Vec<f64>),
     /// The contact state settled at the largest penalty: an exact solution may be sought.
     Settled,
-    End(Outcome),
+    End(End),
 }
 
 /// The Newton method on one load.
@@ -123,23 +128,22 @@ impl<'a> Newton<'a> {
         solution
     }
 
-    pub(super) fn ended(self, outcome: Outcome) -> ContactSolution {
-        let solution = self.iterate.ended();
-        if outcome == Outcome::Solved { solution.solved() } else { solution.failed(outcome) }
+    pub(super) fn ended(self, end: End) -> Result<ContactSolution, SolveError> {
+        end.and_then(|()| self.iterate.ended().require_finite())
     }
 
-    /// Starts a step and its direction, unless the residual is zero; returns the outcome if the iteration ends.
-    fn begin_step(&mut self) -> Option<Outcome> {
+    /// Starts a step and its direction, unless the residual is zero; returns the end if the iteration ends.
+    fn begin_step(&mut self) -> Option<End> {
         self.step += 1;
         if self.step > NEWTON {
-            return Some(Outcome::Unsolved);
+            return Some(Err(SolveError::Unsolved));
         }
         let same = self.step > 1 && self.pieces == self.last;
         let lost = self.since_settled == UNSETTLED || self.stalled == STALLS;
         if lost && self.iterate.kkt.limit == tolerances::newton::STIFFEST && self.started {
             // The start was too far away: restart with the first penalty.
             (self.stalled, self.far) = (0, true);
-            self.iterate.set_penalty(self.iterate.problem.first_penalty);
+            self.iterate.set_penalty(self.iterate.kkt.augmentation.first_penalty);
             self.pieces = self.iterate.pieces();
         }
         let mut settled = self.iterate.rounding();
@@ -185,7 +189,7 @@ impl<'a> Newton<'a> {
             iterate.balance();
             iterate.rounding = None;
             if limit < tolerances::newton::STIFFEST {
-                iterate.set_penalty(iterate.problem.next_penalty(limit));
+                iterate.set_penalty(iterate.kkt.augmentation.next_penalty(limit));
                 (self.before, self.lasting, self.lowest) = (f64::INFINITY, 0, f64::INFINITY);
             } else if iterate.residual.worst <= tolerances::newton::BALANCED * force {
                 // Multipliers are updated in equilibrium only.
@@ -196,12 +200,12 @@ impl<'a> Newton<'a> {
         let changing = differing(&self.pieces, &self.last).len();
         let worst = iterate.residual.worst;
         if !worst.is_finite() {
-            return Some(Next::End(Outcome::Unsolved));
+            return Some(Next::End(Err(SolveError::Unsolved)));
         }
         // Without forces the relative residual is zero.
         let residual = if worst == 0.0 { 0.0 } else { worst / force };
         if !watch(Progress { step: self.step, changing, residual }) {
-            return Some(Next::End(Outcome::Interrupted));
+            return Some(Next::End(Err(SolveError::Cancelled)));
         }
         if !settling || limit != tolerances::newton::STIFFEST {
             return None;
@@ -216,10 +220,10 @@ impl<'a> Newton<'a> {
         })
     }
 
-    /// The outcome at the largest penalty, if the iteration ends.
-    fn settled(&mut self, worst: f64, force: f64, unchanged: bool) -> Option<Outcome> {
+    /// The end at the largest penalty, if the iteration ends.
+    fn settled(&mut self, worst: f64, force: f64, unchanged: bool) -> Option<End> {
         if worst <= tolerances::newton::SETTLED * force || worst <= self.iterate.rounding() {
-            return Some(Outcome::Solved);
+            return Some(Ok(()));
         }
         // Points without force and gap may change their piece for ever; the residual then gives no further information.
         let idle = unchanged || worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
@@ -227,10 +231,10 @@ impl<'a> Newton<'a> {
         if self.stalled == STALLS || self.lasting == LASTING {
             if worst <= tolerances::newton::STALLED * force {
                 self.fell_short = true;
-                return Some(Outcome::Solved);
+                return Some(Ok(()));
             }
             if !self.started || self.far || self.lasting == LASTING {
-                return Some(Outcome::Unsolved);
+                return Some(Err(SolveError::Unsolved));
             }
         }
         self.before = worst;

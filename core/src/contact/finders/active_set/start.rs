@@ -3,7 +3,9 @@
 use super::iterate::NewtonIterate;
 use super::newton::Newton;
 use crate::cholesky::FactorError;
+use crate::contact::backend::Augmentation;
 use crate::contact::kkt::{BEFORE_A_FACTOR, CoarseLoad, Factored};
+use crate::contact::load::Load;
 use crate::contact::problem::ContactProblem;
 use crate::contact::residual::Residual;
 use crate::contact::solution::ContactSolution;
@@ -14,13 +16,15 @@ use std::sync::Arc;
 /// Makes the Newton method, on a factor that several loads may share.
 pub(super) fn new_newton<'a>(
     problem: &'a ContactProblem,
-    load: &'a [f64],
-    held_value: &[f64],
+    augmentation: &'a Augmentation,
+    load: &Load<'a>,
     start: Option<&'a ContactSolution>,
     shares: bool,
 ) -> Result<Newton<'a>, FactorError> {
-    let limit = if start.is_some() { tolerances::newton::STIFFEST } else { problem.first_penalty };
-    let mut kkt = Factored::new(problem, start.and_then(|start| system_of(problem, start)), limit, shares);
+    let Load { nodal: load, held_value } = *load;
+    let limit = if start.is_some() { tolerances::newton::STIFFEST } else { augmentation.first_penalty };
+    let mut kkt =
+        Factored::new(problem, augmentation, start.and_then(|start| system_of(problem, start)), limit, shares);
     let mut solution = problem.at_rest(held_value);
     let mut multiplier = vec![0.0; problem.points.len()];
     let mut spent = 0;

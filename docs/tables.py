@@ -1,0 +1,120 @@
+"""Write docs/keys.md from the schema of the input file and docs/quantities.md from the registry of quantities."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import signorini
+from signorini.results.quantities import Number
+
+Node = dict[str, Any]
+_KEYS = """# Keys of the input file
+
+`python docs/tables.py` generates this page from the schema. [input.md](input.md) explains the keys in context.
+
+Bounds hold for every number of a list and for every value of an expression."""
+_BOUNDS = {"exclusiveMinimum": "> {:g}", "minimum": "≥ {:g}", "exclusiveMaximum": "< {:g}", "maximum": "≤ {:g}"}
+_QUANTITIES = """# Numbers of results
+
+`python docs/tables.py` generates this page from the registry of quantities. [results.md](results.md) explains them.
+
+Units are F (force) and L (length). Owners in the examples are the supports `AREA`, `LINE` (an edge, line or circle) and
+`POINTS`, the section `CUT` and the strip `STRIP`. Names are those of `Result.to_dataframe()` and of
+[thresholds](paths.md#thresholds). Paths begin in `combinations[]` of `results.json`. Columns are those of
+`combinations.parquet`; `output.envelope` chooses the extremes. Contacts are like supports."""
+_MODEL = """
+units = { length = "L", force = "F" }
+material = { E = 1e7, nu = 0.2 }
+plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }
+mesh = { divisions = [2, 2] }
+load = [{ pressure = 2 }]
+probe = [{ at = [2, 2] }]
+section = [{ name = "CUT", line = [[2, 0], [2, 4]] }]
+strip = [{ name = "STRIP", line = [[0, 2], [4, 2]], width = 1 }]
+support = [
+  { name = "AREA", area = "all", resists = "down", stiffness = 1e4, limit = 500 },
+  { name = "LINE", edge = "left", fix = "simple" },
+  { name = "POINTS", at = [3, 2], resists = "up", limit = 50, preload = 5, rotational_stiffness = 100 },
+]
+"""
+
+
+def _inner(node: Node) -> list[Node]:
+    """Schemas of alternatives and of the members of lists and mappings."""
+    found = [*node.get("anyOf", ()), *node.get("oneOf", ()), node.get("items"), node.get("additionalProperties")]
+    return [one for one in found if isinstance(one, dict)]
+
+
+def _tables(node: Node, definitions: dict[str, Node]) -> list[tuple[str, Node]]:
+    """Tables (name, schema) that a value may be."""
+    if "$ref" in node:
+        return [(name := node["$ref"].rpartition("/")[2], definitions[name])]
+    if "properties" in node:
+        return [("FieldTable", node)]
+    return [found for one in _inner(node) for found in _tables(one, definitions)]
+
+
+def _range(node: Node) -> str:
+    """Words that a value may be, or bounds of its numbers."""
+    own = ", ".join(f"`{json.dumps(word)}`" for word in node.get("enum", ()))
+    own = own or " and ".join(text.format(node[key]) for key, text in _BOUNDS.items() if key in node)
+    return own or next((found for one in _inner(node) if (found := _range(one))), "")
+
+
+def _section(title: str, *columns: str) -> str:
+    """Heading of a section and of its table."""
+    return f"\n## {title}\n\n| {' | '.join(columns)} |\n|{'---|' * len(columns)}"
+
+
+def _row(key: str, node: Node, required: bool) -> str:
+    """Row of a key."""
+    default, text = node.get("default"), node["description"].rstrip(".").replace("|", "\\|")
+    shown = "" if default in (None, []) or isinstance(default, dict) else f"`{json.dumps(default)}`"
+    return f"| `{key}` | {text} | {_range(node)} | {'required' if required else shown} |"
+
+
+def keys() -> str:
+    """Return docs/keys.md: a section for each table of the input file, followed by the tables that are its values."""
+    schema, lines, done = signorini.schema(), [_KEYS], set[str]()
+    definitions, waiting = schema["$defs"], list[tuple[str, str, Node]]()
+    for key, node in schema["properties"].items():
+        title = f"`[[{key}]]`" if node.get("type") == "array" else f"`[{key}]`"
+        waiting += [(title, *found) for found in _tables(node, definitions) if key != "plates"]
+    while waiting:
+        title, name, table = waiting.pop(0)
+        if name not in done:
+            done.add(name)
+            own, required = table["properties"].items(), table.get("required", ())
+            lines += [_section(f"{title}: {name}\n\n{table['description']}", "key", "value", "allowed", "default")]
+            lines += [_row(key, node, key in required) for key, node in own]
+            waiting[:0] = [(f"`{key}` of {name}", *found) for key, node in own for found in _tables(node, definitions)]
+    return "\n".join(lines) + "\n"
+
+
+def _path(number: Number) -> str:
+    """Keys of a number in results.json, without the indices of owners."""
+    own = len(number.path) - len(number.quantity.path)
+    keys = (key if isinstance(key, str) else f"[{key if n >= own else ''}]" for n, key in enumerate(number.path))
+    return ".".join(keys).replace(".[", "[")
+
+
+def quantities() -> str:
+    """Return docs/quantities.md: numbers of a model with all kinds of owners, the first of each path."""
+    model, lines = signorini.loads(_MODEL), [_QUANTITIES]
+    numbers = signorini.solve(model)["all"].catalogue
+    for home in dict.fromkeys(one.home for one in numbers):
+        lines.append(_section(home.capitalize(), "name", "number", "unit", "path", "column"))
+        first = {(one.owner, _path(one)): one for one in reversed(numbers.numbers) if one.home == home}
+        for (_, path), one in reversed(first.items()):
+            cells = f"`{one.name}` | {one.quantity.words} | {one.quantity.unit(model.units)} | `{path}`"
+            lines.append(f"| {cells} | {f'`{one.column}`' if one.tabled else ''} |")
+    return "\n".join(lines) + "\n"
+
+
+PAGES = {"keys.md": keys, "quantities.md": quantities}
+
+if __name__ == "__main__":
+    for name, page in PAGES.items():
+        Path(__file__).with_name(name).write_text(page(), encoding="utf-8")
