@@ -44,10 +44,9 @@ pub(in crate::contact) fn by_active_set(
             Next::Solve(_) => unreachable!("the factor is not shared"),
             Next::Settled => {
                 let start = newton.offer();
-                let Some(exact) = exact_sets(problem, &mut newton.iterate.kkt, load, &start, watch)? else { continue };
-                let ContactSolution { displacement, reaction, gap, piece, corrections, .. } = exact;
-                let solution = newton.ended(Ok(()))?;
-                return Ok(ContactSolution { displacement, reaction, gap, piece, corrections, ..solution });
+                if let Some(exact) = exact_sets(problem, &mut newton.iterate.kkt, load, &start, watch)? {
+                    newton.resume(exact);
+                }
             }
             Next::End(end) => break end,
         }

@@ -128,6 +128,19 @@ impl<'a> Newton<'a> {
         solution
     }
 
+    /// Continues from an exact solution, with its reactions as multipliers.
+    pub(super) fn resume(&mut self, exact: ContactSolution) {
+        let iterate = &mut self.iterate;
+        iterate.solution.displacement = exact.displacement;
+        iterate.solution.corrections += exact.corrections;
+        iterate.multiplier = exact.reaction;
+        iterate.rounding = None;
+        iterate.balance();
+        self.pieces = iterate.pieces();
+        self.last.clone_from(&self.pieces);
+        (self.before, self.lasting, self.lowest) = (f64::INFINITY, 0, f64::INFINITY);
+    }
+
     pub(super) fn ended(self, end: End) -> Result<ContactSolution, SolveError> {
         end.and_then(|()| self.iterate.ended().require_finite())
     }
@@ -141,8 +154,9 @@ impl<'a> Newton<'a> {
         let same = self.step > 1 && self.pieces == self.last;
         let lost = self.since_settled == UNSETTLED || self.stalled == STALLS;
         if lost && self.iterate.kkt.limit == tolerances::newton::STIFFEST && self.started {
-            // The start was too far away: restart with the first penalty.
+            // The start was too far away: restart with the first penalty, from zero multipliers.
             (self.stalled, self.far) = (0, true);
+            self.iterate.multiplier.fill(0.0);
             self.iterate.set_penalty(self.iterate.kkt.augmentation.first_penalty);
             self.pieces = self.iterate.pieces();
         }
