@@ -221,7 +221,7 @@ class Program:
     def __init__(self, problem: ContactProblem, load: np.ndarray) -> None:
         found, held = problem.discretisation, problem.held
         self.problem, self.laws, self.free = problem, found.contacts, np.flatnonzero(~held)
-        load = load + found.spring_rows.T @ (found.springs.stiffness * found.springs.base)
+        load = load + found.spring_rows.T @ (found.springs.stiffness * found.springs.distance)
         K, G, values = problem.K.tocsr(), problem.G.tocsr(), np.where(held, problem.held_values, 0.0)
         self.dof = 1.0 / np.sqrt(K.diagonal()[self.free])
         right = self.dof * (load - K @ values)[self.free]

@@ -12,7 +12,7 @@ from signorini.discretise import discretise
 from signorini.equilibrium.balance import rigid_freedom
 from signorini.equilibrium.imbalance import nearest_limit
 from signorini.model.output import Output
-from signorini.results.result import vtk_fields
+from signorini.results.vtk import vtk_fields
 
 HARD = {"edge": ["left", "right", "bottom", "top"], "fix": "hard"}
 FOOTPRINTS = [{"patch": [0.7, 0.5]}, {"radius": 0.33}, {"patch": [0.02, 0.05]}, {"patch": [2.2, 3.1]}, {}]

@@ -370,6 +370,6 @@ def test_the_example_in_the_documentation_is_what_the_command_prints(tmp_path: P
 
 
 def test_points_that_resist_up_pull() -> None:
-    bolts = PathEvent(1, 0.5, "bolts", (1.0, 2.0), "closes", 0.5, False)
+    bolts = PathEvent(row=1, t=0.5, support="bolts", at=(1.0, 2.0), change="closes", closed=0.5, opening=False)
     assert in_words([bolts], {"bolts"}) == "bolts: begins to pull at [1, 2]"
     assert in_words([bolts]) == "bolts: closes at [1, 2]"

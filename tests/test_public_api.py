@@ -54,7 +54,8 @@ def test_every_public_name_is_documented(name: str) -> None:
 def test_every_array_of_problems_and_results_is_documented(name: str) -> None:
     kind = getattr(signorini, name)
     types = {field.name: field.type for field in kind.__dataclass_fields__.values()}
-    for member, value in vars(kind).items():
+    own = [vars(base) for base in kind.__mro__ if "signorini.results" in base.__module__ or base is kind]
+    for member, value in (item for members in own for item in members.items()):
         function = getattr(value, "fget", None) or getattr(value, "func", None) or value
         if inspect.isfunction(function):
             types[member] = inspect.signature(function).return_annotation

@@ -1,6 +1,8 @@
 """Numbers of results under all their names, and fields that follow from moments and shears."""
 
 import json
+import shutil
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -218,3 +220,39 @@ def test_a_probe_on_a_wall_under_a_taper_has_stresses() -> None:
     (probe,) = solve(model)["all"].probe([(3.7, 3)])
     # Solid plate: 6 m / h².
     assert probe.stress["bottom"][1] == pytest.approx(6 * probe.moment[1] / 0.5**2)
+
+
+_CRACK_WIDTH = """DERIVED = (
+    Derived(
+        lambda moment, shear, thickness: np.abs(moment[..., :1]) / (3e9 * thickness[..., None]),
+        (Quantity("crack_width", "deflection", "crack width", enveloped=False),),
+    ),
+"""
+_SOLVED = """
+import sys; sys.path.insert(0, sys.argv[1])
+import json, signorini
+from signorini.output import results_json
+model = signorini.Model(
+    material={"E": 30e9, "nu": 0.2}, plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+    support=[{"edge": ["left", "right"], "fix": "simple"}], load=[{"pressure": 5e3}], probe=[{"at": [1, 2]}],
+)
+results = signorini.solve(model)
+(one,) = results_json(results, signorini.estimate(results))["combinations"]
+at = [of["probes"][0] for of in (one, one["plus_minus"])]
+column = results.table["probe[1]:crack_width"].tolist()
+print(json.dumps([*(of["crack_width"] for of in at), column, at[0]["moment"][0]]))
+"""
+
+
+def test_a_quantity_is_one_entry_with_one_formula(tmp_path: Path) -> None:
+    """CONTRIBUTING.md, "Add a quantity": one product file changes, and results, half-widths and tables have it."""
+    package = Path(sys.modules["signorini"].__path__[0])
+    shutil.copytree(package, copy := tmp_path / "signorini", ignore=shutil.ignore_patterns("__pycache__"))
+    registry = copy / "results" / "quantities.py"
+    text = registry.read_text("utf-8")
+    assert text.count("DERIVED = (\n") == 1
+    registry.write_text(text.replace("DERIVED = (\n", _CRACK_WIDTH), "utf-8")
+    command = [sys.executable, "-c", _SOLVED, str(tmp_path)]
+    value, plus_minus, in_table, moment = json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)
+    assert value == pytest.approx(moment / (3e9 * 0.2)) and in_table == [value]
+    assert 0 < plus_minus < value

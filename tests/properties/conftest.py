@@ -170,7 +170,7 @@ class Dense:
         held, values = found.held.dofs, found.held.values
         K, G = problem.K.toarray(), problem.G.toarray()
         springs = found.springs
-        f = load + found.spring_rows.T @ (springs.stiffness * springs.base)
+        f = load + found.spring_rows.T @ (springs.stiffness * springs.distance)
         free = ~held
         return cls(
             K[np.ix_(free, free)],

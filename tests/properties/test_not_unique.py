@@ -152,8 +152,8 @@ def least_reactions(problem, answer):
     found = problem.discretisation
     points = found.points
     at_holds = np.zeros((0, found.dof_count))
-    if len(found.held.holders):
-        at_holds = np.eye(found.dof_count)[3 * found.held.holders[:, 0]]
+    if len(found.held.nodes):
+        at_holds = np.eye(found.dof_count)[3 * found.held.nodes]
     rows = np.vstack([points.rows.matrix(found.mesh.elements, found.dof_count).toarray(), at_holds])
     imbalance = problem.discretisation.plate.residual(found.springs.arrays, problem.load("all"), answer.hi, answer.lo)
     force = rows.T @ np.concatenate([answer.shared, np.zeros(len(at_holds))])

@@ -54,6 +54,17 @@ def test_soil_crushes_under_the_edge_of_a_rigid_block_and_opens_at_the_other(met
     assert result.pressure([(WIDTH, 1.0), (0.0, 1.0)]).tolist() == pytest.approx([CRUSHES, 0.0])
 
 
+@pytest.mark.parametrize("resists", ["down", "both"])
+def test_a_law_with_a_flat_end_yields_on_the_area_of_the_stiffness_with_that_limit(resists):
+    law = {"stiffness": None, "limit": None, "law": [[0, 0], [CRUSHES / 1e8, CRUSHES], [1.0, CRUSHES]]}
+    areas = [
+        signorini.solve(block(20, 350e3, 0.5, resists=resists, **soil))["all"].supports[0].yielded_area
+        for soil in ({}, law)
+    ]
+    assert areas[0] > 0.1
+    assert areas[1] == pytest.approx(areas[0], rel=1e-9)
+
+
 def test_the_limit_load_of_a_rigid_block_is_the_strength_under_twice_the_shorter_side():
     eccentricity, bound = 0.3, CRUSHES * WIDTH * (WIDTH - 2 * 0.3)
     carried = []

@@ -62,6 +62,12 @@ impl Augmentation {
         Self { stiffness, first_penalty: tolerances::newton::STIFFEST }
     }
 
+    /// The penalty of the next stage of the Newton method: three stages in geometric progression.
+    pub(super) fn next_penalty(&self, penalty: f64) -> f64 {
+        let stiffest = tolerances::newton::STIFFEST;
+        if penalty == self.first_penalty { (penalty * stiffest).sqrt() } else { stiffest }
+    }
+
     /// Compliance σ in series with each point (m,), so that none is stiffer than the penalty times the stiffness of the
     /// plate. A point with a linear law has the largest penalty from the start.
     pub(super) fn series(&self, points: &Points, penalty: f64) -> Vec<f64> {

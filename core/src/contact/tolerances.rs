@@ -78,11 +78,8 @@ pub(super) mod newton {
     /// penalty, and residuals lose as many digits.
     pub(crate) const STIFFEST: f64 = 1e4;
 
-    /// Ratio of the penalties of successive stages.
-    pub(crate) const STIFFER: f64 = 10.0;
-
-    /// First penalty over (h/element size)²: the ratio of bending to shear stiffness of a wave of ten elements.
-    pub(crate) const LONG_WAVE: f64 = 0.04;
+    /// First penalty over (h/element size)²: the ratio of bending to shear stiffness of a wave of twenty elements.
+    pub(crate) const LONG_WAVE: f64 = 0.01;
 
     /// Relative tolerance of conjugate gradients while the contact state changes: the next change needs no more.
     pub(crate) const LOOSE: f64 = 0.3;
@@ -110,9 +107,6 @@ pub(super) mod newton {
     /// Largest residual, relative to the largest force, at which multipliers are updated: an update needs an
     /// equilibrium.
     pub(crate) const BALANCED: f64 = 1e-3;
-
-    /// Change of the multipliers relative to the largest force at which the next penalty stage begins.
-    pub(crate) const STEADY: f64 = 5e-2;
 
     /// Slope of the energy at the end of a line search, relative to the slope at its start.
     pub(crate) const FLAT: f64 = 1e-3;

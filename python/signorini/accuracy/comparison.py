@@ -33,9 +33,10 @@ from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.results.figures import figures, with_widths
 from signorini.results.load_path import LoadPath
+from signorini.results.notebook import in_notebook
 from signorini.results.of_plates import said_of
-from signorini.results.quantities import SIDES, Number, Path, place_of
-from signorini.results.result import Result, in_notebook
+from signorini.results.quantities import DESIGN_MOMENTS, SIDES, Key, Number, Path, place_of
+from signorini.results.result import Result
 from signorini.shapes.distances import Targets
 from signorini.singularities.singularity import Singularity
 
@@ -244,13 +245,13 @@ def compared(
     ]
     growing |= np.array(peaks, np.bool_)[:, None] & unsettled(values, largest)
     widths = np.where(touched, np.maximum(widths, layer * largest), widths)
-    places = {one.path: row for row, one in enumerate(numbers)}
-    on_finest = {path: values[0, row] for path, row in places.items()}
+    places = {one.key: row for row, one in enumerate(numbers)}
+    on_finest = {key: values[0, row] for key, row in places.items()}
     finer = meshes.sizes[0] / meshes.sizes[meshes.own]
-    for path, width in unseen_at_edges(on_finest, sizes["moment"], probes, model, mesh, finer).items():
-        if (row := places.get(path)) is not None:
+    for key, width in unseen_at_edges(on_finest, sizes["moment"], probes, model, mesh, finer).items():
+        if (row := places.get(key)) is not None:
             widths[row] = np.maximum(widths[row], np.abs(own[row] - values[0, row]) + width)
-    _widen_absent(widths, places, own)
+    _widen_absent(widths, numbers, places, own)
     return rounded(np.where(growing, np.nan, widths)), growing
 
 
@@ -320,13 +321,15 @@ def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
     return np.asarray(ordered.argmax(axis=0))
 
 
-def _widen_absent(widths: Floats, rows: Mapping[Path, int], values: Floats) -> None:
-    """Design moments that are 0 on every mesh: by how far moments with their half-widths reach beyond zero."""
-    for path, row in rows.items():
-        if "design_moment" not in path or (*path[:2], "moment", 2) not in rows:
+def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, int], values: Floats) -> None:
+    """Widen design moments at probes that are 0 on every mesh: by the reach of their moments beyond zero."""
+    for row, one in enumerate(numbers):
+        if one.home != "probe" or one.quantity.name not in DESIGN_MOMENTS:
             continue
-        of, sign = int(path[4]), 1.0 if path[3] == "bottom" else -1.0
-        direct, twist = rows[(*path[:2], "moment", of)], rows[(*path[:2], "moment", 2)]
+        direct, twist = (rows.get((one.home, one.owner, name)) for name in one.quantity.parents)
+        if direct is None or twist is None:
+            continue
+        sign = DESIGN_MOMENTS[one.quantity.name]
         reach = sign * values[direct] + np.abs(values[twist]) + widths[direct] + widths[twist]
         widths[row] = np.where(values[row] == 0.0, np.fmax(widths[row], reach), widths[row])
 

@@ -130,9 +130,11 @@ def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
         groups.setdefault(key, []).append(place)
     result, known = np.empty_like(changes), np.nan_to_num(changes)
     for key, members in groups.items():
+        quantity = numbers[members[0]].quantity
         # Principal and design moments are of all components.
-        of_moments = isinstance(key[2], str) and key[2].startswith(("principal", "design"))
-        result[members] = known[[*members, *(groups.get((*key[:2], "moment"), []) if of_moments else [])]].max(axis=0)
+        vectors = {LINEAR[name].vector for name in quantity.parents if LINEAR[name].kind == quantity.kind}
+        related = [place for vector in vectors for place in groups.get((*key[:2], vector), [])]
+        result[members] = known[[*members, *related]].max(axis=0)
     parts = [_OF_VECTOR if one.quantity.vector else _OF_POINTS for one in numbers]
     return np.asarray(result * np.array(parts).reshape(-1, 1))
 
@@ -184,10 +186,11 @@ def away(points: Floats, singularity: Singularity) -> Floats:
 
 def largest_of(result: Result) -> Mapping[str, float]:
     """The largest number of every kind: at the nodes, of reactions the sum of all, of areas the largest pressure."""
-    if result.plates:
-        each = [largest_of(plate) for plate in result.plates.values()]
-        return {kind: max(of[kind] for of in each) for kind in each[0]}
+    each = [_largest_of_plate(plate) for plate in result.members.values()]
+    return {kind: max(of[kind] for of in each) for kind in each[0]}
 
+
+def _largest_of_plate(result: Result) -> Mapping[str, float]:
     def size(values: Floats) -> float:
         return float(np.abs(values).max(initial=0.0))
 

@@ -20,7 +20,7 @@ from signorini.discretise.rows import Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.model.whole import supports_and_loads
-from signorini.results.quantities import Path
+from signorini.results.quantities import DESIGN_MOMENTS, RESULTANTS, Key
 from signorini.shapes.distances import distances
 from signorini.singularities.boundary import middles
 
@@ -61,20 +61,20 @@ def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
 
 
 def unseen_at_edges(
-    numbers: Mapping[Path, Floats],
+    numbers: Mapping[Key, Floats],
     most: Floats,
     probes: Floats,
     model: Model,
     mesh: Mesh,
     finer: float,
-) -> dict[Path, Floats]:
+) -> dict[Key, Floats]:
     """How far moments and shears of k results may be from the plate's in the layer along edges, each (k,).
 
     At probes by the twist and the shear that they have themselves; of the largest shear by the largest mxy where edges
     run along the axes, else by the largest moment. ``numbers`` (k,) are those on the finest mesh, ``most`` (k,) the
     largest moments; elements of the finest mesh have ``finer`` times the sides of this mesh, the plate's own.
     """
-    result, sides = dict[Path, Floats](), _sides(model, mesh)
+    result, sides = dict[Key, Floats](), _sides(model, mesh)
     if not len(sides):
         return result
     begin, end = _chords(mesh, sides)
@@ -92,22 +92,21 @@ def unseen_at_edges(
     lines = [middles(mesh, item.where) for item in supports_and_loads(model)]
     free = np.repeat(~np.isin(sides[:, 1], np.concatenate(lines)), parts)
 
-    peaks = [np.abs(numbers[path]) for path in _ends("mxy") if path in numbers]
+    peaks = [np.abs(numbers[key]) for key in _ends("mxy") if key in numbers]
     if peaks and np.abs(nx * ny).max() < _ON_EDGE:  # along the axes
         most = np.maximum(*peaks)
     for name, along in (("qx", ny), ("qy", nx)):
         part = float((np.abs(along) * unseen / width).max())
         thinnest = float(thickness.min())
-        result |= {path: part * most for path in _ends(name) if path in numbers}
-        result |= {path: 1.5 / thinnest * part * most for path in _ends(f"t{name[1]}z") if path in numbers}
+        result |= {key: part * most for key in _ends(name) if key in numbers}
+        result |= {key: 1.5 / thinnest * part * most for key in _ends(f"t{name[1]}z") if key in numbers}
 
     for number, at_probe in enumerate(probes):
-        of = ("probes", number)
         away = distances(at_probe[None], begin, end)[0]
         near = away < _FADED * width
-        if not near.any() or (*of, "moment", 0) not in numbers:
+        if not near.any() or ("probe", number, "mx") not in numbers:
             continue
-        (mx, my, mxy), (qx, qy) = ([numbers[(*of, key, at)] for at in range(n)] for key, n in _OF_PROBE)
+        mx, my, mxy, qx, qy = (numbers["probe", number, name] for name in RESULTANTS)
         x, y, delta, left = np.stack([nx, ny, width, unseen * np.exp(-away / width)])[:, near, None]
         # At the edge the value of a mesh is its whole error, since the exact value is zero.
         on = away[near, None] <= _ON_EDGE * mesh.size
@@ -117,26 +116,27 @@ def unseen_at_edges(
         turned, straight = np.abs(2.0 * x * y), np.abs(x**2 - y**2)
         direct, twisting = (turned * twist + bent).max(axis=0), (straight * twist + turned * bent).max(axis=0)
         either = (twist + bent).max(axis=0)
-        result |= {(*of, "moment", at): part for at, part in enumerate((direct, direct, twisting))}
-        result |= {(*of, "principal_moment", at): either for at in range(2)}
-        result |= {(*of, "design_moment", face, at): direct + twisting for face in ("bottom", "top") for at in range(2)}
-        result[(*of, "shear", 0)] = (np.abs(x) * across + np.abs(y) * twist / delta).max(axis=0)
-        result[(*of, "shear", 1)] = (np.abs(y) * across + np.abs(x) * twist / delta).max(axis=0)
         solid = float(sections_at(model, at_probe[None])[0][0])
         bending, shearing = 6.0 / solid**2, 1.5 / solid
-        for place, face in enumerate(("top", "bottom")):
-            bent_by = (direct, direct, twisting)
-            result |= {(*of, "stress", face, at): bending * part for at, part in enumerate(bent_by)}
-            result[(*of, "stress", "von_mises", place)] = bending * (2.0 * direct + math.sqrt(3.0) * twisting)
-        result |= {(*of, "stress", "shear", at): shearing * result[(*of, "shear", at)] for at in range(2)}
+        von_mises = 2.0 * direct + math.sqrt(3.0) * twisting
+        missed = {
+            **dict(zip(RESULTANTS[:3], (direct, direct, twisting), strict=True)),
+            "qx": (np.abs(x) * across + np.abs(y) * twist / delta).max(axis=0),
+            "qy": (np.abs(y) * across + np.abs(x) * twist / delta).max(axis=0),
+            **dict.fromkeys(("m1", "m2"), either),
+            **dict.fromkeys(DESIGN_MOMENTS, direct + twisting),
+            **dict.fromkeys(("von_mises", "von_mises_bottom"), bending * von_mises),
+        }
+        for face in ("top", "bottom"):
+            missed |= {f"{name}_{face}": bending * direct for name in ("sx", "sy")}
+            missed[f"txy_{face}"] = bending * twisting
+        missed |= {"txz": shearing * missed["qx"], "tyz": shearing * missed["qy"]}
+        result |= {("probe", number, name): part for name, part in missed.items()}
     return result
 
 
-_OF_PROBE = (("moment", 3), ("shear", 2))
-
-
-def _ends(field: str) -> tuple[Path, Path]:
-    return ("fields", field, "max"), ("fields", field, "min")
+def _ends(field: str) -> tuple[Key, Key]:
+    return ("field", "max", field), ("field", "min", field)
 
 
 def _sides(model: Model, mesh: Mesh) -> Ints:

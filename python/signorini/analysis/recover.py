@@ -18,6 +18,7 @@ from signorini.contact.strategy import refusal
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Bools, Floats, Pieces
 from signorini.errors import InputError, NotCertifiedError, point
+from signorini.results.recovery import recovered
 from signorini.results.result import Result
 
 if TYPE_CHECKING:
@@ -142,7 +143,7 @@ def _recover(problem: ContactProblem, name: str, load: CaseLoad, given: Floats) 
                 at = int(np.argmin(gap))
                 raise NotCertifiedError(f"{_NOT}{_row(problem, at)} would be passed by {-gap[at]:g}.")
             raise NotCertifiedError(f"{_NOT}{refusal(name, discretisation, load, answer, certificate)}")
-        return Result.of(discretisation, name, ("given",), load, answer, certificate)
+        return recovered(discretisation, name, ("given",), load, answer, certificate)
 
     return _first(on, [discretisation.contacts.pieces_at(given, part * size) for part in _NONE])
 

@@ -21,8 +21,9 @@ from signorini.equilibrium.imbalance import nearest_limit
 from signorini.errors import InputError
 from signorini.model import Combination, Output
 from signorini.results.envelope import Envelope, States
+from signorini.results.frames import dataframe, dataset
 from signorini.results.result import Result
-from signorini.results.rows import Column, dataframe, dataset
+from signorini.results.rows import Column
 
 _KEPT = 12
 """Results computed when they were asked for that are kept: each has every field at every node."""

@@ -101,7 +101,16 @@ class SampledPath:
         elif change in ("begins to open", "begins to close", "yields", "stops yielding"):
             at = first_place(result, index, state.answer, change)
             closed = float(state.stop.parts[index]) if closed is None else closed
-        return PathEvent(0, state.t, support.name, at, change, closed or 0.0, hit.opening, hit.watch.number)
+        return PathEvent(
+            row=0,
+            t=state.t,
+            support=support.name,
+            at=at,
+            change=change,
+            closed=closed or 0.0,
+            opening=hit.opening,
+            number=hit.watch.number,
+        )
 
     def result(self, ending: Ending, interrupted: bool) -> LoadPath:
         """Return the path."""

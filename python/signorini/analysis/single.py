@@ -25,7 +25,8 @@ from signorini.equilibrium.balance import allowed_motions, work_of
 from signorini.equilibrium.imbalance import CONTRADICTION, explain, imbalance, imbalance_of
 from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 from signorini.model import Combination
-from signorini.results.result import Result, unsolved_result
+from signorini.results.recovery import recovered, unsolved_result
+from signorini.results.result import Result
 from signorini.results.rows import Column, together
 
 
@@ -65,7 +66,7 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
     if not tried.passed:
         why = refusal(combination.name, discretisation, load, tried.answer, tried.certificate)
         raise NotCertifiedError(f"Combination {why}")
-    return Result.of(discretisation, combination, tried.methods, load, tried.answer, tried.certificate), spent
+    return recovered(discretisation, combination, tried.methods, load, tried.answer, tried.certificate), spent
 
 
 _MOST = 64
@@ -132,7 +133,7 @@ def _solve(
             least = chosen(discretisation, problem.freedom, load.nodal, Answer.of(discretisation, solution))
             answer, certificate = certified(discretisation, load, least)
             if certificate.passed:
-                yield Result.of(discretisation, combination, (problem.method,), load, answer, certificate, stress)
+                yield recovered(discretisation, combination, (problem.method,), load, answer, certificate, stress)
                 continue
         yield single(combination)
 

@@ -86,9 +86,7 @@ def _ending(path: LoadPath) -> str:
 def _end_of_equilibrium(path: LoadPath) -> str:
     if math.isfinite(path.limit):
         return f"ends at t = {path.limit:.9g}"
-    holding = [
-        support.name for support in path.model.support if support.resists in ("up", "both") or "w" in support.fixed
-    ]
+    holding = [support.name for support in path.model.support if support.holds_w and support.direction != "down"]
     more = len(holding) - _MAX_COLUMNS
     names = ", ".join(holding[:_MAX_COLUMNS]) + (f" and {more} more" if more > 0 else "")
     uplift = f"; {names} also against uplift" if holding else ""

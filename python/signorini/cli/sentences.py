@@ -15,7 +15,7 @@ from signorini.analysis.results import Results
 from signorini.base.numbers import ROUNDING, number, size_of
 from signorini.cli.grid import cell, in_contact, unit_of
 from signorini.discretise import Discretisation
-from signorini.discretise.laws import can_let_go
+from signorini.discretise.laws import SupportLaw, can_let_go
 from signorini.discretise.rows import Bools, Floats
 from signorini.errors import length, point
 from signorini.model import MeshPlate, Support, Units
@@ -141,16 +141,19 @@ def lifted(result: Result) -> str:
 
     The lift is measured from w = min(settlement, 0): a support that settles away from the plate does not lift it.
     """
-    if result.plates:
-        each = {name: lifted(plate) for name, plate in result.plates.items()}
-        return "; ".join(f"{name}: {sentence}" for name, sentence in each.items() if sentence)
+    each = {name: _lifted(plate) for name, plate in result.members.items()}
+    return "; ".join(": ".join(filter(None, (name, sentence))) for name, sentence in each.items() if sentence)
+
+
+def _lifted(result: Result) -> str:
     nodes = _corners(result)
     corners, w = result.mesh.points[nodes], result.deflection[nodes]
     lifts = np.full(len(nodes), np.inf)
     for support, values in zip(result.model.support, result.supports, strict=True):
-        if support.resists == "down" and support.between is None:
-            lift = np.minimum(support.settlement(*corners.T), 0.0) - w
-            at_rest = _holds(result, support, values, corners) & (support.gap(*corners.T) == 0.0)
+        if support.direction == "down" and support.between is None:
+            settlement, gap = SupportLaw(support).travel(corners)
+            lift = np.minimum(settlement, 0.0) - w
+            at_rest = _holds(result, support, values, corners) & (gap == 0.0)
             lifts = np.where(at_rest, np.minimum(lifts, lift), lifts)
     least = ROUNDING * size_of(result.deflection)
     lifted_corners = [(float(lifts[i]), i) for i in np.flatnonzero((lifts > least) & np.isfinite(lifts))]

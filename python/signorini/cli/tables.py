@@ -285,7 +285,7 @@ def _print_result(console: Console, result: Result, estimate: Estimate | None, l
     for sentence in (*resting(result, widths, largest["pressure"]), *of_bolts(result, widths), lifted(result)):
         if sentence:
             say(console, sentence)
-    for name, plate in result.plates.items() or [("", result)]:
+    for name, plate in result.members.items():
         plate_widths = widths if not name or widths is None else widths["plates"][name]
         _print_deflection(console, plate, plate_widths, f"{name}: " if name else "")
         _print_extremes(console, plate, plate_widths, largest_of(plate))

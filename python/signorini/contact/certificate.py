@@ -314,7 +314,7 @@ class _Answers:
             _UNSEEN * self._of_parts(loaded_deflection),
             _UNSEEN * prescribed * size,
             self.unloaded * self.travel.max(initial=0.0),
-            self.unloaded * _UNSEEN * (np.abs(springs.base) * np.where(springs.slope, size, 1.0)).max(initial=0.0),
+            self.unloaded * _UNSEEN * (np.abs(springs.distance) * np.where(springs.slope, size, 1.0)).max(initial=0.0),
         )
 
     @cached_property

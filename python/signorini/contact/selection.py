@@ -81,7 +81,7 @@ class NotUnique:
         return f"{self.otherwise}; {shown}"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Answer(Remade):
     """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
 
@@ -138,19 +138,19 @@ class Answer(Remade):
         """Take a solution as it comes."""
         reaction, yields = solution.reaction, discretisation.contacts.yield_on(solution.piece)
         return cls(
-            solution.status,
-            solution.hi,
-            solution.lo,
-            reaction,
-            np.where(yields, -np.abs(solution.gap), np.where(solution.closed, 0.0, solution.gap)),
-            solution.closed,
-            solution.piece,
-            np.concatenate([reaction, np.zeros(len(discretisation.repeated))]),
-            solution.pivots,
-            solution.iterations,
-            solution.gradients,
-            solution.factorizations,
-            solution.corrections,
+            status=solution.status,
+            hi=solution.hi,
+            lo=solution.lo,
+            reaction=reaction,
+            gap=np.where(yields, -np.abs(solution.gap), np.where(solution.closed, 0.0, solution.gap)),
+            closed=solution.closed,
+            piece=solution.piece,
+            shared=np.concatenate([reaction, np.zeros(len(discretisation.repeated))]),
+            pivots=solution.pivots,
+            iterations=solution.iterations,
+            gradients=solution.gradients,
+            factorizations=solution.factorizations,
+            corrections=solution.corrections,
             solution=solution,
         )
 
@@ -207,7 +207,7 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
     low, high = points.limits_at_rest
     touching = (np.abs(gap) <= _NIL * np.maximum(largest, np.abs(points.distance))) & (low - nothing <= reaction)
     touching = points.two_sided | (touching & (reaction <= high + nothing))
-    nodes, holders = np.unique(discretisation.held.holders[:, 0], return_counts=True)
+    nodes, holders = np.unique(discretisation.held.nodes, return_counts=True)
     for shared in discretisation.shared:
         meet = touching[shared.points]
         mine = shared.points[meet]

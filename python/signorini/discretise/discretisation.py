@@ -21,7 +21,7 @@ from signorini.discretise.loads import CaseLoad, Cases, case_loads, loaded_sides
 from signorini.discretise.meshing import mesh_of
 from signorini.discretise.placed import placed
 from signorini.discretise.places import located, sides_beside
-from signorini.discretise.points import ContactPoints, Parts, Springs, parts_of
+from signorini.discretise.points import ContactPoints, Parts, parts_of
 from signorini.discretise.preloads import require_preloads
 from signorini.discretise.repeated import (
     Repeated,
@@ -38,7 +38,7 @@ from signorini.discretise.rows import Bools, Floats, Ints, Rows
 from signorini.discretise.sections import Sections
 from signorini.discretise.snapping import Snapped
 from signorini.discretise.stressnodes import Sides, StressNodes, solid_thickness, stress_nodes_of
-from signorini.discretise.supports import springs_and_contacts
+from signorini.discretise.supports import SupportedPlate, springs_and_contacts
 from signorini.discretise.thickness import PlateStiffness, Thickness, thickness_of
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems
@@ -46,7 +46,7 @@ from signorini.mesh import Location, Mesh
 from signorini.model import Combination, Model
 from signorini.model.parts import ON_PLATES
 
-__all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows", "Springs"]
+__all__ = ["CaseLoad", "ContactPoints", "Discretisation", "Held", "Repeated", "Rows"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,7 +66,7 @@ class Discretisation(Remade):
     stress_nodes: StressNodes
     plate_stiffness: PlateStiffness
     held: Held
-    springs: Springs
+    springs: ContactPoints
     contacts: ContactPoints
     repeated: Repeated
     sections: Sections
@@ -104,7 +104,7 @@ class Discretisation(Remade):
     @cached_property
     def parts(self) -> tuple[Parts, ...]:
         """Held nodes, springs and ``points`` of each support."""
-        return parts_of(len(self.model.support), self.held, self.springs, self.points)
+        return parts_of(len(self.model.support), self.held.nodes, self.held.points, self.springs, self.points)
 
     def made(self) -> _core.Plate:
         """The plate for the core; several plates share one table of elements."""
@@ -153,7 +153,7 @@ class Discretisation(Remade):
 
         Two lines that only share a corner node are no set: each carries half of the corner.
         """
-        nodes, holders = self.held.holders.T
+        nodes, holders = self.held.nodes, self.held.points.support
         _, first, count = np.unique(nodes, return_index=True, return_counts=True)
         middles = np.zeros(self.mesh.node_count, np.bool_)
         middles[self.mesh.unique_sides[:, 1]] = True
@@ -203,7 +203,7 @@ class Discretisation(Remade):
         springs = self.springs
         if hi.ndim > 1:
             return np.array([self.spring_forces(*displacement, base) for displacement in zip(hi, lo, strict=True)])
-        at_rest = springs.base if base is None else base
+        at_rest = springs.distance if base is None else base
         return -springs.stiffness * self.plate.openings(*springs.rows.arrays, at_rest, hi, lo)
 
     def through(self, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats, pull: Floats) -> Floats:
@@ -353,7 +353,8 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
         thickness, stress_nodes = thickness_of(mesh, zones), stress_nodes_of(mesh, zones, along, areas, bodies.rigid)
     plate = plate_of(mesh, zones, thickness, stress_nodes, held)
     stiffness = PlateStiffness.of(mesh, zones, thickness.at_points)
-    springs, contacts = springs_and_contacts(model.plate, mesh, plate, held, stiffness, supports, problems)
+    supported = SupportedPlate(model.plate, mesh, plate, held, stiffness)
+    springs, contacts = springs_and_contacts(supported, supports, problems)
     sections = Sections.of(model, mesh, plate, held, problems)
     static = case_loads(zones, mesh, plate, held, sections, loaded, problems)
     probes = [Location(np.zeros(0, np.int64), np.zeros((0, 2)))]
@@ -426,8 +427,9 @@ class OfWhole(Remade):
 
     ``nodes``, ``elements``, ``stress_nodes`` (s,), ``springs`` and ``points`` (m + r,) are indices into the joined
     arrays; ``numbers`` gives, for each key, the indices of its supports, loads and so on in the whole model.
-    ``beneath`` maps an own support between plates to the other plate's index and the matrix (n, n') that interpolates
-    that plate's deflections at own nodes. ``upon`` are the own supports through which other plates rest on this one.
+    ``beneath`` maps an own support between plates to the other plate's first node and the matrix (n, n') that
+    interpolates that plate's deflections at own nodes. ``upon`` are the own supports through which other plates rest on
+    this one.
     """
 
     name: str
@@ -457,6 +459,13 @@ class OfWhole(Remade):
             {},
             frozenset(),
         )
+
+    def deflections_beneath(self, deflection: Floats) -> dict[int, Floats]:
+        """Deflections (n,) of the plates beneath at own nodes, by own support, from those of all plates (N,)."""
+        return {
+            number: matrix @ deflection[first : first + matrix.shape[1]]
+            for number, (first, matrix) in self.beneath.items()
+        }
 
     @property
     def dofs(self) -> slice:

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini.discretise.held import Held, rounding_of
-from signorini.discretise.laws import levels_of
-from signorini.discretise.points import ContactPoints, Springs
+from signorini.discretise.laws import levels_of, stiffness_place
+from signorini.discretise.points import ContactPoints
 from signorini.discretise.quadrature.lines import PartOfCircle, arcs_of
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.discretise.thickness import Thickness
@@ -77,7 +77,7 @@ def require_domain(
     zones: Zones,
     thickness: Thickness,
     held: Held,
-    springs: Springs,
+    springs: ContactPoints,
     contacts: ContactPoints,
     problems: Problems,
 ) -> None:
@@ -156,29 +156,21 @@ def _require_short_elements(mesh: Mesh, thickness: Thickness) -> None:
     )
 
 
-def _hold(mesh: Mesh, held: Held, springs: Springs, contacts: ContactPoints) -> _Hold:
-    size = np.array([1.0, mesh.size, mesh.size])
-    at_nodes = held.rigid_motions(mesh.points, mesh.middle)[held.dofs] / size
+def _hold(mesh: Mesh, held: Held, springs: ContactPoints, contacts: ContactPoints) -> _Hold:
+    size, modes = np.array([1.0, mesh.size, mesh.size]), held.rigid_motions(mesh.points, mesh.middle)
     # A slope times the plate's size L is compared with deflections.
-    at_nodes *= np.tile(size, mesh.node_count)[held.dofs, None]
+    at_nodes = modes[held.dofs] / size * np.tile(size, mesh.node_count)[held.dofs, None]
 
-    def motions(positions: Floats) -> Floats:
-        return np.column_stack([np.ones(len(positions)), (positions - mesh.middle) / mesh.size])
+    def motions(points: ContactPoints) -> Floats:
+        result = np.column_stack([np.ones(len(points)), (points.positions - mesh.middle) / mesh.size])
+        result[points.slope] = points.rows[points.slope].matrix(mesh.elements, len(modes)) @ modes
+        return result
 
-    slopes = contacts.pick(contacts.slope)
-    of_slopes = slopes.rows.matrix(mesh.elements, 3 * mesh.node_count) @ held.rigid_motions(mesh.points, mesh.middle)
     soft = contacts.compliance > 0
-    rigid = np.concatenate([at_nodes, of_slopes, motions(contacts.positions[~soft & ~contacts.slope])])
-    turning = springs.rows.matrix(mesh.elements, 3 * mesh.node_count) @ held.rigid_motions(mesh.points, mesh.middle)
-    of_springs = np.where(springs.slope[:, None], turning, motions(springs.positions))
-    return _Hold(
-        rigid,
-        np.concatenate([of_springs, motions(contacts.positions[soft])]),
-        np.concatenate(
-            [springs.stiffness / np.where(springs.slope, mesh.size, 1.0) ** 2, 1.0 / contacts.compliance[soft]]
-        ),
-        np.concatenate([springs.support, contacts.support[soft]]),
-    )
+    elastic = ContactPoints.join([springs, contacts.pick(soft)])
+    stiffness = elastic.stiffness / np.where(elastic.slope, mesh.size, 1.0) ** 2
+    rigid = np.concatenate([at_nodes, motions(contacts.pick(~soft))])
+    return _Hold(rigid, motions(elastic), stiffness, elastic.support)
 
 
 def _require_no_softer(model: Model, total: Floats) -> None:
@@ -188,7 +180,7 @@ def _require_no_softer(model: Model, total: Floats) -> None:
             f"{model.support[i].name} is as soft as a bed under all of the plate with kL⁴/D = {total[i]:.2g}; it must "
             f"be {SOFTEST:g} or more. Leave it out, since it carries no load, or give {SOFTEST / total[i]:.2g} times "
             "the stiffness.",
-            place=("support", i, "stiffness" if model.support[i].law is None else "law"),
+            place=stiffness_place(model.support[i], ("support", i)),
         )
 
 
@@ -221,7 +213,7 @@ def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: fl
         f"The stiffness of {names} alone holds {held_part}, as stiffly as a bed under all of it with kL⁴/D = "
         f"{result:.2g}; it must be {least:g} or more. Give {least / result:.2g} times the stiffness, or hold the plate "
         "rigidly.",
-        place=("support", which[0], "stiffness"),
+        place=stiffness_place(model.support[which[0]], ("support", which[0])),
     )
 
 
@@ -277,19 +269,15 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
     With w ≤ g on the area and w ≥ g at the support, the moment arm is the distance to the next point of the area. So
     reactions grow without limit as the mesh is refined.
     """
-    nodes, holders = held.holders.T
-    positions, support_of = (
-        np.concatenate([mesh.points[nodes], contacts.positions]),
-        np.append(holders, contacts.support),
-    )
-    value = np.append(held.values[3 * nodes], contacts.direction * contacts.distance)
-    pushes, holds = (np.append(np.ones(len(nodes), np.bool_), flags & ~contacts.slope) for flags in contacts.rigid_ways)
+    every = ContactPoints.join([held.points, contacts])
+    positions, support_of, value = every.positions, every.support, every.direction * every.distance
+    pushes, holds = (flags & ~every.slope for flags in every.rigid_ways)
     reported = set[frozenset[int]]()
     rounding = rounding_of(float(np.abs(value).max(initial=0.0)), mesh.points)
     for index in np.unique(contacts.support).tolist():
         floor, of_floor = model.support[index], support_of == index
         up = bool(pushes[of_floor].any())
-        if floor.area is None or up == bool(holds[of_floor].any()) or up != (floor.resists == "down"):
+        if floor.area is None or up == bool(holds[of_floor].any()) or up != (floor.direction == "down"):
             continue
         others = np.flatnonzero(
             (holds if up else pushes) & ~of_floor & _against(model, mesh, floor, positions, support_of)
@@ -305,7 +293,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
         ):
             # w = g on all of the area: the plate does not turn there.
             continue
-        others = others[_can_turn(model, mesh, held, contacts, least, others)]
+        others = others[_can_turn(model, mesh, held, every.pick(others), least)]
         for other in np.unique(support_of[others]).tolist():
             if frozenset((index, other)) in reported:
                 continue
@@ -341,26 +329,23 @@ def _against(model: Model, mesh: Mesh, floor: Support, positions: Floats, suppor
     )
 
 
-def _can_turn(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, least: Floats, which: Ints) -> Bools:
-    """Whether the plate bends on both sides of held nodes and, numbered after these, contact points: (k,).
+def _can_turn(model: Model, mesh: Mesh, held: Held, points: ContactPoints, least: Floats) -> Bools:
+    """Whether the plate bends on both sides of points (k,).
 
     It does not within a rigid zone, at a corner of the plate, nor, for a line, on the plate's edge.
     """
-    nodes, holders = held.holders.T
-    support_of = np.append(holders, contacts.support)[which]
-    spread = np.array([not support.on_nodes for support in model.support], np.bool_)[support_of]
-    rows = contacts.rows
+    spread = np.array([not support.on_nodes for support in model.support], np.bool_)[points.support]
+    rows = points.rows
     bends = (held.bodies.rigid[rows.elements] == 0).astype(np.int64)
     np.add.at(bends, rows.further.owners, ~held.bodies.rigid[rows.further.elements])
-    result = np.append(np.zeros(len(nodes), np.bool_), bends > 0)[which]
-    alone = np.flatnonzero(~spread)
-    middle = mesh.nearest(np.concatenate([mesh.points[nodes], contacts.positions])[which[alone]])
+    result, alone = np.asarray(bends > 0), np.flatnonzero(~spread)
+    middle = mesh.nearest(points.positions[alone])
     turn = 2.0 * np.pi / _AROUND * (0.5 + np.arange(_AROUND))
     arms = least[middle.elements][:, None, None] * np.column_stack([np.cos(turn), np.sin(turn)])
     where = mesh.locate((mesh.map(middle.elements, middle.xi)[:, None] + arms).reshape(-1, 2))
     inside, rigid = where.inside.reshape(-1, _AROUND), held.bodies.rigid[where.elements].reshape(-1, _AROUND)
-    points = np.array([support.at is not None for support in model.support], np.bool_)[support_of[alone]]
-    around = inside.sum(axis=1) >= np.where(points, _HALF_AT_POINT, _HALF_ON_LINE) * _AROUND
+    at_points = np.array([support.at is not None for support in model.support], np.bool_)[points.support[alone]]
+    around = inside.sum(axis=1) >= np.where(at_points, _HALF_AT_POINT, _HALF_ON_LINE) * _AROUND
     result[alone] = around & (inside & ~rigid).any(axis=1)
     return result
 

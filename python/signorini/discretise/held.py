@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
@@ -12,11 +12,12 @@ from scipy.sparse import csr_array
 
 from signorini.base.components import components
 from signorini.base.remade import Brief
-from signorini.discretise.laws import holds_deflection
+from signorini.discretise.laws import Graphs, can_let_go, partition, settlement_at, slopes_at
 from signorini.discretise.meshing import room_beside, sharp_corner, to_follow
 from signorini.discretise.placed import Placed
 from signorini.discretise.places import edge_nodes, quadratic_tangents
-from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.discretise.points import ContactPoints
+from signorini.discretise.rows import Bools, Floats, Ints, Rows
 from signorini.discretise.zones import Zones
 from signorini.errors import InputError, Problems, format_place, point
 from signorini.mesh import Mesh
@@ -104,69 +105,49 @@ class _Slope:
     support: int
 
 
-@dataclass(eq=False)
-class Holds:
-    """Collects the deflections and slopes that supports prescribe at nodes.
+_Slopes = dict[int, list[_Slope]]
+"""Slopes that supports prescribe, by node."""
 
-    ``by`` gives for each node and support the number of the support's point and the deflection. Nodes of rigid bodies
-    have no free dofs: two-sided contact points hold them.
+
+def _settle(mesh: Mesh, bodies: Bodies, deflections: Sequence[Floats], slopes: _Slopes) -> Held:
+    """Return the held dofs, values and frames; refuse nodes held at different values.
+
+    ``deflections`` are tables (k, 4) of node, support, number of the support's point, and deflection.
     """
-
-    bodies: Bodies
-    by: dict[int, dict[int, tuple[int, float]]] = field(default_factory=dict)
-    slopes: dict[int, list[_Slope]] = field(default_factory=dict)
-
-    def deflections(self, mesh: Mesh, placed: Placed, nodes: Ints, numbers: Ints) -> None:
-        """Hold the deflections of nodes; ``numbers`` are those of the support's points."""
-        settlement = placed.support.settlement(*mesh.points[nodes].T, place=(*placed.place, "settlement"))
-        for node, value, number in zip(nodes.tolist(), settlement.tolist(), numbers.tolist(), strict=True):
-            if not self.bodies.inside[node]:
-                self.by.setdefault(node, {}).setdefault(placed.index, (number, value))
-
-    def slope(self, node: int, direction: tuple[float, float], rotation: Floats, support: int) -> None:
-        """Hold a node's slope along a unit direction at that of a rotation (2,)."""
-        if not self.bodies.inside[node]:
-            self.slopes.setdefault(node, []).append(_Slope(np.array(direction), rotation, support))
-
-    def settle(self) -> Held:
-        """Return the held dofs, values and frames; refuse nodes held at different values."""
-        points = self.bodies.points
-        held = np.zeros((len(points), 3), dtype=np.bool_)
-        value = np.zeros((len(points), 3))
-        support = np.full((len(points), 3), -1, dtype=np.int64)
-        frames = np.tile([1.0, 0.0], (len(points), 1))
-        largest = max((abs(settlement) for by in self.by.values() for _, settlement in by.values()), default=0.0)
-        size = float(np.ptp(points, axis=0).max())
-        rounding = rounding_of(largest, points)
-        for node, by in self.by.items():
-            (first, (_, deflection)), *others = by.items()
-            for other, (_, deflection_of_other) in others:
-                if abs(deflection_of_other - deflection) > rounding:
-                    raise contradiction(points[node], size, first, other, abs(deflection_of_other - deflection))
-            held[node, 0], value[node, 0], support[node, 0] = True, deflection, first
-        for node, slopes in self.slopes.items():
-            begin = slopes[0]
-            support[node, 1:] = begin.support
-            apart = [abs(_cross(begin.direction, other.direction)) for other in slopes]
-            basis = [begin, slopes[int(np.argmax(apart))]] if max(apart) > PARALLEL else [begin]
-            _require_one_rotation(basis, slopes, points[node])
-            x, y = begin.direction
-            if len(basis) == 2:
-                held[node, 1:] = True
-                value[node, 1:] = _rotation_of(basis)
-            elif abs(y) < 1e-9 or abs(x) < 1e-9:
-                dof = 1 if abs(y) < 1e-9 else 2
-                held[node, dof], value[node, dof] = True, begin.rotation[dof - 1]
-            else:
-                held[node, 1] = True
-                frames[node] = begin.direction / np.hypot(x, y)
-                value[node, 1] = frames[node] @ begin.rotation
-        framed = bool((frames[:, 1] != 0).any())
-        holders = [(node, by, number) for node in sorted(self.by) for by, (number, _) in self.by[node].items()]
-        *pairs, numbers = np.array(holders, np.int64).reshape(-1, 3).T
-        by_node = np.column_stack(pairs)
-        framing = frames if framed else None
-        return Held(held.ravel(), value.ravel(), support.ravel(), by_node, numbers, framing, self.bodies)
+    points, size = mesh.points, float(np.ptp(mesh.points, axis=0).max())
+    held, value = np.zeros((len(points), 3), np.bool_), np.zeros((len(points), 3))
+    support = np.full((len(points), 3), -1, dtype=np.int64)
+    frames = np.tile([1.0, 0.0], (len(points), 1))
+    table = np.concatenate([np.zeros((0, 4)), *deflections])
+    pairs, first = np.unique(table[:, :2].astype(np.int64), axis=0, return_index=True)
+    (nodes, holders), numbers, values = pairs.T, table[first, 2].astype(np.int64), table[first, 3]
+    at_nodes, lead, group = np.unique(nodes, return_index=True, return_inverse=True)
+    apart = np.abs(values - values[lead][group])
+    if (wrong := apart > rounding_of(float(np.abs(values).max(initial=0.0)), points)).any():
+        which = int(np.argmax(wrong))
+        raise contradiction(points[nodes[which]], size, holders[lead][group[which]], holders[which], apart[which])
+    held[at_nodes, 0], value[at_nodes, 0], support[at_nodes, 0] = True, values[lead], holders[lead]
+    for node, own in slopes.items():
+        begin = own[0]
+        support[node, 1:] = begin.support
+        angles = [abs(_cross(begin.direction, other.direction)) for other in own]
+        basis = [begin, own[int(np.argmax(angles))]] if max(angles) > PARALLEL else [begin]
+        _require_one_rotation(basis, own, points[node])
+        x, y = begin.direction
+        if len(basis) == 2:
+            held[node, 1:] = True
+            value[node, 1:] = _rotation_of(basis)
+        elif abs(y) < 1e-9 or abs(x) < 1e-9:
+            dof = 1 if abs(y) < 1e-9 else 2
+            held[node, dof], value[node, dof] = True, begin.rotation[dof - 1]
+        else:
+            held[node, 1] = True
+            frames[node] = begin.direction / np.hypot(x, y)
+            value[node, 1] = frames[node] @ begin.rotation
+    nowhere, framing = np.full((len(nodes), 4), -1), frames if (frames[:, 1] != 0).any() else None
+    where = np.zeros(len(nodes), np.bool_), points[nodes], np.ones(len(nodes)), holders, nowhere, numbers
+    of_nodes = ContactPoints.of(Graphs.rigid(values), Rows.at_nodes(mesh.elements, nodes), *where)
+    return Held(held.ravel(), value.ravel(), support.ravel(), nodes, of_nodes, framing, bodies)
 
 
 def rounding_of(largest: float, points: Floats) -> float:
@@ -220,17 +201,16 @@ def _require_one_rotation(basis: list[_Slope], slopes: list[_Slope], position: F
 class Held(Brief):
     """Held dofs (3n,), their values (3n,), and the nodes' axes.
 
-    ``support`` (3n,) is the index of the first support that holds the dof, −1 if free. ``holders`` (k, 2) are all
-    pairs (node, support) in which the support holds the node's deflection, sorted by node. ``numbers`` (k,) is the
-    number of the support's point, from 0; 0 along lines. ``frames`` (n, 2) are the cosine and sine of each node's
-    first axis; None if all axes are x and y. Nodes of ``bodies`` are held by contact points.
+    ``support`` (3n,) is the index of the first support that holds the dof, −1 if free. ``points`` (k,) are the points
+    of all supports that hold a deflection, at ``nodes`` (k,), sorted by node. ``frames`` (n, 2) are the cosine and sine
+    of each node's first axis; None if all axes are x and y. Nodes of ``bodies`` are held by contact points.
     """
 
     dofs: Bools
     values: Floats
     support: Ints
-    holders: Ints
-    numbers: Ints
+    nodes: Ints
+    points: ContactPoints
     frames: Floats | None
     bodies: Bodies
 
@@ -264,21 +244,13 @@ class Held(Brief):
 
 def hold(mesh: Mesh, supports: Sequence[Placed], bodies: Bodies, problems: Problems) -> Held:
     """Dofs held by rigid two-sided supports at nodes of the mesh."""
-    holds = Holds(bodies)
+    deflections, slopes = list[Floats](), _Slopes()
     for placed in supports:
         with problems.collected():
-            _collect(mesh, holds, placed)
+            deflections += _collect(mesh, bodies, placed, slopes)
     with problems.collected():
-        return holds.settle()
-    return Holds(bodies).settle()
-
-
-def prescribed_rotations(placed: Placed, positions: Floats) -> Floats:
-    """Slopes θx, θy (q, 2) that a support prescribes at positions (q, 2)."""
-    rotation = placed.support.rotation
-    if rotation is None:
-        return np.zeros((len(positions), 2))
-    return np.column_stack([component(*positions.T, place=(*placed.place, "rotation")) for component in rotation])
+        return _settle(mesh, bodies, deflections, slopes)
+    return _settle(mesh, bodies, [], {})
 
 
 def sides_that_hold_turns(model: Model, mesh: Mesh) -> Ints:
@@ -287,29 +259,37 @@ def sides_that_hold_turns(model: Model, mesh: Mesh) -> Ints:
     return np.concatenate([np.zeros((0, 3), np.int64), *held])
 
 
-def _collect(mesh: Mesh, holds: Holds, placed: Placed) -> None:
-    """Hold deflections and slopes at nodes of a support's edge or line, or at the nodes of its points."""
+def held_at(placed: Placed, nodes: Ints, bodies: Bodies) -> Bools:
+    """Whether the points of a support at nodes (k,), −1 between nodes, are held dofs; slaves have no own dofs."""
+    support = placed.support
+    at_dofs = (nodes >= 0) & ~bodies.inside[nodes] & (support.between is None)
+    straight, compliant, tightened = np.array([not can_let_go(support), support.is_elastic, support.is_bolt])
+    return partition(straight, compliant, at_dofs, tightened)[0]
+
+
+def _collect(mesh: Mesh, bodies: Bodies, placed: Placed, slopes: _Slopes) -> Iterator[Floats]:
+    """Yield deflections, as in `_settle`, and add slopes that a support holds at nodes of its line or its points."""
     support, tangents = placed.support, dict[int, list[tuple[float, float]]]()
-    if placed.sides is not None:
-        nodes, _ = edge_nodes(mesh, placed.sides)
-        numbers = np.zeros_like(nodes)
-        if support.holds_rotation:
-            tangents = tangents_at_nodes(mesh, placed.sides)
-    else:
-        (numbers,) = np.nonzero(placed.nodes >= 0)
-        nodes = placed.nodes[numbers]
-        if "slope" in support.fixed:
-            # The normals of these two directions are both axes.
-            tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
-    if holds_deflection(support):
-        holds.deflections(mesh, placed, nodes, numbers)
-    rotations = prescribed_rotations(placed, mesh.points[list(tangents)])
+    nodes = placed.nodes if placed.sides is None else edge_nodes(mesh, placed.sides)[0]
+    (numbers,) = np.nonzero(held_at(placed, nodes, bodies))
+    if not len(numbers):
+        return
+    nodes = nodes[numbers]
+    if placed.sides is None and "slope" in support.fixed:
+        # The normals of these two directions are both axes.
+        tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
+    elif placed.sides is not None and support.holds_rotation:
+        along, at = tangents_at_nodes(mesh, placed.sides), set(nodes.tolist())
+        tangents = {node: directions for node, directions in along.items() if node in at}
+    if support.holds_w:
+        settlement = settlement_at(support, mesh.points[nodes], placed.place)
+        numbers = numbers if placed.sides is None else np.zeros_like(numbers)
+        yield np.column_stack([nodes, np.full(len(nodes), placed.index), numbers, settlement])
+    rotations = slopes_at(support, mesh.points[list(tangents)], placed.place)
     for (node, directions), rotation in zip(tangents.items(), rotations, strict=True):
         for tx, ty in directions:
-            if "slope" in support.fixed:
-                holds.slope(node, (ty, -tx), rotation, placed.index)
-            if "twist" in support.fixed:
-                holds.slope(node, (tx, ty), rotation, placed.index)
+            held = [(ty, -tx)] * ("slope" in support.fixed) + [(tx, ty)] * ("twist" in support.fixed)
+            slopes.setdefault(node, []).extend(_Slope(np.array(each), rotation, placed.index) for each in held)
 
 
 def tangents_at_nodes(mesh: Mesh, triples: Ints) -> dict[int, list[tuple[float, float]]]:

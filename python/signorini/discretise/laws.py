@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import InputError, Place
-from signorini.expression import Field
+from signorini.expression import Expression, Field
 from signorini.expression.levels import Level
 from signorini.model import Support
 from signorini.model.field import PointFieldScalar
@@ -210,13 +210,6 @@ LAWS += tuple(Law(ends=(slope, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(((0.0, 0.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 LAWS += tuple(Law(((-travel, -1.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 """Unit laws, each with slope 1 and rigid: one-sided, two-sided, one-sided with limit 1, two-sided with limit 1."""
-_TWO_SIDED = LAWS[2]
-"""The two-sided unit law with slope 1."""
-
-
-def resists_both(support: Support) -> bool:
-    """Whether a support resists motion both downwards and upwards, perhaps after a gap."""
-    return support.fix is not None or support.resists == "both"
 
 
 def acts_both_ways(support: Support) -> bool:
@@ -229,7 +222,7 @@ def acts_both_ways(support: Support) -> bool:
     >>> acts_both_ways(Support(area="all", resists="down", stiffness=1e7))
     False
     """
-    return resists_both(support) and support.gap.is_constant and support.gap.value == 0.0
+    return support.direction == "both" and not support.has_gap
 
 
 def can_let_go(support: Support) -> bool:
@@ -247,9 +240,15 @@ def can_let_go(support: Support) -> bool:
     return support.law is not None and not Law.drawn(support.law, both=True).straight
 
 
-def holds_deflection(support: Support) -> bool:
-    """Whether a support prescribes the deflection: rigid, two-sided, without a gap, no bolt."""
-    return support.is_rigid and not support.is_bolt and not can_let_go(support)
+def partition(straight: Bools, compliant: Bools, at_dofs: Bools, tightened: Bools) -> tuple[Bools, Bools, Bools]:
+    """Divide points (m,) into held dofs, springs and contact points: three masks.
+
+    A straight law makes a spring where it is compliant, C > 0, and a held dof where it is rigid at a dof of the plate.
+    All other points are contact points, and so are those of ``tightened`` bolts, whose distances change.
+    """
+    linear = straight & ~tightened
+    held, springs = linear & ~compliant & at_dofs, linear & compliant
+    return held, springs, ~held & ~springs
 
 
 def is_unyielding(support: Support) -> bool:
@@ -257,14 +256,60 @@ def is_unyielding(support: Support) -> bool:
     return support.is_rigid and not support.can_yield
 
 
-def is_elastic(support: Support) -> bool:
-    """Whether a support has a stiffness; a law that rises without travel has none."""
-    return support.modulus is not None
-
-
 def field_of(support: Support) -> Field | None:
     """Table of a support's stiffness, which may be 0 in part of the support; None if it has none."""
     return support.stiffness if isinstance(support.stiffness, Field) else None
+
+
+def on_soil(support: Support, positions: Floats, place: Place = ()) -> Bools:
+    """Whether a support acts at positions (q, 2) on it: a table of stiffness may give 0 there."""
+    field = field_of(support)
+    if field is None:
+        return np.ones(len(positions), np.bool_)
+    return np.asarray(field(*positions.T, place=stiffness_place(support, place)) > 0.0)
+
+
+def stiffness_place(support: Support, place: Place) -> Place:
+    """Path in the model of the key that gives a support at ``place`` its stiffness."""
+    if support.law is not None:
+        return *place, "law"
+    field = field_of(support)
+    return (*place, "stiffness", "file") if field is not None and field.file else (*place, "stiffness")
+
+
+def constant_stiffness(support: Support) -> float | None:
+    """Stiffness of a support if it is one number, and no law."""
+    stiffness = support.stiffness
+    return stiffness.value if isinstance(stiffness, Expression) and stiffness.is_constant else None
+
+
+def orders_at(support: Support, numbers: Ints) -> Ints | None:
+    """Order (k,) in which bolts with given numbers are tightened by their preload; None without a preload."""
+    return None if support.preload is None else np.broadcast_to(support.order or 1, support.point_count)[numbers]
+
+
+def written_at(support: Support, positions: Floats) -> Iterator[tuple[str, str, Floats]]:
+    """Yield key, kind of unit and values (k,) of gap, preload and order at a support's points (k, 2)."""
+    for key, kind, formula in (("gap", "length", support.gap), ("preload", "force", support.preload)):
+        if formula is not None:
+            yield key, kind, formula(*positions.T)
+    if support.order is not None:
+        yield "order", "", np.broadcast_to(np.array(support.order, np.float64), len(positions))
+
+
+def has_constant_gap(support: Support) -> bool:
+    """Whether the gap of a support is constant."""
+    return support.gap.is_constant
+
+
+def base_jumps(support: Support) -> bool:
+    """Whether the settlement or the gap of a support jumps somewhere."""
+    return bool(_jumps(support.settlement, support.gap))
+
+
+def _jumps(*formulas: PointFieldScalar | None) -> list[Level]:
+    """Levels at which formulas jump."""
+    return [level for formula in formulas if formula is not None for level in formula.levels if level.jumps]
 
 
 def formulas_of(support: Support) -> tuple[PointFieldScalar, ...]:
@@ -275,9 +320,7 @@ def formulas_of(support: Support) -> tuple[PointFieldScalar, ...]:
 
 def jumps_of(support: Support) -> list[Level]:
     """Levels at which an elastic support's stiffness, limit, gap or settlement jumps; none for a rigid support."""
-    if not is_elastic(support):
-        return []
-    return [level for formula in formulas_of(support) for level in formula.levels if level.jumps]
+    return _jumps(*formulas_of(support)) if support.is_elastic else []
 
 
 def steps_of(support: Support) -> list[Level]:
@@ -301,7 +344,7 @@ def modulus_at(support: Support, positions: Floats, place: Place) -> Floats | No
 def levels_of(support: Support, positions: Floats, place: Place) -> tuple[Floats, Floats]:
     """Deflections (q,) at positions (q, 2) at which a support begins to push the plate up, and to hold it down."""
     gap = support.gap(*positions.T, at_least=0.0, place=(*place, "gap"))
-    settlement = support.settlement(*positions.T, place=(*place, "settlement"))
+    settlement = settlement_at(support, positions, place)
     return settlement + gap, settlement - gap
 
 
@@ -320,7 +363,13 @@ class Graphs(NamedTuple):
     def linear(cls, stiffness: Floats, base: Floats) -> Graphs:
         """Springs with force ``stiffness`` (row·u − ``base``)."""
         law, unit = np.zeros(len(base), np.int64), np.ones(len(base))
-        return cls(1.0, 0.0 + base, base, law, stiffness, unit, (_TWO_SIDED,))
+        return cls(1.0, 0.0 + base, base, law, stiffness, unit, LAWS[2:3])
+
+    @classmethod
+    def rigid(cls, base: Floats) -> Graphs:
+        """Constraints row·u = ``base``."""
+        law, ones = np.zeros(len(base), np.int64), np.ones(len(base))
+        return cls(1.0, base, base, law, ones, ones, LAWS[3:4])
 
 
 def graphs_of(
@@ -332,9 +381,9 @@ def graphs_of(
     prescribed slopes, NaN for points on the deflection.
     """
     on_deflection = bool(np.isnan(slopes).all())
-    settlement = support.settlement(*positions.T, place=(*place, "settlement")) if on_deflection else slopes
+    settlement = settlement_at(support, positions, place) if on_deflection else slopes
     gap = support.gap(*positions.T, at_least=0.0, place=(*place, "gap"))
-    both = resists_both(support) and not gap.any()
+    both = support.direction == "both" and not gap.any()
     elastic, stiffness = np.zeros(len(weights), np.bool_), np.ones(len(weights))
     if (modulus := modulus_at(support, positions, place)) is not None:
         stiffness = weights * modulus
@@ -358,8 +407,101 @@ def graphs_of(
     else:
         laws, law = LAWS, np.where(elastic, 0, 1) + 2 * both
         scale, unit = np.where(elastic, stiffness, 1.0), np.ones(len(weights))
-    directions = [1.0] * (both or support.resists != "up") + [-1.0] * (not both and support.resists != "down")
+    directions = [1.0] * (both or support.direction != "up") + [-1.0] * (not both and support.direction != "down")
     return [
         Graphs(direction, gap + direction * settlement, direction * settlement, law, scale, unit, laws)
         for direction in directions
     ]
+
+
+def settlement_at(support: Support, positions: Floats, place: Place = ()) -> Floats:
+    """Settlement (q,) of a support at positions (q, 2)."""
+    return support.settlement(*positions.T, place=(*place, "settlement"))
+
+
+def slopes_at(support: Support, positions: Floats, place: Place = ()) -> Floats:
+    """Slopes θx, θy (q, 2) that a support prescribes at positions (q, 2)."""
+    formulas = support.rotation or (Expression(0.0),) * 2
+    return np.column_stack([formula(*positions.T, place=(*place, "rotation")) for formula in formulas])
+
+
+def known_values(formula: Callable[..., Floats], positions: Floats) -> Floats:
+    """Values (q,) of a formula, NaN where it has none: it need have one only where the support acts."""
+    try:
+        return formula(*positions.T)
+    except InputError:
+        if len(positions) == 1:
+            return np.array([np.nan])
+        half = len(positions) // 2
+        return np.concatenate([known_values(formula, positions[:half]), known_values(formula, positions[half:])])
+
+
+@dataclass(frozen=True)
+class SupportLaw:
+    """Law of a support over a field of deflections, pressures positive up; NaN where a formula has no value.
+
+    Free travel ends where the support begins to act or, with ``to_limit``, where it yields.
+    """
+
+    support: Support
+    to_limit: bool = False
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and largest pressure without a limit."""
+        return {"down": (0.0, np.inf), "up": (-np.inf, 0.0), "both": (-np.inf, np.inf)}[self.support.direction]
+
+    @property
+    def has_curve_of_yielding(self) -> bool:
+        """Whether the part that yields has a curve as its border: limit and stiffness do not jump."""
+        law, jumps = self.support.law, _jumps(self.support.limit, self.support.modulus)
+        return self.support.is_elastic and not jumps and (law is None or law[0][0] >= 0.0)
+
+    def travel(self, positions: Floats) -> tuple[Floats, Floats]:
+        """Settlement and free travel (q,) at positions (q, 2)."""
+        settlement, gap = (known_values(formula, positions) for formula in (self.support.settlement, self.support.gap))
+        return settlement, gap + self._travel_at_limit(positions) if self.to_limit else gap
+
+    def overlap(self, deflection: Floats, travel: tuple[Floats, Floats]) -> Floats:
+        """Travel (..., q) beyond the free travel; where negative, the gap."""
+        down, up = _beyond(deflection, travel)
+        return {"down": down, "up": up}.get(self.support.direction, np.maximum(down, up))
+
+    def pressure(self, deflection: Floats, positions: Floats) -> Floats:
+        """Pressure (..., q) of an elastic area for deflections (..., q) at positions (q, 2), within its limit.
+
+        It continues beyond ``bounds``, as if the area acted both ways; the edge of contact is where it is 0.
+
+        Examples
+        --------
+        >>> soil = SupportLaw(Support(area="all", resists="down", stiffness=1e3, gap=0.25))
+        >>> soil.pressure(np.array([1.0, 0.0]), np.zeros((2, 2)))
+        array([ 750., -250.])
+        """
+        support, (down, up) = self.support, _beyond(deflection, self.travel(positions))
+        both = np.maximum(down, 0.0) - np.maximum(up, 0.0)
+        travel = {"down": down, "up": -up}.get(support.direction, both)
+        if support.law is not None:
+            sign, law = 1.0 - 2.0 * (support.direction == "up"), Law.drawn(support.law, support.direction == "both")
+            return sign * law.force_at(sign * travel)
+        assert support.stiffness is not None
+        result = known_values(support.stiffness, positions) * travel
+        if support.limit is None:
+            return np.asarray(result)
+        most = known_values(support.limit, positions)
+        return np.asarray(np.clip(result, -most, most))
+
+    def _travel_at_limit(self, positions: Floats) -> Floats | float:
+        support = self.support
+        if support.law is not None:
+            return next(travel for travel, force in support.law if force == support.law[-1][1])
+        assert support.limit is not None and support.stiffness is not None
+        limit, stiffness = (known_values(formula, positions) for formula in (support.limit, support.stiffness))
+        return np.divide(limit, stiffness, out=np.zeros_like(limit), where=~(stiffness <= 0.0))
+
+
+def _beyond(deflection: Floats, travel: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+    """Travel (..., q) down and up beyond settlement and free travel (q,)."""
+    settlement, gap = travel
+    moved = deflection - settlement
+    return moved - gap, -moved - gap

@@ -69,6 +69,10 @@ class CaseLoad:
         acting = frozenset().union(*(load.acting for load in plates))
         return cls(nodal, np.zeros(3), couples, weighing, np.zeros(()), acting, tuple(plates))
 
+    def on(self, plate: int) -> CaseLoad:
+        """The load on one of several plates; of a single plate, itself."""
+        return self.plates[plate] if self.plates else self
+
     @property
     def all_weighs(self) -> bool:
         """Whether ``weighing`` is all of ``nodal``."""

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from signorini.base.memory import elements_that_fit, require_memory
-from signorini.discretise.laws import formulas_of, is_elastic
+from signorini.discretise.laws import formulas_of
 from signorini.discretise.rows import Floats
 from signorini.discretise.snapping import Snapped, snapped
 from signorini.errors import InputError, Place, Problems
@@ -372,7 +372,7 @@ def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
     items: list[tuple[Acting | Zone | None, PointFieldScalar | None]] = [(None, model.plate.thickness)]
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:
-        if support.area is None and (not is_elastic(support) or support.at is not None):
+        if support.area is None and (not support.is_elastic or support.at is not None):
             continue  # it acts at nodes or at its own points, where formulas are evaluated
         items += [(support, formula) for formula in formulas_of(support)]
     for load in model.load:

@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 
-from signorini.discretise.laws import resists_both
 from signorini.discretise.places import edge_sides, located, mesh_edges, points_in_holes
 from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, area_quadrature, off_plate
 from signorini.discretise.rows import Floats, Ints, Rows, interpolated
@@ -183,7 +182,7 @@ def placed(model: Model, mesh: Mesh, problems: Problems) -> list[Placed]:
                 points = located(mesh, support.at, (*place, "at"), in_holes=support.has_footprint)
                 nodes = np.full(len(support.at), -1)
             if points is not None and not footprints and support.between is None:
-                holds = resists_both(support)
+                holds = support.direction == "both"
                 points, nodes = _at_one_place(mesh, points, taken if holds else taken[both])
                 taken = np.concatenate([taken, points.positions])
                 both = np.append(both, np.full(len(points.positions), holds))

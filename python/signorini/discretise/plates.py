@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TypeVar
 
 import numpy as np
 from scipy.sparse import block_diag, csr_array, hstack
@@ -18,7 +17,7 @@ from signorini.discretise.domain import require_domain
 from signorini.discretise.held import Bodies, Held
 from signorini.discretise.loads import CaseLoad, Cases
 from signorini.discretise.placed import placed
-from signorini.discretise.points import ContactPoints, Springs
+from signorini.discretise.points import ContactPoints
 from signorini.discretise.preloads import require_preloads
 from signorini.discretise.repeated import Repeated, not_held
 from signorini.discretise.rows import Further, Ints, Rows
@@ -114,9 +113,9 @@ def _joined(
     supports = [np.array(part.numbers["support"], np.int64) for part in parts]
     offsets = list(zip(each, elements.tolist(), supports, strict=False))
     springs = [_offset(plate.springs, first, indices) for plate, first, indices in offsets]
-    contacts_of_plates = [_offset_points(plate.contacts, first, indices) for plate, first, indices in offsets]
-    repeated = [_offset_points(plate.repeated.points, first, indices) for plate, first, indices in offsets]
-    held = _held([plate.held for plate in each], nodes, supports, mesh)
+    contacts_of_plates = [_offset(plate.contacts, first, indices) for plate, first, indices in offsets]
+    repeated = [_offset(plate.repeated.points, first, indices) for plate, first, indices in offsets]
+    held = _held([plate.held for plate in each], nodes, elements, supports, mesh)
     between = [_over_both(joint, elements) for joint in joints]
     free = [not_held(mesh, held, points) for points in between]
     between = [points.pick(kept) for points, kept in zip(between, free, strict=True)]
@@ -137,7 +136,7 @@ def _joined(
         stress_nodes,
         _plate_stiffness([plate.plate_stiffness for plate in each]),
         held,
-        Springs.join(springs),
+        ContactPoints.join(springs),
         contacts,
         Repeated(redundant, follows),
         Sections(mesh, (), np.zeros(0)),
@@ -172,20 +171,14 @@ _COUNTS: tuple[Callable[[Discretisation], int], ...] = (
     lambda plate: len(plate.repeated),
 )
 """Numbers of nodes, elements, springs, contact points and redundant points of a plate."""
-_Table = TypeVar("_Table", Springs, ContactPoints)
 
 
-def _offset(table: _Table, first: int, supports: Ints) -> _Table:
-    """Springs or points of a plate with indices of the whole: its elements start at ``first``."""
-    rows, further = table.rows, table.rows.further
+def _offset(points: ContactPoints, first: int, supports: Ints) -> ContactPoints:
+    """Points of a plate with indices of the whole: its elements start at ``first``."""
+    rows, further = points.rows, points.rows.further
     beyond = Further(further.owners, further.elements + first, further.coefficients)
     moved = Rows(rows.elements + first, rows.coefficients, beyond)
-    return replace(table, rows=moved, support=supports[table.support])
-
-
-def _offset_points(points: ContactPoints, first: int, supports: Ints) -> ContactPoints:
-    """The same for contact points, whose ``shared`` elements are offset too."""
-    return _offset_shared(_offset(points, first, supports), first)
+    return _offset_shared(replace(points, rows=moved, support=supports[points.support]), first)
 
 
 def _offset_shared(points: ContactPoints, first: int) -> ContactPoints:
@@ -200,15 +193,14 @@ def _over_both(joint: _Joint, first: Ints) -> ContactPoints:
     return _offset_shared(replace(points, rows=rows.extended(lower, int(first[joint.lower]))), int(first[joint.upper]))
 
 
-def _held(each: Sequence[Held], nodes: Ints, supports: Sequence[Ints], mesh: Mesh) -> Held:
+def _held(each: Sequence[Held], nodes: Ints, elements: Ints, supports: Sequence[Ints], mesh: Mesh) -> Held:
     frames = None
     if any(held.frames is not None for held in each):
         frames = np.concatenate(
             [np.tile([1.0, 0.0], (len(held.bodies.points), 1)) if held.frames is None else held.frames for held in each]
         )
-    holders = [
-        np.column_stack([held.holders[:, 0] + first, indices[held.holders[:, 1]]])
-        for held, first, indices in zip(each, nodes, supports, strict=False)
+    of_nodes = [
+        _offset(held.points, first, indices) for held, first, indices in zip(each, elements, supports, strict=False)
     ]
     support = [np.append(indices, -1)[held.support] for held, indices in zip(each, supports, strict=True)]
     leaders = [held.bodies.leaders + first for held, first in zip(each, nodes, strict=False)]
@@ -218,10 +210,9 @@ def _held(each: Sequence[Held], nodes: Ints, supports: Sequence[Ints], mesh: Mes
         np.concatenate([held.bodies.inside for held in each]),
         np.concatenate([held.bodies.rigid for held in each]),
     )
-    dofs, values, numbers = (
-        np.concatenate([getattr(held, key) for held in each]) for key in ("dofs", "values", "numbers")
-    )
-    return Held(dofs, values, np.concatenate(support), np.concatenate(holders), numbers, frames, bodies)
+    dofs, values = (np.concatenate([getattr(held, key) for held in each]) for key in ("dofs", "values"))
+    at = np.concatenate([held.nodes + first for held, first in zip(each, nodes, strict=False)])
+    return Held(dofs, values, np.concatenate(support), at, ContactPoints.join(of_nodes), frames, bodies)
 
 
 def _stress_nodes(mesh: Mesh, each: Sequence[StressNodes], nodes: Ints, elements: Ints) -> StressNodes:
@@ -337,7 +328,7 @@ def _of_whole(
         tables.append(replace(table, support=np.full(len(table), number)))
         places.append(indices)
         if plate.model.support[number].area is not None:
-            beneath[number] = other, _deflection_at(plate.mesh, each[other].mesh)
+            beneath[number] = int(nodes[other]), _deflection_at(plate.mesh, each[other].mesh)
     joined = ContactPoints.join(tables)
     follows = csr_array(plate.repeated.follows)
     empty = csr_array((len(plate.repeated), len(joined) - follows.shape[1]))

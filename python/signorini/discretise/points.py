@@ -1,4 +1,4 @@
-"""Tables of springs and contact points, their partition, and their grouping by support."""
+"""The table of points of supports, and their grouping by support."""
 
 from __future__ import annotations
 
@@ -10,47 +10,13 @@ from typing import Self
 import numpy as np
 
 from signorini.base.remade import Brief
-from signorini.discretise.held import Held
-from signorini.discretise.laws import LAWS, Law
+from signorini.discretise.laws import LAWS, Graphs, Law
 from signorini.discretise.rows import Bools, Floats, Ints, Pieces, Rows, Table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Springs(Table, Brief):
-    """Linear springs with force k (row·u − base): ``stiffness`` k and ``base`` (s,).
-
-    ``positions`` (s, 2), ``weights`` (s,), ``support`` (s,) and ``numbers`` (s,) are as in `ContactPoints`. ``slope``
-    marks springs on a slope; their force is a couple.
-    """
-
-    rows: Rows
-    stiffness: Floats
-    base: Floats
-    positions: Floats
-    weights: Floats
-    support: Ints
-    numbers: Ints
-    slope: Bools
-
-    @property
-    def direction(self) -> Floats:
-        """Direction (s,) of positive forces on the plate: up."""
-        return np.ones(len(self))
-
-    @property
-    def averaged(self) -> Bools:
-        """Whether springs (s,) act on means of elements: never."""
-        return np.zeros(len(self), np.bool_)
-
-    @property
-    def arrays(self) -> tuple[Ints, Floats, Ints, Floats, Floats]:
-        """Elements, coefficients and owners of rows, stiffness and base, as `_core` takes them."""
-        return *self.rows.arrays, self.stiffness, self.base
-
-
-@dataclass(frozen=True, eq=False, repr=False)
 class ContactPoints(Table, Brief):
-    """Contact points: the reaction is λ = ``scale`` · law((row·u − ``distance``) / ``unit``).
+    """Points of supports: the reaction is λ = ``scale`` · law((row·u − ``distance``) / ``unit``).
 
     ``rows`` G (m, 3n), ``distance`` g (m,). The part ``settlement`` (m,) of the distance is the settlement of the base
     in the row's direction; the rest is the gap. ``law`` (m,) is the index of each point's law in ``laws``.
@@ -92,6 +58,24 @@ class ContactPoints(Table, Brief):
         return cls(Rows.join([]), *columns, LAWS)
 
     @classmethod
+    def of(
+        cls,
+        graphs: Graphs,
+        rows: Rows,
+        slope: Bools,
+        positions: Floats,
+        weights: Floats,
+        support: Ints,
+        shared: Ints,
+        numbers: Ints,
+    ) -> Self:
+        """Points with given laws, not tightened."""
+        direction, distance, settlement, law, scale, unit, laws = graphs
+        none, ways = np.zeros(len(rows)), np.full(len(rows), direction)
+        of_law = distance, settlement, none, none, law, scale, unit, ways
+        return cls(rows if direction > 0 else -rows, *of_law, slope, positions, weights, support, shared, numbers, laws)
+
+    @classmethod
     def join(cls, parts: Sequence[Self]) -> Self:
         """Concatenate tables; equal laws share one index."""
         laws = tuple(dict.fromkeys(law for part in parts for law in part.laws))
@@ -109,6 +93,11 @@ class ContactPoints(Table, Brief):
         """1/C (m,), the largest slope of each law, force over travel; infinite where it is rigid."""
         slope: Floats = np.array([law.slopes.max() for law in self.laws])[self.law]
         return np.asarray(self.scale * slope / self.unit)
+
+    @property
+    def arrays(self) -> tuple[Ints, Floats, Ints, Floats, Floats]:
+        """Elements, coefficients and owners of rows, stiffness and distance, as `_core` takes springs."""
+        return *self.rows.arrays, self.stiffness, self.distance
 
     @cached_property
     def limits(self) -> tuple[Floats, Floats]:
@@ -217,18 +206,6 @@ class ContactPoints(Table, Brief):
         return self.shared[:, 0] >= 0
 
 
-def partition(points: ContactPoints, tightened: Ints) -> tuple[Springs, ContactPoints]:
-    """Split points into springs, with a straight law of compliance C > 0, and contact points, all others.
-
-    Tightening changes the distances of the supports ``tightened`` (t,), by index: their points remain contact points,
-    except slopes.
-    """
-    linear = points.two_sided & ~points.equations & (points.slope | ~np.isin(points.support, tightened))
-    picked = points.pick(np.flatnonzero(linear))
-    places = picked.positions, picked.weights, picked.support, picked.numbers, picked.slope
-    return Springs(picked.rows, picked.stiffness, picked.distance, *places), points.pick(~linear)
-
-
 @dataclass(frozen=True, eq=False)
 class Parts:
     """Indices of one support's nodes, springs and contact points.
@@ -244,10 +221,12 @@ class Parts:
     order: Ints
 
 
-def parts_of(count: int, held: Held, springs: Springs, points: ContactPoints) -> tuple[Parts, ...]:
-    """Group held nodes, springs and contact points by support; ``count`` is the number of supports."""
+def parts_of(
+    count: int, nodes: Ints, held: ContactPoints, springs: ContactPoints, points: ContactPoints
+) -> tuple[Parts, ...]:
+    """Group ``held`` points (k,) at ``nodes`` (k,), springs and contact points by one of ``count`` supports."""
     columns = zip(
-        _grouped(held.holders[:, 1], count),
+        _grouped(held.support, count),
         _grouped(np.where(springs.slope, count, springs.support), count),
         _grouped(np.where(points.slope, count, points.support), count),
         strict=True,
@@ -258,7 +237,7 @@ def parts_of(count: int, held: Held, springs: Springs, points: ContactPoints) ->
         both = up.any() and not up.all()
         rows = np.stack([point_indices[up], point_indices[~up]]) if both else point_indices.reshape(1, -1)
         numbers = np.concatenate([held.numbers[holding], springs.numbers[spring_indices], points.numbers[rows[0]]])
-        result.append(Parts(held.holders[holding, 0], spring_indices, rows, np.argsort(numbers, kind="stable")))
+        result.append(Parts(nodes[holding], spring_indices, rows, np.argsort(numbers, kind="stable")))
     return tuple(result)
 
 

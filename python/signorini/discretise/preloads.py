@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from signorini.discretise.laws import orders_at
 from signorini.discretise.points import ContactPoints
 from signorini.discretise.repeated import Repeated
 from signorini.discretise.rows import Floats, Ints
@@ -26,8 +27,7 @@ def bolt_groups(
     (bolts,) = np.nonzero(contacts.support == index)
     numbers = contacts.numbers[bolts]
     force = support.on_points(bolt_round.force)(*contacts.positions[bolts].T, above=0.0, place=place)
-    if support.preload is not None:
-        order = np.broadcast_to(support.order or 1, support.point_count)[numbers]
+    if (order := orders_at(support, numbers)) is not None:
         return [(turn, bolts[order == turn], force[order == turn]) for turn in np.unique(order).tolist()]
     groups = [np.isin(numbers + 1, group) for group in bolt_round.sequence or (numbers + 1,)]
     return [(turn, bolts[group], force[group]) for turn, group in enumerate(groups)]

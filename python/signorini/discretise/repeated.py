@@ -1,4 +1,4 @@
-"""Contact points that say again what the plate is held to already: their rows follow from others."""
+"""Redundant contact points: their rows are linear combinations of other rows."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from scipy.sparse import csr_array, vstack
 
 from signorini.base.components import components
 from signorini.discretise.held import Held, contradiction, rounding_of
+from signorini.discretise.laws import levels_of
 from signorini.discretise.points import ContactPoints
 from signorini.discretise.rows import Bools, Floats, Ints, null_space
 from signorini.errors import InputError
@@ -16,8 +17,8 @@ from signorini.mesh import Mesh
 from signorini.model import Model
 
 SAME = 1e-12
-"""Part of a row of length one below which it is rounding: rows are right to about 1e-15, and points a billionth of an
-element from each other are two all the same."""
+"""Zero tolerance for parts of unit rows. Rounding is 1e-15; rows of two points 1e-9 of an element apart differ by
+1e-9."""
 _CLEAR = 1e-10
 """Pivots of products of rows down to which these are independent beyond rounding."""
 _MOST = 10_000
@@ -95,7 +96,7 @@ def followers(rows: csr_array) -> Followers:
     here = rows[some]
     products = csr_array(here @ here.T)
     if len(some) and not _clearly_independent(products):
-        # What follows takes a while to be imported; most plates do not come here.
+        # Importing scipy.linalg takes time, and most plates have no such rows.
         from scipy.linalg import qr, solve_triangular
 
         near = products.tocoo()
@@ -158,7 +159,7 @@ class Repeated:
 
 @dataclass(frozen=True, eq=False)
 class Shared:
-    """Points (p,) whose reactions can be shared in more ways than one, and these ways (p, k): they sum to nothing."""
+    """Points (p,) with reactions that are not unique; ``ways`` (p, k) is a basis of the changes with Gᵀλ = 0."""
 
     points: Ints
     ways: Floats
@@ -174,12 +175,12 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
     _require_agreement(mesh, held, contacts)
     _require_agreement_on_areas(model, mesh, held, contacts)
     rows = _over_dofs(mesh, held, contacts)
-    # What is pressed where every dof is held has a reaction that follows from no other.
+    # Where every dof is held, no row depends on others.
     equations = np.flatnonzero(contacts.equations & _moves(rows, held))
     if len(equations) > _MOST:
         raise InputError(
             f"Found {len(equations)} rigid points between the mesh's nodes that hold both ways; at most {_MOST} can be "
-            "told from each other. Hold an edge, or a line or circle that the mesh follows, or give a stiffness.",
+            "checked for redundancy. Hold an edge, or a line or circle that the mesh follows, or give a stiffness.",
             place=("support", int(contacts.support[equations[0]])),
         )
     points = contacts.pick(equations)
@@ -224,7 +225,7 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
     at_points = np.array([support.at is not None for support in model.support], np.bool_)[points.support[rigid]]
     result = []
     for mine in np.split(order, np.flatnonzero(np.diff(label[order])) + 1):
-        # Forces that move within one line or area are nothing that results tell.
+        # Results do not show how reactions are shared within one line or area.
         if len(mine) < 2 or not (at_points[mine].any() or np.ptp(points.support[rigid[mine]])):
             continue
         groups, own = np.unique(group[mine], return_inverse=True)
@@ -271,7 +272,7 @@ def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
         raise contradiction(contacts.positions[first], mesh.size, by, contacts.support[first], float(beyond[first]))
     if not (fixed & pressed).any():
         return np.flatnonzero(~fixed)
-    # Beside those pressed stay those of the same points' travel the other way.
+    # Points that are pressed keep their row of the opposite direction too.
     spots = np.column_stack([contacts.support, contacts.slope, contacts.positions])
     _, spot = np.unique(spots, axis=0, return_inverse=True)
     return np.flatnonzero(~fixed | np.isin(spot, spot[fixed & pressed]))
@@ -315,26 +316,21 @@ def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: 
     """Refuse rigid points and lines within a rigid area that ask for another deflection there than the area does."""
     on_nodes = np.array([support.on_nodes for support in model.support], np.bool_)
     rigid = contacts.pick((contacts.compliance == 0) & ~contacts.slope)
-    points = rigid.pick(on_nodes[rigid.support])
-    nodes, holders = held.holders.T
-    at = np.concatenate([mesh.points[nodes], points.positions])
-    who = np.concatenate([holders, points.support])
-    value = np.concatenate([held.values[3 * nodes], points.direction * points.distance])
-    above = np.concatenate([np.ones(len(nodes), np.bool_), points.two_sided | (points.direction > 0)])
-    below = np.concatenate([np.ones(len(nodes), np.bool_), points.two_sided | (points.direction < 0)])
+    points = ContactPoints.join([held.points, rigid.pick(on_nodes[rigid.support])])
+    at, value = points.positions, points.direction * points.distance
+    above, below = points.two_sided | (points.direction > 0), points.two_sided | (points.direction < 0)
     rounding = float(_rounding(mesh, held, contacts).max(initial=0.0))
     for index in np.unique(rigid.support).tolist():
-        support, place = model.support[index], ("support", index)
+        support = model.support[index]
         if support.area is None:
             continue
         (inside,) = np.nonzero(support.where.covers(at))
-        settlement = support.settlement(*at[inside].T, place=(*place, "settlement"))
-        gap = support.gap(*at[inside].T, at_least=0.0, place=(*place, "gap"))
-        most = np.where(support.resists == "up", np.inf, settlement + gap)
-        least = np.where(support.resists == "down", -np.inf, settlement - gap)
+        pushed_from, held_from = levels_of(support, at[inside], ("support", index))
+        most = np.where(support.direction == "up", np.inf, pushed_from)
+        least = np.where(support.direction == "down", -np.inf, held_from)
         too_low = np.where(above[inside], least - value[inside], -np.inf)
         beyond = np.maximum(too_low, np.where(below[inside], value[inside] - most, -np.inf))
         if (beyond > rounding).any():
             first = int(np.argmax(beyond))
-            one, other = sorted((index, int(who[inside[first]])))
+            one, other = sorted((index, int(points.support[inside[first]])))
             raise contradiction(at[inside[first]], mesh.size, one, other, float(beyond[first]))

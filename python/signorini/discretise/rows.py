@@ -147,6 +147,15 @@ class Rows:
         return csr_array(matrix + owned @ further_rows)
 
     @staticmethod
+    def at_nodes(elements: Ints, nodes: Ints) -> Rows:
+        """Rows of the deflection at nodes (k,) of elements (ne, 8)."""
+        known, first = np.unique(elements, return_index=True)
+        own, local = np.divmod(first[np.searchsorted(known, nodes)], 8)
+        coefficients = np.zeros((len(nodes), 24))
+        coefficients[np.arange(len(nodes)), 3 * local] = 1.0
+        return Rows(own, coefficients)
+
+    @staticmethod
     def join(parts: Sequence[Rows]) -> Rows:
         """Concatenate rows."""
         starts = np.cumsum([0, *(len(part) for part in parts)])

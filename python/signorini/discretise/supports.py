@@ -8,18 +8,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from signorini import _core
-from signorini.discretise.held import Held, prescribed_rotations, tangents_at_nodes
+from signorini.discretise.held import Held, held_at, tangents_at_nodes
 from signorini.discretise.laws import (
     Graphs,
     acts_both_ways,
     can_let_go,
     field_of,
     graphs_of,
-    holds_deflection,
-    is_elastic,
     jumps_of,
     modulus_at,
+    on_soil,
+    partition,
+    slopes_at,
     steps_of,
+    stiffness_place,
 )
 from signorini.discretise.placed import Placed, means_over
 from signorini.discretise.places import (
@@ -32,13 +34,12 @@ from signorini.discretise.places import (
     missing_corners,
     outline_points,
 )
-from signorini.discretise.points import ContactPoints, Springs, partition
+from signorini.discretise.points import ContactPoints
 from signorini.discretise.quadrature import GAUSS, LineQuadrature, Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import INSIDE
 from signorini.discretise.rows import Floats, Ints, Rows, Table, interpolated
 from signorini.discretise.thickness import PlateStiffness
-from signorini.errors import InputError, Place, Problems, point
-from signorini.expression import Expression, Field
+from signorini.errors import InputError, Problems, point
 from signorini.mesh import Mesh
 from signorini.model import Plate, Support
 
@@ -129,18 +130,14 @@ class SupportedPlate:
 
 
 def springs_and_contacts(
-    shape: Plate,
-    mesh: Mesh,
-    plate: _core.Plate,
-    held: Held,
-    stiffness: PlateStiffness,
-    supports: Sequence[Placed],
-    problems: Problems,
-) -> tuple[Springs, ContactPoints]:
-    """Partition the points of all supports into springs and contact points; held dofs are in ``held``."""
-    tightened = [placed.index for placed in supports if placed.support.is_bolt]
-    points = points_of(SupportedPlate(shape, mesh, plate, held, stiffness), supports, problems)
-    return partition(points, np.array(tightened, np.int64))
+    plate: SupportedPlate, supports: Sequence[Placed], problems: Problems
+) -> tuple[ContactPoints, ContactPoints]:
+    """Partition the points of all supports into springs and contact points; held dofs are in ``plate.held``."""
+    points = points_of(plate, supports, problems)
+    bolts = [placed.index for placed in supports if placed.support.is_bolt]
+    moved = ~points.slope & np.isin(points.support, np.array(bolts, np.int64))
+    _, springs, contacts = partition(points.two_sided, points.compliance > 0.0, np.zeros_like(moved), moved)
+    return points.pick(springs), points.pick(contacts)
 
 
 def points_of(plate: SupportedPlate, supports: Sequence[Placed], problems: Problems) -> ContactPoints:
@@ -153,8 +150,7 @@ def points_of(plate: SupportedPlate, supports: Sequence[Placed], problems: Probl
         with problems.collected():
             for acting in _acting(plate, placed):
                 result += _with_law(plate, placed, acting)
-            if placed.support.rotational_stiffness is not None:
-                result += _turning(plate, placed, placed.support.rotational_stiffness)
+            result += _turning(plate, placed)
     return ContactPoints.join(result)
 
 
@@ -190,12 +186,8 @@ def _require_covered(plate: SupportedPlate, placed: Placed) -> None:
         f"{field} covers {part:.4g} % of the {measure} of {placed.support.name}{reach}. It must cover all of the "
         'support. Add points, or give the value outside the table: outside = "nearest" takes the nearest value, '
         "outside = 0 no stiffness.",
-        place=_stiffness_place(placed, field),
+        place=stiffness_place(placed.support, placed.place),
     )
-
-
-def _stiffness_place(placed: Placed, field: Field) -> Place:
-    return (*placed.place, "stiffness", *(["file"] if field.file else []))
 
 
 def _acting(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
@@ -209,11 +201,10 @@ def _acting(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
 
 def _on_soil(placed: Placed, acting: _SupportPoints) -> _SupportPoints:
     """Leave out points at which a field gives no stiffness; refuse this for points listed in the input."""
-    field = field_of(placed.support)
+    field, place = field_of(placed.support), stiffness_place(placed.support, placed.place)
     if field is None:
         return acting
-    place = _stiffness_place(placed, field)
-    supported = field(*_places(placed.support, acting).T, place=place) > 0.0
+    supported = on_soil(placed.support, _places(placed.support, acting), placed.place)
     part = float(acting.weights[supported].sum() / acting.weights.sum())
     if placed.points is not None and not supported.all():
         position = point(acting.positions[int(supported.argmin())])
@@ -231,14 +222,12 @@ def _on_soil(placed: Placed, acting: _SupportPoints) -> _SupportPoints:
 
 def _at_points(plate: SupportedPlate, placed: Placed, points: LineQuadrature) -> list[_SupportPoints]:
     support, deflection = placed.support, placed.support.holds_w
-    at_nodes = (placed.nodes >= 0) & ~plate.held.bodies.inside[placed.nodes]
-    at_nodes &= holds_deflection(support) or not deflection
-    (numbers,) = np.nonzero(~at_nodes)
+    (numbers,) = np.nonzero(~held_at(placed, placed.nodes, plate.held.bodies))
     points = points.pick(numbers)
     rows = plate.means(placed) if placed.footprints else plate.rows(points, 0)
     result = [_SupportPoints.of(rows, points, numbers=numbers)] if deflection else []
     if "slope" in support.fixed:
-        rotation = prescribed_rotations(placed, points.positions)
+        rotation = slopes_at(placed.support, points.positions, placed.place)
         result += [
             _SupportPoints.of(plate.rows(points, part), points, rotation[:, part - 1], numbers) for part in (1, 2)
         ]
@@ -249,7 +238,7 @@ def _along_line(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
     """Points along an edge, a line or a circle; a rigid line that the mesh follows acts at nodes that are not held."""
     support, mesh = placed.support, plate.mesh
     in_means, turned = False, None
-    if is_elastic(support):
+    if support.is_elastic:
         at_ends = 0 if acts_both_ways(support) else GAUSS + 1
         line = (mesh, plate.shape, support.where, placed.place, placed.sides)
         points = along_curve(*line, GAUSS, at_ends, steps_of(support))
@@ -259,9 +248,7 @@ def _along_line(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
         in_means = not can_let_go(support) and len(np.unique(points.elements)) >= _ROW
     else:
         nodes, lengths = edge_nodes(mesh, placed.sides)
-        # Held dofs do not act between plates.
-        held_there = plate.beneath is None and (bool(support.fixed) or holds_deflection(support))
-        free = np.flatnonzero(plate.held.bodies.inside[nodes] | (not held_there))
+        free = np.flatnonzero(~held_at(placed, nodes, plate.held.bodies))
         if not len(free):
             return []
         positions = mesh.points[nodes[free]]
@@ -280,7 +267,7 @@ def _along_line(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
             along = np.column_stack(directions)
             x, y = plate.rows(turned, 1), plate.rows(turned, 2)
             rows = x.slope_along(along, y)
-            rotation = prescribed_rotations(placed, turned.positions)
+            rotation = slopes_at(support, turned.positions, placed.place)
             result.append(_SupportPoints.of(rows, turned, (along * rotation).sum(axis=1)))
     means = [_means(plate, applied) for applied in result] if in_means else ()
     return [replace(applied, shared=np.full_like(applied.shared, -1)) for applied in means] or result
@@ -292,7 +279,7 @@ def _on_area(plate: SupportedPlate, placed: Placed) -> _SupportPoints:
     One-sided areas have points on their outline.
     """
     support, place = placed.support, placed.place
-    mesh, elastic, one_sided = plate.mesh, is_elastic(support), not acts_both_ways(support)
+    mesh, elastic, one_sided = plate.mesh, support.is_elastic, not acts_both_ways(support)
     # Points on the outline have no free dofs where nodes hold the plate.
     free_corners = np.asarray(~plate.held.dofs[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
@@ -321,9 +308,12 @@ def _with_law(plate: SupportedPlate, placed: Placed, acting: _SupportPoints) -> 
     return [_points(placed, acting, graph) for graph in graphs]
 
 
-def _turning(plate: SupportedPlate, placed: Placed, stiffness: Sequence[Expression]) -> list[ContactPoints]:
-    """Rotational springs on the slope normal to a line, or on both slopes at points."""
+def _turning(plate: SupportedPlate, placed: Placed) -> list[ContactPoints]:
+    """Rotational springs on the slope normal to a line, or on both slopes at points; none without their stiffness."""
     mesh, support, place = plate.mesh, placed.support, (*placed.place, "rotational_stiffness")
+    stiffness = support.rotational
+    if not stiffness:
+        return []
     if placed.points is None:
         line = (mesh, plate.shape, support.where, placed.place, placed.sides)
         points = along_curve(*line, GAUSS, 0, [level for level in stiffness[0].levels if level.jumps])
@@ -340,7 +330,7 @@ def _turning(plate: SupportedPlate, placed: Placed, stiffness: Sequence[Expressi
         else interpolated(mesh, plate.held.frames, points.elements, points.xi, field)
         for field in (1, 2)
     )
-    rotation = prescribed_rotations(placed, points.positions)
+    rotation = slopes_at(placed.support, points.positions, placed.place)
     most = STIFFEST_SPRING * plate.stiffness.in_shear[points.elements] * mesh.element_area[points.elements]
     result = []
     for formula, along in stiffnesses:
@@ -352,27 +342,9 @@ def _turning(plate: SupportedPlate, placed: Placed, stiffness: Sequence[Expressi
 
 
 def _points(placed: Placed, acting: _SupportPoints, graphs: Graphs) -> ContactPoints:
-    """Contact points with given laws, not tightened."""
-    direction, distance, settlement, law, scale, unit, laws = graphs
-    count = len(acting)
-    return ContactPoints(
-        acting.rows if direction > 0 else -acting.rows,
-        distance,
-        settlement,
-        np.zeros(count),
-        np.zeros(count),
-        law,
-        scale,
-        unit,
-        np.full(count, direction),
-        ~np.isnan(acting.slope),
-        acting.positions,
-        acting.weights,
-        np.full(count, placed.index, np.int64),
-        acting.shared,
-        acting.numbers,
-        laws,
-    )
+    """Points of a support with given laws."""
+    where = ~np.isnan(acting.slope), acting.positions, acting.weights, np.full(len(acting), placed.index, np.int64)
+    return ContactPoints.of(graphs, acting.rows, *where, acting.shared, acting.numbers)
 
 
 def _means(plate: SupportedPlate, through: _SupportPoints) -> _SupportPoints:
@@ -396,9 +368,8 @@ def _means(plate: SupportedPlate, through: _SupportPoints) -> _SupportPoints:
 
 def _with(plate: SupportedPlate, placed: Placed, acting: _SupportPoints, result: OutlinePoints) -> _SupportPoints:
     """Add points on the outline, with weights taken from the elements around them."""
-    if (field := field_of(placed.support)) is not None:
-        shared_by = field(*result.positions.T) > 0.0
-        result = OutlinePoints(result.positions[shared_by], result.shared[shared_by])
+    supported = on_soil(placed.support, result.positions)
+    result = OutlinePoints(result.positions[supported], result.shared[supported])
     if not len(result.positions):
         return acting
     mesh, where = plate.mesh, result.shared[:, 0]

@@ -1,1 +1,1 @@
-"""DXF drawings to input files; the solver imports nothing from this folder."""
+"""DXF drawings to input files, for the command `import-dxf` only."""

@@ -49,11 +49,11 @@ _STEP = 0.1
 def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], unit: str | None = None) -> Drawing:
     """Read a drawing.
 
-    Arcs and circles stay what they are; splines and ellipses become arcs that leave them by at most 1/20000 of the
-    drawing's size. Blocks are taken apart. Ends less than a millimetre apart are joined. ``layers`` are those of each
-    role, any of `ROLES`, in upper or lower case. Without a layer the outline is the largest closed line of the drawing,
-    and the holes are the closed lines within it on the outline's layer. ``unit`` is any of
-    `signorini.base.units.METRES`; by default what the drawing's header says.
+    Arcs and circles are exact; splines and ellipses become arcs within 1/20000 of the drawing's size. Blocks are taken
+    apart. Ends less than a millimetre apart are joined. ``layers`` are those of each role, any of `ROLES`, in upper or
+    lower case. Without a layer the outline is the largest closed line of the drawing, and the holes are the closed
+    lines within it on the outline's layer. ``unit`` is any of `signorini.base.units.METRES`; by default that of the
+    drawing's header.
     """
     result = layers_in(path, unit)
     names = {role: _named(role, layers.get(role, ()), result) for role in ROLES}
@@ -113,7 +113,7 @@ class _Said:
         self.changed, self.left, self.lost = list[str](), left, list[Lost]()
 
     def lose(self, role: str, places: Sequence[Spot], why: str, what: str = "") -> None:
-        """Add a line for shapes of a role that were not taken, by their places; ``what`` is the missing part."""
+        """Add a line for shapes of a role that were not imported; ``what`` names the missing part, else the role."""
         for line in _line(role, places, why):
             self.left.append(line)
             self.lost.append(Lost(what or role, len(places), line))
@@ -145,7 +145,7 @@ def _named(role: str, wanted: Sequence[str], result: Mapping[str, Layer]) -> lis
     for name in wanted:
         if name.lower() not in by_name:
             there = ", ".join(sorted(result)) or "none"
-            raise InputError(f"the drawing has nothing on a layer {name!r}. Its layers are: {there}.", place=role)
+            raise InputError(f"the drawing has no layer {name!r} with shapes. Its layers are: {there}.", place=role)
     asked = dict.fromkeys(name.lower() for name in wanted or (role,))
     return [by_name[name] for name in asked if name in by_name]
 

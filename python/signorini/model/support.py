@@ -260,6 +260,21 @@ class Support(Acting, base.Named):
         return tuple(part for part in _COMPONENTS if part in held)
 
     @property
+    def fixing(self) -> str:
+        """Name or list of the components held by ``fix``."""
+        return self.fix if isinstance(self.fix, str) else f"{' '.join(self.fix or ())} held"
+
+    @property
+    def rotational(self) -> Rotational:
+        """Rotational stiffness: one formula, or those about x and y at points; empty without one."""
+        return self.rotational_stiffness or ()
+
+    @property
+    def prescribes_slopes(self) -> bool:
+        """Whether it prescribes values of the slopes that it holds."""
+        return self.rotation is not None
+
+    @property
     def holds_rotation(self) -> bool:
         """Whether ``fix`` holds slope or twist."""
         return bool({"slope", "twist"} & set(self.fixed))
@@ -280,14 +295,29 @@ class Support(Acting, base.Named):
         return self.holds_w and self.place in ("edge", "line", "circle")
 
     @property
+    def direction(self) -> Literal["down", "up", "both"]:
+        """Direction of the motions that it resists; both with ``fix``."""
+        return self.resists or "both"
+
+    @property
+    def has_gap(self) -> bool:
+        """Whether its gap differs from 0, somewhere at least."""
+        return not _is_zero(self.gap)
+
+    @property
     def resists_by_default(self) -> bool:
         """Whether it resists both directions by default: neither ``fix`` nor ``resists`` is given."""
         return self.resists == "both" and "resists" not in self.model_fields_set
 
     @property
+    def is_elastic(self) -> bool:
+        """Whether it has a stiffness; a law with a vertical piece has none."""
+        return self.modulus is not None
+
+    @property
     def is_rigid(self) -> bool:
         """Whether it holds the deflection w without an elastic travel; it may have a limit."""
-        return self.modulus is None and self.holds_w
+        return self.holds_w and not self.is_elastic
 
     @property
     def modulus(self) -> PointFieldScalar | None:

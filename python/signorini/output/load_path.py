@@ -95,7 +95,7 @@ def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
         "supports": supports[:first],
         **({"contacts": supports[first:]} if model.plates else {}),
         "probes": [{"at": list(at)} for probe in model.probe for at in probe.at],
-        **line_places(*section_results(discretisation, stop.through)),
+        **line_places(**section_results(discretisation, stop.through)),
     }
     for one in stop.catalogue:
         if one.home == "point" and one.what == "reaction":

@@ -114,8 +114,7 @@ def envelope_pictures(results: Results, file: str, plate: str) -> dict[str, str]
 
 def lines_on(results: Results, plate: str) -> list[int]:
     """Supports with stations along lines, by their place in the model, of one of several plates."""
-    plates = {one.name: one.numbers["support"] for one in results.discretisation.plates}
-    owned = plates.get(plate, range(len(results.model.support)))
+    owned = {one.name: one.numbers["support"] for one in results.discretisation.members}[plate]
     between = [support.between for support in results.model.support]
     lines = results.combined.layout.lines
     return [index for index in lines if index in owned and (between[index] or (plate,))[0] == plate]
@@ -174,7 +173,7 @@ def _parts(model: Model) -> list[str]:
 def slugs(results: Results) -> Iterator[tuple[Result, str]]:
     """Solved combinations, of several plates each of them, with file names of their own, on every file system."""
     solved = [result for result in results.full.values() if result.status == "solved"]
-    plates = [plate for result in solved for plate in (result.plates.values() or (result,))]
+    plates = [plate for result in solved for plate in result.members.values()]
     taken = _taken(results.model)
     values = unique_slugs([*taken, *_by_plate(results.model, [result.name for result in solved])])
     return zip(plates, values[len(taken) :], strict=True)

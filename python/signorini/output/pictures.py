@@ -11,7 +11,7 @@ from signorini.accuracy.meshes import ORDER
 from signorini.analysis.estimate import Estimates
 from signorini.analysis.results import Results
 from signorini.base.numbers import in_unit
-from signorini.discretise.discretisation import Discretisation, OfWhole
+from signorini.discretise.discretisation import OfWhole
 from signorini.output.names import (
     DEFORMED,
     REACTIONS,
@@ -56,14 +56,11 @@ _LONGEST = 44
 def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = None) -> list[Job]:
     """Plan the pictures of combinations and envelopes, by plate; empty if no picture is wanted."""
     named = list(pictured(results, pictures)) if pictures != "none" else []
-    plates = results.discretisation.plates
-    jobs = []
-    each = results.discretisation.each
-    for number, (of, plate) in enumerate(zip(each, plates or (None,), strict=True)):
-        mine = named[number :: len(each)]
-        sheets = [*_sheets(results, estimates, mine)]
-        sheets += _envelope_sheets(results, estimates, of, plate) if pictures != "none" else ()
-        nodes = of.stress_nodes
+    jobs, plates = [], results.discretisation.members
+    for number, plate in enumerate(plates):
+        sheets = [*_sheets(results, estimates, named[number :: len(plates)])]
+        sheets += _envelope_sheets(results, estimates, plate) if pictures != "none" else ()
+        nodes = plate.own.stress_nodes
         if sheets:
             metadata, length = results.model.provenance.metadata, results.model.units.length
             jobs.append(Job(nodes.points, nodes.elements, sheets, metadata, length, nodes.left_out))
@@ -128,12 +125,11 @@ def _views(files: list[str], pictures: list[Picture], results: list[Result]) -> 
     return Sheet(files, views, seen=places)
 
 
-def _envelope_sheets(
-    results: Results, estimates: Estimates | None, result: Discretisation, plate: OfWhole | None
-) -> Iterator[Sheet]:
+def _envelope_sheets(results: Results, estimates: Estimates | None, plate: OfWhole) -> Iterator[Sheet]:
     """Plan the pictures of fields' largest and smallest values, over all combinations and over each group."""
+    result = plate.own
     for (group, name_of), file in envelope_files(results).items():
-        if name_of != ("" if plate is None else plate.name):
+        if name_of != plate.name:
             continue
         what = f"envelope of {group}" if group else f"envelope of {results.combined.solved} combinations"
         words = ", ".join(part for part in (result.model.title, what) if part)
@@ -173,7 +169,7 @@ def _largest_pressure(results: Results, estimates: Estimates | None, envelope: E
     layout, model = envelope.layout, results.model
     layers, ends = [], []
     for index, area in layout.at_rest.items():
-        rigid = area.support.modulus is None
+        rigid = not area.support.is_elastic
         where, of = envelope.pressures["rigid_contact_pressure" if rigid else "contact_pressure"]
         pressure = np.zeros(len(area.mesh.elements) if rigid else area.mesh.node_count)
         pressure[where] = of.largest

@@ -136,12 +136,11 @@ def write_results(
             if results.model.profile:
                 (beside / PROFILES_CSV).write_text(profiles_csv(results), encoding="utf-8")
                 draw_profiles(results, beside, pictures)
-            plates = {one.name: one for one in results.discretisation.plates}
+            plates = {one.name: one for one in results.discretisation.members}
             for (group, plate), name in envelope_files(results).items():
-                of = plates.get(plate)
-                nodes = (results.discretisation if of is None else of.own).stress_nodes
+                of = plates[plate]
                 envelope = results.combined.over(group).on(of)
-                write_envelope(nodes, envelope, beside / name, results.model.provenance.metadata)
+                write_envelope(of.own.stress_nodes, envelope, beside / name, results.model.provenance.metadata)
             if table is not None:
                 Path(table).rename(beside / TABLE)
             elif results.model.tabulated:

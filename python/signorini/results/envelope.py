@@ -20,8 +20,8 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
 from signorini.model import Model
 from signorini.results.quantities import ENDS, PEAKING, SIDES, Home
-from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Layout
+from signorini.results.state import ResultState
 
 _SIGNS = (1.0, -1.0)
 """By which values are multiplied so that the largest, and the smallest, are largest."""
@@ -95,9 +95,14 @@ class Extremes:
             result.append(better)
         return result
 
-    def pick(self, which: Ints) -> Extremes:
+    def pick(self, which: Ints | slice) -> Extremes:
         """Those of some of the numbers."""
         return Extremes(*(getattr(self, one.name)[which] for one in fields(self)))
+
+    def put(self, which: Ints | slice, some: Extremes) -> None:
+        """Replace some of the numbers."""
+        for one in fields(self):
+            getattr(self, one.name)[which] = getattr(some, one.name)
 
     @property
     def ends(self) -> tuple[int, int]:
@@ -129,7 +134,7 @@ class Ends:
     min_by: int
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Envelope:
     """Extremes over all results with an equilibrium."""
 
@@ -165,16 +170,18 @@ class Envelope:
             elif support.place != "at" and support.area is None:
                 along[index] = Extremes.none(len(points.positions))
         return cls(
-            layout,
-            Extremes.none(len(layout.catalogue)),
-            np.full((len(layout.catalogue.at("field", "max")), len(ENDS), 2), np.nan),
-            np.full((2, len(layout.governed), len(layout.bearings)), np.nan),
-            {name: Extremes.none(len(layout.nodes if name in PEAKING else mesh.points)) for name in names},
-            {name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names},
-            along,
-            Extremes.none(max((where.stop for where in layout.on_lines.values()), default=0)),
-            tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
-            tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
+            layout=layout,
+            values=Extremes.none(len(layout.catalogue)),
+            places=np.full((len(layout.catalogue.at("field", "max")), len(ENDS), 2), np.nan),
+            beside=np.full((2, len(layout.governed), len(layout.bearings)), np.nan),
+            fields={name: Extremes.none(len(layout.nodes if name in PEAKING else mesh.points)) for name in names},
+            pressures={
+                name: (places, Extremes.none(len(places))) for name, places in on.items() if len(places) and names
+            },
+            along=along,
+            on_lines=Extremes.none(max((where.stop for where in layout.on_lines.values()), default=0)),
+            open_in=tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
+            lifted_in=tuple(np.zeros(len(points.positions), np.int64) for points in layout.supports),
         )
 
     def __getitem__(self, column: str) -> Ends:
@@ -199,15 +206,13 @@ class Envelope:
         places: Floats = self.places[catalogue.numbers[catalogue.by_column[f"max:{name}"]].owner]
         return places
 
-    def on(self, plate: OfWhole | None) -> Envelope:
-        """Those at the nodes of one of several plates; all of them where there is one alone."""
-        if plate is None:
-            return self
+    def on(self, plate: OfWhole) -> Envelope:
+        """Those at the nodes of one of several plates."""
         nodes = np.arange(plate.nodes.start, plate.nodes.stop)
         at = {name: plate.stress_nodes if name in PEAKING else nodes for name in self.fields}
         return replace(self, fields={name: one.pick(at[name]) for name, one in self.fields.items()})
 
-    def take_fields(self, result: Result, who: Ints) -> None:
+    def take_fields(self, result: ResultState, who: Ints) -> None:
         """Meet the fields of one result (1,)."""
         for name, extremes in self.fields.items():
             extremes.take((result.nodal_reaction if name == "reaction" else result.fields[name])[None], who)

@@ -20,6 +20,7 @@ from signorini.discretise.rows import Floats, Pieces
 from signorini.errors import NotCertifiedError
 from signorini.results.load_path import LoadPath, beside
 from signorini.results.path_stop import PathStop
+from signorini.results.recovery import recovered
 from signorini.results.result import Result
 
 
@@ -126,7 +127,7 @@ class ExactPath(LoadPath):
         least = chosen(discretisation, self.problem.freedom, load.nodal, answer, elsewhere)
         if least is not answer:
             answer, certificate = certified(discretisation, load, least, made_of)
-        return Result.of(discretisation, self.load_at(t), methods, load, answer, certificate)
+        return recovered(discretisation, self.load_at(t), methods, load, answer, certificate)
 
 
 def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, pieces: Pieces) -> Iterator[Floats]:

@@ -135,7 +135,7 @@ class Pieces:
         return piece[order[first]], t[order[first]]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Line:
     """Stations (k,) along the line of a support, and how its forces make reactions per length there.
 
@@ -190,22 +190,24 @@ class Line:
         ends, corner = np.unique(vertex[toward[toward >= 0]], return_inverse=True)
         zones = np.unique(np.column_stack([corner.ravel(), vertex[toward >= 0]]), axis=0).T
         return Line(
-            pieces.ends[piece, end],
-            np.column_stack([tangents[:, 1], -tangents[:, 0]]),
-            s,
-            lengths,
-            vertex,
-            begin,
-            pieces.sides,
-            _at_vertices(discretisation, index, pieces, vertices, len(smooth)),
-            _force_pairs(discretisation, index, pieces, vertices, len(smooth)) if "twist" in support.fixed else None,
-            extrapolated,
-            beside,
-            csr_array((np.ones(zones.shape[1]), zones), shape=(len(ends), len(smooth))),
-            np.stack([np.bincount(vertices.ravel(), x) for x in pieces.ends.reshape(-1, 2).T], axis=1)[ends]
+            positions=pieces.ends[piece, end],
+            normals=np.column_stack([tangents[:, 1], -tangents[:, 0]]),
+            s=s,
+            lengths=lengths,
+            vertex=vertex,
+            pieces=begin,
+            sides=pieces.sides,
+            forces=_at_vertices(discretisation, index, pieces, vertices, len(smooth)),
+            couples=_force_pairs(discretisation, index, pieces, vertices, len(smooth))
+            if "twist" in support.fixed
+            else None,
+            extrapolated=extrapolated,
+            beside=beside,
+            zones=csr_array((np.ones(zones.shape[1]), zones), shape=(len(ends), len(smooth))),
+            corners=np.stack([np.bincount(vertices.ravel(), x) for x in pieces.ends.reshape(-1, 2).T], axis=1)[ends]
             / np.bincount(vertices.ravel())[ends, None],
-            can_let_go(support),
-            np.append(0.0, np.cumsum(pieces.lengths))[on] + t * pieces.lengths[on],
+            one_sided=can_let_go(support),
+            points_s=np.append(0.0, np.cumsum(pieces.lengths))[on] + t * pieces.lengths[on],
         )
 
     def read(self, forces: Floats, couples: Floats | None = None) -> tuple[Floats, Floats]:
@@ -231,15 +233,14 @@ class Line:
 def lines_of(discretisation: Discretisation) -> dict[int, Line]:
     """Lines of the supports by their place in the model; between two plates on the upper one."""
     result = {}
-    for plate in discretisation.plates or (None,):
-        own = discretisation if plate is None else plate.own
-        for index, support in enumerate(own.model.support):
-            if support.along_line and (plate is None or index not in plate.upon):
-                result[index if plate is None else plate.numbers["support"][index]] = Line.of(own, index)
+    for plate in discretisation.members:
+        for index, support in enumerate(plate.own.model.support):
+            if support.along_line and index not in plate.upon:
+                result[plate.numbers["support"][index]] = Line.of(plate.own, index)
     return dict(sorted(result.items()))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class LineReactions(Remade):
     """Reactions per length of a support along edges, a line or a circle, positive where they push the plate up.
 
@@ -297,8 +298,15 @@ class LineReactions(Remade):
         """Join reactions with the stations of the line."""
         begins = np.append(True, line.pieces[:-1] < 0)
         return cls(
-            *(line.positions, line.normals, line.s, line.lengths, reactions, begins),
-            *(line.corners, corner_reactions, line.points_s),
+            positions=line.positions,
+            normals=line.normals,
+            s=line.s,
+            lengths=line.lengths,
+            reactions=reactions,
+            begins=begins,
+            corners=line.corners,
+            corner_reactions=corner_reactions,
+            points_s=line.points_s,
         )
 
     @property
@@ -373,7 +381,7 @@ def _runs_of(which: Bools) -> list[Ints]:
 
 def _concentrates(support: Support) -> bool:
     """Whether a support can carry a finite force at a place: a rigid one without limit."""
-    return support.modulus is None and support.law is None and support.limit is None
+    return not support.is_elastic and not support.has_pieces
 
 
 def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floats) -> tuple[csr_array, Ints, Ints]:

@@ -26,6 +26,7 @@ from signorini.results.envelope import Envelope, States
 from signorini.results.notebook import path_table
 from signorini.results.path_events import PathEvent, Threshold, in_words
 from signorini.results.path_stop import PathStop
+from signorini.results.recovery import recovered
 from signorini.results.result import Result
 from signorini.results.rows import Block, Column, Layout, together
 from signorini.results.warnings import bending_thickness, model_warnings, too_far
@@ -190,7 +191,7 @@ class LoadPath(States[float]):
     def words(self, index: int) -> str:
         """Describe the supports' changes and the thresholds at a stop, given its number from 0."""
         index = arguments.index(index, len(self.stops), "stop", "index")
-        pulling = {support.name for support in self.model.support if support.resists == "up"}
+        pulling = {support.name for support in self.model.support if support.direction == "up"}
         event = in_words([self.support_events[number] for number in self.events_at.get(index, ())], pulling)
         reached = [self.thresholds[number].when for number in self.reached_at.get(index, ())]
         said = "; ".join(part for part in (event, *reached) if part)
@@ -333,7 +334,7 @@ def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, C
         raise NotCertifiedError(f"{of.name} has no answer that could be certified. {uncertain(result)}")
     if not tried.passed:
         raise NotCertifiedError(refusal(of.name, result, load, tried.answer, tried.certificate))
-    return Result.of(result, of, tried.methods, load, tried.answer, tried.certificate)
+    return recovered(result, of, tried.methods, load, tried.answer, tried.certificate)
 
 
 def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> tuple[CaseLoad, CaseLoad]:

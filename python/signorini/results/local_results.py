@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -14,9 +14,8 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.discretise.stressnodes import StressNodes
 from signorini.mesh import Location, Mesh
 from signorini.model.output import Profile
-from signorini.results.contact_field.area_contact import without_shared_borders
+from signorini.results.contact_field.area_contact import AreaContact, without_shared_borders
 from signorini.results.quantities import PRESSURE, design_moments, face_stresses, principal_moments, shear_stresses
-from signorini.results.support_result import SupportResult, areas_below
 
 
 @dataclass(frozen=True)
@@ -88,30 +87,13 @@ class ProbeResult:
         }
 
 
-def probe_results(
-    fields: Floats,
-    nodes: StressNodes,
-    thickness: Floats,
-    supports: Sequence[SupportResult],
-    where: Location,
-    positions: Floats,
-) -> list[ProbeResult]:
-    """Interpolate fields (s, 8) and the thickness (s,) to positions (q, 2), and ask for the pressure there."""
-    if not len(positions):
-        return []
-    sides = nodes.sides(positions, where)
-    at_points = sides.larger(nodes.at(sides, fields))
-    pressures = total_pressure(supports, positions).tolist()
-    return [
+def probe_results(positions: Floats, fields: Floats, pressures: Floats, thickness: Floats) -> tuple[ProbeResult, ...]:
+    """Results at positions (q, 2) from fields (q, 8), pressures (q,), NaN where no area is, and the thickness (q,)."""
+    columns = positions.tolist(), fields.tolist(), pressures.tolist(), thickness.tolist()
+    return tuple(
         ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h)
-        for (x, y), v, p, h in zip(
-            positions.tolist(),
-            at_points.tolist(),
-            pressures,
-            sides.alike(nodes.at(sides, thickness)).tolist(),
-            strict=True,
-        )
-    ]
+        for (x, y), v, p, h in zip(*columns, strict=True)
+    )
 
 
 def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Floats) -> Floats:
@@ -120,12 +102,11 @@ def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Fl
     return sides.larger(nodes.at(sides, fields))
 
 
-def total_pressure(supports: Sequence[SupportResult], positions: Floats) -> Floats:
-    """Sum (q,) of the pressures of area supports at positions (q, 2) on the plate; NaN where none is.
+def total_pressure(areas: Sequence[AreaContact], positions: Floats) -> Floats:
+    """Sum (q,) of the pressures of areas at positions (q, 2) on the plate; NaN where none is.
 
     Where areas only touch, it is the pressure of one.
     """
-    areas = areas_below(supports)
     if not areas:
         return np.full(len(positions), np.nan)
     result = np.array([area.pressure(positions) for area in areas])
@@ -163,7 +144,7 @@ def profile_results(
     profiles: Sequence[Profile],
     fields: Mapping[str, Floats],
     nodes: StressNodes,
-    supports: Sequence[SupportResult],
+    areas: Sequence[AreaContact],
 ) -> tuple[ProfileResult, ...]:
     """Interpolate fields, (n,) or (s,), to the stations of profiles."""
     table = np.column_stack([nodes.spread(values) for values in fields.values()])
@@ -173,7 +154,7 @@ def profile_results(
         where, on = stations(nodes.mesh, at)
         values = np.full((len(at), len(fields) + 1), np.nan)
         values[on, :-1] = fields_at(table, nodes, where, at[on])
-        values[on, -1] = total_pressure(supports, at[on])
+        values[on, -1] = total_pressure(areas, at[on])
         result.append(
             ProfileResult(profile.name, distance, at, dict(zip((*fields, PRESSURE.name), values.T, strict=True)))
         )
@@ -279,9 +260,14 @@ class StripResult:
         return min(self.stations, key=lambda station: station.moment)
 
 
-def section_results(
-    discretisation: Discretisation, through: Floats
-) -> tuple[Listed[SectionResult], Listed[StripResult]]:
+class SectionsAndStrips(TypedDict):
+    """Results of sections and strips by the fields of a result."""
+
+    sections: Listed[SectionResult]
+    strips: Listed[StripResult]
+
+
+def section_results(discretisation: Discretisation, through: Floats) -> SectionsAndStrips:
     """Results of sections and strips from the numbers (3s,) of `Discretisation.through`."""
     lengths = discretisation.cut_lengths.tolist()
     values = ((length, *row) for length, row in zip(lengths, through.reshape(-1, 3).tolist(), strict=True))
@@ -290,4 +276,4 @@ def section_results(
     for strip in discretisation.model.strip:
         at = strip.places[0].tolist()
         strips.append(StripResult(strip.name, tuple(StationResult((x, y), *next(values)) for x, y in at)))
-    return Listed(sections, "section"), Listed(strips, "strip")
+    return SectionsAndStrips(sections=Listed(sections, "section"), strips=Listed(strips, "strip"))

@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
 from signorini.base.numbers import estimated, in_unit, plain
 from signorini.discretise import Discretisation
+from signorini.discretise.laws import known_values, on_soil, written_at
 from signorini.discretise.quadrature import area_quadrature
 from signorini.discretise.rows import Bools, Floats
-from signorini.discretise.stressnodes import StressNodes
 from signorini.equilibrium.balance import NO_FORCE
-from signorini.expression import Field
 from signorini.mesh import Mesh
 from signorini.model import Load, Model, Support
 from signorini.model.where import Where
@@ -34,11 +33,11 @@ from signorini.plot.picture import (
 )
 from signorini.plot.view import seen
 from signorini.results.contact_field.area_contact import AreaContact
-from signorini.results.contact_field.cells import known_values
 from signorini.results.contact_field.lines import Segments, chained
 from signorini.results.extremes import FieldExtremes, peak
 from signorini.results.line_reactions import Line, LineReactions
 from signorini.results.quantities import KINDS, PEAKING, PICTURED, PRESSURE
+from signorini.results.state import ResultState
 from signorini.results.support_points import SupportPoints
 from signorini.results.support_result import SupportResult, areas_below, describe
 from signorini.shapes import Polyline, Region, Ring
@@ -75,16 +74,15 @@ def support_mark(
     ``numbers`` stand beside its points, ``words`` behind its kind.
     """
     style = _STYLES.get(support.place, "line")
-    if support.fix is not None:
+    if support.fixed:
         closed = None  # it never lets go
     counts = None if closed is None else (int(closed.sum()), int((~closed).sum()))
     places, states = positions, closed
     if support.place != "at":
         places, states = _divided(drawn(mesh, support.where)), None
-        if isinstance(support.stiffness, Field):
-            on_soil = ~np.isnan(places[:, 0])
-            on_soil[on_soil] = support.stiffness(*places[on_soil].T) > 0.0
-            places = np.where(on_soil[:, None], places, np.nan)
+        acting = ~np.isnan(places[:, 0])
+        acting[acting] = on_soil(support, places[acting])
+        places = np.where(acting[:, None], places, np.nan)
         if closed is not None and len(positions):
             from scipy.spatial import cKDTree
 
@@ -97,7 +95,7 @@ def support_mark(
         style,
         boundary,
         support.is_compliant,
-        not (support.gap.is_constant and support.gap.value == 0),
+        support.has_gap,
         describe(support) + words,
         counts,
         _prints(support),
@@ -122,11 +120,8 @@ def _numbers(supports: Sequence[Support], counts: Sequence[int]) -> list[list[st
 def _given(support: Support, positions: Floats, units: Units) -> tuple[str, list[str]]:
     """Write gap, preload and order of a support's points: common values once, other values for each point."""
     same, each = "", [""] * len(positions)
-    for key, unit in (("gap", units.length), ("preload", units.force), ("order", "")):
-        value = getattr(support, key)
-        if value is None:
-            continue
-        values = value(*positions.T) if callable(value) else np.broadcast_to(value, len(positions))
+    for key, kind, values in written_at(support, positions):
+        unit = getattr(units, kind, "")
         words = [f", {key} {plain(float(one), 4)} {unit}".rstrip() for one in values] if np.any(values) else []
         if len(set(words)) == 1:
             same += words[0]
@@ -136,8 +131,8 @@ def _given(support: Support, positions: Floats, units: Units) -> tuple[str, list
 
 
 def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged", "symmetry"]:
-    if support.fix is None:
-        return support.resists or "both"
+    if not support.fixed:
+        return support.direction
     if "w" not in support.fixed:
         return "symmetry"
     return "clamped" if "slope" in support.fixed else "hinged"
@@ -150,7 +145,7 @@ def pressure_layer(area: AreaContact, pressure: Floats | None = None) -> Pressur
     covered = area.support.where.region
     outline = None if covered is None else _loops(covered)
     if pressure is not None:
-        values = pressure[on] if area.support.modulus is None else cut.interpolate(pressure)
+        values = cut.interpolate(pressure) if area.support.is_elastic else pressure[on]
     else:
         values = area.element_pressure[on] if area.stiff[on].all() else area.pressing(cut)
     return PressureLayer(cut, values, area.bounds, outline)
@@ -381,33 +376,6 @@ def _loops(shape: Region) -> Floats:
     return np.concatenate([first, *(part for loop in others for part in (_BREAK, loop))])
 
 
-class Shown(Protocol):
-    """A result, as far as pictures show it."""
-
-    @property
-    def model(self) -> Model:
-        """Options of the picture."""
-
-    @property
-    def stress_nodes(self) -> StressNodes:
-        """Nodes (m,) of the fields' pictures."""
-
-    @property
-    def fields(self) -> Mapping[str, Floats]:
-        """Values (n,) by name."""
-
-    @property
-    def extremes(self) -> Mapping[str, FieldExtremes]:
-        """Units of fields."""
-
-    @property
-    def supports(self) -> Sequence[SupportResult]:
-        """Results of each support."""
-
-    def excluding(self, number: str) -> Sequence[Singularity]:
-        """Singularities around which extremes of "moment" or "shear" leave out nodes."""
-
-
 def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[SupportResult]) -> list[SupportMark]:
     """Marks of the supports, open or closed."""
     numbers = _numbers(asked, [len(one.positions) for one in supports])
@@ -438,7 +406,7 @@ def view_of(picture: Picture, mesh: Mesh, deflection: Floats, factor: float) -> 
     return Picture(panels, marks, f"{picture.title}, deflections × {plain(factor, 2)}")
 
 
-def field_range(field: str, result: Shown) -> tuple[float, float]:
+def field_range(field: str, result: ResultState) -> tuple[float, float]:
     """Smallest and largest value of a field away from where it has no limit; of the pressure with 0."""
     if field != PRESSURE.name:
         ends = _ends(field, result)
@@ -448,7 +416,7 @@ def field_range(field: str, result: Shown) -> tuple[float, float]:
 
 
 def panel(
-    field: str, result: Shown, widths: Mapping[str, Any] | None = None, limits: tuple[float, float] | None = None
+    field: str, result: ResultState, widths: Mapping[str, Any] | None = None, limits: tuple[float, float] | None = None
 ) -> Panel:
     """Draw a field, or the pressure, in the colours of its quantity, with its extremes and, if known, half-widths."""
     of = PICTURED[field]
@@ -549,7 +517,7 @@ def _written(value: float, told: bool, width: float | None) -> str:
     return estimated(value, width).replace("-", "−") if told else plain(value, 4)
 
 
-def _ends(field: str, result: Shown) -> FieldExtremes:
+def _ends(field: str, result: ResultState) -> FieldExtremes:
     nodes = result.stress_nodes
     everywhere = np.ones(nodes.mesh.node_count, np.bool_)
     return result.extremes.get(field) or FieldExtremes.of(result.fields[field], nodes, everywhere)

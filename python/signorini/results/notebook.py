@@ -11,6 +11,7 @@ import numpy as np
 from signorini.base.numbers import estimated, in_unit, number, size_of
 from signorini.errors import point
 from signorini.model import Support, Units
+from signorini.results.state import ResultState
 from signorini.results.support_result import SupportResult, symbol
 
 _NUMBER = 'style="padding: 0 0.5em; text-align: right; white-space: nowrap"'
@@ -84,3 +85,25 @@ def path_table(supports: Sequence[str], stops: Iterable[tuple[str, str, float, l
     titles = [f"largest deflection{in_unit(units.length)}", *(f"{name}{in_unit(units.force)}" for name in supports)]
     rows = (([t, event], [f"{value:.6g}" for value in (most, *reactions)]) for t, event, most, reactions in stops)
     return _table(["t", "event"], titles, rows)
+
+
+def in_notebook(result: ResultState, plus_minus: Mapping[str, Any] | None, of_mesh: str) -> str:
+    """Write a result as HTML, with half-widths and their meshes if there are any."""
+    title = f"<p><b>{html.escape(result.name)}</b>: {result.status.replace('_', ' ')}</p>"
+    if result.status != "solved":
+        return f"{title}<p>{html.escape(result.message)}</p>"
+    units, ends = result.model.units, result.extremes["deflection"]
+    most = size_of([ends.min, ends.max])
+    low, high = (
+        number(value, most) if plus_minus is None else estimated(value, plus_minus["deflection"][side], most)
+        for side, value in (("min", ends.min), ("max", ends.max))
+    )
+    said = [
+        f"deflection {low} to {high} {units.length}".rstrip() + ", positive down",
+        f"{result.method}, {result.iterations} {result.counted}; certificate {result.certificate}",
+        *([of_mesh] if of_mesh else []),
+        *result.warnings,
+    ]
+    widths = None if plus_minus is None else plus_minus["supports"]
+    table = supports_table(result.model.support, result.supports, units, widths)
+    return f"{title}{table}<p>{'<br>'.join(map(html.escape, said))}</p>"

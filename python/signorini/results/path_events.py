@@ -12,14 +12,14 @@ import numpy as np
 
 from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
+from signorini.discretise.laws import SupportLaw
 from signorini.discretise.rows import Floats
 from signorini.errors import InputError, point, unknown
 from signorini.model import Support
-from signorini.results.contact_field.cells import free_travel, overlap
+from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.path_stop import PathStop, numbers_at_stops
 from signorini.results.quantities import SMOOTH
 from signorini.results.support_points import Scales, SupportPoints, closed_by_point, in_falling_order
-from signorini.results.support_result import area_at_rest
 
 LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Parts of a line or area that are closed at its events: it begins to open, three quarters, all of it is open."""
@@ -65,7 +65,8 @@ def _closing(discretisation: Discretisation, index: int, answer: Answer, scales:
         return _of_parts(own, points.weights, between=support.area is None)
     deflection = (answer.hi + answer.lo)[::3]
     nodes = np.flatnonzero(at_rest.on_nodes)
-    at_nodes = overlap(support, deflection[nodes], free_travel(support, discretisation.mesh.points[nodes]))
+    law = SupportLaw(support)
+    at_nodes = law.overlap(deflection[nodes], law.travel(discretisation.mesh.points[nodes]))
     pressed = np.append(own * scales.length, at_nodes[~np.isnan(at_nodes)])
     touching = _TOUCHING * np.abs(pressed).max(initial=0.0)
     ends = (pressed.min() + touching) / scales.length, (pressed.max() - touching) / scales.length
@@ -96,7 +97,7 @@ _MOST_POINTS = 3
 """Points of one support named at a stop."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PathEvent:
     """A point of a support opens, closes or yields; or a line or area begins to, has done so, or passes a quarter."""
 
@@ -160,10 +161,26 @@ def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> t
             stop, before, now = stops[row], parts[row - 1], parts[row]
             own = [switch for switch in stop.switched if switch.support == support.name]
             if support.place == "at":
-                result += [PathEvent(row, stop.t, support.name, one.at, one.change, now, one.opens) for one in own]
+                result += [
+                    PathEvent(
+                        row=row,
+                        t=stop.t,
+                        support=support.name,
+                        at=one.at,
+                        change=one.change,
+                        closed=now,
+                        opening=one.opens,
+                    )
+                    for one in own
+                ]
                 continue
             yielding = [one for one in own if "yield" in one.change]
-            result += [PathEvent(row, stop.t, support.name, one.at, one.change, now, one.opens) for one in yielding]
+            result += [
+                PathEvent(
+                    row=row, t=stop.t, support=support.name, at=one.at, change=one.change, closed=now, opening=one.opens
+                )
+                for one in yielding
+            ]
             opening = now < before
             for number, level in enumerate(LEVELS):
                 beyond = 1 - WHOLE if level == 1.0 else WHOLE if level == 0.0 else level
@@ -171,7 +188,18 @@ def events_of_stops(supports: Sequence[Support], stops: Sequence[PathStop]) -> t
                     continue
                 change, part = event_of(support, number, opening, len(LEVELS))
                 at = own[0].at if own and change in ("begins to open", "begins to close") else None
-                result.append(PathEvent(row, stop.t, support.name, at, change, part or 0.0, opening, number))
+                result.append(
+                    PathEvent(
+                        row=row,
+                        t=stop.t,
+                        support=support.name,
+                        at=at,
+                        change=change,
+                        closed=part or 0.0,
+                        opening=opening,
+                        number=number,
+                    )
+                )
     return tuple(sorted(result, key=lambda event: event.row))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -10,16 +10,14 @@ import numpy as np
 
 from signorini.base.on_demand import kept
 from signorini.base.remade import Brief
-from signorini.contact.certificate import imbalances
 from signorini.contact.selection import Answer, NotUnique
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints, Pieces
 from signorini.results.catalogue import catalogue_of
 from signorini.results.extremes import peak
 from signorini.results.of_plates import places_in_plates
-from signorini.results.quantities import SIDES, TURNING, Catalogue, Home
-from signorini.results.support_points import SupportPoints, closed_part
-from signorini.results.support_result import area_at_rest
+from signorini.results.quantities import SIDES, Catalogue, Home
+from signorini.results.readings import Readings, SupportForces
 
 _MOST_POINTS = 100
 """Largest number of points whose reactions are listed at each stop."""
@@ -44,7 +42,7 @@ class Switch:
         return self.change in ("opens", "yields")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class PathStop(Brief):
     """The path at one t. Between two stops all numbers are linear in t, except extremes and work."""
 
@@ -155,7 +153,7 @@ def path_stops(
     ``imbalance`` (k, 3n) are their residuals, of plate and springs alone, if known.
     """
     catalogue = numbers_at_stops(discretisation)
-    numbers = _numbers(discretisation, catalogue, loads, answers, imbalance, {})
+    numbers = _numbers(discretisation, catalogue, loads, answers, imbalance)
     deflection = np.array([(answer.hi + answer.lo)[::3] for answer in answers])
     works = np.array([load.nodal * (answer.hi + answer.lo) for load, answer in zip(loads, answers, strict=True)])
     stops = []
@@ -164,17 +162,17 @@ def path_stops(
         most, least = [(float(x), float(y)) for x, y in discretisation.mesh.points[extremes]]
         stops.append(
             PathStop(
-                t,
-                switched[row].as_switches(discretisation, answer),
-                points[row],
-                answer.piece[points[row]],
-                catalogue,
-                numbers[row],
-                most,
-                least,
-                float(works[row].sum()),
-                float(np.abs(works[row]).sum()),
-                answer.not_unique,
+                t=t,
+                switched=switched[row].as_switches(discretisation, answer),
+                points=points[row],
+                pieces=answer.piece[points[row]],
+                catalogue=catalogue,
+                values=numbers[row],
+                largest_at=most,
+                smallest_at=least,
+                work=float(works[row].sum()),
+                work_size=float(np.abs(works[row]).sum()),
+                not_unique=answer.not_unique,
             )
         )
     return stops
@@ -186,84 +184,25 @@ def _numbers(
     loads: Sequence[CaseLoad],
     answers: Sequence[Answer],
     imbalance: Floats | None,
-    beneath: Mapping[int, Floats],
 ) -> Floats:
-    """The numbers of the catalogue in every answer (k, n); ``beneath`` are other plates' deflections (k, n)."""
-    if discretisation.plates:
-        return _of_plates(discretisation, catalogue, loads, answers)
-    hi, lo = np.array([answer.hi for answer in answers]), np.array([answer.lo for answer in answers])
-    imbalance = imbalances(discretisation, loads, hi, lo) if imbalance is None else imbalance
-    deflection, pull = (hi + lo)[:, ::3], discretisation.spring_forces(hi, lo)
-    numbers = np.full((len(answers), len(catalogue)), np.nan)
-    _put_supports(discretisation, catalogue, numbers, imbalance, pull, deflection, answers, beneath)
-    values = discretisation.mesh.shape_functions(discretisation.probes.elements, discretisation.probes.xi)
-    at_probes = np.einsum(
-        "qi,kqi->kq", values, deflection[:, discretisation.mesh.elements[discretisation.probes.elements]]
-    )
-    numbers[:, catalogue.at("probe", "deflection")] = at_probes
-    ends = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)
-    numbers[:, catalogue.at("field", *SIDES)] = ends[:, None]
-    for row, (load, answer) in enumerate(zip(loads, answers, strict=True)):
-        through = discretisation.through(load, answer.hi, answer.lo, answer.shared, pull[row])
-        catalogue.put_through(numbers[row], through)
-    return numbers
-
-
-def _of_plates(
-    discretisation: Discretisation, catalogue: Catalogue, loads: Sequence[CaseLoad], answers: Sequence[Answer]
-) -> Floats:
-    """Those of several plates, from each of them."""
-    own, each = [catalogue_of(one, ("deflection",)).along_paths for one in discretisation.each], list[Floats]()
-    deflections = [np.array([(one.hi + one.lo)[plate.dofs][::3] for one in answers]) for plate in discretisation.plates]
-    for at, plate in enumerate(discretisation.plates):
-        beneath = {which: (matrix @ deflections[other].T).T for which, (other, matrix) in plate.beneath.items()}
-        on = [load.plates[at] for load in loads], [answer.on(plate) for answer in answers]
-        each.append(_numbers(plate.own, own[at], *on, None, beneath))
-    result = np.empty((len(answers), len(catalogue)))
-    for place, of in enumerate(catalogue.in_plates):
-        values = [each[plate][:, number] for plate, number in of]
-        smallest = catalogue.numbers[place].what == "min"
-        result[:, place] = np.min(values, axis=0) if smallest else np.max(values, axis=0)
-    return result
-
-
-def _put_supports(
-    discretisation: Discretisation,
-    catalogue: Catalogue,
-    numbers: Floats,
-    imbalance: Floats,
-    pull: Floats,
-    deflection: Floats,
-    answers: Sequence[Answer],
-    beneath: Mapping[int, Floats],
-) -> None:
-    """Fill in the numbers of supports and their points in each answer (k, n)."""
-    shared, all_closed = np.array([one.shared for one in answers]), np.array([one.closed for one in answers])
-    gaps = np.array([one.gap for one in answers])
-    held_force = np.where(discretisation.held.dofs, imbalance - (discretisation.point_rows.T @ shared.T).T, 0.0)[:, ::3]
-    of_points: list[tuple[Floats, Floats]] = []
-    moments = [SupportPoints.of(discretisation, i).moments(pull) for i in range(len(discretisation.model.support))]
-    areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
-    for index, support in enumerate(discretisation.model.support):
-        points = SupportPoints.of(discretisation, index)
-        fixed = np.concatenate([held_force[:, points.nodes], pull[:, points.springs]], axis=1)
-        reactions, closed = points.forces(fixed, shared), points.closed(all_closed)
-        contact = np.full(len(answers), np.nan)
-        if support.area is not None:
-            at_rest, above = area_at_rest(discretisation, index), deflection - beneath.get(index, 0.0)
-            contact = at_rest.contact_areas(above, closed)
-            pressures = at_rest.measured(above[:, at_rest.on_nodes], reactions)
-            most = np.fmax.reduce(pressures, axis=1, initial=0.0)
-            at = catalogue.at("support", "contact_area", "max_pressure")[areas.index(index)]
-            numbers[:, at] = np.stack([contact, most], axis=1)
-        parts = [
-            closed_part(discretisation, index, one, area) for one, area in zip(answers, contact.tolist(), strict=True)
+    """The numbers of the catalogue in every answer (k, n)."""
+    each = []
+    for at, plate in enumerate(discretisation.members):
+        own = plate.own
+        own_loads, own_answers = [load.on(at) for load in loads], [answer.on(plate) for answer in answers]
+        forces = [
+            SupportForces.of(
+                *(own, load.nodal, answer.hi, answer.lo, own.point_rows.T @ answer.shared),
+                imbalance=None if imbalance is None else imbalance[row, plate.dofs],
+            )
+            for row, (load, answer) in enumerate(zip(own_loads, own_answers, strict=True))
         ]
-        count = closed.sum(axis=1)
-        at = catalogue.at("support", "reaction", "closed", "open", "closed_part")[index]
-        numbers[:, at] = np.stack([reactions.sum(axis=1), count, closed.shape[1] - count, parts], axis=1)
-        if support.place == "at":
-            of_points.append((reactions, points.gaps(gaps)))
-    if len(at := catalogue.at("point", "reaction", "gap")):
-        numbers[:, at] = np.stack([np.concatenate(column, axis=1) for column in zip(*of_points, strict=True)], axis=-1)
-        numbers[:, catalogue.at("point", *TURNING)] = np.concatenate(moments, axis=1)
+        beneath = [plate.deflections_beneath((answer.hi + answer.lo)[::3]) for answer in answers]
+        nothing = [None] * len(answers)
+        readings = Readings.of(own, own_loads, own_answers, forces, nothing, beneath)
+        told = catalogue_of(own, ("deflection",)).along_paths if discretisation.plates else catalogue
+        numbers, deflection = readings.numbers(told), readings.deflections(slice(None))
+        ends = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)
+        numbers[:, told.at("field", *SIDES)] = ends[:, None]
+        each.append(numbers)
+    return catalogue.of_members(each)

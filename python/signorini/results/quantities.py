@@ -15,7 +15,7 @@ import numpy as np
 
 from signorini.base.remade import short
 from signorini.discretise.rows import Floats, Ints
-from signorini.model import Model
+from signorini.model import Model, Support
 from signorini.model.whole import Units
 
 
@@ -65,6 +65,7 @@ def shear_stresses(shear: Floats, thickness: Floats) -> Floats:
 Path = tuple[str | int, ...]
 """Keys and indices that lead to a number in results.json."""
 Home = Literal["field", "mean", "support", "point", "corner", "probe", "section", "strip", "station"]
+Key = tuple[Home, int | str, str]
 
 
 @dataclass(frozen=True)
@@ -117,6 +118,7 @@ class Quantity:
     tabled: bool = True  # whether tables have it
     enveloped: bool = True  # whether extremes of it are sought
     along_paths: bool = True  # whether load paths tell it at every stop
+    parents: tuple[str, ...] = ()  # fields that its formula is of
 
     @property
     def path(self) -> Path:
@@ -184,8 +186,13 @@ DERIVED = (
     Derived(
         lambda moment, shear, thickness: principal_moments(moment),
         (
-            Quantity("m1", "moment", "principal moment m1", ("principal_moment", 0), "principal_moment"),
-            Quantity("m2", "moment", "principal moment m2", ("principal_moment", 1), "principal_moment"),
+            *(
+                Quantity(
+                    *(name, "moment", f"principal moment {name}", ("principal_moment", place), "principal_moment"),
+                    parents=("mx", "my", "mxy"),
+                )
+                for place, name in enumerate(("m1", "m2"))
+            ),
             Quantity("m_angle", "angle", "angle of m1", ("principal_moment", 2), tabled=False, enveloped=False),
         ),
     ),
@@ -198,6 +205,7 @@ DERIVED = (
                 f"design moment along {axis} at the {face}",
                 ("design_moment", face, place),
                 f"design_moment {face}",
+                parents=(f"m{axis}", "mxy"),
             )
             for face in ("bottom", "top")
             for place, axis in enumerate("xy")
@@ -230,6 +238,10 @@ DERIVED = (
 )
 """Fields that follow from those."""
 
+DESIGN_MOMENTS: Mapping[str, float] = MappingProxyType(
+    {f"m{axis}_{face}": sign for face, sign in (("bottom", 1.0), ("top", -1.0)) for axis in "xy"}
+)
+"""Signs of the moments that design moments resist."""
 FIELDS: Mapping[str, Quantity] = _by_name(
     [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
 )
@@ -277,7 +289,6 @@ OF_TURNING_POINTS = tuple(
     for at, axis in enumerate("xy")
 )
 OF_POINTS_WITH_LAWS = (Quantity("piece", "count", "piece of the law", (), "", False, False, False),)
-TURNING = tuple(one.name for one in OF_TURNING_POINTS)
 OF_BOLTS = (
     Quantity("preload", "reaction", "preload, sum over the bolts", enveloped=False, along_paths=False),
     Quantity("prying", "part", "prying, −Σ reaction / upward load", tabled=False, along_paths=False),
@@ -308,8 +319,10 @@ SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
 """Extremes of the means at places where a field has no limit."""
 ENDS = (*SIDES, *MEAN_SIDES)
-_EXTREME = ("field", "mean")
+EXTREMES: tuple[Home, ...] = ("field", "mean")
 """Homes of extremes of fields."""
+_OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
+"""Homes whose numbers are read owner by owner."""
 SMOOTH = frozenset(
     ("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment", "max_per_length", "min_per_length")
 )
@@ -344,7 +357,7 @@ class Number:
     def column(self) -> str:
         """Its column in tables."""
         what = self.what
-        if self.home in ("support", *_EXTREME):
+        if self.home in ("support", *EXTREMES):
             return f"{what}:{self.subject}"
         return f"{what}_at:{self.subject}" if self.home == "point" else f"{self.subject}:{what}"
 
@@ -356,17 +369,22 @@ class Number:
     @property
     def what(self) -> str:
         """The quantity, of extremes of a field which of them."""
-        return str(self.path[-1]) if self.home in _EXTREME else self.quantity.name
+        return str(self.path[-1]) if self.home in EXTREMES else self.quantity.name
+
+    @property
+    def key(self) -> Key:
+        """Home, place within it, and field, by which related numbers at one place or of one extreme are found."""
+        return self.home, self.what if self.home in EXTREMES else self.owner, self.quantity.name
 
     @property
     def over_plates(self) -> bool:
         """Whether it is an extreme over all plates."""
-        return self.home in _EXTREME and self.path[0] != "plates"
+        return self.home in EXTREMES and self.path[0] != "plates"
 
     @property
     def envelope_path(self) -> Path:
         """Where its extremes stand in an envelope, of which results.json names the quantities of probes and points."""
-        if self.home in _EXTREME:
+        if self.home in EXTREMES:
             plate = self.path[:2] if self.path[0] == "plates" else ()
             return (*plate, "fields", self.quantity.name)
         own = len(self.path) - len(self.quantity.path)
@@ -390,6 +408,19 @@ def place_of(model: Model, index: int) -> Path:
     return ("supports", index) if index < first else ("contacts", index - first)
 
 
+def of_support(support: Support) -> tuple[Quantity, ...]:
+    """Quantities of a support as a whole."""
+    area, bolt = support.area is not None, support.is_bolt
+    limited = OF_LIMITED_AREAS * (area and support.can_yield)
+    return OF_SUPPORTS + OF_AREAS * area + OF_LINES * support.along_line + limited + OF_BOLTS * bolt
+
+
+def of_points(support: Support) -> tuple[Quantity, ...]:
+    """Quantities of the points of a support at points."""
+    turning = OF_TURNING_POINTS * (bool(support.rotational))
+    return OF_POINTS + AT_BOLTS * support.is_bolt + turning + OF_POINTS_WITH_LAWS * support.has_pieces
+
+
 @dataclass(frozen=True, eq=False)
 class Catalogue:
     """The numbers of a model's results that every mesh has, in their order."""
@@ -411,19 +442,13 @@ class Catalogue:
         """List a model's numbers, given the counts of opening points and corners of each support, and fields."""
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
-            own = OF_SUPPORTS + OF_AREAS * (support.area is not None)
-            own += OF_LINES * support.along_line
-            own += OF_LIMITED_AREAS * (support.area is not None and support.can_yield)
-            own += OF_BOLTS * support.is_bolt
-            for one in own:
+            for one in of_support(support):
                 # How many nodes are closed is the mesh's.
                 told = one.kind != "count" or support.place == "at"
                 path: Path = (*place_of(model, index), *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
             for point in range(count if support.place == "at" else 0):
-                every = OF_POINTS + AT_BOLTS * support.is_bolt
-                every += OF_TURNING_POINTS * (support.rotational_stiffness is not None)
-                for one in every + OF_POINTS_WITH_LAWS * support.has_pieces:
+                for one in of_points(support):
                     path = (*place_of(model, index), "points", point, *one.path)
                     tabled, told = one.tabled and (opens or one.name != "gap"), one.kind != "count"
                     subject = f"{support.name}[{point + 1}]"
@@ -503,24 +528,25 @@ class Catalogue:
         """Place of every number by its keys in results.json."""
         return {one.path: place for place, one in enumerate(self.numbers)}
 
-    def derive(self, values: Floats, thickness: Floats) -> None:
-        """Fill in derived numbers at probes from moments and shears in values (..., n); ``thickness`` is (q,)."""
-        names = [one.name for of in DERIVED for one in of.quantities if ("probe", one.name) in self._places]
-        if names:
-            moment, shear = values[..., self.at("probe", "mx", "my", "mxy")], values[..., self.at("probe", "qx", "qy")]
-            values[..., self.at("probe", *names)] = derived(names, moment, shear, thickness)
+    @cached_property
+    def groups(self) -> Mapping[tuple[Home, int, str], Ints]:
+        """Places of numbers that are read together, by home, owner and name; probes and stations have one owner 0."""
+        groups: dict[tuple[Home, int, str], list[int]] = {}
+        for place, one in enumerate(self.numbers):
+            owner = one.owner if one.home in _OF_ONE else 0
+            groups.setdefault((one.home, owner, one.what), []).append(place)
+        return {key: np.array(of, np.int64) for key, of in groups.items()}
 
-    def put_through(self, values: Floats, through: Floats) -> None:
-        """Fill in forces through sections and means of strips, in values (..., n), from `Discretisation.through`."""
-        sections, stations = (self.at(home, "moment", "twist", "shear") for home in ("section", "station"))
-        both = np.concatenate([sections, stations])
-        values[..., both] = through.reshape(*through.shape[:-1], len(both), 3)
-        if len(strips := self.at("strip", "max_moment", "min_moment")):
-            owners = np.array([self.numbers[place].owner for place in stations[:, 0]])
-            moments = values[..., stations[:, 0]]
-            for index, (most, least) in enumerate(strips):
-                own = moments[..., owners == index]
-                values[..., most], values[..., least] = own.max(axis=-1), own.min(axis=-1)
+    def of_members(self, each: Sequence[Floats]) -> Floats:
+        """Numbers (..., n) from those of every plate's own catalogue; extremes over all plates are of all."""
+        if not self.in_plates:
+            return each[0]
+        result = np.empty((*each[0].shape[:-1], len(self)))
+        for place, of in enumerate(self.in_plates):
+            values = [each[plate][..., number] for plate, number in of]
+            smallest = self.numbers[place].what.startswith("min")
+            result[..., place] = (np.fmin if smallest else np.fmax).reduce(values)
+        return result
 
     @cached_property
     def along_paths(self) -> Catalogue:

@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from signorini.base.on_demand import Named
-from signorini.base.packages import package
 from signorini.contact.certificate import FIGURES
 from signorini.discretise import Discretisation
+from signorini.discretise.discretisation import OfWhole
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.model import Model
 from signorini.results.catalogue import catalogue_of
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
+from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.line_reactions import Line, lines_of
-from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, Catalogue
-from signorini.results.result import Result
+from signorini.results.of_plates import places_in_plates
+from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Home
+from signorini.results.readings import Readings, nodes_around
+from signorini.results.state import ResultState
 from signorini.results.support_points import SupportPoints
-from signorini.results.support_result import area_at_rest
 from signorini.singularities.beside import Beside, beside_of
 from signorini.singularities.named import singularities_of
 from signorini.singularities.singularity import at_peaks
@@ -69,8 +70,6 @@ class Hidden:
     @classmethod
     def of(cls, discretisation: Discretisation, number: str) -> Hidden:
         """Look for the nodes of the fields that singularities call so; none if it is empty."""
-        if discretisation.plates:
-            return cls.of_plates(discretisation, number)
         places: dict[str | None, Ints] = {}
         for case in (None, *discretisation.cases) if number else ():
             at = np.flatnonzero(at_peaks(discretisation.mesh, singularities_of(discretisation, case), number))
@@ -90,21 +89,6 @@ class Hidden:
         by_case = {case: row for case, row in hides.items() if case is not None}
         return cls(np.where(left_out, len(always) - 1, classes[of_mesh]), always, by_case)
 
-    @classmethod
-    def of_plates(cls, discretisation: Discretisation, number: str) -> Hidden:
-        """The same of several plates, each with classes of its own."""
-        each, plates = [cls.of(plate.own, number) for plate in discretisation.plates], discretisation.plates
-        firsts = np.cumsum([0, *(len(one.always) for one in each)])
-        count = discretisation.stress_nodes.count if number else discretisation.mesh.node_count
-        classes = np.zeros(count, np.int64)
-        for plate, one, first in zip(plates, each, firsts, strict=False):
-            classes[plate.stress_nodes if number else plate.nodes] = first + one.classes
-        by_case = {
-            case: np.concatenate([one.by_case.get(case, np.zeros(len(one.always), np.bool_)) for one in each])
-            for case in dict.fromkeys(case for one in each for case in one.by_case)
-        }
-        return cls(classes, np.concatenate([one.always for one in each]), by_case)
-
     def under(self, acting: Bools, cases: Sequence[str]) -> Bools:
         """Which classes (k, c) are hidden where load cases act (k, a); where no node would be left, none."""
         result = np.tile(self.always, (len(acting), 1))
@@ -116,6 +100,32 @@ class Hidden:
 
 
 @dataclass(frozen=True, eq=False)
+class PlateLayout:
+    """Part of one plate in the rows."""
+
+    plate: OfWhole
+    catalogue: Catalogue  # its own numbers
+    hidden: Mapping[str, Hidden]  # of every field its nodes at which it has no limit
+
+    @classmethod
+    def of(cls, plate: OfWhole, fields: tuple[str, ...]) -> PlateLayout:
+        """Lay out a plate, with extremes of some fields."""
+        number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
+        by_number = {number: Hidden.of(plate.own, number) for number in set(number_of.values())}
+        hidden = {name: by_number[number] for name, number in number_of.items()}
+        return cls(plate, catalogue_of(plate.own, fields).in_tables, hidden)
+
+    @property
+    def beside(self) -> Beside:
+        """Places at which moments or shears have no limit."""
+        return beside_of(self.plate.own)
+
+    def nodes_of(self, field: str) -> slice | Ints:
+        """Nodes of a field of this plate, among those of all plates."""
+        return self.plate.stress_nodes if field in PEAKING else self.plate.nodes
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Layout:
     """Which numbers a model's rows have."""
 
@@ -126,10 +136,8 @@ class Layout:
     lines: Mapping[int, Line]  # likewise
     fields: tuple[str, ...]  # those that envelopes are sought of
     probes: Floats  # (q, 2)
-    probe_thickness: Floats  # (q,)
     nodes: Floats  # (s, 2): positions of the nodes of stresses; the first are those of the mesh
-    hidden: Mapping[str, Hidden]  # of every field its nodes at which it has no limit
-    beside: Beside  # the places at which moments or shears have none
+    members: tuple[PlateLayout, ...]
     rest: Floats  # (p,): of every point of every support its travel in a plate at rest, infinite where it is apart
 
     @classmethod
@@ -142,17 +150,25 @@ class Layout:
         # Areas of several plates are in the results of each plate.
         areas = [] if discretisation.plates else areas
         at_rest = {index: area_at_rest(discretisation, index) for index in areas}
-        number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
-        by_number = {number: Hidden.of(discretisation, number) for number in set(number_of.values())}
-        hidden = {name: by_number[number] for name, number in number_of.items()}
+        members = tuple(PlateLayout.of(plate, fields) for plate in discretisation.members)
         catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
-        at = [at for probe in discretisation.model.probe for at in probe.at]
-        probes = np.array(at).reshape(-1, 2), discretisation.probe_thickness
-        lines, beside = lines_of(discretisation), beside_of(discretisation)
+        if discretisation.plates:
+            own = [one.catalogue for one in members]
+            in_plates = places_in_plates(discretisation.model, catalogue.numbers, own)
+            catalogue = replace(catalogue, in_plates=in_plates)
+        probes = np.array([at for probe in discretisation.model.probe for at in probe.at]).reshape(-1, 2)
         rest_of_all = np.concatenate([np.zeros(0), *(one.rest(discretisation) for one in points)])
         return cls(
-            *(discretisation.model, catalogue, points, at_rest, lines, fields),
-            *(*probes, nodes, hidden, beside, rest_of_all),
+            model=discretisation.model,
+            catalogue=catalogue,
+            supports=points,
+            at_rest=at_rest,
+            lines=lines_of(discretisation),
+            fields=fields,
+            probes=probes,
+            nodes=nodes,
+            members=members,
+            rest=rest_of_all,
         )
 
     @cached_property
@@ -174,9 +190,7 @@ class Layout:
     @cached_property
     def around_areas(self) -> Ints:
         """Nodes (k,) of the elements of elastic areas, whose deflections give pressures and contact areas."""
-        elastic = [area for area in self.at_rest.values() if area.support.modulus is not None]
-        nodes = [area.mesh.elements[area.covered > 0].ravel() for area in elastic]
-        return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
+        return nodes_around(self.at_rest.values())
 
     @cached_property
     def bearings(self) -> tuple[Bearing, ...]:
@@ -216,7 +230,7 @@ class Layout:
         return [slice(a, b) for a, b in pairwise(ends)]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Block:
     """Consecutive results (k,); NaN and 0 where there is no equilibrium."""
 
@@ -245,19 +259,19 @@ class Block:
         values = nan(len(layout.catalogue))
         values[:, layout.catalogue.at("support", "closed", "open")] = 0.0
         return cls(
-            first,
-            np.zeros(count, np.bool_),
-            ["equilibrium check"] * count,
-            [""] * count,
-            np.zeros(count, np.int64),
-            nan(len(FIGURES)),
-            values,
-            nan(layout.point_count),
-            np.zeros((count, layout.point_count), np.bool_),
-            np.zeros((count, layout.point_count), np.bool_),
-            nan(max((where.stop for where in layout.on_lines.values()), default=0)),
-            nan(len(layout.around_areas)),
-            nan(len(layout.catalogue.at("field", "max")), len(ENDS), 2),
+            first=first,
+            solved=np.zeros(count, np.bool_),
+            method=["equilibrium check"] * count,
+            not_unique=[""] * count,
+            iterations=np.zeros(count, np.int64),
+            certificate=nan(len(FIGURES)),
+            values=values,
+            reaction=nan(layout.point_count),
+            closed=np.zeros((count, layout.point_count), np.bool_),
+            lifted=np.zeros((count, layout.point_count), np.bool_),
+            on_lines=nan(max((where.stop for where in layout.on_lines.values()), default=0)),
+            on_areas=nan(len(layout.around_areas)),
+            places=nan(len(layout.catalogue.at("field", "max")), len(ENDS), 2),
         )
 
     @property
@@ -265,7 +279,7 @@ class Block:
         """Numbers (k,) of these among all."""
         return self.first + np.arange(len(self.solved))
 
-    def put(self, row: int, layout: Layout, result: Result) -> None:
+    def put(self, row: int, layout: Layout, result: ResultState) -> None:
         """Fill a row with a result that has every field."""
         self.solved[row] = result.status == "solved"
         self.method[row] = result.method
@@ -285,44 +299,48 @@ class Block:
         self.on_areas[row] = result.deflection[layout.around_areas]
         by_path = result.catalogue.by_path
         self.values[row] = result.numbers[[by_path[one.path] for one in layout.catalogue]]
-        each = [one.extremes[name] for one in (result, *result.plates.values()) for name in layout.fields]
+        every: list[ResultState] = [result, *result.plates.values()]
+        each = [one.extremes[name] for one in every for name in layout.fields]
         for at, ends in enumerate(each):
             self.places[row, at] = [getattr(ends, f"{end}_at") for end in ENDS]
 
-    def put_supports(
-        self, rows: Ints, layout: Layout, reaction: Floats, gap: Floats, closed: Bools, bolts: Mapping[str, Floats]
-    ) -> None:
-        """Fill rows (r,) with values at all points (r, p); ``bolts`` are ``tightened_to`` and ``preload`` (p,)."""
-        self.reaction[rows], self.closed[rows] = reaction, closed
-        self.lifted[rows] = ~closed & (gap > _MOVED * layout.rest)
-        at, values = layout.catalogue.at, self.values
-        for column, where in zip(at("support", "reaction", "closed", "open"), layout.slices, strict=True):
-            closed_count = closed[:, where].sum(axis=1)
-            totals = (reaction[:, where].sum(axis=1), closed_count, closed[:, where].shape[1] - closed_count)
-            values[np.ix_(rows, column)] = np.stack(totals, axis=1)
-        for column in at("support", "preload"):
-            values[rows, column] = bolts["preload"][layout.slices[layout.catalogue.numbers[column].owner]].sum()
-        told = {name: np.broadcast_to(force, reaction.shape) for name, force in bolts.items()}
-        told |= {"reaction": reaction, "gap": gap, "change": reaction - bolts["preload"]}
-        for what, of_points in told.items():
-            numbers = [layout.catalogue.numbers[place] for place in at("point", what)]
-            every = [layout.slices[one.owner].start + one.part for one in numbers]
-            values[np.ix_(rows, at("point", what))] = of_points[:, every]
+    def put_supports(self, rows: Ints, layout: Layout, member: PlateLayout, readings: Readings) -> None:
+        """Fill rows (r,) with the supports of one plate in sums."""
+        if layout.at_rest:
+            self.on_areas[rows] = readings.linear.on_areas
+        for index, of in zip(member.plate.numbers["support"], readings.supports, strict=True):
+            if of.index in member.plate.upon:
+                continue
+            where = layout.slices[index]
+            self.reaction[rows, where], self.closed[rows, where] = of.reactions, of.closed
+            self.lifted[rows, where] = ~of.closed & (of.gaps > _MOVED * layout.rest[where])
+            if index in layout.on_lines:
+                self.on_lines[rows, layout.on_lines[index]] = np.concatenate(of.per_length, axis=1)
 
-    def put_lines(self, rows: Ints, layout: Layout, couples: Floats) -> None:
-        """Fill rows (r,) with the reactions per length, given contributions of couples (r, v) at vertices of lines."""
-        first = 0
-        at = dict(zip(layout.lines, layout.catalogue.at("support", *(one.name for one in OF_LINES)), strict=True))
-        for index, line in layout.lines.items():
-            own = None if line.couples is None else couples[:, first : (first := first + line.couples.shape[0])]
-            per_length, corners = line.read(self.reaction[rows, layout.slices[index]], own)
-            self.on_lines[rows, layout.on_lines[index]] = np.concatenate([per_length, corners], axis=1)
-            ends = per_length.max(axis=1), per_length.min(axis=1)
-            self.values[np.ix_(rows, at[index])] = np.stack(ends, axis=1)
+    def put_numbers(self, rows: Ints, layout: Layout, each: Sequence[Floats], places: Sequence[Floats]) -> None:
+        """Fill rows (r,) with the numbers (r, n) of every plate and the places (r, f, 4, 2) of its extremes."""
+        self.values[rows] = layout.catalogue.of_members(each)
+        count = len(layout.fields)
+        if len(each) == 1:
+            self.places[rows] = places[0]
+            return
+        for plate, of_plate in enumerate(places, start=1):
+            self.places[rows, plate * count : (plate + 1) * count] = of_plate
+        first, every = layout.members[0].catalogue, np.stack(places)
+        for end, name in enumerate(ENDS):
+            home: Home = "field" if name in SIDES else "mean"
+            fields = [first.numbers[place].owner for place in first.at(home, name)]
+            sign = 1.0 if name.startswith("max") else -1.0
+            signed = [
+                sign * own[:, one.catalogue.at(home, name)] for own, one in zip(each, layout.members, strict=True)
+            ]
+            which = np.nan_to_num(np.stack(signed), nan=-np.inf).argmax(axis=0)
+            chosen = np.take_along_axis(every[:, :, fields, end], which[None, ..., None], axis=0)[0]
+            self.places[rows[:, None], fields, end] = chosen
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
         """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""
-        if area.support.modulus is None:
+        if not area.support.is_elastic:
             return np.zeros((len(rows), 0))
         own = np.searchsorted(layout.around_areas, np.flatnonzero(area.on_nodes))
         return self.on_areas[np.ix_(rows, own)]
@@ -362,34 +380,3 @@ def _joined(parts: Sequence[Column]) -> Column:
     whole = np.concatenate(parts)
     whole.flags.writeable = False
     return whole
-
-
-def dataframe(table: Mapping[str, Column], key: str) -> Any:
-    """Give a table as a `pandas.DataFrame`, its rows by one of its columns."""
-    return package("pandas").DataFrame({name: np.asarray(values) for name, values in table.items()}).set_index(key)
-
-
-def dataset(results: Mapping[str, Result]) -> Any:
-    """Return fields and reactions of results on one mesh as an `xarray.Dataset`.
-
-    Fields are by combination and stress node, with coordinates x and y; reactions by combination and support. Every
-    variable has its description (``long_name``) and unit (``units``).
-    """
-    first = next(iter(results.values()))
-    units, nodes = first.model.units, first.stress_nodes
-    variables: dict[str, Any] = {}
-    for name, quantity in FIELDS.items():
-        values = np.stack([nodes.spread(one.fields[name]) for one in results.values()])
-        variables[name] = (
-            ("combination", "node"),
-            values,
-            {"long_name": quantity.words, "units": quantity.unit(units)},
-        )
-    places = {axis: ("node", at, {"units": units.length}) for axis, at in zip("xy", nodes.points.T, strict=True)}
-    names = [support.name for support in first.model.support]
-    nothing = [np.nan] * len(names)
-    reactions = [[support.reaction for support in one.supports] or nothing for one in results.values()]
-    what = {"long_name": "reaction, positive up", "units": units.force}
-    variables["reaction"] = (("combination", "support"), np.array(reactions).reshape(len(results), -1), what)
-    coordinates = {"combination": list(results), "support": names, **places}
-    return package("xarray").Dataset(variables, coordinates, {"title": first.model.title})

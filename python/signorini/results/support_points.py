@@ -38,7 +38,7 @@ class SupportPoints:
         """Points of the support at that place in the model, found once."""
         contacts, parts = discretisation.points, discretisation.parts[index]
         nodes, springs, rows = parts.nodes, parts.springs, parts.rows
-        share = 1.0 / np.bincount(discretisation.held.holders[:, 0], minlength=discretisation.mesh.node_count)[nodes]
+        share = 1.0 / np.bincount(discretisation.held.nodes, minlength=discretisation.mesh.node_count)[nodes]
         # All there are need not be copied.
         first = slice(None) if len(rows[0]) == len(contacts) else rows[0]
         elements, places, weight = contacts.rows.elements[first], contacts.positions[first], contacts.weights[first]

@@ -8,20 +8,16 @@ from typing import Literal, Self
 
 import numpy as np
 
-from signorini.base.on_demand import kept
 from signorini.base.remade import Remade
-from signorini.contact.selection import Answer
-from signorini.discretise import Discretisation
 from signorini.discretise.held import sides_that_hold_turns
-from signorini.discretise.laws import can_let_go
 from signorini.discretise.places import quadratic_tangents, side_lengths
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.discretise.supports import STIFFEST_SPRING
 from signorini.mesh import Mesh
 from signorini.model import Support
-from signorini.results.contact_field.area_contact import AreaContact, ground_of
-from signorini.results.line_reactions import Line, LineReactions, of_the_line_alone, per_length_of_sides
-from signorini.results.support_points import SupportPoints, closed_part
+from signorini.results.contact_field.area_contact import AreaContact
+from signorini.results.line_reactions import LineReactions, of_the_line_alone, per_length_of_sides
+from signorini.results.quantities import of_support
+from signorini.results.readings import Readings, SupportForces
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +88,7 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 
 def kinds(support: Support) -> list[str]:
     """Give the kinds of a support, keys of `MEANINGS` and `SYMBOLS`: how it acts, and whether it is elastic."""
-    how = "fixed" if support.fix is not None else support.resists or "both"
+    how = "fixed" if support.fixed else support.direction
     return [how, "elastic"] if support.is_compliant else [how]
 
 
@@ -114,22 +110,16 @@ def describe(support: Support) -> str:
     'points, holds down only, rigid at first, then elastic'
     """
     where = {"at": "points"}.get(support.place, support.place)
-    if support.fix is not None:
-        how = support.fix if isinstance(support.fix, str) else " ".join(support.fix) + " held"
-        return f"{where}, {how}" + (", elastic" if support.modulus is not None else "")
-    how = MEANINGS[support.resists or "both"] if support.between is None else f"between {' and '.join(support.between)}"
-    later = "rigid at first, then elastic" if support.is_compliant else "rigid"
-    parts = [where, how, later if support.modulus is None else "elastic"]
-    if not (support.gap.is_constant and support.gap.value == 0):
-        parts.append("with gap")
-    if support.can_yield:
-        parts.append("with limit")
-    if support.is_bolt:
-        parts.append("preloaded")
+    if support.fixed:
+        return f"{where}, {support.fixing}" + ", elastic" * support.is_elastic
+    how = MEANINGS[support.direction] if support.between is None else f"between {' and '.join(support.between)}"
+    rigid = "rigid at first, then elastic" if support.is_compliant else "rigid"
+    parts = [where, how, "elastic" if support.is_elastic else rigid]
+    parts += ["with gap"] * support.has_gap + ["with limit"] * support.can_yield + ["preloaded"] * support.is_bolt
     return ", ".join(parts)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class SupportResult(Remade):
     """Results of one support.
 
@@ -137,16 +127,16 @@ class SupportResult(Remade):
     ----------
     name, kind : str
         Its name, and in words where it is and which way it holds.
-    reaction : float
-        Total force, positive when it pushes the plate up.
+    place : str
+        The key that says where it is.
+    numbers : mapping of float
+        Its quantities by their names in results.json: reaction, closed, contact_area and so on.
     positions : (k, 2) array
         Where it acts; reactions (k,), remaining gaps (k,) and states (k,) of these points follow. Springs and held
         nodes are always closed. A point of a rigid area, or of one as good as that, is an element, and its position
         the centre of what pushes there.
     weights : (k,) array
         Length or area that each point stands for; 1 at a point.
-    closed_part : float
-        The part of it that is closed: of points as many, of lines by length, of areas by contact area.
     area : AreaContact or None
         Of an area, its contact as a field.
     edge : EdgeCouples or None
@@ -163,22 +153,19 @@ class SupportResult(Remade):
         Of bolts, the reactions to which they were last tightened, negative; 0 of a bolt that was not tightened.
     preloads : (k,) array or None
         Of bolts, their reactions when all bolts are tightened and before other loads act.
-    pull : float
-        With which the loads pull the plate up, their resultant; NaN where they do not.
     upon : bool
         Whether it is one by which another plate lies on this one.
     """
 
     name: str
     kind: str
-    reaction: float
+    place: Literal["at", "edge", "line", "circle", "area"]
+    numbers: Mapping[str, float]
     positions: Floats
     reactions: Floats
     gaps: Floats
     closed: Bools
     weights: Floats
-    place: Literal["at", "edge", "line", "circle", "area"]
-    closed_part: float
     area: AreaContact | None
     edge: EdgeCouples | None
     line: LineReactions | None
@@ -187,8 +174,7 @@ class SupportResult(Remade):
     moments: Floats | None
     tightened_to: Floats | None
     preloads: Floats | None
-    pull: float
-    upon: bool = False
+    upon: bool
 
     @property
     def changes(self) -> Floats | None:
@@ -202,14 +188,24 @@ class SupportResult(Remade):
         return {name: values for name, values in columns.items() if values is not None}
 
     @property
+    def reaction(self) -> float:
+        """Total force, positive when it pushes the plate up."""
+        return self.numbers["reaction"]
+
+    @property
+    def closed_part(self) -> float:
+        """Closed part, 0 to 1: of points as many, of lines by length, of areas by contact area."""
+        return self.numbers["closed_part"]
+
+    @property
     def preload(self) -> float:
         """Sum of the preloads; NaN without preload."""
-        return np.nan if self.preloads is None else float(self.preloads.sum())
+        return self.numbers.get("preload", np.nan)
 
     @property
     def prying(self) -> float:
         """Force of the bolts over the pull of the loads; NaN without either."""
-        return -self.reaction / self.pull
+        return self.numbers.get("prying", np.nan)
 
     @property
     def states(self) -> list[str]:
@@ -230,12 +226,12 @@ class SupportResult(Remade):
     @property
     def contact_area(self) -> float | None:
         """Area in contact, from the deflection field where it is elastic; None if the support is not an area."""
-        return None if self.area is None else self.area.contact_area
+        return self.numbers.get("contact_area")
 
     @property
     def yielded_area(self) -> float | None:
         """Area at its limit, from the deflection field of an elastic area; None without limit."""
-        return None if self.area is None else self.area.yielding(self.yielded)
+        return self.numbers.get("yielded_area")
 
     @property
     def contact_boundary(self) -> tuple[Floats, ...]:
@@ -249,7 +245,7 @@ class SupportResult(Remade):
     @property
     def max_pressure(self) -> float | None:
         """Largest pressure of an area, from the deflection field where it is elastic; None if it is not an area."""
-        return None if self.area is None else self.area.largest[0]
+        return self.numbers.get("max_pressure")
 
     @property
     def max_pressure_at(self) -> tuple[float, float] | None:
@@ -262,68 +258,56 @@ class SupportResult(Remade):
     @property
     def max_tension(self) -> float | None:
         """Largest pressure with which an area pulls the plate down, positive; None if it is not an area."""
-        return None if self.area is None else max(0.0, -self.area.range[0])
+        return self.numbers.get("max_tension")
 
 
-def support_result(
-    discretisation: Discretisation,
-    index: int,
-    held_force: Floats,
-    held_couple: Floats,
-    pull: Floats,
-    answer: Answer,
-    lift: float,
-    beneath: Floats | float = 0.0,
-    upon: bool = False,
-) -> SupportResult:
-    """Result of a support in an answer.
-
-    Inputs are the upward force (n,) and the couples (n, 2) on every held node, the upward force (s,) of every spring,
-    and the force with which the loads lift the plate, NaN where they do not. For a support between two plates
-    ``beneath`` (n,) is the deflection of the other plate; ``upon`` says that the other plate lies on this one.
-    """
-    support = discretisation.model.support[index]
-    points = SupportPoints.of(discretisation, index)
-    reactions = points.forces(np.concatenate([held_force[points.nodes], pull[points.springs]]), answer.shared)
-    closed = points.closed(answer.closed)
-    centres = points.centres(discretisation, answer.shared)
-    deflection = (answer.hi + answer.lo)[::3] - beneath
-    area = None
+def support_result(readings: Readings, index: int, forces: SupportForces) -> SupportResult:
+    """Result of a support in the only solution of some readings, with the forces of all supports."""
+    reading = readings.supports[index]
+    discretisation, support, points = readings.discretisation, reading.support, reading.points
+    (answer,), area = readings.answers, None
+    positions, closed, reactions = (
+        points.centres(discretisation, answer.shared),
+        reading.closed[0],
+        reading.reactions[0],
+    )
     if support.area is not None:
-        area = area_contact(discretisation, index, deflection, centres, closed, reactions)
+        # Its arrays are those of the area, so that a pickle has them once.
+        (area,) = reading.areas
+        positions, closed, reactions = area.positions, area.closed, area.reactions
     edge, springs = None, discretisation.springs
     (turning,) = np.nonzero(springs.slope & (springs.support == index))
     if support.edge is not None and len(turning):
-        edge = EdgeCouples.of_springs(discretisation.mesh, support.edge, springs.positions[turning], pull[turning])
+        couples = forces.springs[turning]
+        edge = EdgeCouples.of_springs(discretisation.mesh, support.edge, springs.positions[turning], couples)
     if support.edge is not None and "slope" in support.fixed:
         held = sides_that_hold_turns(discretisation.model, discretisation.mesh)
-        edge = EdgeCouples.of(discretisation.mesh, support.edge, held_couple, held, discretisation.held.bodies.inside)
+        couples = discretisation.held.to_global(forces.held.reshape(-1, 3)[:, 1:])
+        edge = EdgeCouples.of(discretisation.mesh, support.edge, couples, held, discretisation.held.bodies.inside)
     line = None
     if support.along_line:
-        stations = Line.of(discretisation, index)
-        couples = None if stations.couples is None else stations.couples @ held_couple.ravel()
-        line = LineReactions.of(stations, *stations.read(reactions, couples))
+        per_length, corners = reading.per_length
+        line = LineReactions.of(readings.reader.lines[index], per_length[0], corners[0])
+    names = [one.name for one in of_support(support)]
     return SupportResult(
-        support.name,
-        describe(support),
-        float(reactions.sum()),
-        centres,
-        reactions,
-        points.gaps(answer.gap),
-        closed,
-        points.weights,
-        support.place,
-        closed_part(discretisation, index, answer, np.nan if area is None else area.contact_area),
-        area,
-        edge,
-        line,
-        points.yielded(discretisation, answer.shared),
-        points.pieces(discretisation, answer.piece) if support.place == "at" and support.has_pieces else None,
-        points.moments(pull) if len(points.turning) else None,
-        points.tightened_to(discretisation) if support.is_bolt else None,
-        points.preloads(discretisation) if support.is_bolt else None,
-        lift,
-        upon,
+        name=support.name,
+        kind=describe(support),
+        place=support.place,
+        numbers={name: float(readings.read("support", index, name)[0, 0]) for name in names},
+        positions=positions,
+        reactions=reactions,
+        gaps=reading.gaps[0],
+        closed=closed,
+        weights=points.weights,
+        area=area,
+        edge=edge,
+        line=line,
+        yielded=reading.yielded[0],
+        pieces=reading.pieces[0] if support.place == "at" and support.has_pieces else None,
+        moments=reading.couples[0] if len(points.turning) else None,
+        tightened_to=reading.tightened_to if support.is_bolt else None,
+        preloads=reading.preloads if support.is_bolt else None,
+        upon=index in readings.upon,
     )
 
 
@@ -335,42 +319,3 @@ def areas_below(supports: Sequence[SupportResult]) -> list[AreaContact]:
 def lines_below(supports: Sequence[SupportResult]) -> list[tuple[SupportResult, LineReactions]]:
     """Give the supports of a plate along lines, without those by which others lie on it."""
     return [(one, one.line) for one in supports if one.line is not None and not one.upon]
-
-
-def area_contact(
-    discretisation: Discretisation, index: int, deflection: Floats, positions: Floats, closed: Bools, reactions: Floats
-) -> AreaContact:
-    """Contact of an area, from the deflection (n,) and the forces of its points (q,)."""
-    support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
-    on_means = points.shares is not None or support.modulus is None
-    stiff = on_means | _stiff(discretisation, support, points)
-    return AreaContact(
-        *(discretisation.mesh, support, deflection, positions, points.elements, points.weights),
-        *(closed, reactions, on_means, stiff, _ground(discretisation, index)),
-    )
-
-
-@kept
-def _ground(discretisation: Discretisation, index: int) -> Mesh:
-    return ground_of(discretisation.mesh, SupportPoints.of(discretisation, index).elements)
-
-
-@kept
-def area_at_rest(discretisation: Discretisation, index: int) -> AreaContact:
-    """Contact of an area without any load, computed once: its place and law."""
-    positions, flat = SupportPoints.of(discretisation, index).positions, np.zeros(discretisation.mesh.node_count)
-    nothing = np.zeros(len(positions))
-    return area_contact(discretisation, index, flat, positions, nothing > 0, nothing)
-
-
-def _stiff(discretisation: Discretisation, support: Support, points: SupportPoints) -> Bools:
-    """Elements (ne,) in which an area is stiffer than the plate, or, if it never lets go, as good as rigid."""
-    stiff = np.zeros(len(discretisation.mesh.elements), np.bool_)
-    if support.modulus is not None:
-        at, of_plate = points.elements, discretisation.plate_stiffness
-        stiffness = support.modulus(*points.positions.T)
-        limit = (
-            of_plate.in_waves[at] if can_let_go(support) else STIFFEST_SPRING * of_plate.in_shear[at] / points.weights
-        )
-        stiff[at[stiffness >= limit]] = True
-    return stiff

@@ -10,7 +10,7 @@ import numpy as np
 from signorini.base.numbers import plain
 from signorini.base.units import METRES
 from signorini.discretise import Discretisation
-from signorini.expression import Expression
+from signorini.discretise.laws import constant_stiffness
 from signorini.model.problems import describe
 
 _NEWTONS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "kgf": 9.80665, "kp": 9.80665, "tf": 9806.65, "t": 9806.65}
@@ -74,7 +74,7 @@ def _of_lengths(discretisation: Discretisation) -> Iterator[str]:
     for support, parts in zip(model.support, discretisation.parts, strict=True):
         rows = parts.rows.ravel()
         settled = points.settlement[rows]
-        moved = discretisation.held.values[3 * parts.nodes], discretisation.springs.base[parts.springs], settled
+        moved = discretisation.held.values[3 * parts.nodes], discretisation.springs.distance[parts.springs], settled
         base = "stretch by the preload" if support.is_bolt else "settlement"
         travels = {"gap": points.distance[rows] - settled, base: np.abs(np.concatenate(moved))}
         for what, values in travels.items():
@@ -119,9 +119,9 @@ def _of_supports(discretisation: Discretisation) -> Iterator[str]:
     model, thickness = discretisation.model, float(discretisation.thickness.at_points.mean())
     rigidity = model.young * thickness**3 / 12
     for support in model.support:
-        if not isinstance(support.stiffness, Expression) or not support.stiffness.is_constant:
+        if (stiffness := constant_stiffness(support)) is None:
             continue
-        stiffness, power = support.stiffness.value, _POWERS.get(support.place, 2)
+        power = _POWERS.get(support.place, 2)
         within, over = stiffness * thickness**power / rigidity, stiffness * discretisation.mesh.size**power / rigidity
         words = f"The stiffness of {support.name}, {stiffness:.4g}, is "
         if within > _RIGID:

@@ -58,9 +58,8 @@ def model_warnings(discretisation: Discretisation, acting: Collection[str] | Non
 
     Moving loads are judged at the positions that are ``acting``, by default at all.
     """
-    if discretisation.plates:
-        return said_of({plate.name: model_warnings(plate.own, acting) for plate in discretisation.plates})
-    return (*_whatever_acts(discretisation), *_wheels_off(discretisation, acting))
+    of_plates = {plate.name: plate.own for plate in discretisation.members}
+    return said_of({name: (*_whatever_acts(own), *_wheels_off(own, acting)) for name, own in of_plates.items()})
 
 
 @kept
@@ -222,7 +221,7 @@ def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Seque
 
 def _some_base_moves(discretisation: Discretisation, load: CaseLoad) -> bool:
     """Whether supports move the plate beside a load: they settle, or bolts are tightened."""
-    settles = discretisation.held.values, discretisation.springs.base, discretisation.points.settlement
+    settles = discretisation.held.values, discretisation.springs.distance, discretisation.points.settlement
     tightened = (one.case in (None, *load.acting) for one in discretisation.model.rounds)
     return any(values.any() for values in settles) or any(tightened)
 
@@ -233,7 +232,7 @@ def _with_unit(model: Model, value: float, power: int) -> str:
 
 
 def _some_one_way(model: Model) -> bool:
-    return any(support.resists in ("down", "up") for support in model.support)
+    return any(support.direction != "both" for support in model.support)
 
 
 def _beds_unsaid(model: Model) -> Iterator[str]:
@@ -321,7 +320,7 @@ def _one_across(discretisation: Discretisation) -> Iterator[str]:
     """Name elastic strips and rings that are one element wide, such as gaskets: every node of theirs is on the rim."""
     mesh = discretisation.mesh
     for index, support in enumerate(discretisation.model.support):
-        if support.area is None or support.modulus is None:
+        if support.area is None or not support.is_elastic:
             continue
         mine = np.isin(np.arange(len(mesh.elements)), SupportPoints.of(discretisation, index).elements)
         rim = np.isin(
@@ -336,7 +335,7 @@ def _one_across(discretisation: Discretisation) -> Iterator[str]:
 
 def _one_place(discretisation: Discretisation) -> Iterator[str]:
     model = discretisation.model
-    rigid = [i for i, s in enumerate(model.support) if s.place == "at" and s.modulus is None]
+    rigid = [i for i, s in enumerate(model.support) if s.place == "at" and not s.is_elastic]
     places = [SupportPoints.of(discretisation, index).positions for index in rigid]
     within = discretisation.mesh.near.place
     for (one, here), (other, there) in combinations(zip(rigid, places, strict=True), 2):
@@ -372,7 +371,7 @@ def _couples(discretisation: Discretisation) -> Iterator[str]:
 
 def _overlaps(discretisation: Discretisation) -> Iterator[str]:
     model = discretisation.model
-    elastic = [i for i, s in enumerate(model.support) if s.area is not None and s.modulus is not None]
+    elastic = [i for i, s in enumerate(model.support) if s.area is not None and s.is_elastic]
     for one, other in combinations(elastic, 2):
         first, second = model.support[one], model.support[other]
         if first.between != second.between or not _alike(first, second):
@@ -425,7 +424,7 @@ def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, in
 
 def _alike(one: Support, other: Support) -> bool:
     """Whether both may push, or pull, at once."""
-    return {one.resists, other.resists} != {"down", "up"}
+    return {one.direction, other.direction} != {"down", "up"}
 
 
 def _reaches(discretisation: Discretisation, one: int, other: int) -> bool:

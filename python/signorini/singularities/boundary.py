@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
-from signorini.discretise.laws import can_let_go, is_elastic
+from signorini.discretise.laws import can_let_go, settlement_at, slopes_at
 from signorini.discretise.places import quadratic_tangents
 from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.mesh import Mesh
@@ -143,7 +143,7 @@ class Boundary:
         sheared = np.zeros((len(sides), 2), np.bool_)
         for support in discretisation.model.support:
             along = np.isin(sides[:, 1], middles(mesh, support.where))
-            if not is_elastic(support):
+            if not support.is_elastic:
                 held |= along & support.holds_w
                 always |= along & (not can_let_go(support)) & held
             slope |= along & ("slope" in support.fixed)
@@ -248,14 +248,13 @@ def boundary_of(discretisation: Discretisation) -> Boundary:
 
 def shears_along(support: Support, points: Floats, tangents: Floats, size: float) -> Bools:
     """Whether prescribed slopes along tangents (k, 2) at points (k, 2) differ from those of the settlement."""
-    if support.rotation is None or "twist" not in support.fixed or not support.holds_w or not len(points):
+    if not support.prescribes_slopes or "twist" not in support.fixed or not support.holds_w or not len(points):
         return np.zeros(len(points), np.bool_)
     units = tangents / np.hypot(*tangents.T)[:, None]
-    prescribed = sum(component(*points.T) * unit for component, unit in zip(support.rotation, units.T, strict=True))
+    prescribed = (slopes_at(support, points) * units).sum(axis=1)
     step = _NEAR * size * units
-    of_settlement = (support.settlement(*(points + step).T) - support.settlement(*(points - step).T)) / (
-        2 * _NEAR * size
-    )
+    along = settlement_at(support, points + step) - settlement_at(support, points - step)
+    of_settlement = along / (2 * _NEAR * size)
     return np.asarray(
         np.abs(prescribed - of_settlement) > _NONE * np.maximum(np.abs(prescribed), np.abs(of_settlement))
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
-from signorini.discretise.laws import is_unyielding
+from signorini.discretise.laws import base_jumps, has_constant_gap, is_unyielding
 from signorini.discretise.rows import Floats
 from signorini.errors import point
 from signorini.model import Support
@@ -133,8 +133,7 @@ def _of_supports(discretisation: Discretisation) -> Iterator[Singularity]:
                 yield from _unresolved(discretisation, support.at, support.width[1], name, support.name)
             continue
         yield from _of_outline(discretisation, support)
-        steps = any(level.jumps for formula in (support.settlement, support.gap) for level in formula.levels)
-        if steps and support.is_rigid:
+        if support.is_rigid and base_jumps(support):
             subject = f"Step of the settlement or gap of {support.name}"
             numbers = ("moment", "shear", "pressure", "reaction")
             yield Singularity((), subject, numbers, "Give it a ramp, or the support a stiffness.", support.name)
@@ -225,7 +224,7 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
 def _of_edges_on(discretisation: Discretisation, support: Support, advice: str) -> Iterator[Singularity]:
     """Yield edges and corners on which a bent plate on a rigid area rests; a plate under pressure only lies flat."""
     model, edge = discretisation.model, boundary_of(discretisation)
-    flat = len(model.support) == 1 and support.gap.is_constant
+    flat = len(model.support) == 1 and has_constant_gap(support)
     if flat and all(load.kind in ("pressure", "self_weight") for load in model.load):
         return
     for loop in edge.loops():

@@ -7,7 +7,7 @@
 mod contact_set_solver;
 
 use super::error::{SolveError, require_length};
-use super::finders::{is_feasible, pieces_of};
+use super::finders::{beyond, pieces_of};
 use super::interface::{CondensedRhs, Form, Interface, LcpTemplate, Work};
 use super::points::PointState;
 use super::problem::ContactProblem;
@@ -178,7 +178,7 @@ impl ContactProblem {
         };
         let finite = reaction.iter().chain(gap).all(|value| value.is_finite());
         let state = |i: usize| PointState { piece: pieces[i], reaction: reaction[i], gap: gap[i] };
-        finite && is_feasible(self, state, force, length)
+        finite && beyond(self, state, force, length).next().is_none()
     }
 }
 

@@ -1,4 +1,4 @@
-//! Whether all points are within the bounds of their pieces.
+//! Points beyond the bounds of their pieces.
 
 use crate::contact::backend::Backend;
 use crate::contact::points::PointState;
@@ -8,13 +8,14 @@ use crate::contact::scale::largest;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
-/// Whether every point is within the bounds of its piece, up to rounding; lengths up to `least_length` count as zero.
-pub(in crate::contact) fn signs_are_feasible(
+/// The points beyond a bound of their piece by more than rounding, each with the piece beyond that bound; lengths up to
+/// `least_length` count as zero.
+pub(super) fn beyond_rounding(
     problem: &ContactProblem,
     load: &[f64],
     least_length: f64,
     solution: &ContactSolution,
-) -> bool {
+) -> Vec<(usize, u8)> {
     let lengths = lengths(problem, solution);
     // Without load, the reference force is the stiffness times the displacement.
     let stiffness = match &problem.backend {
@@ -27,23 +28,24 @@ pub(in crate::contact) fn signs_are_feasible(
     };
     let force = tolerances::SIGN * largest_force(problem, &[], &solution.reaction).max(load);
     let length = |i: usize| (tolerances::SIGN * lengths[i]).max(least_length / problem.points.arm[i]);
-    is_feasible(problem, |i| solution.state(i), force, length)
+    beyond(problem, |i| solution.state(i), force, length).collect()
 }
 
-/// Whether no point exceeds the bounds of its piece by more than a force, or by more than its length.
-pub(in crate::contact) fn is_feasible(
+/// The points beyond a bound of their piece by more than a force, or by more than their length, each with the piece
+/// beyond that bound.
+pub(in crate::contact) fn beyond(
     problem: &ContactProblem,
     state: impl Fn(usize) -> PointState,
     force: f64,
     length: impl Fn(usize) -> f64,
-) -> bool {
+) -> impl Iterator<Item = (usize, u8)> {
     let points = &problem.points;
-    (0..points.len()).all(|i| {
+    (0..points.len()).filter_map(move |i| {
         let (state, length) = (state(i), length(i));
         let piece = points.piece(i, state.piece);
         // For a soft spring the tolerance of travel is the stricter one.
         let allowed = if piece.holds() { (force * points.arm[i]).min(length * piece.slope) } else { length };
-        let is_inside = |is_upper| points.signed_distance(i, state, is_upper).is_none_or(|inside| inside >= -allowed);
-        is_inside(false) && is_inside(true)
+        let is_outside = |is_upper| points.signed_distance(i, state, is_upper).is_some_and(|d| !(d >= -allowed));
+        if is_outside(false) { Some((i, state.piece - 1)) } else { is_outside(true).then_some((i, state.piece + 1)) }
     })
 }

@@ -1,6 +1,6 @@
 //! Lemke's algorithm on the condensed points: finitely many pivots from piece to piece.
 
-use super::feasibility::signs_are_feasible;
+use super::feasibility::beyond_rounding;
 use crate::cholesky::FactorError;
 use crate::contact::error::SolveError;
 use crate::contact::interface::{Form, Interface, LcpTemplate, ReducedLoad, VertexRow, Work};
@@ -54,7 +54,7 @@ pub(in crate::contact) fn by_lemke(
             residual = refine(problem, load, 0.0, &mut kkt, residual, &mut solution)?.ok_or(SolveError::Unsolved)?;
         }
         solution.measure_gaps(&problem.points, &residual);
-        if settled || signs_are_feasible(problem, load, tolerances::RESIDUAL * travel, &solution) {
+        if settled || beyond_rounding(problem, load, tolerances::RESIDUAL * travel, &solution).is_empty() {
             // A contact state that only rounding keeps regular has no solution. Where no load acts, the rounding of
             // settlements is the reference.
             let least = f64::EPSILON * force_of_settlements(problem, held_value);

@@ -5,5 +5,5 @@ mod feasibility;
 mod lemke;
 
 pub(super) use active_set::{by_active_set, solve_together, solved_and_factored};
-pub(super) use feasibility::is_feasible;
+pub(super) use feasibility::beyond;
 pub(super) use lemke::{by_lemke, pieces_of, posed_from};

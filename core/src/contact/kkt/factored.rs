@@ -87,6 +87,11 @@ impl<'a> Factored<'a> {
         self.series = self.augmentation.series(&self.problem.points, limit);
     }
 
+    /// Whether some point has an augmentation compliance.
+    pub(in crate::contact) fn is_augmented(&self) -> bool {
+        self.series.iter().any(|&series| series > 0.0)
+    }
+
     pub(in crate::contact) fn system(&self) -> &System {
         self.kept().map_or(&self.problem.base, |system| system)
     }

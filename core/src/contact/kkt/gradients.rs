@@ -97,7 +97,7 @@ impl Gradients {
         mut answer: Option<Vec<f64>>,
     ) -> Result<Option<Direction>, FactorError> {
         loop {
-            if self.steps == self.most && !self.differing.is_empty() {
+            if self.steps == self.most && !self.differing.is_empty() || self.may_refactor && self.is_far(kkt) {
                 if !self.may_refactor {
                     return Ok(Some(std::mem::take(&mut self.total)));
                 }
@@ -112,6 +112,13 @@ impl Gradients {
                 return Ok(Some(direction));
             }
         }
+    }
+
+    /// Whether more augmented points differ than there are steps; each takes about one. Springs of the first penalty
+    /// are soft beside the plate and take fewer.
+    fn is_far(&self, kkt: &Factored) -> bool {
+        let augmented = self.differing.iter().filter(|(i, _)| kkt.series[*i] > 0.0).count();
+        augmented > self.most && kkt.limit > kkt.augmentation.first_penalty
     }
 
     /// Restarts with a factor of the contact state.

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from signorini import _core
-from signorini.analysis.combinations.terms import Terms, terms_of
+from signorini.analysis.combinations.terms import PlateTerms, Terms, terms_of
 from signorini.base.remade import Brief
 from signorini.contact.certificate import FIGURES, TOLERANCE
 from signorini.contact.problem import ContactProblem
@@ -23,9 +23,10 @@ from signorini.mesh import Mesh
 from signorini.model import Combination, Combinations, Model
 from signorini.results.envelope import Envelope, Extremes
 from signorini.results.extremes import mean_ends
-from signorini.results.quantities import LINEAR, MEAN_SIDES, PEAKING, SIDES, TURNING, derived
+from signorini.results.quantities import ENDS, MEAN_SIDES, PEAKING, SIDES, derived
+from signorini.results.readings import Reader, Readings
 from signorini.results.result import Result
-from signorini.results.rows import Block, Column, Hidden, Layout, together
+from signorini.results.rows import Block, Column, Hidden, Layout, PlateLayout, together
 
 _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
@@ -59,7 +60,7 @@ class Ways(NamedTuple):
     several: Several | None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Combined(Brief):
     """Results of all combinations: rows, envelopes, counts and the worst certificate figures."""
 
@@ -134,10 +135,18 @@ def combine(
     envelopes = {name: [run.envelopes[name] for run in every if name in run.envelopes] for name in combinations.groups}
     groups = {name: _over(layout, discretisation.mesh, parts) for name, parts in envelopes.items() if parts}
     envelope = _over(layout, discretisation.mesh, [part for run in every for part in run.envelopes.values()])
-    counts = sum(run.solved for run in every), sum(run.alone for run in every), sum(run.not_unique for run in every)
-    unbalanced = {name: why for run in every for name, why in run.unbalanced.items()}
-    rows_kept = together(kept) if few else None
-    return Combined(combinations, layout, envelope, groups, *counts, worst, unbalanced, rows_kept)
+    return Combined(
+        combinations=combinations,
+        layout=layout,
+        envelope=envelope,
+        groups=groups,
+        solved=sum(run.solved for run in every),
+        alone=sum(run.alone for run in every),
+        not_unique=sum(run.not_unique for run in every),
+        certificate=worst,
+        unbalanced={name: why for run in every for name, why in run.unbalanced.items()},
+        rows=together(kept) if few else None,
+    )
 
 
 def _over(layout: Layout, mesh: Mesh, envelopes: Sequence[Envelope]) -> Envelope:
@@ -159,11 +168,9 @@ class _Run:
         self._always = "reactions" if discretisation.held_together else ""
         # So many combinations are worth a response of every contact point, and memory holds these.
         most = min(_MOST_POINTS, max(_FEW_POINTS, 2 * len(discretisation.model.effective_combinations)))
-        worth_while = (
-            not discretisation.plates and not len(discretisation.repeated) and len(discretisation.contacts) <= most
-        )
+        worth_while = not len(discretisation.repeated) and len(discretisation.contacts) <= most
         if self.several is not None and self.problem.method == "lemke" and worth_while:
-            self.terms = terms_of(self.problem, cases, layout.fields, layout.around_areas)
+            self.terms = terms_of(self.problem, cases, layout.fields)
         self.envelopes: dict[str, Envelope] = {}
         self.solved = self.alone = self.not_unique = 0
         self.worst = np.zeros(len(FIGURES))
@@ -218,34 +225,32 @@ class _Run:
         here = places[rows]
         block.solved[here] = True
         block.certificate[here] = figures[certain]
-        at, sides = self.layout.catalogue.at, self.problem.discretisation.probe_sides
-        at_sides = _core.superpose(coefficients, terms.probes).reshape(len(rows), len(sides.point), len(LINEAR))
-        values = np.full((len(rows), len(self.layout.catalogue)), np.nan)
-        values[:, at("probe", *LINEAR)] = sides.larger(at_sides)
-        self.layout.catalogue.derive(values, self.layout.probe_thickness)
-        self.layout.catalogue.put_through(values, _core.superpose(coefficients, terms.through))
-        values[:, at("point", *TURNING).ravel()] = _core.superpose(coefficients, terms.moments)
-        block.values[here] = values
-        block.on_areas[here] = _core.superpose(coefficients, terms.on_areas)
-        fixed = _core.superpose(coefficients, terms.fixed)
-        self._put_supports(block, here, fixed, reaction[rows], gap[rows], closed[rows])
-        block.put_lines(here, self.layout, _core.superpose(coefficients, terms.on_lines))
-        for group, own in _by_group(groups, rows):
-            shares = np.ascontiguousarray(coefficients[np.searchsorted(rows, own)])
-            for name, extremes in self._envelope(group).fields.items():
-                hidden = self.layout.hidden.get(name, Hidden.nothing(len(extremes.largest)))
-                left_out, who = hidden.under(factors[own] != 0, terms.cases), block.numbers[places[own]]
-                if name in terms.fields:
-                    peaks, at_nodes = extremes.take_sums(shares, terms.fields[name], who, hidden.classes, left_out)
-                else:
-                    peaks, at_nodes = self._take_derived(extremes, name, shares, who, hidden.classes, left_out)
-                if name in self.layout.fields:
-                    place = self.layout.fields.index(name)
-                    ends = [at("field", side)[place] for side in SIDES]
-                    block.values[np.ix_(places[own], ends)] = peaks
-                    block.places[places[own], place, : len(SIDES)] = self.layout.nodes[at_nodes]
-        self._put_means(block, here, coefficients, factors[rows] != 0, terms)
-        self._put_areas(block, here)
+        numbers, extremes_at = list[Floats](), list[Floats]()
+        for member, of in zip(self.layout.members, terms.plates, strict=True):
+            plate, points = member.plate, member.plate.points
+            readings = Readings(
+                reader=Reader.of(plate.own),
+                linear=of.linear.sums(coefficients),
+                shared=reaction[rows][:, points],
+                gap=np.where(closed[rows], 0.0, gap[rows])[:, points],
+                closed=closed[rows][:, points],
+                between=tuple(plate.beneath),
+            )
+            block.put_supports(here, self.layout, member, readings)
+            values = readings.numbers(member.catalogue)
+            at = np.full((len(here), len(self.layout.fields), len(ENDS), 2), np.nan)
+            for group, own in _by_group(groups, rows):
+                some = np.searchsorted(rows, own)
+                acting, who = factors[own] != 0, block.numbers[places[own]]
+                found = self._take_fields(member, of, group, np.ascontiguousarray(coefficients[some]), acting, who)
+                for place, (peaks, where) in enumerate(found):
+                    ends = [member.catalogue.at("field", side)[place] for side in SIDES]
+                    values[np.ix_(some, ends)] = peaks
+                    at[some, place, : len(SIDES)] = where
+            self._put_means(member, of, values, at, coefficients, factors[rows] != 0)
+            numbers.append(values)
+            extremes_at.append(at)
+        block.put_numbers(here, self.layout, numbers, extremes_at)
         block.iterations[places] = pivots
         for row in here:
             block.method[row], block.not_unique[row] = "lemke", self._always
@@ -256,90 +261,88 @@ class _Run:
         done[np.setdiff1d(without, explained)] = True
         return np.flatnonzero(~done).tolist()
 
-    def _take_derived(
-        self, extremes: Extremes, name: str, shares: Floats, who: Ints, classes: Ints, left_out: Bools
-    ) -> tuple[Floats, Ints]:
-        """Meet a field that follows from sums; return each one's extremes and their places, as `Extremes.take_sums`."""
+    def _take_fields(
+        self, member: PlateLayout, terms: PlateTerms, group: str, shares: Floats, acting: Bools, who: Ints
+    ) -> list[tuple[Floats, Floats]]:
+        """Meet the fields of one plate in sums (k,); return extremes (k, 2) and places (k, 2, 2) of the layout's."""
+        result, places = [], member.plate.own.stress_nodes.points
         assert self.terms is not None
-        thickness, fields = self.problem.discretisation.node_thickness, self.terms.fields
-        peaks, places = np.empty((len(who), 2)), np.empty((len(who), 2), np.int64)
-        for first in range(0, len(who), step := max(1, _DEFLECTIONS // len(thickness))):
-            some = slice(first, first + step)
-            share = np.ascontiguousarray(shares[some])
-            moment, shear = (
-                np.stack([_core.superpose(share, fields[one]) for one in of], axis=-1)
-                for of in (("mx", "my", "mxy"), ("qx", "qy"))
-            )
-            values = derived([name], moment, shear, thickness)[..., 0]
-            extremes.take(values, who[some])
-            shown = np.where(left_out[some][:, classes], np.nan, values)
-            for side, find in enumerate((np.fmax, np.fmin)):
-                peaks[some, side] = find.reduce(shown, axis=1)
-                places[some, side] = (shown == peaks[some, side, None]).argmax(axis=1)
-        return peaks, places
+        for name, extremes in self._envelope(group).fields.items():
+            of_plate = extremes.pick(nodes := member.nodes_of(name))
+            hidden = member.hidden.get(name, Hidden.nothing(len(of_plate.largest)))
+            left_out = hidden.under(acting, self.terms.cases)
+            if name in terms.fields:
+                peaks, at = of_plate.take_sums(shares, terms.fields[name], who, hidden.classes, left_out)
+            else:
+                thickness = member.plate.own.node_thickness
+                peaks, at = _take_derived(of_plate, name, terms, thickness, shares, who, hidden.classes, left_out)
+            extremes.put(nodes, of_plate)
+            if name in self.layout.fields:
+                result.append((peaks, places[at]))
+        return result
 
-    def _put_supports(
-        self, block: Block, rows: Ints, fixed: Floats, reaction: Floats, gap: Floats, closed: Bools
+    def _put_means(
+        self,
+        member: PlateLayout,
+        terms: PlateTerms,
+        values: Floats,
+        places: Floats,
+        coefficients: Floats,
+        acting: Bools,
     ) -> None:
-        first, of_points = 0, list[tuple[Floats, Floats, Bools]]()
-        for points in self.layout.supports:
-            held = fixed[:, first : first + points.fixed]
-            first += points.fixed
-            of_points.append(
-                (
-                    points.forces(held, reaction),
-                    points.gaps(np.where(closed, 0.0, gap)),
-                    points.closed(closed),
-                )
-            )
-        if of_points:
-            all_forces, gaps, all_closed = (np.concatenate(column, axis=1) for column in zip(*of_points, strict=True))
-            of, supports = self.problem.discretisation, self.layout.supports
-            bolts = {
-                "tightened_to": np.concatenate([points.tightened_to(of) for points in supports]),
-                "preload": np.concatenate([points.preloads(of) for points in supports]),
-            }
-            block.put_supports(rows, self.layout, all_forces, gaps, all_closed, bolts)
-
-    def _put_means(self, block: Block, rows: Ints, coefficients: Floats, cases: Bools, terms: Terms) -> None:
-        """Extremes of the means at places without a limit, of rows (r,) in which load cases (r, c) act."""
-        layout, beside = self.layout, self.layout.beside
-        named = [(name, place) for place, name in enumerate(layout.fields) if name in PEAKING]
+        """Extremes of the means of one plate at places without a limit, in sums in which load cases (r, c) act."""
+        assert self.terms is not None
+        beside = member.beside
+        named = [(name, place) for place, name in enumerate(self.layout.fields) if name in PEAKING]
         if not len(beside) or not named:
             return
-        column = {case: place for place, case in enumerate(terms.cases)}
+        column = {case: place for place, case in enumerate(self.terms.cases)}
         always, known = np.array([(not case, case in column) for case in beside.case]).T
         of_case = np.array([column.get(case, 0) for case in beside.case])
-        ends = layout.catalogue.at("mean", *MEAN_SIDES)
-        for first in range(0, len(rows), step := max(1, _DEFLECTIONS // terms.means.shape[1])):
+        ends = member.catalogue.at("mean", *MEAN_SIDES)
+        for first in range(0, len(values), step := max(1, _DEFLECTIONS // terms.means.shape[1])):
             some = slice(first, first + step)
             share = np.ascontiguousarray(coefficients[some])
             means = _core.superpose(share, terms.means).reshape(len(share), len(beside), -1)
-            acting = always | (known & cases[some][:, of_case])
+            peaking = always | (known & acting[some][:, of_case])
             for (name, place), columns in zip(named, ends, strict=True):
-                values, at = mean_ends(name, means, beside, acting)
-                block.values[np.ix_(rows[some], columns)] = values
-                where = np.where(np.isnan(values)[..., None], np.nan, beside.places[at])
-                block.places[rows[some], place, len(SIDES) :] = where
-
-    def _put_areas(self, block: Block, rows: Ints) -> None:
-        """Largest pressures and areas in contact of rows of which the deflections around areas are known."""
-        result, layout = self.problem.discretisation, self.layout
-        for at, (index, at_rest) in enumerate(layout.at_rest.items()):
-            where = layout.slices[index]
-            most, area = layout.catalogue.at("support", "max_pressure", "contact_area")[at]
-            pressures = at_rest.measured(block.around(at_rest, layout, rows), block.reaction[rows, where])
-            block.values[rows, most] = pressures.max(axis=1, initial=0.0)
-            step = max(1, _DEFLECTIONS // result.mesh.node_count)
-            for some in (rows[first : first + step] for first in range(0, len(rows), step)):
-                deflection = np.zeros((len(some), result.mesh.node_count))
-                deflection[:, layout.around_areas] = block.on_areas[some]
-                block.values[some, area] = at_rest.contact_areas(deflection, block.closed[some, where])
+                found, at = mean_ends(name, means, beside, peaking)
+                values[some, columns] = found
+                where = np.where(np.isnan(found)[..., None], np.nan, beside.places[at])
+                places[some, place, len(SIDES) :] = where
 
     def _unbalanced(self, name: str, message: str) -> None:
         self._without_equilibrium += 1
         if len(self.unbalanced) < _EXPLAINED:
             self.unbalanced[name] = message
+
+
+def _take_derived(
+    extremes: Extremes,
+    name: str,
+    terms: PlateTerms,
+    thickness: Floats,
+    shares: Floats,
+    who: Ints,
+    classes: Ints,
+    left_out: Bools,
+) -> tuple[Floats, Ints]:
+    """Meet a field that follows from sums; return each one's extremes and their places, as `Extremes.take_sums`."""
+    peaks, places = np.empty((len(who), 2)), np.empty((len(who), 2), np.int64)
+    for first in range(0, len(who), step := max(1, _DEFLECTIONS // len(thickness))):
+        some = slice(first, first + step)
+        share = np.ascontiguousarray(shares[some])
+        moment, shear = (
+            np.stack([_core.superpose(share, terms.fields[one]) for one in of], axis=-1)
+            for of in (("mx", "my", "mxy"), ("qx", "qy"))
+        )
+        values = derived([name], moment, shear, thickness)[..., 0]
+        extremes.take(values, who[some])
+        shown = np.where(left_out[some][:, classes], np.nan, values)
+        for side, find in enumerate((np.fmax, np.fmin)):
+            peaks[some, side] = find.reduce(shown, axis=1)
+            places[some, side] = (shown == peaks[some, side, None]).argmax(axis=1)
+    return peaks, places
 
 
 def _by_group(groups: Sequence[str], rows: Ints) -> Iterator[tuple[str, Ints]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
@@ -13,9 +13,8 @@ from signorini.contact.certificate import FIGURES, off_laws
 from signorini.contact.problem import ContactProblem
 from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints
-from signorini.results.line_reactions import lines_of
 from signorini.results.quantities import LINEAR, PEAKING
-from signorini.results.support_points import SupportPoints
+from signorini.results.readings import Linear, Reader, SupportForces
 from signorini.singularities.beside import means_of
 
 _WATCHED = 64
@@ -50,9 +49,9 @@ class Sizes(NamedTuple):
     """(2,): largest nodal force out of balance, couples by the force they are at an element's size apart; and largest
     violation of a held deflection, slopes times the plate's size."""
     balance: Floats
-    """(3,): the resultants that supports do not balance."""
+    """(3p,): the resultants that supports do not balance, of p plates."""
     resultant: Floats
-    """(3,): resultants of the load, excluding parts that balance themselves."""
+    """(3p,): resultants of the load, excluding parts that balance themselves."""
     deflection: Floats
     """Deflections of the watched nodes."""
     load: Floats
@@ -80,7 +79,7 @@ class Sizes(NamedTuple):
         values = held.values if at_rest else np.zeros_like(held.values)
         lengths = np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
         slip = np.abs(np.where(held.dofs, hi + lo - values, 0.0)).reshape(-1, 3) * lengths
-        motions = discretisation.rigid_motions / lengths
+        motions = discretisation.scaled_motions
         return cls(
             moved.astype(np.float64),
             reaction,
@@ -112,7 +111,7 @@ class Proof:
         """Put the terms together."""
         rows = abs(discretisation.contact_rows)
         rows.data /= _units(discretisation)[rows.indices % 3]
-        motions = discretisation.rigid_motions / np.array([1.0, discretisation.mesh.size, discretisation.mesh.size])
+        motions = discretisation.scaled_motions
         return cls(
             discretisation,
             Sizes(*map(np.array, zip(*sizes, strict=True))),
@@ -160,6 +159,32 @@ _TOGETHER = 32
 """Load cases whose displacements are in memory at once."""
 
 
+_OfPlate: TypeAlias = tuple[list[Floats], Linear, Floats]
+"""Fields of a plate in one term, its readings, its means."""
+_Term: TypeAlias = tuple[list[_OfPlate], Sizes]
+"""Every plate in one term, and what certificates need."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlateTerms:
+    """One plate in all terms (b,)."""
+
+    fields: dict[str, Floats]
+    """(b, n) or (b, s): those that envelopes are sought of, "reaction" among them."""
+    linear: Linear
+    """(b, ...): readings."""
+    means: Floats
+    """(b, 10k): means at the places of `Beside`."""
+
+    @classmethod
+    def stacked(cls, names: Sequence[str], each: Sequence[_OfPlate]) -> PlateTerms:
+        """Put terms together."""
+        fields, linear, means = zip(*each, strict=True)
+        every = [*names, "reaction"] if names else []
+        by_name = dict(zip(every, map(np.array, zip(*fields, strict=True)), strict=True))
+        return cls(by_name, Linear.stacked(linear), np.array(means))
+
+
 @dataclass(frozen=True, eq=False)
 class Terms:
     """The terms (b,) of the sum: one at rest, one a load case, one a contact point."""
@@ -168,35 +193,20 @@ class Terms:
     """The load cases, in the order of the terms."""
     shared: _core.CombinedCases
     """The contact problem condensed for all of them."""
-    fields: dict[str, Floats]
-    """Those that envelopes are sought of, "reaction" among them."""
-    on_areas: Floats
-    """(b, k): deflection of the nodes around elastic areas."""
-    probes: Floats
-    """(b, 8q): every field at every probe."""
-    through: Floats
-    """(b, 3s): moment, twist and shear of every section, and their means at every station of a strip."""
-    fixed: Floats
-    """(b, f): upward force of held nodes and springs, support by support."""
-    on_lines: Floats
-    """(b, v): contribution of twisting couples of edges at the vertices of their lines, line by line."""
-    moments: Floats
-    """(b, 2t): couples on θx and θy of points that turn, support by support."""
-    means: Floats
-    """(b, 10k): means at the places of `Beside`."""
+    plates: tuple[PlateTerms, ...]
+    """Those of every plate."""
     proof: Proof
     """Data of the certificates."""
 
 
-def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str], nodes: Ints) -> Terms:
+def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str]) -> Terms:
     """Solve for every term.
 
-    The load cases are those that occur in some combination; ``enveloped`` fields have envelopes; the nodes (k,) are
-    around elastic areas.
+    The load cases are those that occur in some combination; ``enveloped`` fields have envelopes.
     """
     result, core = problem.discretisation, problem.core
     names = summed(enveloped)
-    reader = _Reader(result, names, Watch.of(result, cases), nodes)
+    reader = _Terms(result, names, Watch.of(result, cases))
     rest = _core.rest_response(core, result.held.values)
     terms = reader.read([rest], None, at_rest=True)
     responses: list[_core.Response] = []
@@ -211,12 +221,9 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
         terms += reader.read(solved, None)
         points += [response.at_points() for response in solved]
     shared = _core.combined_cases(core, rest, responses, points)
-    fields, on_areas, probes, through, fixed, on_lines, moments, means, sizes = zip(*terms, strict=True)
-    by_name = dict(zip([*names, "reaction"] if names else [], map(np.array, zip(*fields, strict=True)), strict=True))
-    at_areas, at_probes, cut, held = (np.array(column) for column in (on_areas, probes, through, fixed))
-    lines, turned = np.array(on_lines), np.array(moments)
-    proof = Proof.of(result, sizes)
-    return Terms(tuple(cases), shared, by_name, at_areas, at_probes, cut, held, lines, turned, np.array(means), proof)
+    of_plates, sizes = zip(*terms, strict=True)
+    plates = tuple(PlateTerms.stacked(names, each) for each in zip(*of_plates, strict=True))
+    return Terms(tuple(cases), shared, plates, Proof.of(result, sizes))
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
@@ -225,66 +232,60 @@ def summed(enveloped: Sequence[str]) -> list[str]:
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
 
-_Term: TypeAlias = tuple[list[Floats], Floats, Floats, Floats, Floats, Floats, Floats, Floats, Sizes]
-"""Fields of a term, then the arrays of `Terms` for it."""
+class _Terms:
+    """Reads terms, so that displacements need not stay in memory."""
 
-
-class _Reader:
-    """Reads the numbers of terms, so that displacements need not stay in memory."""
-
-    def __init__(self, discretisation: Discretisation, names: list[str], watch: Watch, nodes: Ints) -> None:
-        self._found, self._names, self._watch, self._nodes = discretisation, names, watch, nodes
+    def __init__(self, discretisation: Discretisation, names: list[str], watch: Watch) -> None:
+        self._found, self._names, self._watch = discretisation, names, watch
         self._springs = discretisation.springs.arrays
         elements, rows, further, stiffness, base = self._springs
         self._still = (elements, rows, further, stiffness, np.zeros_like(base))
-        self._supports = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
-        self._lines = lines_of(discretisation)
-        self._at = discretisation.probe_sides.where
-        self._values: Floats = discretisation.mesh.shape_functions(self._at.elements, self._at.xi)
 
     def read(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> list[_Term]:
         """Read some terms, without loads those of no load."""
-        result = self._found
         if loads is None:
-            nothing = CaseLoad.none(result.mesh.node_count, len(result.mesh.elements))
-            loads = [nothing] * len(responses)
-        stresses = np.zeros((len(responses), result.stress_nodes.count, 5))
-        if len(self._values) or set(self._names) - {"deflection"}:
-            curvatures, couples = (
-                np.array([getattr(load, part) for load in loads]) for part in ("curvature", "couples")
-            )
-            stresses = _core.response_stresses(result.plate, responses, curvatures, couples)
-        return [self._term(*one, at_rest) for one in zip(responses, loads, stresses, strict=True)]
+            loads = [self._found.no_load] * len(responses)
+        return [self._term(*one, at_rest) for one in zip(responses, loads, strict=True)]
 
-    def _term(self, response: _core.Response, load: CaseLoad, stress: Floats, at_rest: bool) -> _Term:
+    def _term(self, response: _core.Response, load: CaseLoad, at_rest: bool) -> _Term:
         result, hi, lo, reaction = self._found, response.hi, response.lo, response.reaction
         springs = self._springs if at_rest else self._still
-        nodal = (hi + lo).reshape(-1, 3)
-        nodes = result.stress_nodes
-        every = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(result.held.to_global(nodal[:, 1:])), stress])
         spread = result.contact_rows.T @ reaction
-        imbalance = result.plate.residual(springs, load.nodal, hi, lo) - spread
-        at_holds = np.where(result.held.dofs, imbalance, 0.0)
-        pull = result.spring_forces(hi, lo, springs[4])
-        on_plate = at_holds + spread + result.spring_rows.T @ pull
+        forces = SupportForces.of(result, load.nodal, hi, lo, spread, springs)
+        on_plate = forces.held + spread + result.spring_rows.T @ forces.springs
+        points, off = result.off_areas
+        at_nodes = forces.held + result.contact_rows.T @ (points[: len(reaction)] * reaction)
+        at_nodes = (at_nodes + result.spring_rows.T @ (off * forces.springs))[::3]
+        every = []
+        for number, plate in enumerate(result.members):
+            own, of_load = forces.on(plate), load.on(number)
+            beneath = plate.deflections_beneath((hi + lo)[::3])
+            state = of_load, hi[plate.dofs], lo[plate.dofs], reaction[plate.points], own
+            every.append(self._of_plate(plate.own, *state, at_nodes[plate.nodes], beneath))
+        return every, Sizes.of(result, self._watch, load, hi, lo, reaction, forces.imbalance, on_plate, at_rest)
+
+    def _of_plate(
+        self,
+        plate: Discretisation,
+        load: CaseLoad,
+        hi: Floats,
+        lo: Floats,
+        reaction: Floats,
+        forces: SupportForces,
+        at_nodes: Floats,
+        beneath: Mapping[int, Floats],
+    ) -> _OfPlate:
+        nodal, nodes = (hi + lo).reshape(-1, 3), plate.stress_nodes
+        stress = np.zeros((nodes.count, 5))
+        if len(plate.probe_positions) or set(self._names) - {"deflection"}:
+            stress, _ = plate.plate.stresses(hi, lo, tuple(load.curvature), load.couples)
+        every = np.column_stack([nodes.spread(nodal[:, 0]), nodes.spread(plate.held.to_global(nodal[:, 1:])), stress])
         kept = [
             every[: nodes.count if name in PEAKING else len(nodal), place]
             for place, name in enumerate(LINEAR)
             if name in self._names
         ]
-        if self._names:
-            points, off = result.off_areas
-            at_nodes = at_holds + result.contact_rows.T @ (points[: len(reaction)] * reaction)
-            kept.append((at_nodes + result.spring_rows.T @ (off * pull))[::3])
-        at_probes = np.einsum("qi,qif->qf", self._values, every[nodes.elements[self._at.elements]]).ravel()
-        forces = [np.concatenate([at_holds[::3][points.nodes], pull[points.springs]]) for points in self._supports]
-        fixed = np.concatenate([np.zeros(0), *forces])
-        couples = result.held.to_global(at_holds.reshape(-1, 3)[:, 1:]).ravel()
-        turned = [line.couples @ couples for line in self._lines.values() if line.couples is not None]
-        on_lines = np.concatenate([np.zeros(0), *turned])
-        moments = np.concatenate([np.zeros(0), *(points.moments(pull).ravel() for points in self._supports)])
-        sizes = Sizes.of(result, self._watch, load, hi, lo, reaction, imbalance, on_plate, at_rest)
-        through = result.through(load, hi, lo, reaction, pull)
         # Fields are sought that have means, or none are read.
-        means = means_of(result, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
-        return kept, nodal[self._nodes, 0], at_probes, through, fixed, on_lines, moments, means, sizes
+        means = means_of(plate, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
+        linear = Reader.of(plate).read(load, hi, lo, reaction, forces, every, beneath)
+        return [*kept, at_nodes] if self._names else kept, linear, means

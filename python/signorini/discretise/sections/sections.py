@@ -13,7 +13,7 @@ from scipy.sparse import csr_array, vstack
 from signorini import _core
 from signorini.base.remade import Brief
 from signorini.discretise.held import Held
-from signorini.discretise.points import ContactPoints, Springs
+from signorini.discretise.points import ContactPoints
 from signorini.discretise.quadrature import GAUSS, Quadrature, area_quadrature, curve_quadrature
 from signorini.discretise.quadrature.stepped import Levels
 from signorini.discretise.rows import Bools, Floats, Ints, interpolated
@@ -140,7 +140,7 @@ class Sections(Brief):
         """Contribution (3s,) of a pressure; ``forces`` is the quadrature that gives its nodal forces."""
         return self._sum(forces.elements, lambda line: self._of_spread(line, forces, spread))
 
-    def of_supports(self, supports: Sequence[Support], points: ContactPoints | Springs) -> csr_array:
+    def of_supports(self, supports: Sequence[Support], points: ContactPoints) -> csr_array:
         """Contributions (3s, m) of unit reactions, up, of contact points or springs (m,)."""
         if not (self.cuts and len(points)):
             return csr_array((3 * len(self.cuts), len(points)))
@@ -253,7 +253,7 @@ def _of_supports(
     cut: Cut,
     mesh: Mesh,
     supports: Sequence[Support],
-    points: ContactPoints | Springs,
+    points: ContactPoints,
 ) -> Floats:
     """Moment, twist and shear (m, 3) due to a unit reaction, up, of each point (m,) without a footprint."""
     result = np.zeros((len(points), 3))
@@ -269,7 +269,7 @@ def _of_supports(
     return result
 
 
-def _on_outline(mesh: Mesh, points: ContactPoints | Springs, rows: Ints) -> Bools:
+def _on_outline(mesh: Mesh, points: ContactPoints, rows: Ints) -> Bools:
     """Whether points (q,), by index, are outline points of an area that acts on means of elements."""
     # Other points, footprints among them, may lie outside their first element.
     result = points.averaged[rows]
@@ -283,7 +283,7 @@ def _on_outline(mesh: Mesh, points: ContactPoints | Springs, rows: Ints) -> Bool
 
 
 def _shares(
-    cut: Cut, mesh: Mesh, support: Support, table: ContactPoints | Springs, rows_of_support: Ints
+    cut: Cut, mesh: Mesh, support: Support, table: ContactPoints, rows_of_support: Ints
 ) -> Iterator[tuple[Ints, Floats]]:
     """Yield contributions (k, 3) of the parts on the left of an area's unit reactions, spread over their elements."""
     covered = support.where.region

@@ -3,29 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from signorini.base.remade import Remade
-from signorini.discretise.laws import can_let_go
+from signorini.discretise.laws import SupportLaw, can_let_go, on_soil
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.expression import Field
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import real_sides
 from signorini.model import Support
-from signorini.results.contact_field.cells import (
-    Cells,
-    bounds,
-    edge_of_contact,
-    free_travel,
-    overlap,
-    pressing,
-    within_limit,
-)
+from signorini.results.contact_field.cells import Cells, edge_of_contact
 from signorini.results.contact_field.lines import Segments, chained, clipped, thinned
 from signorini.results.extremes import peak
 from signorini.shapes.distances import depth
@@ -73,12 +64,15 @@ class AreaContact(Remade):
     @property
     def bounds(self) -> tuple[float, float]:
         """Least and greatest pressure of the support without its limit."""
-        return bounds(self.support)
+        return self._law.bounds
+
+    @property
+    def _law(self) -> SupportLaw:
+        return SupportLaw(self.support)
 
     def _exerted(self, deflection: Floats, positions: Floats) -> Floats:
         """Pressures (..., q) of an elastic area for deflections (..., q) at positions (q, 2)."""
-        pressure = within_limit(self.support, pressing(self.support, deflection, positions), positions)
-        return np.asarray(np.clip(pressure, *self.bounds))
+        return np.asarray(np.clip(self._law.pressure(deflection, positions), *self.bounds))
 
     @cached_property
     def covered(self) -> Floats:
@@ -139,14 +133,14 @@ class AreaContact(Remade):
     @cached_property
     def pressure_places(self) -> Floats:
         """Where its pressure is looked at (p, 2): at the points that it acts at and, of an elastic area, its nodes."""
-        if self.support.modulus is None:
+        if not self.support.is_elastic:
             return self.positions
         return np.concatenate([self.positions, self.mesh.points[self.on_nodes]])
 
     def measured(self, deflection: Floats, forces: Floats) -> Floats:
         """Pressures (..., p) there, from deflections (..., k) of its nodes and forces (..., q) of its points."""
         own = forces / self.weights
-        if self.support.modulus is None:
+        if not self.support.is_elastic:
             return np.asarray(own)
         return np.concatenate([own, self.nodal(np.flatnonzero(self.on_nodes), deflection, forces)], axis=-1)
 
@@ -174,8 +168,7 @@ class AreaContact(Remade):
         contact.
         """
         at = cut.interpolate(self.mesh.points)
-        pressure = pressing(self.support, cut.interpolate(self.deflection), at)
-        return np.nan_to_num(within_limit(self.support, pressure, at))
+        return np.nan_to_num(self._law.pressure(cut.interpolate(self.deflection), at))
 
     @cached_property
     def contact_area(self) -> float:
@@ -188,19 +181,17 @@ class AreaContact(Remade):
         Elements with every point closed count whole. In those that the edge of contact may cross it is measured on a
         grid finer than the points; one that is all in contact has exactly the area that the support has in it.
         """
-        return self._areas(closed, *self._crossed(deflection, closed)[:3])
+        return self._areas(closed, *self._crossed(deflection, closed, self._law)[:3])
 
     def yielding(self, yielded: Bools) -> float | None:
         """Area that gives its limit, given the points (q,) that do; None without a limit."""
         if not self.support.can_yield:
             return None
-        formulas = (self.support.limit, self.support.modulus)
-        jumps = any(level.jumps for one in formulas if one is not None for level in one.levels)
-        if self.support.modulus is None or jumps or (self.support.law or ((0.0, 0.0),))[0][0] < 0.0:
+        law = SupportLaw(self.support, to_limit=True)
+        if not law.has_curve_of_yielding:
             return float(self.weights[yielded].sum())
-        # The limit is exerted where the plate presses on a support with a gap larger by the travel at the limit.
-        beyond = self.support.model_copy(update={"gap": partial(_travel_at_limit, self.support)})
-        return replace(self, support=beyond, closed=yielded).contact_area
+        crossed = self._crossed(self.deflection[None], yielded[None], law)
+        return float(self._areas(yielded[None], *crossed[:3])[0])
 
     def _areas(self, closed: Bools, own: Ints, elements: Ints, parts: Floats) -> Floats:
         touching = (self.per_element @ (self.weights[:, None] * closed.T)).T
@@ -222,7 +213,7 @@ class AreaContact(Remade):
             _, near, _, (rounding,) = self._crossed_here
             if not len(near):
                 return ()
-            segments = edge_of_contact(self.mesh, self.support, np.sort(near), self.deflection, float(rounding))
+            segments = edge_of_contact(self.mesh, self._law, np.sort(near), self.deflection, float(rounding))
         segments = clipped(segments, self.depth(segments.points))
         tolerance = _STRAIGHT * float(np.sqrt(self.mesh.element_area[near].min(initial=np.inf)))
         return tuple(thinned(line, tolerance) for line in chained(segments))
@@ -231,9 +222,7 @@ class AreaContact(Remade):
         """How deep positions (q, 2) are in the support; 0 or more on its outline too, negative where it has no soil."""
         region, size = self.support.where.region, self.mesh.size
         deep = np.full(len(positions), size) if region is None else depth(region, positions) + _ON_OUTLINE * size
-        if not isinstance(self.support.stiffness, Field):
-            return deep
-        return np.where(self.support.stiffness(*positions.T) > 0.0, deep, -size)
+        return np.where(on_soil(self.support, positions), deep, -size)
 
     @cached_property
     def _whole(self) -> Bools:
@@ -247,9 +236,9 @@ class AreaContact(Remade):
 
     @cached_property
     def _crossed_here(self) -> tuple[Ints, Ints, Floats, Floats]:
-        return self._crossed(self.deflection[None], self.closed[None])
+        return self._crossed(self.deflection[None], self.closed[None], self._law)
 
-    def _crossed(self, deflection: Floats, closed: Bools) -> tuple[Ints, Ints, Floats, Floats]:
+    def _crossed(self, deflection: Floats, closed: Bools, law: SupportLaw) -> tuple[Ints, Ints, Floats, Floats]:
         """Solutions and elements (p,) that the edge of contact may cross, and their parts (p,) in contact.
 
         Also returns the zero tolerances (k,) of the overlap.
@@ -259,14 +248,14 @@ class AreaContact(Remade):
             return nothing, nothing, np.zeros(0), np.zeros(len(deflection))
         covered = self.covered > 0
         nodes, inverse = np.unique(self.mesh.elements[covered], return_inverse=True)
-        at_nodes = overlap(self.support, deflection[:, nodes], free_travel(self.support, self.mesh.points[nodes]))
+        at_nodes = law.overlap(deflection[:, nodes], law.travel(self.mesh.points[nodes]))
         rounding = _TOUCHING * np.fmax.reduce(np.abs(at_nodes), axis=1, initial=0.0)
         pressed = (self.per_element @ closed.T.astype(np.float64)).T > 0
         parted = (self.per_element @ (1.0 - closed.T)).T > 0
         of_elements = inverse.reshape(-1, 8)
         pressed[:, covered] |= (at_nodes >= -rounding[:, None])[:, of_elements].any(axis=2)
         parted[:, covered] |= (at_nodes <= rounding[:, None])[:, of_elements].any(axis=2)
-        cells = Cells(self.mesh, self.support, covered, self.depth)
+        cells = Cells(self.mesh, law, covered, self.depth)
         return *cells.parts(deflection, pressed & parted, rounding), rounding
 
     def _sides_between(self) -> Segments:
@@ -282,15 +271,6 @@ class AreaContact(Remade):
         chain = np.hstack([triples[:, :1], inner, triples[:, 2:]])
         pairs = np.stack([chain[:, :-1], chain[:, 1:]], axis=-1).reshape(-1, 2)
         return Segments(np.concatenate([self.mesh.points, between.reshape(-1, 2)]), pairs)
-
-
-def _travel_at_limit(support: Support, x: Floats, y: Floats) -> Floats:
-    gap = support.gap(x, y)
-    if support.law is not None:
-        return np.asarray(gap + next(travel for travel, force in support.law if force == support.law[-1][1]))
-    assert support.limit is not None and support.stiffness is not None
-    limit, stiffness = support.limit(x, y), support.stiffness(x, y)
-    return np.asarray(gap + np.divide(limit, stiffness, out=np.zeros_like(limit), where=stiffness > 0.0))
 
 
 _STEP = 1e-6
@@ -363,11 +343,11 @@ class Pressures:
 
     @property
     def _elastic(self) -> list[AreaContact]:
-        return [area for area in self.areas if area.support.modulus is not None]
+        return [area for area in self.areas if area.support.is_elastic]
 
     @property
     def _rigid(self) -> list[AreaContact]:
-        return [area for area in self.areas if area.support.modulus is None]
+        return [area for area in self.areas if not area.support.is_elastic]
 
     @cached_property
     def _acting(self) -> Bools:

@@ -1,4 +1,4 @@
-"""The law of an elastic area, and the elements that the edge of contact may cross, cut into cells and triangles."""
+"""Elements of an elastic area that the edge of contact may cross, cut into cells and triangles."""
 
 from __future__ import annotations
 
@@ -8,80 +8,12 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from signorini.discretise.laws import Law
+from signorini.discretise.laws import SupportLaw
 from signorini.discretise.rows import Bools, Floats, Ints
-from signorini.errors import InputError
 from signorini.mesh import Mesh
 from signorini.mesh.isoparametric import are_triangles, real_sides
-from signorini.model import Support
-from signorini.model.field import PointFieldScalar
 from signorini.results.contact_field.lines import Segments, zero_line
 from signorini.shapes.tessellation import grid_shapes, tessellate
-
-
-def bounds(support: Support) -> tuple[float, float]:
-    """Least and greatest pressure that a support without a limit can exert, positive up."""
-    return {"down": (0.0, np.inf), "up": (-np.inf, 0.0)}.get(support.resists or "both", (-np.inf, np.inf))
-
-
-def within_limit(support: Support, pressure: Floats, positions: Floats) -> Floats:
-    """Pressures (..., q) at positions (q, 2) up to the support's limit, either way."""
-    if support.limit is None:
-        return pressure
-    most = known_values(support.limit, positions)
-    return np.asarray(np.clip(pressure, -most, most))
-
-
-def pressing(support: Support, deflection: Floats, positions: Floats) -> Floats:
-    """Pressure (q,) of an elastic area for deflections (q,) at positions (q, 2), positive up, one-sided or not.
-
-    A one-sided support exerts the part of it within its `bounds`, and not more than its limit. The rest says how far
-    the plate is from the support, so the edge of contact is where this is zero.
-    NaN where the input's expressions have no value.
-
-    Examples
-    --------
-    >>> soil = Support(area="all", resists="down", stiffness=1e3, gap=0.25)
-    >>> pressing(soil, np.array([1.0, 0.0]), np.zeros((2, 2)))
-    array([ 750., -250.])
-    """
-    down, up = _beyond_gap(deflection, free_travel(support, positions))
-    both = np.maximum(down, 0.0) - np.maximum(up, 0.0)
-    if support.law is not None:
-        law = Law.drawn(support.law, both=support.resists == "both")
-        return {"down": law.force_at(down), "up": -law.force_at(up)}.get(support.resists or "both", law.force_at(both))
-    assert support.stiffness is not None
-    travel = {"down": down, "up": -up}.get(support.resists or "both", both)
-    return np.asarray(known_values(support.stiffness, positions) * travel)
-
-
-def free_travel(support: Support, positions: Floats) -> tuple[Floats, Floats]:
-    """Settlement and gap (q,) of an elastic area at positions (q, 2); NaN where an expression has no value."""
-    return known_values(support.settlement, positions), known_values(support.gap, positions)
-
-
-def overlap(support: Support, deflection: Floats, travel: tuple[Floats, Floats]) -> Floats:
-    """How far (..., q) the plate is pressed into the support, given its free travel; where negative, the gap."""
-    down, up = _beyond_gap(deflection, travel)
-    return {"down": down, "up": up}.get(support.resists or "both", np.maximum(down, up))
-
-
-def _beyond_gap(deflection: Floats, travel: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    """How far the plate has gone beyond the free travel, down and up."""
-    settlement, gap = travel
-    moved = deflection - settlement
-    return moved - gap, -moved - gap
-
-
-def known_values(expression: PointFieldScalar, positions: Floats) -> Floats:
-    """Values (q,) of an expression, NaN where it has none: it need have one only where the support acts."""
-    try:
-        return expression(*positions.T)
-    except InputError:
-        if len(positions) == 1:
-            return np.array([np.nan])
-        half = len(positions) // 2
-        return np.concatenate([known_values(expression, positions[:half]), known_values(expression, positions[half:])])
 
 
 def positive_part(values: Floats) -> Floats:
@@ -164,7 +96,7 @@ class Cells:
     """Inputs of the search in elements of an elastic area."""
 
     mesh: Mesh
-    support: Support
+    law: SupportLaw
     covered: Bools  # (ne,): whether the support has a part of an element
     depth: Callable[[Floats], Floats]  # how deep positions (q, 2) are in the support
 
@@ -209,7 +141,7 @@ class Cells:
             values[of_triangle] = nodal[of_triangle] @ grid.shapes[1].T
         values = values.reshape(-1, *grid.depth.shape[1:])
         settlement, gap = grid.travel
-        values = overlap(self.support, values, (settlement[place], gap[place]))
+        values = self.law.overlap(values, (settlement[place], gap[place]))
         values[np.abs(values) <= touching[:, None, None]] = 0.0
         corners = _corners(values)
         low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
@@ -241,7 +173,7 @@ class Cells:
         at = np.einsum("eva,eac->evc", shapes[triangles.astype(np.int64)], self.mesh.points[nodes])
         flat = at.reshape(-1, 2)
         depth = self.depth(flat).reshape(square)
-        settlement, gap = (values.reshape(square) for values in free_travel(self.support, flat))
+        settlement, gap = (values.reshape(square) for values in self.law.travel(flat))
         x, y = (_of_triangles(_corners(part.reshape(square))) for part in np.moveaxis(at, -1, 0))
         areas = 0.5 * (
             (x[..., 1] - x[..., 0]) * (y[..., 2] - y[..., 0]) - (y[..., 1] - y[..., 0]) * (x[..., 2] - x[..., 0])
@@ -287,11 +219,11 @@ def _beside(pressed: Bools) -> Bools:
     return beside
 
 
-def edge_of_contact(mesh: Mesh, support: Support, elements: Ints, deflection: Floats, touching: float) -> Segments:
+def edge_of_contact(mesh: Mesh, law: SupportLaw, elements: Ints, deflection: Floats, touching: float) -> Segments:
     """Mask of the gap between plate and elastic area in elements; overlaps of at most ``touching`` count as zero."""
     cut = tessellate(mesh.elements[elements], divisions(len(elements)))
     positions = cut.interpolate(mesh.points)
-    values = overlap(support, cut.interpolate(deflection), free_travel(support, positions))
+    values = law.overlap(cut.interpolate(deflection), law.travel(positions))
     values[np.abs(values) <= touching] = 0.0
     pressed = values > 0
     # Touching parts count as contact if they adjoin pressed ones.

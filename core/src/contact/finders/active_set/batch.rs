@@ -60,7 +60,10 @@ pub(in crate::contact) fn solve_together(
         // Each load iterates until it needs the shared factor, or ends. A load with a factor of its own iterates to the
         // end.
         let went = under_way.into_par_iter().map(|mut load| {
-            let next = load.newton.go_on(load.answer.take(), &mut |_| true);
+            let mut next = load.newton.go_on(load.answer.take(), &mut |_| true);
+            while let Ok(Next::Settled) = next {
+                next = load.newton.go_on(None, &mut |_| true);
+            }
             (load, next)
         });
         let went: Vec<_> = went.collect();
@@ -72,6 +75,7 @@ pub(in crate::contact) fn solve_together(
                     block.extend(pattern.gather(&force));
                     under_way.push(load);
                 }
+                Next::Settled => unreachable!("the load went on"),
                 Next::End(end) => solved[load.number] = Some(load.newton.ended(end)),
             }
         }

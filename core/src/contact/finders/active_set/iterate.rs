@@ -140,10 +140,9 @@ impl NewtonIterate<'_> {
         self.balance();
     }
 
-    /// Updates the multipliers to the present forces; returns the largest change.
-    pub(super) fn renew_multipliers(&mut self) -> f64 {
+    /// Updates the multipliers to the present forces.
+    pub(super) fn renew_multipliers(&mut self) {
         let points = &self.problem.points;
-        let mut largest: f64 = 0.0;
         for i in 0..points.len() {
             let series = self.kkt.series[i];
             if series == 0.0 {
@@ -152,7 +151,6 @@ impl NewtonIterate<'_> {
             let force = self.force(i);
             let change = force - self.multiplier[i];
             self.augmented_travel[i] += series * change;
-            largest = largest.max(change.abs());
             self.multiplier[i] = force;
             let more = self.force(i) - force;
             if more != 0.0 {
@@ -161,6 +159,5 @@ impl NewtonIterate<'_> {
         }
         self.problem.release_held(&mut self.residual.imbalance);
         self.residual.worst = self.problem.scale.largest(&self.residual.imbalance);
-        largest
     }
 }

@@ -8,6 +8,7 @@
 
 mod batch;
 mod coarse_correction;
+mod exact_sets;
 mod iterate;
 mod line_search;
 mod newton;
@@ -15,7 +16,7 @@ mod start;
 
 pub(in crate::contact) use batch::solve_together;
 
-use super::feasibility::signs_are_feasible;
+use super::feasibility::beyond_rounding;
 use crate::cholesky::FactorError;
 use crate::contact::backend::Augmentation;
 use crate::contact::error::SolveError;
@@ -24,6 +25,7 @@ use crate::contact::load::Load;
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Watch};
 use crate::contact::tolerances;
+use exact_sets::exact_sets;
 use newton::Next;
 use start::new_newton;
 use std::sync::Arc;
@@ -37,14 +39,25 @@ pub(in crate::contact) fn by_active_set(
     watch: &mut Watch<'_>,
 ) -> Result<ContactSolution, SolveError> {
     let mut newton = new_newton(problem, augmentation, load, start, false)?;
-    let Next::End(end) = newton.go_on(None, watch)? else { unreachable!("the factor is not shared") };
+    let end = loop {
+        match newton.go_on(None, watch)? {
+            Next::Solve(_) => unreachable!("the factor is not shared"),
+            Next::Settled => {
+                let start = newton.offer();
+                if let Some(exact) = exact_sets(problem, &mut newton.iterate.kkt, load, &start, watch)? {
+                    newton.resume(exact);
+                }
+            }
+            Next::End(end) => break end,
+        }
+    };
     let fell_short = newton.fell_short;
     let solution = newton.ended(end)?;
     if !fell_short {
         return Ok(solution);
     }
     let exact = match solve_on(problem, &mut *kkt(problem), load, &solution.piece, None, 0.0) {
-        Ok(exact) if signs_are_feasible(problem, load.nodal, 0.0, &exact) => exact,
+        Ok(exact) if beyond_rounding(problem, load.nodal, 0.0, &exact).is_empty() => exact,
         Err(error) if !error.is_of_load() => return Err(error),
         _ => return Ok(solution),
     };

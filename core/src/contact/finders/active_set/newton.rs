@@ -26,6 +26,8 @@ pub(super) type End = Result<(), SolveError>;
 pub(super) enum Next {
     /// Asks for the displacements under nodal forces by the shared factor.
     Solve(Vec<f64>),
+    /// The contact state settled at the largest penalty: an exact solution may be sought.
+    Settled,
     End(End),
 }
 
@@ -51,6 +53,8 @@ pub(super) struct Newton<'a> {
     lowest: f64,
     /// Without load, a lower bound of the reference force.
     least: f64,
+    /// The last contact state that was offered for an exact solution.
+    offered: Vec<u8>,
     /// Whether it ended by stalling, so that its contact state may have a better solution.
     pub(super) fell_short: bool,
 }
@@ -87,6 +91,7 @@ impl<'a> Newton<'a> {
             lasting: 0,
             lowest: f64::INFINITY,
             least,
+            offered: Vec::new(),
             fell_short: false,
         }
     }
@@ -110,10 +115,30 @@ impl<'a> Newton<'a> {
                     None => Direction::zeros(self.iterate.load.len()),
                 },
             };
-            if let Some(end) = self.end_step(&direction, watch) {
-                return Ok(Next::End(end));
+            if let Some(next) = self.end_step(&direction, watch) {
+                return Ok(next);
             }
         }
+    }
+
+    /// The present displacements and reactions, on the contact state that was offered.
+    pub(super) fn offer(&self) -> ContactSolution {
+        let mut solution = ContactSolution { piece: self.offered.clone(), ..self.iterate.solution.clone() };
+        solution.reaction = (0..self.offered.len()).map(|i| self.iterate.force(i)).collect();
+        solution
+    }
+
+    /// Continues from an exact solution, with its reactions as multipliers.
+    pub(super) fn resume(&mut self, exact: ContactSolution) {
+        let iterate = &mut self.iterate;
+        iterate.solution.displacement = exact.displacement;
+        iterate.solution.corrections += exact.corrections;
+        iterate.multiplier = exact.reaction;
+        iterate.rounding = None;
+        iterate.balance();
+        self.pieces = iterate.pieces();
+        self.last.clone_from(&self.pieces);
+        (self.before, self.lasting, self.lowest) = (f64::INFINITY, 0, f64::INFINITY);
     }
 
     pub(super) fn ended(self, end: End) -> Result<ContactSolution, SolveError> {
@@ -129,8 +154,9 @@ impl<'a> Newton<'a> {
         let same = self.step > 1 && self.pieces == self.last;
         let lost = self.since_settled == UNSETTLED || self.stalled == STALLS;
         if lost && self.iterate.kkt.limit == tolerances::newton::STIFFEST && self.started {
-            // The start was too far away: restart with the first penalty.
+            // The start was too far away: restart with the first penalty, from zero multipliers.
             (self.stalled, self.far) = (0, true);
+            self.iterate.multiplier.fill(0.0);
             self.iterate.set_penalty(self.iterate.kkt.augmentation.first_penalty);
             self.pieces = self.iterate.pieces();
         }
@@ -161,8 +187,8 @@ impl<'a> Newton<'a> {
         largest_force(self.iterate.problem, self.iterate.load, &[]).max(self.iterate.largest_force())
     }
 
-    /// Moves along the direction and tests for convergence.
-    fn end_step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> Option<End> {
+    /// Moves along the direction and tests for convergence; returns how to go on, unless by the next step.
+    fn end_step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> Option<Next> {
         self.iterate.advance(direction, &self.pieces);
         self.last = std::mem::replace(&mut self.pieces, self.iterate.pieces());
         let unchanged = self.pieces == self.last;
@@ -171,34 +197,41 @@ impl<'a> Newton<'a> {
         let settling =
             unchanged || iterate.residual.worst <= tolerances::newton::NEARLY * tolerances::newton::SETTLED * force;
         self.since_settled += 1;
+        let limit = iterate.kkt.limit;
         if settling {
             self.since_settled = 0;
             iterate.balance();
             iterate.rounding = None;
-            // Multipliers are updated in equilibrium only.
-            let balanced = iterate.residual.worst <= tolerances::newton::BALANCED * force;
-            let renewed = if balanced { iterate.renew_multipliers() } else { f64::INFINITY };
-            let limit = iterate.kkt.limit;
-            if limit < tolerances::newton::STIFFEST && renewed <= tolerances::newton::STEADY * force {
-                iterate.set_penalty(f64::min(tolerances::newton::STIFFER * limit, tolerances::newton::STIFFEST));
+            if limit < tolerances::newton::STIFFEST {
+                iterate.set_penalty(iterate.kkt.augmentation.next_penalty(limit));
                 (self.before, self.lasting, self.lowest) = (f64::INFINITY, 0, f64::INFINITY);
+            } else if iterate.residual.worst <= tolerances::newton::BALANCED * force {
+                // Multipliers are updated in equilibrium only.
+                iterate.renew_multipliers();
             }
             self.pieces = iterate.pieces();
         }
         let changing = differing(&self.pieces, &self.last).len();
         let worst = iterate.residual.worst;
         if !worst.is_finite() {
-            return Some(Err(SolveError::Unsolved));
+            return Some(Next::End(Err(SolveError::Unsolved)));
         }
         // Without forces the relative residual is zero.
         let residual = if worst == 0.0 { 0.0 } else { worst / force };
         if !watch(Progress { step: self.step, changing, residual }) {
-            return Some(Err(SolveError::Cancelled));
+            return Some(Next::End(Err(SolveError::Cancelled)));
         }
-        if !settling || iterate.kkt.limit != tolerances::newton::STIFFEST {
+        if !settling || limit != tolerances::newton::STIFFEST {
             return None;
         }
-        self.settled(worst, force, unchanged)
+        if let Some(outcome) = self.settled(worst, force, unchanged) {
+            return Some(Next::End(outcome));
+        }
+        let offers = unchanged && self.iterate.kkt.is_augmented() && self.offered != self.last;
+        offers.then(|| {
+            self.offered.clone_from(&self.last);
+            Next::Settled
+        })
     }
 
     /// The end at the largest penalty, if the iteration ends.

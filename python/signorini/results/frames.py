@@ -1,0 +1,71 @@
+"""Results and tables for pandas and xarray."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from signorini.base.packages import package
+from signorini.results.quantities import FIELDS, Number
+from signorini.results.rows import Column
+from signorini.results.state import ResultState
+
+
+def numbers_frame(result: ResultState) -> Any:
+    """Give the numbers of a result as a `pandas.DataFrame`: value, unit and place by name."""
+    units, places = result.model.units, [_place(result, one) for one in result.catalogue]
+    columns = {
+        "value": result.numbers,
+        "unit": [one.quantity.unit(units) for one in result.catalogue],
+        **dict(zip("xy", np.array(places).reshape(-1, 2).T, strict=True)),
+    }
+    names = package("pandas").Index([one.name for one in result.catalogue], name="name")
+    return package("pandas").DataFrame(columns, names)
+
+
+def _place(result: ResultState, one: Number) -> tuple[float, float]:
+    """Where a number of a result is; NaN where it has no place."""
+    own = result.plates[str(one.path[1])] if one.path[0] == "plates" else result
+    places: Mapping[str, Callable[[], tuple[float, float] | None]] = {
+        "point": lambda: tuple(own.supports[one.owner].positions[one.part].tolist()),
+        "probe": lambda: own.probes[one.owner].at,
+        "station": lambda: own.strips[one.owner].stations[one.part].at,
+        "strip": lambda: getattr(own.strips[one.owner], "sagging" if one.what == "max_moment" else "hogging").at,
+        "field": lambda: getattr(own.extremes[one.quantity.name], f"{one.what}_at"),
+        "support": lambda: own.supports[one.owner].max_pressure_at if one.what == "max_pressure" else None,
+    }
+    found = places[one.home]() if result.status == "solved" and one.home in places else None
+    return (np.nan, np.nan) if found is None else found
+
+
+def dataframe(table: Mapping[str, Column], key: str) -> Any:
+    """Give a table as a `pandas.DataFrame`, its rows by one of its columns."""
+    return package("pandas").DataFrame({name: np.asarray(values) for name, values in table.items()}).set_index(key)
+
+
+def dataset(results: Mapping[str, ResultState]) -> Any:
+    """Return fields and reactions of results on one mesh as an `xarray.Dataset`.
+
+    Fields are by combination and stress node, with coordinates x and y; reactions by combination and support. Every
+    variable has its description (``long_name``) and unit (``units``).
+    """
+    first = next(iter(results.values()))
+    units, nodes = first.model.units, first.stress_nodes
+    variables: dict[str, Any] = {}
+    for name, quantity in FIELDS.items():
+        values = np.stack([nodes.spread(one.fields[name]) for one in results.values()])
+        variables[name] = (
+            ("combination", "node"),
+            values,
+            {"long_name": quantity.words, "units": quantity.unit(units)},
+        )
+    places = {axis: ("node", at, {"units": units.length}) for axis, at in zip("xy", nodes.points.T, strict=True)}
+    names = [support.name for support in first.model.support]
+    nothing = [np.nan] * len(names)
+    reactions = [[support.reaction for support in one.supports] or nothing for one in results.values()]
+    what = {"long_name": "reaction, positive up", "units": units.force}
+    variables["reaction"] = (("combination", "support"), np.array(reactions).reshape(len(results), -1), what)
+    coordinates = {"combination": list(results), "support": names, **places}
+    return package("xarray").Dataset(variables, coordinates, {"title": first.model.title})

@@ -1,0 +1,475 @@
+"""Readings of solutions, and the numbers that follow from them.
+
+A reading is linear in the solution on one contact state. A result reads one answer and a load path several. A row of a
+table is a sum of the readings of load cases and contact points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from signorini import _core
+from signorini.base.on_demand import kept
+from signorini.contact.selection import Answer
+from signorini.discretise import CaseLoad, Discretisation
+from signorini.discretise.discretisation import OfWhole
+from signorini.discretise.rows import Bools, Floats, Ints
+from signorini.equilibrium.balance import NO_FORCE
+from signorini.model import Support
+from signorini.results.contact_field.area_contact import AreaContact
+from signorini.results.contact_field.areas import area_at_rest, area_contact
+from signorini.results.line_reactions import Line, lines_of
+from signorini.results.local_results import total_pressure
+from signorini.results.quantities import EXTREMES, LINEAR, Catalogue, Home, derived
+from signorini.results.support_points import SupportPoints, closed_part
+
+_TOGETHER = 500_000
+"""Deflections of all nodes, 4 MB of them, of the solutions whose contact areas are found together."""
+
+
+class SupportForces(NamedTuple):
+    """Nodal forces of one solution: residual F − Ku (3n,), forces of held dofs (3n,), upward forces of springs (s,)."""
+
+    imbalance: Floats
+    held: Floats
+    springs: Floats
+
+    @classmethod
+    def of(
+        cls,
+        discretisation: Discretisation,
+        nodal: Floats,
+        hi: Floats,
+        lo: Floats,
+        spread: Floats,
+        springs: tuple[Ints, Floats, Ints, Floats, Floats] | None = None,
+        imbalance: Floats | None = None,
+    ) -> Self:
+        """Read u = hi + lo (3n,) under nodal loads (3n,) and reactions ``spread`` over the nodes (3n,).
+
+        ``springs`` replace those of the model. ``imbalance`` is the residual without reactions, if known.
+        """
+        arrays = discretisation.springs.arrays if springs is None else springs
+        residual = discretisation.plate.residual(arrays, nodal, hi, lo) if imbalance is None else imbalance
+        residual = residual - spread
+        held = np.where(discretisation.held.dofs, residual, 0.0)
+        return cls(residual, held, discretisation.spring_forces(hi, lo, arrays[4]))
+
+    def on(self, plate: OfWhole) -> SupportForces:
+        """Those on one of several plates."""
+        return SupportForces(self.imbalance[plate.dofs], self.held[plate.dofs], self.springs[plate.springs])
+
+
+class Linear(NamedTuple):
+    """Readings, each with an axis of k solutions in front."""
+
+    probes: Floats
+    """(k, q', 8): fields on every side of every probe, as `LINEAR` orders them."""
+    through: Floats
+    """(k, 3c): moment, twist and shear of every section and, as means, of every station of a strip."""
+    forces: Floats
+    """(k, h + s): upward forces of held nodes and springs, support by support."""
+    couples: Floats
+    """(k, 2t): couples on θx and θy of points that turn, support by support."""
+    on_lines: Floats
+    """(k, v): contribution of twisting couples of edges at the vertices of their lines, line by line."""
+    on_areas: Floats
+    """(k, a): deflections of the nodes around elastic areas."""
+    beneath: Floats
+    """(k, b, a): deflections there of b other plates, support by support."""
+
+    @classmethod
+    def stacked(cls, each: Iterable[Linear]) -> Linear:
+        """Put readings of single solutions together."""
+        return cls(*map(np.array, zip(*each, strict=True)))
+
+    def sums(self, coefficients: Floats) -> Linear:
+        """Sums (k, ...) of these readings (b, ...) with coefficients (k, b)."""
+        return Linear(
+            *(
+                _core.superpose(coefficients, one.reshape(len(one), -1)).reshape(len(coefficients), *one.shape[1:])
+                for one in self
+            )
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Reader:
+    """Reads solutions of one plate."""
+
+    discretisation: Discretisation
+    points: tuple[SupportPoints, ...]
+    lines: Mapping[int, Line]
+    around_areas: Ints  # (a,): nodes around elastic areas
+
+    @staticmethod
+    @kept
+    def of(discretisation: Discretisation) -> Reader:
+        """The reader of a plate, made once."""
+        supports = discretisation.model.support
+        points = tuple(SupportPoints.of(discretisation, index) for index in range(len(supports)))
+        areas = [area_at_rest(discretisation, index) for index, one in enumerate(supports) if one.area is not None]
+        return Reader(discretisation, points, lines_of(discretisation), nodes_around(areas))
+
+    @cached_property
+    def forces_of(self) -> list[slice]:
+        """Forces of held nodes and springs that belong to each support."""
+        return _slices(points.fixed for points in self.points)
+
+    @cached_property
+    def couples_of(self) -> list[slice]:
+        """Couples that belong to each support."""
+        return _slices(points.turning.size for points in self.points)
+
+    @cached_property
+    def vertices_of(self) -> Mapping[int, slice]:
+        """Contributions of couples that belong to each line that holds the twist."""
+        lines = {index: line.couples for index, line in self.lines.items() if line.couples is not None}
+        return dict(zip(lines, _slices(couples.shape[0] for couples in lines.values()), strict=True))
+
+    def read(
+        self,
+        load: CaseLoad,
+        hi: Floats,
+        lo: Floats,
+        reaction: Floats,
+        forces: SupportForces,
+        fields: Floats | None,
+        beneath: Mapping[int, Floats],
+    ) -> Linear:
+        """Read u = hi + lo (3n,) with reactions of contact points, forces of supports, and fields (s, 8).
+
+        ``beneath`` are deflections (n,) of other plates at the own nodes, by the own support between.
+
+        Without fields the deflections are the only ones read at probes; the others are NaN.
+        """
+        found, sides = self.discretisation, self.discretisation.probe_sides
+        deflection = (hi + lo)[::3]
+        if fields is None:
+            fields = np.full((found.stress_nodes.count, len(LINEAR)) if len(sides.point) else (0, 0), np.nan)
+            fields[:, :1] = found.stress_nodes.spread(deflection)[: len(fields), None]
+        at_probes = found.stress_nodes.at(sides, fields) if len(sides.point) else np.zeros((0, len(LINEAR)))
+        held, nothing = forces.held[::3], list[Floats]([np.zeros(0)])
+        of_supports = [np.concatenate([held[one.nodes], forces.springs[one.springs]]) for one in self.points]
+        couples = [one.moments(forces.springs).ravel() for one in self.points]
+        on_lines = nothing
+        if self.vertices_of:
+            turned = found.held.to_global(forces.held.reshape(-1, 3)[:, 1:]).ravel()
+            on_lines = [line.couples @ turned for line in self.lines.values() if line.couples is not None]
+        return Linear(
+            at_probes,
+            found.through(load, hi, lo, reaction, forces.springs),
+            np.concatenate(nothing + of_supports),
+            np.concatenate(nothing + couples),
+            np.concatenate(on_lines),
+            deflection[self.around_areas],
+            np.array([other[self.around_areas] for other in beneath.values()]).reshape(
+                len(beneath), len(self.around_areas)
+            ),
+        )
+
+
+def nodes_around(areas: Iterable[AreaContact]) -> Ints:
+    """Nodes (a,) of the elements of elastic areas: their deflections give pressures and contact areas."""
+    nodes = [area.mesh.elements[area.covered > 0].ravel() for area in areas if area.support.is_elastic]
+    return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
+
+
+def _slices(counts: Iterable[int]) -> list[slice]:
+    ends = np.cumsum([0, *counts]).tolist()
+    return [slice(begin, end) for begin, end in pairwise(ends)]
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """k solutions of one plate as they are read, and the numbers of each.
+
+    ``shared`` (k, m + r) are reactions of all points, ``gap`` (k, m) and ``closed`` (k, m) the states of contact
+    points. Sums have no ``answers``, ``loads`` and deflections.
+    """
+
+    reader: Reader
+    linear: Linear
+    shared: Floats
+    gap: Floats
+    closed: Bools
+    answers: Sequence[Answer] = ()
+    loads: Sequence[CaseLoad] = ()
+    between: Sequence[int] = ()
+    """Supports whose plates beneath are read."""
+    upon: Collection[int] = ()
+    """Supports by which another plate lies on this one."""
+
+    @classmethod
+    def of(
+        cls,
+        discretisation: Discretisation,
+        loads: Sequence[CaseLoad],
+        answers: Sequence[Answer],
+        forces: Sequence[SupportForces],
+        fields: Sequence[Floats | None],
+        beneath: Sequence[Mapping[int, Floats]],
+        upon: Collection[int] = (),
+    ) -> Self:
+        """Read answers (k,) to loads (k,); `Reader.read` describes the arguments."""
+        reader = Reader.of(discretisation)
+        linear = Linear.stacked(
+            reader.read(load, answer.hi, answer.lo, answer.shared, of, own, below)
+            for load, answer, of, own, below in zip(loads, answers, forces, fields, beneath, strict=True)
+        )
+        shared, gap, closed = (np.array([getattr(one, key) for one in answers]) for key in ("shared", "gap", "closed"))
+        return cls(reader, linear, shared, gap, closed, answers, loads, tuple(beneath[0]), upon)
+
+    def numbers(self, catalogue: Catalogue) -> Floats:
+        """Numbers (k, n) of a catalogue; NaN for extremes of fields, which are no readings."""
+        result = np.full((len(self.shared), len(catalogue)), np.nan)
+        for (home, owner, what), places in catalogue.groups.items():
+            if home not in EXTREMES:
+                result[:, places] = self.read(home, owner, what)
+        return result
+
+    def read(self, home: Home, owner: int, what: str) -> Floats:
+        """Values (k, 1) of a quantity of a support or strip; or (k, ...) of all points of one, probes, or stations."""
+        match home:
+            case "probe":
+                return self._at_probes(what)
+            case "section":
+                return _THROUGH[what](self._through[:, : self._sections])
+            case "station":
+                return _THROUGH[what](self._through[:, self._sections :])
+            case "strip":
+                return _OF_STRIPS[what](self._through[:, self._sections :][:, self._stations[owner]])[:, None]
+            case "support":
+                return _OF_SUPPORTS[what](self.supports[owner])[:, None]
+            case _:
+                return _OF_POINTS[home, what](self.supports[owner])
+
+    @cached_property
+    def supports(self) -> tuple[SupportReading, ...]:
+        """Every support."""
+        return tuple(SupportReading(self, index) for index in range(len(self.reader.points)))
+
+    @property
+    def discretisation(self) -> Discretisation:
+        """The plate."""
+        return self.reader.discretisation
+
+    @cached_property
+    def probes(self) -> Floats:
+        """Fields (k, q, 8) at probes; where they jump, those of the side of larger size."""
+        return self.discretisation.probe_sides.larger(self.linear.probes)
+
+    @cached_property
+    def pressures(self) -> Floats:
+        """Pressures (k, q) at probes; NaN where no area is."""
+        found = self.discretisation
+        areas = [one.areas for one in self.supports if one.support.area is not None and one.index not in self.upon]
+        of_each = zip(*areas, strict=True) if areas else [()] * len(self.shared)
+        return np.array([total_pressure(of_one, found.probe_positions) for of_one in of_each])
+
+    def deflections(self, some: slice) -> Floats:
+        """Deflections (k', n) of some solutions; of sums those around areas, 0 elsewhere."""
+        if self.answers:
+            return np.array([(answer.hi + answer.lo)[::3] for answer in self.answers[some]])
+        around = self.linear.on_areas[some]
+        result = np.zeros((len(around), self.discretisation.mesh.node_count))
+        result[:, self.reader.around_areas] = around
+        return result
+
+    def _at_probes(self, what: str) -> Floats:
+        if what == "pressure":
+            return self.pressures
+        if what in LINEAR:
+            return self.probes[..., list(LINEAR).index(what)]
+        moment, shear = self.probes[..., 3:6], self.probes[..., 6:]
+        return derived([what], moment, shear, self.discretisation.probe_thickness)[..., 0]
+
+    @property
+    def _through(self) -> Floats:
+        return self.linear.through.reshape(len(self.shared), -1, 3)
+
+    @property
+    def _sections(self) -> int:
+        return len(self.discretisation.model.section)
+
+    @cached_property
+    def _stations(self) -> list[slice]:
+        return _slices(strip.stations for strip in self.discretisation.model.strip)
+
+
+@dataclass(frozen=True, eq=False)
+class SupportReading:
+    """One support with p points in k solutions, from which the registry's formulas are computed."""
+
+    of: Readings
+    index: int
+
+    @property
+    def support(self) -> Support:
+        """The support in the model."""
+        return self.of.discretisation.model.support[self.index]
+
+    @property
+    def points(self) -> SupportPoints:
+        """Where it acts."""
+        return self.of.reader.points[self.index]
+
+    @cached_property
+    def reactions(self) -> Floats:
+        """Upward forces (k, p)."""
+        return self.points.forces(self.of.linear.forces[:, self.of.reader.forces_of[self.index]], self.of.shared)
+
+    @cached_property
+    def gaps(self) -> Floats:
+        """Remaining free travels (k, p)."""
+        return self.points.gaps(self.of.gap)
+
+    @cached_property
+    def closed(self) -> Bools:
+        """Whether points are closed (k, p)."""
+        return self.points.closed(self.of.closed)
+
+    @cached_property
+    def yielded(self) -> Bools:
+        """Whether points give all that they can (k, p)."""
+        return np.array([self.points.yielded(self.of.discretisation, one) for one in self.of.shared])
+
+    @property
+    def couples(self) -> Floats:
+        """Couples (k, p, 2) on θx and θy."""
+        own = self.of.linear.couples[:, self.of.reader.couples_of[self.index]]
+        return np.asarray(own.reshape(-1, *self.points.turning.shape))
+
+    @property
+    def pieces(self) -> Ints:
+        """Pieces (k, p) of the law."""
+        return np.array([self.points.pieces(self.of.discretisation, one.piece) for one in self.of.answers])
+
+    @property
+    def tightened_to(self) -> Floats:
+        """Forces (p,) to which bolts were last tightened."""
+        return self.points.tightened_to(self.of.discretisation)
+
+    @property
+    def preloads(self) -> Floats:
+        """Forces (p,) when all bolts are tightened, before other loads act."""
+        return self.points.preloads(self.of.discretisation)
+
+    @property
+    def lift(self) -> Floats:
+        """Resultant (k,) with which the loads lift the plate; NaN where they do not."""
+        forces = np.array([load.weighing[::3] for load in self.of.loads])
+        lift = -forces.sum(axis=1)
+        return np.where(lift > NO_FORCE * np.abs(forces).sum(axis=1), lift, np.nan)
+
+    @property
+    def closed_part(self) -> Floats:
+        """Closed part (k,): of points as many, of lines by length, of areas by contact area."""
+        areas = self.contact_area if self.support.area is not None else np.full(len(self.of.answers), np.nan)
+        pairs = zip(self.of.answers, areas.tolist(), strict=True)
+        return np.array([closed_part(self.of.discretisation, self.index, answer, area) for answer, area in pairs])
+
+    @cached_property
+    def at_rest(self) -> AreaContact:
+        """Contact of the area without load."""
+        return area_at_rest(self.of.discretisation, self.index)
+
+    def above(self, some: slice) -> Floats:
+        """Deflections (k', n) of the plate, around areas relative to the plate beneath, if any."""
+        deflection = self.of.deflections(some)
+        if (beneath := self.beneath) is not None:
+            deflection[:, self.of.reader.around_areas] -= beneath[some]
+        return deflection
+
+    @property
+    def beneath(self) -> Floats | None:
+        """Deflections (k, a) of the plate beneath, around areas."""
+        return self.of.linear.beneath[:, self.of.between.index(self.index)] if self.index in self.of.between else None
+
+    @cached_property
+    def areas(self) -> tuple[AreaContact, ...]:
+        """Contact of the area in every answer."""
+        columns = zip(self.above(slice(None)), self.of.answers, self.closed, self.reactions, strict=True)
+        return tuple(
+            area_contact(
+                *(self.of.discretisation, self.index, above),
+                *(self.points.centres(self.of.discretisation, answer.shared), closed, reactions),
+            )
+            for above, answer, closed, reactions in columns
+        )
+
+    @cached_property
+    def pressures(self) -> Floats:
+        """Pressures (k, q) where `AreaContact.pressure_places` are."""
+        if not self.support.is_elastic:
+            return self.at_rest.measured(np.zeros((len(self.reactions), 0)), self.reactions)
+        on = np.flatnonzero(self.at_rest.on_nodes)
+        around = self.of.linear.on_areas if (beneath := self.beneath) is None else self.of.linear.on_areas - beneath
+        deflection = around[:, np.searchsorted(self.of.reader.around_areas, on)]
+        return self.at_rest.measured(deflection, self.reactions)
+
+    @cached_property
+    def contact_area(self) -> Floats:
+        """Areas (k,) in contact."""
+        step, result = max(1, _TOGETHER // self.of.discretisation.mesh.node_count), [np.zeros(0)]
+        for first in range(0, len(self.closed), step):
+            some = slice(first, first + step)
+            result.append(self.at_rest.contact_areas(self.above(some), self.closed[some]))
+        return np.concatenate(result)
+
+    @property
+    def yielded_area(self) -> Floats:
+        """Areas (k,) at the limit."""
+        return np.array([area.yielding(own) for area, own in zip(self.areas, self.yielded, strict=True)], np.float64)
+
+    @cached_property
+    def per_length(self) -> tuple[Floats, Floats]:
+        """Reactions per length (k, s) at the stations of the line, and concentrated forces (k, c)."""
+        line, where = self.of.reader.lines[self.index], self.of.reader.vertices_of.get(self.index)
+        return line.read(self.reactions, None if where is None else self.of.linear.on_lines[:, where])
+
+
+_OF_SUPPORTS: Mapping[str, Callable[[SupportReading], Floats]] = {
+    "reaction": lambda of: of.reactions.sum(axis=1),
+    "closed": lambda of: of.closed.sum(axis=1),
+    "open": lambda of: (~of.closed).sum(axis=1),
+    "closed_part": lambda of: of.closed_part,
+    "max_pressure": lambda of: np.fmax.reduce(of.pressures, axis=1, initial=0.0),
+    "max_tension": lambda of: np.fmax.reduce(-of.pressures, axis=1, initial=0.0),
+    "contact_area": lambda of: of.contact_area,
+    "yielded_area": lambda of: of.yielded_area,
+    "max_per_length": lambda of: of.per_length[0].max(axis=1),
+    "min_per_length": lambda of: of.per_length[0].min(axis=1),
+    "preload": lambda of: np.full(len(of.reactions), of.preloads.sum()),
+    "prying": lambda of: -of.reactions.sum(axis=1) / of.lift,
+}
+"""Formulas (k,) of quantities of supports, by their names in the registry."""
+_OF_POINTS: Mapping[tuple[Home, str], Callable[[SupportReading], Floats]] = {
+    ("point", "reaction"): lambda of: of.reactions,
+    ("point", "gap"): lambda of: of.gaps,
+    ("point", "moment_x"): lambda of: of.couples[..., 0],
+    ("point", "moment_y"): lambda of: of.couples[..., 1],
+    ("point", "piece"): lambda of: of.pieces.astype(np.float64),
+    ("point", "tightened_to"): lambda of: of.tightened_to,
+    ("point", "preload"): lambda of: of.preloads,
+    ("point", "change"): lambda of: of.reactions - of.preloads,
+    ("corner", "reaction"): lambda of: of.per_length[1],
+}
+"""Formulas (k, p) or (p,) of quantities of their points and corners."""
+_THROUGH: Mapping[str, Callable[[Floats], Floats]] = {
+    "moment": lambda through: through[..., 0],
+    "twist": lambda through: through[..., 1],
+    "shear": lambda through: through[..., 2],
+}
+"""Formulas (k, c) of forces through sections and stations (k, c, 3)."""
+_OF_STRIPS: Mapping[str, Callable[[Floats], Floats]] = {
+    "max_moment": lambda through: through[..., 0].max(axis=1),
+    "min_moment": lambda through: through[..., 0].min(axis=1),
+}
+"""Formulas (k,) of a strip from its stations (k, c, 3)."""

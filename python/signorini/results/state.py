@@ -1,0 +1,226 @@
+"""State of a combination: fields at nodes, supports, numbers and certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Literal, Self
+
+from signorini.base.on_demand import Listed, Named, OnDemand
+from signorini.base.remade import Remade
+from signorini.contact.certificate import Certificate
+from signorini.contact.selection import NotUnique
+from signorini.discretise.rows import Floats
+from signorini.discretise.stressnodes import StressNodes
+from signorini.errors import InputError
+from signorini.mesh import Mesh
+from signorini.model import Combination, Model
+from signorini.results.extremes import FieldExtremes, Means, extremes, of_plates
+from signorini.results.local_results import ProbeResult, ProfileResult, SectionResult, StripResult, profile_results
+from signorini.results.quantities import FIELDS, LINEAR, MEAN_SIDES, PEAKING, SIDES, Catalogue, derived
+from signorini.results.support_result import SupportResult, areas_below
+from signorini.singularities.singularity import Singularity, at_peaks
+
+Status = Literal["solved", "no_equilibrium"]
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class ResultState(Remade):
+    """One combination. Numbers are NaN where there is no equilibrium.
+
+    Parameters
+    ----------
+    deflection : (n,) array
+        Positive down.
+    rotation : (n, 2) array
+        Slopes θx, θy.
+    stress_nodes : StressNodes
+        Nodes (s,) of moments and shears: the mesh's, and behind them, for those on a jump of what the plate is made
+        of, one for each further side; and the elements (ne, 8) by them.
+    moment : (s, 3) array
+        mx, my, mxy, positive when they sag; averaged at nodes from the superconvergent points, but across no jump.
+    shear : (s, 2) array
+        qx, qy.
+    nodal_reaction : (n,) array
+        Upward force of the supports at points, along lines and edges on every node that they act on. Areas have
+        pressures instead, and footprints spread their reactions.
+    supports, sections, strips : tuple of SupportResult, SectionResult, StripResult
+        What supports do, forces through sections, mean moments of strips: each by its number from 0 or by its name, as
+        ``supports["columns"]``.
+    method : str
+        "lemke", "active_set" or "saddle"; "given" where `signorini.recover` was given the reactions.
+    unsettled : tuple of str
+        Methods that were tried before and did not settle; almost always none.
+    iterations : int
+        Pivots of Lemke's algorithm, or Newton steps of the active set.
+    not_unique : tuple of NotUnique
+        What else would be as right, where supports repeat each other or the plate may rest elsewhere: of all these the
+        least reactions, and then the least deflection, are given. Empty where this is the only answer.
+    warnings : tuple of str
+        What of the model and of this answer is seldom meant, in sentences.
+    singular : tuple of Singularity
+        Where numbers have no limit as the mesh is refined, and which.
+    thickness : (s,) array
+        At the nodes of stresses, NaN where a stiffness is given in place of a solid section.
+    catalogue : Catalogue
+        What ``numbers`` are.
+    combination : Combination or None
+        The load, by factors of the model's cases; None where it is none of these.
+    means : Means or None
+        Means of moments and shears at the places where these have no limit. None where there is no equilibrium.
+    plates : mapping of Result
+        Of several plates each by name, with what is between it and others among its supports. The fields of all are
+        behind one another in those of the whole.
+    """
+
+    name: str
+    status: Status
+    message: str
+    method: str
+    unsettled: tuple[str, ...]
+    iterations: int
+    not_unique: tuple[NotUnique, ...]
+    mesh: Mesh
+    model: Model
+    certificate: Certificate
+    deflection: Floats
+    rotation: Floats
+    stress_nodes: StressNodes
+    moment: Floats
+    shear: Floats
+    nodal_reaction: Floats
+    supports: Listed[SupportResult]
+    probes: tuple[ProbeResult, ...]
+    sections: Listed[SectionResult]
+    strips: Listed[StripResult]
+    seconds: float
+    warnings: tuple[str, ...]
+    singular: tuple[Singularity, ...]
+    thickness: Floats
+    catalogue: Catalogue
+    _read: Floats
+    """Numbers (k,) of the catalogue without extremes of fields, which are NaN."""
+    combination: Combination | None
+    means: Means | None = None
+    plates: Mapping[str, Self] = field(default_factory=dict)
+
+    @property
+    def members(self) -> Mapping[str, Self]:
+        """The plates by name; a single plate is its only member."""
+        return self.plates or {"": self}
+
+    @property
+    def counted(self) -> str:
+        """Unit that ``iterations`` counts."""
+        return "pivots" if self.method == "lemke" else "Newton steps"
+
+    @property
+    def heading(self) -> str:
+        """Title of its pictures: the model's, and the name."""
+        return ", ".join(part for part in (self.model.title, self.name) if part)
+
+    @property
+    def reactions(self) -> Mapping[str, float]:
+        """Total reaction of every support by name, positive when it pushes the plate up."""
+        return Named({support.name: support.reaction for support in self.supports}, "support", "This result")
+
+    @cached_property
+    def fields(self) -> Mapping[str, Floats]:
+        """Every field by name, see `signorini.results.quantities.FIELDS`.
+
+        deflection, rotation_x and rotation_y are at the nodes of the mesh (n,), all others at those of stresses (s,):
+        mx, my, mxy, qx, qy; principal moments m1, m2; design moments such as mx_bottom; stresses such as sx_top,
+        von_mises and txz.
+        """
+        return OnDemand(FIELDS, self._field, None, "field", "This result")
+
+    def _field(self, name: str) -> Floats:
+        field: Floats
+        if name in LINEAR:
+            values = dict(zip(LINEAR, (self.deflection, *self.rotation.T, *self.moment.T, *self.shear.T), strict=True))
+            field = values[name]
+        else:
+            field = derived([name], self.moment, self.shear, self.thickness)[:, 0]
+        field.flags.writeable = False
+        return field
+
+    @cached_property
+    def profiles(self) -> Mapping[str, ProfileResult]:
+        """Deflection, moments, shears and pressure along the model's profiles, by name.
+
+        Examples
+        --------
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        ...     support=[{"edge": ["left", "right"], "fix": "simple"}],
+        ...     load=[{"pressure": 5e3}],
+        ...     profile=[{"name": "middle", "line": [[0, 2], [4, 2]], "stations": 5}],
+        ... )
+        >>> solve(model)["all"].profiles["middle"].values["mx"].round().tolist()
+        [7.0, 7386.0, 9852.0, 7386.0, 7.0]
+        """
+        found = dict[str, ProfileResult]()
+        for one in self.members.values():
+            profiles, areas = one.model.profile if one.status == "solved" else (), areas_below(one.supports)
+            results = profile_results(profiles, one.fields, one.stress_nodes, areas) if profiles else ()
+            found |= {result.name: result for result in results}
+        in_order = {one.name: found[one.name] for one in self.model.profile if one.name in found}
+        return Named(in_order, "profile", "This result")
+
+    @cached_property
+    def extremes(self) -> Mapping[str, FieldExtremes]:
+        """Largest and smallest deflection, mx, my, mxy, qx and qy over the nodes.
+
+        Those of moments and shears are away from where these have no limit.
+
+        Examples
+        --------
+        >>> from signorini import Model, solve
+        >>> model = Model(
+        ...     material={"E": 30e9, "nu": 0.2},
+        ...     plate={"shape": "rectangle", "size": [4, 4], "thickness": 0.2},
+        ...     support=[{"edge": ["left", "right"], "fix": "simple"}],
+        ...     load=[{"pressure": 5e3}],
+        ... )
+        >>> mx = solve(model)["all"].extremes["mx"]
+        >>> round(mx.max), mx.max_at[0], mx.max_beside
+        (10336, 2.0, '')
+        """
+        if self.plates:
+            found = of_plates([one.extremes for one in self.plates.values()])
+        else:
+            found = extremes(self.fields, self.stress_nodes, self.singular, self.means)
+        return Named(found, "field", "This mapping of extremes")
+
+    def excluding(self, number: str) -> list[Singularity]:
+        """The singularities around which extremes of "moment" or "shear" leave out nodes; none where all would be."""
+        result = []
+        for name, of in self.members.items():
+            those = [one for one in of.singular if one.excludes(number)]
+            result += [] if at_peaks(of.mesh, those, number).all() else [replace(one, plate=name) for one in those]
+        return result
+
+    @cached_property
+    def numbers(self) -> Floats:
+        """Every number (k,) of its ``catalogue``; NaN if missing."""
+        if self.status != "solved":
+            return self._read
+        if self.plates:
+            return self.catalogue.of_members([one.numbers for one in self.plates.values()])
+        result, at = self._read.copy(), self.catalogue.at
+        for side in SIDES:
+            result[at("field", side)] = [getattr(ends, side) for ends in self.extremes.values()]
+        for side in MEAN_SIDES:
+            result[at("mean", side)] = [getattr(self.extremes[name], side) for name in PEAKING]
+        return result
+
+    def require_fields(self) -> None:
+        """Refuse several plates, and a result without equilibrium."""
+        if self.plates:
+            names = ", ".join(f'plates["{name}"]' for name in self.plates)
+            raise InputError(f"There are several plates. Take one of them: {names}.", place="plates")
+        if self.status != "solved":
+            raise InputError(f"There are no fields: {self.message}", place="field")
