@@ -271,7 +271,7 @@ def inside(points: Floats, corners: Floats | Sequence[outlines.Point]) -> Bools:
 
 
 def _require_simple(segments: Floats) -> None:
-    """Refuse sides that meet anywhere but at the corner they share, and sides that fold back."""
+    """Refuse a polygon whose sides cross, touch or fold back; neighbours may share their corner only."""
     count = len(segments)
     coincide = (segments[:, 0] == segments[:, 1]).all(axis=1)
     if coincide.any():
