@@ -606,3 +606,12 @@ def test_pressure_and_contact_area_are_columns_and_have_envelopes(method, tmp_pa
     ends = [combined.envelope[f"{what}:{name}"] for what in ("max_pressure", "contact_area")]
     assert np.allclose([one.max for one in ends], found.max(axis=0), rtol=1e-7)
     assert np.allclose([one.min for one in ends], found.min(axis=0), rtol=1e-7)
+
+
+def test_a_table_without_any_equilibrium_is_refused_with_its_reasons():
+    """None of the sums has an equilibrium; sections and probes have no row."""
+    up = [{"name": f"up {at}", "factors": {"Q": -float(at)}} for at in range(1, 4)]
+    given = tables(support=[{"name": "legs", "at": LEGS, "resists": "down"}], combination=up)
+    given |= {"section": [{"line": [[1, 0], [1, 3]]}], "output": {"combinations": "table"}}
+    with pytest.raises(signorini.NoEquilibriumError, match="up 1"):
+        signorini.solve(Model(**given))

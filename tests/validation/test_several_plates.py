@@ -357,6 +357,18 @@ def test_results_are_told_of_all_and_by_plate(tmp_path):
     assert again.plates["left"].reactions["left"] == -result.reactions["left"]
 
 
+def test_a_probe_on_a_plate_without_an_area_has_no_pressure():
+    """Contact pressure is a number of probes on plates with an area support or an area contact only."""
+    tables = mats() | {
+        "contact": [{"name": "stud", "between": ["top", "right"], "at": [[1.7, 1.7], [2.3, 1.7], [2, 2.3]]}]
+    }
+    result = solve(Model(**tables))["all"]
+    right, *top = result.probes
+    assert right.pressure is not None and [one.pressure for one in top] == [None, None]
+    names = {one.name for one in result.catalogue}
+    assert "probe[1].pressure" in names and not {"probe[2].pressure", "probe[3].pressure"} & names
+
+
 def test_what_has_no_limit_is_told_with_its_plate():
     """The pressure of a contact is the upper plate's; the lower one does not have it."""
     plates = two_squares(0.04, 0.02, "upper", (3, 3))

@@ -17,8 +17,7 @@ def catalogue_of(discretisation: Discretisation, fields: tuple[str, ...]) -> Cat
     """List the numbers of a model's results, found once."""
     points = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
     counts, opens = [len(of.positions) for of in points], [of.rows.size > 0 for of in points]
-    probes = sum(len(probe.at) for probe in discretisation.model.probe)
     corners = {index: len(line.corners) for index, line in lines_of(discretisation).items()}
-    result = Catalogue.of(discretisation.model, counts, opens, corners, probes, fields)
+    result = Catalogue.of(discretisation.model, counts, opens, corners, fields)
     own = [catalogue_of(plate.own, fields) for plate in discretisation.plates]
     return replace(result, in_plates=places_in_plates(discretisation.model, result.numbers, own)) if own else result

@@ -436,7 +436,6 @@ class Catalogue:
         points: Sequence[int],
         gaps: Sequence[bool],
         corners: Mapping[int, int],
-        probes: int,
         fields: Sequence[str],
     ) -> Catalogue:
         """List a model's numbers, given the counts of opening points and corners of each support, and fields."""
@@ -457,10 +456,10 @@ class Catalogue:
                 path = (*place_of(model, index), "corners", corner, *AT_CORNERS.path)
                 subject = f"{support.name} corner[{corner + 1}]"
                 result.append(Number(AT_CORNERS, "corner", index, path, subject, corner, AT_CORNERS.tabled))
-        touching = any(support.area is not None for support in model.support)
-        for index in range(probes):
+        on_areas = {of for one in model.support if one.area is not None for of in one.between or (one.plate,)}
+        for index, plate in enumerate(probe.plate for probe in model.probe for _ in probe.at):
             for one in AT_PROBES:
-                if one.name != PRESSURE.name or touching:
+                if one.name != PRESSURE.name or plate in on_areas:
                     # An angle turns as it likes where both principal moments are equal.
                     path, told = ("probes", index, *one.path), one.kind != "angle"
                     result.append(Number(one, "probe", index, path, f"probe[{index + 1}]", 0, one.tabled, told))

@@ -292,7 +292,7 @@ class Readings:
 
     @property
     def _through(self) -> Floats:
-        return self.linear.through.reshape(len(self.shared), -1, 3)
+        return self.linear.through.reshape(len(self.shared), self.linear.through.shape[1] // 3, 3)
 
     @property
     def _sections(self) -> int:
@@ -344,7 +344,7 @@ class SupportReading:
     def couples(self) -> Floats:
         """Couples (k, p, 2) on θx and θy."""
         own = self.of.linear.couples[:, self.of.reader.couples_of[self.index]]
-        return np.asarray(own.reshape(-1, *self.points.turning.shape))
+        return own.reshape(len(own), *self.points.turning.shape)
 
     @property
     def pieces(self) -> Ints:
