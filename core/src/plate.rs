@@ -65,8 +65,8 @@ impl std::fmt::Display for PlateError {
 
 impl std::error::Error for PlateError {}
 
-/// Slenderness (`thin::slenderness`) above which nodal forces are computed from strains. Forces from the element matrix
-/// have a relative error of ε times its square, more than 1e-10 of the load.
+/// Elements of larger slenderness (`thin::slenderness`) compute nodal forces from strains. Forces from the element
+/// matrix would have a relative error of ε times its square, more than 1e-10 of the load.
 const THIN: f64 = 2e3;
 
 /// Number of elements in a parallel chunk.
@@ -353,7 +353,7 @@ impl Plate {
         springs
     }
 
-    /// Coefficients from which the condensed centre rotations of an element are recovered.
+    /// Coefficients for the recovery of an element's condensed centre rotations.
     pub fn centre(&self, e: usize) -> &Centre {
         &self.centres[self.matrix[e] as usize]
     }

@@ -18,7 +18,7 @@ pub const SHEARS: usize = 2 * TIES;
 /// Number of corrections of the condensed centre rotations; each starts from the rounding error of the previous.
 const CENTRE_CORRECTIONS: usize = 2;
 
-/// Ratio of shear to bending stiffness above which an element's matrix keeps fewer than eight digits of bending.
+/// If the ratio of shear to bending stiffness is larger, an element's matrix keeps fewer than eight digits of bending.
 const BENDING_LOST: f64 = 1e8;
 
 /// Ratio of shear to bending stiffness over the width in the reduced matrix of a very thin element. It is large enough
