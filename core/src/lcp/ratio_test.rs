@@ -107,8 +107,8 @@ fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usi
     tied.iter().copied().min_by(|&a, &b| column[a].total_cmp(&column[b]))
 }
 
-/// Smallest max(value, 0) / −a over the rows with a < `least`, where a is the row's entry in the column; infinite if
-/// there is no such row.
+/// Smallest max(value, 0) / −a over the rows with a < `least`, where a is the row's entry in the column; infinite
+/// without such rows.
 #[inline(always)]
 fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
     let mut lanes = [f64::INFINITY; LANES];
