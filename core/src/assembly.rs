@@ -335,7 +335,7 @@ impl Matrix for Assembly<'_> {
             for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
                 for &row in &column[3 * n..3 * n + 3] {
-                    // The first of consecutive columns represents all of them.
+                    // Consecutive columns of a node are in one block, so only the first is added.
                     if row > c && row != HELD && row != last.wrapping_add(1) {
                         rows.push(row);
                     }

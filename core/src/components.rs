@@ -1,6 +1,6 @@
 //! Connected components of a mesh: one per plate.
 
-/// The component of each node, numbered in the order of their first nodes.
+/// Component number of each node; components are numbered in the order of their first nodes.
 #[derive(Clone, Default)]
 pub struct Components {
     of_node: Vec<usize>,

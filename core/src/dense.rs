@@ -55,7 +55,7 @@ pub fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Result<Mat<f64>
     Ok(product)
 }
 
-/// P A = L U with partial pivoting.
+/// The factorization P A = L U with partial pivoting.
 pub struct Lu {
     factors: Mat<f64>,
     permutation: Perm<usize>,
@@ -91,7 +91,7 @@ impl Lu {
     }
 }
 
-/// A = L Lᵀ.
+/// The factorization A = L Lᵀ.
 pub struct Cholesky(Mat<f64>);
 
 impl Cholesky {

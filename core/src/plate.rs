@@ -258,7 +258,8 @@ impl Plate {
         [to[0] - from[0], to[1] - from[1]]
     }
 
-    /// Transforms a covector on an element's dofs to those of the leaders; each leader appears once.
+    /// Transforms a covector over an element's dofs to the dofs of the leaders; coefficients of each leader are summed
+    /// at its first node in the element.
     pub fn onto_leaders(&self, e: usize, covector: &mut [f64; DOFS]) {
         let leading = self.leading(e);
         for i in (0..8).filter(|_| self.has_followers(e)) {

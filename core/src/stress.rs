@@ -48,7 +48,7 @@ impl Samples {
 }
 
 impl<const N: usize> Samples<N> {
-    /// The samples at N consecutive points of the element.
+    /// Samples at N consecutive points of the element's list, from number `first` on.
     fn from(plate: &Plate, e: usize, first: usize) -> Self {
         let geometry = plate.geometry(e);
         let points = &plate.kind.points_of(geometry.triangle)[first..];

@@ -284,7 +284,7 @@ mod tests {
                 smallest: &mut smallest,
                 smallest_by: &mut smallest_by,
             };
-            // Every third entry is excluded from every other sum.
+            // Every third entry is excluded from the sums with odd numbers.
             let class: Vec<i64> = (0..length as i64).map(|i| i64::from(i % 3 == 2)).collect();
             let sums_without: Vec<bool> = (0..combinations).flat_map(|k| [false, k % 2 == 1]).collect();
             let left_out = LeftOut { class: &class, sums: &sums_without, classes: 2 };

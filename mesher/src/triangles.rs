@@ -9,7 +9,7 @@ use std::collections::HashSet;
 /// Index that means "no triangle" or "no node".
 pub const NONE: usize = usize::MAX;
 
-/// The triangles of a plate.
+/// The triangles of a mesh, and their neighbours.
 pub struct Triangles {
     /// Nodes of each triangle, counter-clockwise.
     pub corners: Vec<[usize; 3]>,

@@ -40,8 +40,8 @@ impl Random {
     }
 }
 
-/// A random closed line around `middle`: star-shaped, on a coarse grid, a circle or a rectangle; some of its sides are
-/// arcs.
+/// A random closed line around `middle`: a rotated rectangle, a staircase, or a star-shaped or nearly round polygon. Some
+/// are rounded to a coarse grid; some sides are arcs.
 fn ring(random: &mut Random, name: &str, middle: Point, radius: f64) -> Loop {
     let mut corners: Vec<Point> = match random.below(4) {
         0 => {
@@ -52,7 +52,7 @@ fn ring(random: &mut Random, name: &str, middle: Point, radius: f64) -> Loop {
                 .to_vec()
         }
         1 => {
-            // Steps along the axes.
+            // A staircase along the axes.
             let steps = 2 + random.below(3);
             let mut heights: Vec<f64> = (0..steps).map(|_| random.within(0.1, 1.0)).collect();
             heights.sort_by(f64::total_cmp);

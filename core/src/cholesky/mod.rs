@@ -49,7 +49,7 @@ struct Pattern {
 }
 
 impl Analysis {
-    /// Errors: `OutOfMemory` if there are more columns than 32 bits can number.
+    /// Analyses the pattern of a matrix. Returns `OutOfMemory` if 32 bits cannot number the columns.
     pub fn new(matrix: &impl Matrix) -> Result<Self, FactorError> {
         let tree = Tree::new(&matrix.graph())?;
         let parts = Parts::new(&tree.parent, &tree.work(), LEAST);

@@ -169,7 +169,7 @@ struct Done {
 /// Workspace of one thread.
 struct Workspace<'a> {
     read: Reader<'a>,
-    /// Entries of a column.
+    /// Entries (row, value) of the column that was read last.
     entries: Vec<(usize, f64)>,
     /// Diagonal entries of the matrix in the current supernode.
     diagonal: Vec<f64>,

@@ -17,7 +17,7 @@ pub struct Geometry<T = f64> {
 /// Derivatives of the map (ξ, η) → (x, y) at one reference point.
 pub struct Jacobian<T = f64> {
     pub shape: Shape<8>,
-    /// ∂(x, y)/∂(ξ, η): rows ξ and η.
+    /// ∂(x, y)/∂(ξ, η): row 0 has the derivatives with respect to ξ, row 1 with respect to η.
     pub tangent: [[T; 2]; 2],
     /// ∂(ξ, η)/∂(x, y): ∂f/∂x_a = Σ_b inverse[a][b] ∂f/∂ξ_b.
     pub inverse: [[T; 2]; 2],

@@ -160,7 +160,7 @@ pub(super) fn apart<T: Number>(geometry: &Geometry<T>, section: impl Fn(usize) -
             }
         }
     }
-    // Unused entries get a unit stiffness.
+    // Unused diagonal entries get a positive value, so that the form has an inverse.
     (NUMBERS..2 * TIES).for_each(|t| form[t][t] = form[0][0]);
     let mut rows = [[zero; ALL_DOFS]; 2 * TIES];
     rows[..NUMBERS].copy_from_slice(&ties(geometry));

@@ -3,7 +3,7 @@
 use super::kind::Kind;
 use super::number::Number;
 
-/// Linear elasticity, isotropic or not.
+/// A linear elastic material, isotropic or anisotropic.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
     /// Largest Young's modulus; it scales forces.
@@ -45,7 +45,7 @@ impl Material {
     }
 }
 
-/// Material of each element.
+/// Materials of a plate, and the material of each element.
 #[derive(Clone, Debug)]
 pub struct Materials {
     all: Vec<Material>,

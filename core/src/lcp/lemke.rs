@@ -104,7 +104,7 @@ fn solve(
         let BasicValues { mut z, mut w, .. } = result;
         scaling.unscale_z(&mut z);
         scaling.unscale_w(&mut w);
-        // Numbers near the largest f64 overflow.
+        // Scaling back overflows if numbers are near the largest f64.
         let finite = z.iter().chain(&w).all(|x| x.is_finite());
         let result = LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None };
         Ok::<_, OutOfMemory>(finite.then_some(result))

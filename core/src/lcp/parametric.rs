@@ -10,7 +10,7 @@ use crate::dense::OutOfMemory;
 /// How a parametric path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParametricEnd {
-    /// The last basis is valid to the requested end.
+    /// The path reached the requested end.
     Reached,
     /// For larger t no z ≥ 0 makes w ≥ 0, if M is positive semidefinite.
     Infeasible,
