@@ -17,7 +17,7 @@ pub fn quality(corners: &Corners, at: impl Fn(usize) -> Point) -> f64 {
         let [a, b, c] = [corners[0], corners[1], corners[2]].map(at);
         let (u, v, w) = (sub(b, a), sub(c, b), sub(a, c));
         let (u2, v2, w2) = (dot(u, u), dot(v, v), dot(w, w));
-        // The smallest sine is between the two longest sides.
+        // The smallest sine is at the corner between the two longest sides.
         let longest = u2 * v2 * w2 / u2.min(v2).min(w2);
         return cross(u, v) / longest.sqrt() / 0.866_025_403_784_438_6;
     }

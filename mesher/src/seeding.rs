@@ -22,7 +22,7 @@ pub struct Seeds {
 pub struct Chord {
     pub ends: [usize; 2],
     pub piece: usize,
-    /// Fractions of the curve's length at both ends.
+    /// Fractions of the curve's length at which the chord begins and ends.
     pub span: [f64; 2],
 }
 

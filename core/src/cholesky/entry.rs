@@ -143,7 +143,7 @@ impl Kernel<Lanes> for Eliminate {
         }
         for (block, rows) in tail.chunks(ROWS * count).zip(below.chunks_mut(ROWS)) {
             let height = rows.len();
-            // Half of the columns at a time, so that the entries of x for these columns stay in registers.
+            // Processes half of the columns at a time, so that the entries of x for these columns stay in registers.
             for (l, x) in block.chunks(HALF * height).zip(x.chunks_exact(HALF)) {
                 if let (Ok(l), Ok(rows)) =
                     (<&[f64; HALF * ROWS]>::try_from(l), <&mut [Lanes; ROWS]>::try_from(&mut *rows))

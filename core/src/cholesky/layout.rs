@@ -43,12 +43,12 @@ pub(super) fn panels(width: usize, height: usize) -> impl DoubleEndedIterator<It
     })
 }
 
-/// Number of stored numbers of a supernode.
+/// Number of f64 values stored for a supernode.
 pub(super) fn size(width: usize, height: usize) -> usize {
     panels(width, height).next_back().map_or(0, |last| last.at + last.count * last.height)
 }
 
-/// Appends a supernode's columns, each `height` long, in this storage.
+/// Appends a supernode's columns, each `height` long, as panels.
 pub(super) fn store(columns: &[f64], height: usize, to: &mut Vec<f64>) {
     let width = columns.len() / height;
     for panel in panels(width, height) {

@@ -16,7 +16,7 @@ pub(super) fn triangle(order: usize) -> usize {
     (0..order).step_by(TILE).map(|first| TILE.min(order - first) * (order - first)).sum()
 }
 
-/// Index at which column `at` of such a triangle begins, and its first stored row.
+/// Index at which column `at` begins in the storage of [`triangle`], and the first stored row of this column.
 fn column(at: usize, order: usize) -> (usize, usize) {
     let first = at - at % TILE;
     // All previous tiles have TILE columns; the columns of each tile are TILE shorter than those of the previous one.

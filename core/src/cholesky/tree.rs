@@ -218,7 +218,7 @@ fn postorder(parent: &[u32]) -> Vec<usize> {
     let (head, next) = children(parent);
     let mut order = Vec::with_capacity(parent.len());
     let mut open: Vec<usize> = (0..parent.len()).filter(|&group| parent[group] == NONE).collect();
-    // Built in reverse: parents before children, the last child first.
+    // The order is built in reverse: parents before children, the last child first.
     while let Some(group) = open.pop() {
         order.push(group);
         open.extend(siblings(&head, &next, group));

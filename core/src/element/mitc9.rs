@@ -133,10 +133,10 @@ fn ties<T: Number>(geometry: &Geometry<T>) -> [[[T; ALL_DOFS]; TIES]; 2] {
     rows
 }
 
-/// p = a × c / a × b and q = b × c / a × b of the quadrilateral of the corners; zeros for a parallelogram.
+/// Skew ratios p = a × c / a × b and q = b × c / a × b of the quadrilateral of the corners; zeros for a parallelogram.
 ///
-/// Its tangents are a + cη along ξ and b + cξ along η. The scalar products of a and b with the physical shear times det
-/// J are a × b times ((1 + pξ)γξ − pηγη, qξγξ + (1 − qη)γη).
+/// The quadrilateral has the tangents a + cη along ξ and b + cξ along η. The scalar products of a and b with the
+/// physical shear times det J are a × b times ((1 + pξ)γξ − pηγη, qξγξ + (1 − qη)γη).
 #[inline(always)]
 fn skew<T: Number>(geometry: &Geometry<T>) -> [T; 2] {
     let [r, s, t, u] = [0, 1, 2, 3].map(|i| geometry.at[i]);

@@ -81,8 +81,8 @@ pub fn factored_stiffness(
     Some(condense(&full).packed)
 }
 
-/// Springs with which [`factored_stiffness`] makes up the whole element: rows over the nodal dofs, and compliances. The
-/// forces of the springs are unknowns of the system.
+/// The shear that [`factored_stiffness`] leaves out, as springs: rows over the nodal dofs, and compliances. The forces
+/// of the springs are unknowns of the system.
 ///
 /// The shear stiffness is C⁻¹, where C includes the condensed centre rotations, and s is the compliance in series. The
 /// matrix has the part (C + s)⁻¹, the springs have C⁻¹ − (C + s)⁻¹ = (C + C²/s)⁻¹. Bending is not lost in either part,

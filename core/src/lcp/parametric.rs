@@ -23,11 +23,11 @@ pub enum ParametricEnd {
 /// A complementary basis on the path, and the range of t in which it solves the problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParametricSegment {
-    /// Smallest t of the range.
+    /// Smallest t at which the basis solves the problem.
     pub from: f64,
-    /// Largest t of the range, which may be infinite.
+    /// Largest t at which the basis solves the problem; it may be infinite.
     pub to: f64,
-    /// True where z_i is basic.
+    /// True where z_i is basic, so that w_i = 0.
     pub basis: Vec<bool>,
 }
 

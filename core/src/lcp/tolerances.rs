@@ -6,8 +6,8 @@
 /// soft supports of a free plate.
 pub(super) const PIVOT: f64 = 1e-11;
 
-/// Relative size, √ε, for doubtful pivots. The tableau is recomputed before a smaller pivot is used, because half of
-/// its digits may be rounding errors.
+/// A pivot of smaller relative size is doubtful: the value is √ε, and half of its digits may be rounding errors. The
+/// tableau is recomputed before such a pivot is used.
 pub(super) const DOUBTFUL_PIVOT: f64 = 1e-8;
 
 /// Relative tolerance for equal ratios. Two rows are tied if, at the smaller ratio, the other row's basic variable is
