@@ -239,7 +239,7 @@ impl<'a> Assembly<'a> {
         })
     }
 
-    /// Overwrites `entries` with (row, value) of a multiplier's column: diagonal −compliance, and coefficients of later
+    /// Appends (row, value) of a multiplier's column to `entries`: diagonal −compliance, and coefficients of later
     /// columns.
     fn multiplier_column(&self, multiplier_row: usize, column: usize, entries: &mut Vec<(usize, f64)>) {
         let MultiplierRow { row, compliance } = &self.multiplier_rows[multiplier_row];

@@ -40,8 +40,8 @@ pub fn nodal_force(plate: &Plate, e: usize, displacement: &Displacement) -> [f64
     force
 }
 
-/// uᵀKu of plate and springs for a vector u of doubles: a sum of element energies, in which rigid motions do not
-/// cancel.
+/// uᵀKu of plate and springs for a vector u of doubles. The rigid motion of each element is subtracted first, so that
+/// large rigid motions cost no digits.
 pub fn twice_the_energy(plate: &Plate, springs: &Springs, vector: &[f64]) -> f64 {
     const CHUNK: usize = 1024;
     let slopes = |node: usize| {
