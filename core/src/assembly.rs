@@ -1,4 +1,4 @@
-//! Assembly of element matrices and springs to the lower triangle of K, in elimination order.
+//! Assembly of element matrices and springs into the lower triangle of K, in elimination order.
 
 use crate::cholesky::{Graph, Matrix, Reader};
 use crate::element::packed;
@@ -9,31 +9,31 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Marks a dof that is held and has no column.
+/// Marks a fixed dof, which has no column.
 pub const HELD: usize = usize::MAX;
 
-/// Column of the factor of each free dof, and of each multiplier row behind the dofs.
+/// Column of the factor for each free dof and for each multiplier row.
 pub struct Numbering {
-    /// Column of each dof ([`HELD`] if it has none), then of each multiplier row.
+    /// Column of each dof, or [`HELD`], then of each multiplier row.
     pub column: Vec<usize>,
-    /// Dof of each column; for a multiplier row, the number of dofs plus its number.
+    /// Dof of each column. Multiplier row i has the number of dofs + i.
     pub dof: Vec<usize>,
-    /// How many of the last columns are contact dofs.
+    /// Number of columns of contact dofs, which are the last columns.
     pub trailing: usize,
 }
 
-/// A multiplier row: its force is an unknown, g·u − compliance · force = 0. A row over many dofs fills the factor less
-/// than its spring, which couples all of them; a rigid one has no finite stiffness.
+/// A multiplier row g: its force r is an unknown with the equation g·u − compliance · r = 0. A row over many dofs
+/// causes less fill than its spring, which couples all of them. A rigid row has no finite stiffness.
 #[derive(Clone, Debug, Default)]
 pub struct MultiplierRow {
-    /// Nodes and coefficients; each node once.
+    /// Nodes and their three coefficients; each node appears once.
     pub row: Vec<(usize, [f64; 3])>,
-    /// An infinite compliance means zero force.
+    /// Compliance; if it is infinite, the force is zero.
     pub compliance: f64,
 }
 
 impl MultiplierRow {
-    /// Makes a row from dofs and coefficients.
+    /// Makes a row from (dof, coefficient) pairs.
     pub fn new(row: impl Iterator<Item = (usize, f64)>, compliance: f64) -> Self {
         let mut nodes: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
         row.for_each(|(dof, coefficient)| nodes.entry(dof / 3).or_default()[dof % 3] += coefficient);
@@ -42,7 +42,7 @@ impl MultiplierRow {
 }
 
 impl Numbering {
-    /// Numbers by nested dissection of elements and of coupled pairs, with the dofs marked `trailing` last.
+    /// Numbers the free dofs by nested dissection of elements and coupled pairs; dofs marked `trailing` come last.
     pub fn new(plate: &Plate, pairs: &[[u32; 2]], held: &[bool], trailing: &[bool]) -> Self {
         let order = nested_dissection(plate, pairs);
         let free = |wanted: bool| order.iter().copied().filter(move |&dof| !held[dof] && trailing[dof] == wanted);
@@ -57,8 +57,9 @@ impl Numbering {
         Self { column, dof, trailing }
     }
 
-    /// The same with multiplier rows, each before the last of its nodes on the plate that comes first: the columns
-    /// before it are constrained as long as that node is.
+    /// As [`Numbering::new`], with multiplier rows. Each row precedes the last of its nodes on a plate; if the row
+    /// connects several plates, on the plate whose last node comes first. Columns before the row keep positive pivots,
+    /// since that node is not yet eliminated and acts as fixed.
     pub fn with_multiplier_rows(
         plate: &Plate,
         pairs: &[[u32; 2]],
@@ -100,7 +101,7 @@ impl Numbering {
         Self { dof, ..plain }
     }
 
-    /// All dofs free, in the order of the mesh.
+    /// Numbers all dofs as free, in the order of the mesh.
     pub fn natural(plate: &Plate) -> Self {
         let dof: Vec<usize> = (0..plate.dof_count()).collect();
         Self { column: dof.clone(), dof, trailing: 0 }
@@ -115,7 +116,7 @@ impl Numbering {
     }
 }
 
-/// Lower triangle by columns; rows within a column are unsorted.
+/// Lower triangle, compressed by columns; rows within a column are unsorted.
 #[derive(Default)]
 pub struct LowerTriangle {
     pub column_start: Vec<usize>,
@@ -126,15 +127,15 @@ pub struct LowerTriangle {
 /// Springs on the deflections of one or two elements, summed by element or pair.
 #[derive(Default)]
 pub struct Bedding<'a> {
-    /// Pairs of elements that springs couple, of zero stiffness too.
+    /// Pairs of elements that springs couple; springs of zero stiffness count too.
     pub pairs: &'a [[u32; 2]],
-    /// Σ k g gᵀ on the eight deflections of each element, as packed lower triangles; empty without springs.
+    /// Σ k g gᵀ over the eight deflections of each element, as packed lower triangles; empty without springs.
     pub own: Vec<[f64; 36]>,
-    /// Σ k g₁g₂ᵀ of each pair, g₁ on the first element and g₂ on the second; empty without springs.
+    /// Σ k g₁g₂ᵀ for each pair, g₁ over the first element and g₂ over the second; empty without springs.
     pub across: Vec<[[f64; 8]; 8]>,
 }
 
-/// Elements of each node or of its followers: (index of the element, local node), compressed by node.
+/// Elements that contain a node or one of its followers: (index of the element, local node), compressed by node.
 struct Incidence {
     start: Vec<usize>,
     at: Vec<(usize, usize)>,
@@ -167,22 +168,22 @@ impl Incidence {
     }
 }
 
-/// K: element matrices, springs and bedding.
+/// The matrix K: element matrices, springs and bedding, bordered by multiplier rows.
 ///
-/// Entries are summed at each read; the sums are the same for every reader.
+/// Entries are summed each time they are read; the sums are the same for every reader.
 pub struct Assembly<'a> {
     plate: &'a Plate,
     springs: &'a Springs,
-    /// Springs of single elements, by element; empty if there are none.
+    /// For each element, the indices of springs on this element alone. The list is empty if K has no springs.
     attached: Vec<Vec<usize>>,
     linked: Linked,
     bedding: &'a Bedding<'a>,
     numbering: &'a Numbering,
     incidence: Incidence,
-    /// Nodes in the elements of pairs, pair by pair.
+    /// Nodes of the elements in pairs. Element index 2p + i is element i of pair p.
     paired: Incidence,
     multiplier_rows: &'a [MultiplierRow],
-    /// Multiplier rows of a node, and positions in these rows.
+    /// For each node, (multiplier row, position of the node in this row).
     at_nodes: BTreeMap<usize, Vec<(usize, usize)>>,
     diagonal_shift: f64,
 }
@@ -213,7 +214,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Adds multiplier rows, which the numbering must contain.
+    /// Adds multiplier rows; the numbering must contain them.
     pub fn has_multiplier(self, multiplier_rows: &'a [MultiplierRow]) -> Self {
         let mut at_nodes: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
         for (at, multiplier_row) in multiplier_rows.iter().enumerate() {
@@ -224,7 +225,7 @@ impl<'a> Assembly<'a> {
         Self { multiplier_rows, at_nodes, ..self }
     }
 
-    /// Multiplier rows of a node: column and coefficients.
+    /// Multiplier rows of a node: column and three coefficients, which are zero if the compliance is infinite.
     fn multiplier_rows_of(&self, node: usize) -> impl Iterator<Item = (usize, [f64; 3])> {
         let column = |multiplier_row: usize| self.numbering.column[self.plate.dof_count() + multiplier_row];
         let present =
@@ -238,7 +239,8 @@ impl<'a> Assembly<'a> {
         })
     }
 
-    /// Entries of the column of a multiplier row.
+    /// Appends (row, value) of a multiplier's column to `entries`: diagonal −compliance, and coefficients of later
+    /// columns.
     fn multiplier_column(&self, multiplier_row: usize, column: usize, entries: &mut Vec<(usize, f64)>) {
         let MultiplierRow { row, compliance } = &self.multiplier_rows[multiplier_row];
         let (part, own) = if compliance.is_finite() { (1.0, -compliance) } else { (0.0, -1.0) };
@@ -252,19 +254,20 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Multiplies the diagonal by 1 + `part`.
+    /// Multiplies the diagonal entries of dofs by 1 + `part`.
     pub fn diagonal_shift(self, part: f64) -> Self {
         Self { diagonal_shift: part, ..self }
     }
 
-    /// Neighbours of a node, including itself; some appear more than once.
+    /// Nodes connected to a node by elements and springs, including the node itself; some appear more than once.
     fn around(&self, node: usize) -> impl Iterator<Item = usize> {
         let of_elements = self.incidence.of(node).iter().flat_map(|&(e, _)| *self.plate.leading(e));
         let of_links = self.linked.of(node).flat_map(|(_, link)| link.row.iter().map(|&(n, _)| n));
         of_elements.chain(of_links)
     }
 
-    /// Entries by which pairs couple the deflection of a column with later columns; some columns appear more than once.
+    /// Entries (row, value) with which pairs couple a column's deflection to later columns; some rows appear more than
+    /// once.
     fn across(&self, column: usize) -> impl Iterator<Item = (usize, f64)> {
         let Numbering { column: of_dof, dof, .. } = self.numbering;
         let places = if dof[column] % 3 == 0 { self.paired.of(dof[column] / 3) } else { &[] };
@@ -278,7 +281,7 @@ impl<'a> Assembly<'a> {
         entries.filter(move |&(row, _)| row > column && row != HELD)
     }
 
-    /// The whole lower triangle, summed in parallel.
+    /// The whole lower triangle, computed in parallel.
     pub fn lower_triangle(&self) -> LowerTriangle {
         const CHUNK: usize = 4096;
         let columns = self.numbering.len();
@@ -316,7 +319,8 @@ impl Matrix for Assembly<'_> {
         let Numbering { column, dof, .. } = self.numbering;
         let dofs = self.plate.dof_count();
         let block = |c: usize| if dof[c] < dofs { dof[c] / 3 } else { dof[c] };
-        // A deflection has the rows of the slopes after it, and those of pairs.
+        // A block begins at each deflection, whose column has more rows than the next ones: the node's slopes, and
+        // pairs.
         let begins = |c: usize| c == 0 || block(c) != block(c - 1) || (dof[c] < dofs && dof[c] % 3 == 0);
         let first = (0..dof.len()).filter(|&c| begins(c)).chain([dof.len()]).collect();
         Graph::new(first, |c, rows| {
@@ -331,7 +335,7 @@ impl Matrix for Assembly<'_> {
             for n in self.around(dof[c] / 3) {
                 let mut last = HELD;
                 for &row in &column[3 * n..3 * n + 3] {
-                    // The first of consecutive columns represents all of them.
+                    // Consecutive columns of a node are in one block, so only the first is added.
                     if row > c && row != HELD && row != last.wrapping_add(1) {
                         rows.push(row);
                     }
@@ -374,7 +378,7 @@ impl Matrix for Assembly<'_> {
     }
 }
 
-/// The three columns of one node: its neighbours and its 3×3 block with each.
+/// The three columns of one node: its neighbours, and its 3×3 block with each neighbour.
 struct NodeColumns<'a> {
     of: &'a Assembly<'a>,
     node: usize,
@@ -389,7 +393,7 @@ impl<'a> NodeColumns<'a> {
         Self { of, node: usize::MAX, slot, neighbours: Vec::new(), block: Vec::new() }
     }
 
-    /// Finds the neighbours of a node, including itself, except those with earlier columns only.
+    /// Finds the neighbours of a node, including itself, without those whose columns are all earlier.
     fn meet(&mut self, node: usize) {
         for &n in &self.neighbours {
             self.slot[n] = usize::MAX;
@@ -406,7 +410,7 @@ impl<'a> NodeColumns<'a> {
         }
     }
 
-    /// Sums the blocks of a node's columns.
+    /// Sums the 3×3 blocks in a node's columns.
     fn sum(&mut self, node: usize) {
         self.meet(node);
         let Assembly { plate, springs, attached, linked, bedding, incidence, .. } = self.of;
@@ -416,7 +420,7 @@ impl<'a> NodeColumns<'a> {
             let lower = plate.element_stiffness(e);
             for (i, &n) in plate.leading(e).iter().enumerate() {
                 let Some(block) = self.block.get_mut(self.slot[n]) else { continue };
-                // The entries of a row are consecutive in the packed triangle.
+                // In the packed triangle the entries of a row are contiguous.
                 let mut own = match i.cmp(&local) {
                     Ordering::Greater => {
                         std::array::from_fn(|a| *lower[packed(3 * i + a, 3 * local)..].first_chunk().expect("three"))
@@ -477,7 +481,8 @@ impl<'a> NodeColumns<'a> {
     }
 }
 
-/// B_rowᵀ · block · B_column, with B the rigid motion of a node by its leader, at the given arms.
+/// B_rowᵀ · block · B_column, where B maps the leader's motion to the node's; `row` and `column` are positions relative
+/// to the leader.
 fn onto_leaders(block: &mut [[f64; 3]; 3], row: [f64; 2], column: [f64; 2]) {
     for k in 0..2 {
         (0..3).for_each(|b| block[1 + k][b] += row[k] * block[0][b]);
@@ -487,7 +492,7 @@ fn onto_leaders(block: &mut [[f64; 3]; 3], row: [f64; 2], column: [f64; 2]) {
     }
 }
 
-/// T_rowᵀ · block · T_column, with T the rotation of a node's slopes into its frame.
+/// T_rowᵀ · block · T_column, where T maps the slopes in a node's frame to x and y.
 fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<[f64; 2]>) {
     if let Some([c, s]) = row {
         for b in 0..3 {
@@ -505,17 +510,17 @@ fn into_frames(block: &mut [[f64; 3]; 3], row: Option<[f64; 2]>, column: Option<
     }
 }
 
-/// A spring on several elements: its row by node.
+/// A spring on several elements; `row` has nodes and coefficients.
 struct Link {
     row: Vec<(usize, [f64; 3])>,
     stiffness: f64,
 }
 
-/// Springs on several elements, and their positions by node.
+/// Springs on several elements, and their index by node.
 #[derive(Default)]
 struct Linked {
     links: Vec<Link>,
-    /// Pairs (link, position in its row) of each node.
+    /// For each node, (index in `links`, position of the node in this link's row).
     at: BTreeMap<usize, Vec<(usize, usize)>>,
 }
 
@@ -535,7 +540,7 @@ impl Linked {
         linked
     }
 
-    /// The springs of a node, with its position in each row.
+    /// Springs on a node, each with the node's position in its row.
     fn of(&self, node: usize) -> impl Iterator<Item = (usize, &Link)> {
         self.at.get(&node).into_iter().flatten().map(|&(link, place)| (place, &self.links[link]))
     }

@@ -1,11 +1,11 @@
 //! Nodes that follow a leader as one rigid body.
 //!
-//! A follower has no dofs of its own: w_i = w + θ·(x_i − x), θ_i = θ, with w, θ, x of its leader. Forces and their
-//! couples go to the leader. Displacements are stored at all nodes, residual forces at leaders only.
+//! A follower has no unknowns: w_i = w + θ·(x_i − x), θ_i = θ, with w, θ, x of its leader. Forces on it act on the
+//! leader as a force and couples. Displacements are stored at all nodes, residual forces at leaders only.
 
 use crate::double_double::DoubleDouble;
 
-/// Position of a node relative to its leader: a difference of doubles without rounding.
+/// A node with its leader and its position relative to the leader, a difference of doubles without rounding error.
 #[derive(Clone, Copy)]
 pub struct Follower {
     pub node: usize,
@@ -37,12 +37,12 @@ impl Bodies {
         self.followers.is_empty()
     }
 
-    /// Moves forces to the leaders.
+    /// Moves forces from followers to their leaders, with the couples that this causes.
     pub fn gather(&self, force: &mut [f64]) {
         self.gathered(force, |arm| arm);
     }
 
-    /// Moves magnitudes of forces to the leaders.
+    /// Moves magnitudes of forces from followers to their leaders; couples use |arm|.
     pub fn gather_magnitudes(&self, force: &mut [f64]) {
         self.gathered(force, f64::abs);
     }
@@ -57,7 +57,7 @@ impl Bodies {
         }
     }
 
-    /// Sets the displacements of followers from those of their leaders.
+    /// Sets the displacements of followers to the rigid motion of their leaders.
     pub fn follow(&self, vector: &mut [f64]) {
         for Follower { node, leader, arm } in &self.followers {
             let [w, x, y] = std::array::from_fn(|k| vector[3 * leader + k]);

@@ -1,6 +1,6 @@
 //! Connected components of a mesh: one per plate.
 
-/// The component of each node, numbered in the order of their first nodes.
+/// Component number of each node; components are numbered in the order of their first nodes.
 #[derive(Clone, Default)]
 pub struct Components {
     of_node: Vec<usize>,
@@ -10,7 +10,8 @@ pub struct Components {
 impl Components {
     /// Makes the components from connected sets of nodes.
     pub fn new<'a>(nodes: usize, connected: impl Iterator<Item = &'a [usize]>) -> Self {
-        // Union–find: each chain of smaller nodes ends at the first node of a component.
+        // Union–find: `before` refers to an earlier node of the component; each chain ends at the component's first
+        // node.
         let mut before: Vec<usize> = (0..nodes).collect();
         let first_of = |before: &mut [usize], mut node: usize| {
             while before[node] != node {

@@ -11,14 +11,14 @@ use faer::{Accum, Conj, Mat, MatMut, MatRef, Par};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutOfMemory;
 
-/// Smallest order at which dense operations use all threads.
+/// Smallest matrix order for which dense operations use all threads.
 pub const PARALLEL_ORDER: usize = 400;
 
 pub fn parallelism(order: usize) -> Par {
     if order < PARALLEL_ORDER { Par::Seq } else { Par::rayon(0) }
 }
 
-/// Allocates memory for `len` numbers.
+/// An empty vector with memory for `len` numbers.
 pub fn room(len: usize) -> Result<Vec<f64>, OutOfMemory> {
     let mut numbers = Vec::new();
     numbers.try_reserve_exact(len).map_err(|_| OutOfMemory)?;
@@ -32,14 +32,14 @@ pub fn zeros(len: usize) -> Result<Vec<f64>, OutOfMemory> {
     Ok(numbers)
 }
 
-/// The matrix (rows, columns) of the given entries, row-major.
+/// Matrix (rows, columns) with the entries `entry(i, j)`, row-major.
 pub fn row_major(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Result<Vec<f64>, OutOfMemory> {
     let mut matrix = room(rows.checked_mul(columns).ok_or(OutOfMemory)?)?;
     (0..rows).for_each(|i| matrix.extend((0..columns).map(|j| entry(i, j))));
     Ok(matrix)
 }
 
-/// The matrix (rows, columns) of these entries.
+/// Matrix (rows, columns) with the entries `entry(i, j)`.
 pub fn matrix(rows: usize, columns: usize, entry: impl FnMut(usize, usize) -> f64) -> Result<Mat<f64>, OutOfMemory> {
     let mut matrix = Mat::new();
     matrix.try_reserve(rows, columns).map_err(|_| OutOfMemory)?;
@@ -47,7 +47,7 @@ pub fn matrix(rows: usize, columns: usize, entry: impl FnMut(usize, usize) -> f6
     Ok(matrix)
 }
 
-/// left · right.
+/// The matrix product left · right.
 pub fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Result<Mat<f64>, OutOfMemory> {
     let mut product = matrix(left.nrows(), right.ncols(), |_, _| 0.0)?;
     let parallelism = parallelism(left.nrows().max(right.ncols()));
@@ -55,7 +55,7 @@ pub fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Result<Mat<f64>
     Ok(product)
 }
 
-/// P A = L U with partial pivoting.
+/// The factorization P A = L U with partial pivoting.
 pub struct Lu {
     factors: Mat<f64>,
     permutation: Perm<usize>,
@@ -63,7 +63,7 @@ pub struct Lu {
 }
 
 impl Lu {
-    /// Factors a square matrix, regular or singular.
+    /// Factors a square matrix, which may be singular.
     pub fn of(mut matrix: Mat<f64>) -> Result<Self, OutOfMemory> {
         let order = matrix.nrows();
         let parallelism = parallelism(order);
@@ -76,7 +76,7 @@ impl Lu {
         Ok(Self { factors: matrix, permutation, parallelism })
     }
 
-    /// Whether every pivot is finite and larger than this.
+    /// Whether the magnitude of every pivot is finite and larger than `least`.
     pub fn has_pivots_above(&self, least: f64) -> bool {
         (0..self.factors.ncols()).map(|i| self.factors[(i, i)].abs()).all(|pivot| pivot > least && pivot.is_finite())
     }
@@ -91,11 +91,11 @@ impl Lu {
     }
 }
 
-/// A = L Lᵀ.
+/// The factorization A = L Lᵀ.
 pub struct Cholesky(Mat<f64>);
 
 impl Cholesky {
-    /// Factors a matrix given by its lower triangle; `None` unless it is positive definite.
+    /// Factors a matrix from its lower triangle; `None` if it is not positive definite.
     pub fn of(mut matrix: Mat<f64>) -> Result<Option<Self>, OutOfMemory> {
         let parallelism = parallelism(matrix.nrows());
         let scratch = llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), parallelism, Default::default());
@@ -106,7 +106,7 @@ impl Cholesky {
         Ok(done.is_ok().then_some(Self(matrix)))
     }
 
-    /// Whether every pivot is larger than this.
+    /// Whether every pivot is larger than `least`.
     pub fn has_pivots_above(&self, least: f64) -> bool {
         (0..self.0.ncols()).all(|i| self.0[(i, i)].powi(2) > least)
     }
@@ -118,7 +118,7 @@ impl Cholesky {
     }
 }
 
-/// Scratch space for faer.
+/// Scratch memory for faer.
 fn memory(of: StackReq) -> Result<MemBuffer, OutOfMemory> {
     MemBuffer::try_new(of).map_err(|_| OutOfMemory)
 }

@@ -1,4 +1,4 @@
-//! Displacements in double-double, and their part that strains an element.
+//! Displacements in double-double, and their part that causes strain in an element.
 
 use crate::bodies::{Bodies, Follower};
 use crate::double_double::DoubleDouble;
@@ -6,7 +6,7 @@ use crate::element::DOFS;
 use crate::plate::Plate;
 use crate::vectorized::vectorized;
 
-/// Displacements hi + lo.
+/// Nodal displacements u = hi + lo.
 #[derive(Clone, Debug, Default)]
 pub struct Displacement {
     pub hi: Vec<f64>,
@@ -28,7 +28,7 @@ impl Displacement {
         (self.hi[i], self.lo[i]) = (sum.hi, sum.lo);
     }
 
-    /// Sets the displacements of followers exactly, so that rigid bodies have no strain.
+    /// Sets the displacements of followers in double-double, so that rigid bodies have no strain.
     pub fn follow(&mut self, bodies: &Bodies) {
         for Follower { node, leader, arm } in bodies.followers() {
             let [w, x, y] = std::array::from_fn(|k| self.at(3 * leader + k));
@@ -39,7 +39,8 @@ impl Displacement {
         }
     }
 
-    /// Adds the rigid motion w + sx (x − cx) + sy (y − cy) of each component, without strain by rounding.
+    /// Adds the rigid motion w + sx (x − cx) + sy (y − cy) of each component in double-double, so that rounding causes
+    /// no strain. `motions` has [w, sx, sy].
     pub fn add_rigid(&mut self, plate: &Plate, centre: [f64; 2], motions: &[[f64; 3]]) {
         let add = |to: &mut Self, i: usize, what: DoubleDouble| {
             let sum = to.at(i) + what;
@@ -54,7 +55,7 @@ impl Displacement {
             add(self, 3 * node, DoubleDouble::from(w) + along(sx, 0) + along(sy, 1));
             let slopes = match plate.frame(node) {
                 Some([c, s]) => {
-                    // Inverse of `slopes`; c² + s² is 1 to rounding only.
+                    // Inverse of [`Displacement::slopes`]; c² + s² equals 1 except for rounding.
                     let square = DoubleDouble::from(c).times(c) + DoubleDouble::from(s).times(s);
                     let excess = (square - DoubleDouble::from(1.0)).value();
                     let turned = |a: f64, b: f64| {
@@ -71,7 +72,7 @@ impl Displacement {
         }
     }
 
-    /// θx, θy of a node, from its frame.
+    /// θx, θy of a node, whose displacements are in its frame.
     fn slopes(&self, plate: &Plate, node: usize) -> [DoubleDouble; 2] {
         let [p, q] = [self.at(3 * node + 1), self.at(3 * node + 2)];
         match plate.frame(node) {
@@ -85,7 +86,7 @@ impl Displacement {
         self.stripped(plate, e).map(DoubleDouble::value)
     }
 
-    /// As [`Displacement::strained`], in double-double.
+    /// [`Displacement::strained`] in double-double.
     pub fn stripped(&self, plate: &Plate, e: usize) -> [DoubleDouble; DOFS] {
         vectorized(
             #[inline(always)]
@@ -102,7 +103,7 @@ impl Displacement {
         let mut out = [DoubleDouble::default(); DOFS];
         for i in 1..8 {
             let point = plate.point(nodes[i]);
-            // Differences of coordinates without rounding: a rigid motion must not strain the element.
+            // Differences of coordinates have no rounding error: a rigid motion must not strain the element.
             let along =
                 |k: usize| slope[k].times_sum_fused(DoubleDouble::from(point[k]) - DoubleDouble::from(first[k]));
             let rigid = along(0) + along(1);

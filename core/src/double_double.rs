@@ -1,6 +1,6 @@
 //! Unevaluated sums of two doubles, about 32 digits (Dekker 1971; Knuth's two-sum).
 
-/// `hi + lo` with |lo| at most half a unit in the last place of `hi`.
+/// `hi + lo`. [`DoubleDouble::new`] makes |lo| at most half a unit in the last place of `hi`; `add_product` does not.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DoubleDouble {
     pub hi: f64,
@@ -45,8 +45,8 @@ impl DoubleDouble {
         *self = Self { hi: sum, lo: self.lo + (carried + error) };
     }
 
-    /// As [`DoubleDouble::add_product`], bit for bit, by a fused multiply-add: faster where it is compiled for machines
-    /// that have one, much slower elsewhere.
+    /// The bits of [`DoubleDouble::add_product`], by a fused multiply-add: faster if the code is compiled for machines
+    /// with this instruction, much slower if not.
     #[inline(always)]
     pub fn add_product_fused(&mut self, a: f64, b: f64) {
         let product = a * b;
@@ -62,12 +62,12 @@ impl DoubleDouble {
         Self::new(p, e + self.lo * factor)
     }
 
-    /// `self · factor`, for a factor in two parts.
+    /// `self · factor`, for a factor in double-double.
     pub fn times_sum(self, factor: Self) -> Self {
         self.times(factor.hi) + self.times(factor.lo)
     }
 
-    /// As [`DoubleDouble::times_sum`], bit for bit, by fused multiply-adds; see [`DoubleDouble::add_product_fused`].
+    /// The bits of [`DoubleDouble::times_sum`], by fused multiply-adds; see [`DoubleDouble::add_product_fused`].
     #[inline(always)]
     pub fn times_sum_fused(self, factor: Self) -> Self {
         let times = |factor: f64| {

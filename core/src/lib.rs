@@ -1,7 +1,7 @@
-//! Reissner–Mindlin plates on supports that may hold one way only: arrays in, arrays out.
+//! Reissner–Mindlin plates on supports that may act in one direction only: arrays in, arrays out.
 //!
-//! Signs: z and the deflection point down; loads are positive down; a reaction is positive when it pushes the plate
-//! up; moments are positive when they sag; rotations are slopes, θx ≈ ∂w/∂x.
+//! Signs: z and the deflection w point down; loads are positive down; a reaction is positive if it pushes the plate up;
+//! moments are positive if they sag. Rotations are slopes, θx ≈ ∂w/∂x.
 
 #![forbid(unsafe_code)]
 

@@ -1,15 +1,16 @@
 //! Nested dissection by the geometry of the mesh (George 1973).
 //!
-//! Cells are elements and coupled pairs of elements. They are split at the median of their centroids along the longer
-//! side of their bounding box. The nodes that both halves share are the separator, numbered after both; and so on
-//! recursively. A pair has the deflections of its nodes only, so deflections and slopes are separate parts.
+//! A cell is an element or a pair of coupled elements. Cells are split at the median of their centroids along the
+//! longer side of their bounding box. The nodes that both halves share are the separator; it is numbered after both
+//! halves, which are split recursively. A pair contains only the deflections of its nodes. So the deflection and the
+//! slopes of a node are separate parts.
 
 use crate::plate::Plate;
 
-/// Largest number of cells of a leaf.
+/// Largest number of cells in a leaf of the dissection tree.
 const LEAF: usize = 2;
 
-/// Dofs in elimination order; nodes without a leader only.
+/// Dofs in elimination order, without the dofs of nodes that follow another node.
 pub fn nested_dissection(plate: &Plate, pairs: &[[u32; 2]]) -> Vec<usize> {
     let mut centroids: Vec<[f64; 2]> = (0..plate.elements().len()).map(|e| plate.centroid(e)).collect();
     for pair in pairs {
@@ -36,7 +37,7 @@ pub fn nested_dissection(plate: &Plate, pairs: &[[u32; 2]]) -> Vec<usize> {
 /// A node has two parts: its deflection is 2n, its slopes are 2n + 1.
 struct Dissection<'a> {
     plate: &'a Plate,
-    /// Cells after those of the elements.
+    /// Pairs of coupled elements; their cell numbers follow those of the elements.
     pairs: &'a [[u32; 2]],
     centroids: Vec<[f64; 2]>,
     seen: Vec<usize>,
@@ -46,7 +47,7 @@ struct Dissection<'a> {
 }
 
 impl<'a> Dissection<'a> {
-    /// Parts of a cell's nodes.
+    /// Parts in a cell: deflections and slopes of an element, deflections of a pair.
     fn parts(&self, cell: usize) -> impl Iterator<Item = usize> + use<'a> {
         let plate = self.plate;
         let (elements, own) = match cell.checked_sub(plate.elements().len()) {
@@ -90,7 +91,7 @@ impl<'a> Dissection<'a> {
         usize::from(high[1] - low[1] > high[0] - low[0])
     }
 
-    /// Parts common to both halves and in no earlier separator, ordered along the cut; they are marked as taken.
+    /// Parts that are in both halves and in no earlier separator, ordered along the cut. Marks them as placed.
     fn shared(&mut self, left: &[usize], right: &[usize], along: usize) -> Vec<usize> {
         self.stamp += 1;
         for &cell in left {
@@ -117,7 +118,7 @@ impl<'a> Dissection<'a> {
     fn unplaced(&self, cells: &[usize]) -> Vec<usize> {
         let mut parts: Vec<usize> =
             cells.iter().flat_map(|&cell| self.parts(cell)).filter(|&part| !self.placed[part]).collect();
-        // Parts of one cell come first: they cause no fill.
+        // Parts in one cell only come first: their elimination causes no fill.
         parts.sort_unstable();
         let count = |part: usize| parts.iter().filter(|&&other| other == part).count();
         let mut unique: Vec<(usize, usize)> = parts.iter().map(|&part| (count(part), part)).collect();

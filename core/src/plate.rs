@@ -1,8 +1,9 @@
-//! A discretised plate: nodes, 8-node elements (triangles repeat their third corner, `element::mitc7`, quadrilaterals with
-//! a collapsed side their first, `element::q8r`), thickness, material, and the frames of its rotations.
+//! A discretised plate: nodes, 8-node elements, thickness, material, and the frames of nodal rotations. A triangle
+//! repeats its third corner (`element::mitc7`); a quadrilateral with a collapsed side repeats the first
+//! (`element::q8r`).
 //!
-//! Dofs are (w, θ1, θ2) node by node. θ1, θ2 are θx, θy, or, at a node with a frame (c, s), the slopes along
-//! (c, s) and (−s, c), so that one of them can be held alone.
+//! Dofs are (w, θ1, θ2), node by node. θ1, θ2 are θx, θy, or, at a node with a frame (c, s), the slopes along (c, s)
+//! and (−s, c). Thus a support can fix one slope in any direction.
 
 use crate::bodies::Bodies;
 use crate::components::Components;
@@ -30,7 +31,7 @@ pub enum PlateError {
     Repeated { element: usize },
     /// A triangle of an element kind without triangles.
     Triangle { element: usize },
-    /// A collapsed quadrilateral of an element kind without them.
+    /// A collapsed quadrilateral of an element kind that does not allow it.
     Collapsed { element: usize },
     /// The Jacobian of an element is not positive at a Gauss point.
     Inverted { element: usize },
@@ -64,11 +65,11 @@ impl std::fmt::Display for PlateError {
 
 impl std::error::Error for PlateError {}
 
-/// Smallest plate size over thickness, times the aspect ratio of an element, for nodal forces from strains. Forces by
-/// the element matrix have an error of its square times ε, more than 1e-10 of the load.
+/// Elements of larger slenderness (`thin::slenderness`) compute nodal forces from strains. Forces from the element
+/// matrix would have a relative error of ε times its square, more than 1e-10 of the load.
 const THIN: f64 = 2e3;
 
-/// Elements of one parallel chunk.
+/// Number of elements in a parallel chunk.
 const CHUNK: usize = 64;
 
 pub struct Plate {
@@ -78,7 +79,7 @@ pub struct Plate {
     frames: Option<Vec<[f64; 2]>>,
     pub materials: Materials,
     pub kind: Kind,
-    /// Matrix of each element; congruent elements share one.
+    /// Index of each element's matrix; congruent elements share a matrix.
     matrix: Vec<u32>,
     stiffness: Vec<f64>,
     centres: Vec<Centre>,
@@ -86,14 +87,16 @@ pub struct Plate {
     stress_nodes: Option<StressNodes>,
     bodies: Arc<Bodies>,
     components: Components,
-    /// With rigid bodies: elements by leading nodes, and whether an element is within one body.
+    /// With rigid bodies, otherwise empty: the leader of each element's nodes, and whether all nodes of an element have
+    /// the same leader.
     leading: Vec<[usize; 8]>,
     rigid: Vec<bool>,
 }
 
-/// Nodes of moments and shears; on a jump there is one for each side.
+/// Nodes at which moments and shears are evaluated. A mesh node on a jump of the section has a stress node on each
+/// side.
 pub struct StressNodes {
-    /// Elements in terms of these nodes.
+    /// The stress nodes of each element.
     pub elements: Vec<[usize; 8]>,
     pub count: usize,
 }
@@ -101,7 +104,7 @@ pub struct StressNodes {
 impl Plate {
     /// Checks the arrays and computes every element matrix, in parallel.
     ///
-    /// `frames`, if any, holds (cos, sin) of every node's first rotation direction.
+    /// `frames`, if given, holds (cos, sin) of each node's first rotation direction.
     pub fn new(
         points: Vec<[f64; 2]>,
         elements: Vec<[usize; 8]>,
@@ -191,10 +194,10 @@ impl Plate {
         Ok(plate)
     }
 
-    /// Separates moments and shears at nodes where they jump.
+    /// Gives separate stress nodes to nodes at which moments and shears jump.
     pub fn with_stress_nodes(mut self, nodes: StressNodes) -> Result<Self, PlateError> {
         check_length("elements of stress nodes", nodes.elements.len(), self.elements.len())?;
-        // At most the number of corners and midsides of all elements: checked before memory is allocated.
+        // At most the number of nodes of all elements together: checked before memory is allocated.
         if nodes.count > 8 * self.elements.len() {
             return Err(PlateError::Range { what: "stress nodes", index: 0 });
         }
@@ -207,8 +210,8 @@ impl Plate {
         Ok(self)
     }
 
-    /// Makes nodes follow leaders (n,) as rigid bodies; a free node is its own leader. Elements within a body do not
-    /// contribute to K and have no moments and shears.
+    /// Makes each node follow its leader (n,) as a rigid body; a free node is its own leader. Elements within a body
+    /// add no stiffness and have no moments and shears.
     pub fn with_bodies(mut self, leader: &[usize]) -> Result<Self, PlateError> {
         check_length("leaders", leader.len(), self.node_count())?;
         let plain = |node: usize| self.frame(node).is_none();
@@ -229,12 +232,12 @@ impl Plate {
         &self.bodies
     }
 
-    /// The connected components, by elements and bodies.
+    /// Connected components of the mesh; elements and rigid bodies connect nodes.
     pub fn components(&self) -> &Components {
         &self.components
     }
 
-    /// The leading nodes of an element.
+    /// The leader of each node of an element; a free node is its own leader.
     pub fn leading(&self, e: usize) -> &[usize; 8] {
         self.leading.get(e).unwrap_or(&self.elements[e])
     }
@@ -244,7 +247,7 @@ impl Plate {
         self.rigid.get(e) == Some(&true)
     }
 
-    /// Whether an element has followers.
+    /// Whether a node of an element follows another node.
     pub fn has_followers(&self, e: usize) -> bool {
         self.leading(e) != &self.elements[e]
     }
@@ -255,7 +258,8 @@ impl Plate {
         [to[0] - from[0], to[1] - from[1]]
     }
 
-    /// Transforms a covector on an element's dofs to those of the leaders; each leader appears once.
+    /// Transforms a covector over an element's dofs to the dofs of the leaders; coefficients of each leader are summed
+    /// at its first node in the element.
     pub fn onto_leaders(&self, e: usize, covector: &mut [f64; DOFS]) {
         let leading = self.leading(e);
         for i in (0..8).filter(|_| self.has_followers(e)) {
@@ -267,15 +271,15 @@ impl Plate {
         }
     }
 
-    /// Elements in terms of the nodes of moments and shears, and the number of these nodes.
+    /// Stress nodes of each element, and the number of stress nodes.
     pub fn stress_nodes(&self) -> (&[[usize; 8]], usize) {
         self.stress_nodes.as_ref().map_or((&self.elements, self.node_count()), |nodes| (&nodes.elements, nodes.count))
     }
 
-    /// Assigns matrices to elements and returns the first element of each.
+    /// Assigns matrices to elements and returns the first element that uses each matrix.
     ///
-    /// Elements share a matrix if their geometry and section are equal to the last bit, so that a matrix does not
-    /// depend on other elements.
+    /// Elements share a matrix if their geometry and section are equal to the last bit. So a matrix does not depend on
+    /// other elements.
     fn share_matrices(&mut self) -> Vec<usize> {
         let mut first = Vec::new();
         let mut known = HashMap::new();
@@ -312,14 +316,15 @@ impl Plate {
         &self.elements
     }
 
-    /// Packed lower triangle of the matrix of one element, in x and y (frames not applied). For a thin element it is a
-    /// preconditioner, with reduced shear where the full shear would drown bending.
+    /// Packed lower triangle of an element's matrix, in x and y (frames not applied). For a thin element it is a
+    /// preconditioner, with reduced shear where bending would be lost in the rounding of the full shear.
     pub fn element_stiffness(&self, e: usize) -> &[f64] {
         let matrix = self.matrix[e] as usize;
         &self.stiffness[PACKED * matrix..PACKED * (matrix + 1)]
     }
 
-    /// Whether the forces of an element are formed from its strains, since those by its matrix would be rounding.
+    /// Whether an element's forces are computed from its strains, since forces from its matrix would be lost in
+    /// rounding.
     pub fn is_thin(&self, e: usize) -> bool {
         self.thin[self.matrix[e] as usize]
     }
@@ -328,13 +333,13 @@ impl Plate {
         self.thin.contains(&true)
     }
 
-    /// Strains of a thin element from displacements without the rigid motion of its first node.
+    /// Strains of a thin element; `stripped` are its displacements without the rigid motion of its first node.
     pub fn strains(&self, e: usize, stripped: &[DoubleDouble; DOFS]) -> Strains<'_> {
         Strains::of(&self.geometry(e), self.materials.at(e), self.sections(e), self.centre(e), stripped)
     }
 
-    /// The missing shear of an element's matrix as springs: rows on the dofs of its leading nodes, in their frames, and
-    /// compliances.
+    /// The shear that an element's matrix leaves out, as springs: rows over the dofs of its leading nodes, in their
+    /// frames, and compliances.
     pub fn shear_springs(&self, e: usize) -> Vec<([f64; DOFS], f64)> {
         if !self.is_thin(e) || self.is_rigid(e) {
             return Vec::new();
@@ -349,7 +354,7 @@ impl Plate {
         springs
     }
 
-    /// Recovery of the condensed centre rotations of an element.
+    /// Coefficients for the recovery of an element's condensed centre rotations.
     pub fn centre(&self, e: usize) -> &Centre {
         &self.centres[self.matrix[e] as usize]
     }
@@ -361,7 +366,7 @@ impl Plate {
         Geometry { at, triangle: is_triangle(nodes) }
     }
 
-    /// The sections at the points of an element.
+    /// Sections of an element at its points, see [`Kind::points`].
     pub fn sections(&self, e: usize) -> Sections<'_> {
         self.thickness.of(self.kind, e)
     }
@@ -370,14 +375,14 @@ impl Plate {
         is_triangle(&self.elements[e])
     }
 
-    /// Mean of the corners.
+    /// Mean position of the corners of an element.
     pub fn centroid(&self, e: usize) -> [f64; 2] {
         let corners = &self.elements[e][..if self.is_triangle(e) { 3 } else { 4 }];
         let sum = corners.iter().fold([0.0; 2], |s, &n| [s[0] + self.points[n][0], s[1] + self.points[n][1]]);
         sum.map(|s| s / corners.len() as f64)
     }
 
-    /// Least thickness over the diagonal of the plate's bounding box.
+    /// Smallest thickness over the diagonal of the plate's bounding box.
     pub fn slenderness(&self) -> f64 {
         self.thickness.least() / self.size()
     }
@@ -399,7 +404,7 @@ impl Plate {
         self.frames.is_some()
     }
 
-    /// Rotates a node's (1, 2) components into x and y.
+    /// (cos, sin) of a node's first rotation direction; `None` if that is x.
     pub fn frame(&self, node: usize) -> Option<[f64; 2]> {
         self.frames.as_ref().map(|f| f[node]).filter(|f| *f != [1.0, 0.0])
     }
@@ -417,11 +422,11 @@ impl Plate {
         }
     }
 
-    /// Sets the force and couples of an element's first node to balance those of the others.
+    /// Sets the force and couples at an element's first node so that they balance the forces of the other nodes.
     ///
-    /// Internal forces have no resultant. A resultant of rounding would be a load on the supports, and would rotate a
-    /// plate on soft supports by much. For K_e u this is the transpose of removing the first node's rigid motion from
-    /// u, so that the operator stays symmetric.
+    /// Internal forces have no resultant. A resultant from rounding would load the supports and rotate a plate on soft
+    /// supports. For K_e u this is the transpose of removing the first node's rigid motion from u, so the operator
+    /// stays symmetric.
     pub fn balance(&self, e: usize, force: &mut [f64; DOFS]) {
         let mut first = [0.0; 3];
         for (i, at) in self.geometry(e).at.iter().enumerate().skip(1) {
@@ -433,8 +438,8 @@ impl Plate {
         force[..3].copy_from_slice(&first);
     }
 
-    /// Row on an element's dofs, in the frames of the nodes, for w, θx or θy (`field` 0, 1, 2) at a reference point.
-    /// The second value is its part on the two centre rotations.
+    /// Row over an element's dofs, in the frames of the nodes, that gives w, θx or θy (`field` 0, 1, 2) at (ξ, η). The
+    /// second value has the coefficients of the two centre rotations, whose part from u is already in the row.
     pub fn interpolation_row(&self, e: usize, xi: f64, eta: f64, field: usize) -> ([f64; DOFS], [f64; 2]) {
         let mut row = [0.0; DOFS];
         let mut centre = [0.0; 2];
@@ -460,8 +465,8 @@ impl Plate {
         (row, centre)
     }
 
-    /// Nodal forces of a stress-free curvature [κxx, κyy, κxy] over the whole plate, and the couples it puts on
-    /// the centre rotations, two an element.
+    /// Nodal forces (3n,) of a stress-free curvature [κxx, κyy, κxy] in the whole plate, and its couples on the centre
+    /// rotations, two per element.
     pub fn curvature_load(&self, curvature: [f64; 3]) -> (Vec<f64>, Vec<f64>) {
         let mut load = vec![0.0; self.dof_count()];
         let mut centre = vec![0.0; 2 * self.elements.len()];
@@ -477,7 +482,7 @@ impl Plate {
         (load, centre)
     }
 
-    /// The same of one element.
+    /// [`Plate::curvature_load`] of one element, over its own dofs in the nodes' frames.
     pub fn curvature_load_on(&self, e: usize, curvature: [f64; 3]) -> ([f64; DOFS], [f64; 2]) {
         if self.is_rigid(e) {
             return ([0.0; DOFS], [0.0; 2]);
@@ -512,7 +517,7 @@ fn check_thickness(thickness: &Thickness, points: usize, elements: usize) -> Res
     Ok(())
 }
 
-/// Whether the side from the third to the fourth corner is collapsed.
+/// Whether the side between the third and the fourth corner is collapsed to a node.
 fn is_triangle(nodes: &[usize; 8]) -> bool {
     nodes[2] == nodes[3] && nodes[2] == nodes[6]
 }

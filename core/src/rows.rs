@@ -1,4 +1,4 @@
-//! Rows of supports on the nodes of elements, and springs.
+//! Rows g of supports over the dofs of elements, and springs on them.
 
 use crate::displacement::Displacement;
 use crate::double_double::DoubleDouble;
@@ -6,12 +6,14 @@ use crate::element::DOFS;
 use crate::plate::Plate;
 use std::collections::BTreeMap;
 
-/// Rows on single elements (elastic supports, contact points), on the dofs of leading nodes in their frames.
+/// Rows of elastic supports and contact points. Row i has coefficients over the dofs of one element, in the nodes'
+/// frames; with rigid bodies, over the dofs of the leaders.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
     pub element: Vec<usize>,
     pub coefficient: Vec<[f64; DOFS]>,
-    /// Parts of rows in further elements: of another plate, or under a footprint. Each dof appears once in a row.
+    /// Coefficients of a row in further elements, if it connects two plates or averages over a footprint. Each dof
+    /// appears once in a row.
     pub further: BTreeMap<usize, Vec<(usize, [f64; DOFS])>>,
 }
 
@@ -24,7 +26,7 @@ impl Rows {
         self.element.is_empty()
     }
 
-    /// Transforms rows from the nodes of elements to their leaders.
+    /// Transforms coefficients of followers to coefficients of their leaders.
     pub fn onto_leaders(mut self, plate: &Plate) -> Self {
         if plate.bodies().is_empty() {
             return self;
@@ -33,7 +35,7 @@ impl Rows {
             plate.onto_leaders(e, own);
             let Some(further) = self.further.get_mut(&row) else { continue };
             further.iter_mut().for_each(|(e, own)| plate.onto_leaders(*e, own));
-            // Coefficients of a common dof are summed in its first element.
+            // If a dof occurs in several elements of the row, its coefficients are summed in the first.
             let mut place: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
             for piece in 0..=further.len() {
                 let nodes = plate.leading(if piece == 0 { e } else { further[piece - 1].0 });
@@ -50,7 +52,7 @@ impl Rows {
         self
     }
 
-    /// Appends a row of another table.
+    /// Appends row `row` of another table.
     pub fn push_from(&mut self, other: &Self, row: usize) {
         if let Some(further) = other.further.get(&row) {
             self.further.insert(self.len(), further.clone());
@@ -59,7 +61,7 @@ impl Rows {
         self.coefficient.push(other.coefficient[row]);
     }
 
-    /// The two elements of a row on a pair.
+    /// The two elements of a row, if it has exactly two.
     pub fn pair(&self, row: usize) -> Option<[u32; 2]> {
         match self.further.get(&row)?[..] {
             [(second, _)] => Some([self.element[row] as u32, second as u32]),
@@ -67,7 +69,7 @@ impl Rows {
         }
     }
 
-    /// The (dof, coefficient) pairs of a row, without zeros.
+    /// The (dof, coefficient) pairs of a row, without zero coefficients.
     pub fn entries<'a>(&'a self, plate: &'a Plate, row: usize) -> impl Iterator<Item = (usize, f64)> + 'a {
         let of_element = |element: usize, coefficient: &'a [f64; DOFS]| {
             let nodes = plate.leading(element);
@@ -78,7 +80,7 @@ impl Rows {
         of_element(self.element[row], &self.coefficient[row]).chain(further.flat_map(move |(e, c)| of_element(*e, c)))
     }
 
-    /// Row times displacement, minus `offset`, in double-double.
+    /// g·u − `offset` of a row g, in double-double.
     pub fn beyond(&self, plate: &Plate, row: usize, displacement: &Displacement, offset: f64) -> f64 {
         let mut sum = DoubleDouble::from(-offset);
         self.entries(plate, row).for_each(|(dof, c)| {
@@ -88,18 +90,18 @@ impl Rows {
         sum.value()
     }
 
-    /// Row times a vector of doubles.
+    /// g·v of a row g and a vector v of doubles.
     pub fn dot(&self, plate: &Plate, row: usize, vector: &[f64]) -> f64 {
         self.entries(plate, row).map(|(dof, c)| c * vector[dof]).sum()
     }
 
-    /// Adds `factor` times the row to a nodal vector.
+    /// Adds `factor` · g of a row g to a nodal vector.
     pub fn scatter(&self, plate: &Plate, row: usize, factor: f64, vector: &mut [f64]) {
         self.entries(plate, row).for_each(|(dof, c)| vector[dof] += factor * c);
     }
 }
 
-/// Linear springs: stiffness k_i on row i, with base `base_i`.
+/// Linear springs: spring i has the force `stiffness_i` (g_i·u − `base_i`) on row g_i.
 #[derive(Clone, Debug, Default)]
 pub struct Springs {
     pub rows: Rows,
@@ -108,7 +110,7 @@ pub struct Springs {
 }
 
 impl Springs {
-    /// Appends a spring on a row of a table.
+    /// Appends a spring on row `row` of a table.
     pub fn push(&mut self, rows: &Rows, row: usize, stiffness: f64, base: f64) {
         self.rows.push_from(rows, row);
         self.stiffness.push(stiffness);

@@ -1,9 +1,9 @@
 //! Moments and shears from displacements.
 //!
 //! They are sampled at the 2×2 Gauss points, where derivatives of quadratic elements converge one order faster (Barlow
-//! 1976), extrapolated bilinearly to the nodes, and averaged over the elements of a node (Hinton & Campbell 1974),
-//! except across jumps of the section (`Plate::stress_nodes`). Triangles sample moments at three points and extrapolate
-//! linearly; their shear is the element mean.
+//! 1976). Then they are extrapolated bilinearly to the nodes and averaged over the elements of a node (Hinton &
+//! Campbell 1974). A jump of the section separates these means (`Plate::stress_nodes`). Triangles sample moments at
+//! three points and extrapolate linearly; their shear is the element mean.
 
 use crate::displacement::Displacement;
 use crate::double_double::DoubleDouble;
@@ -13,13 +13,13 @@ use crate::plate::Plate;
 use crate::vectorized::vectorized;
 use rayon::prelude::*;
 
-/// [mx, my, mxy, qx, qy] at a point: moments sag positive, M = −D(κ − κ⁰), Q = S(∇w − θ). Rigid bodies have none.
+/// [mx, my, mxy, qx, qy] at a point: M = −D(κ − κ⁰), positive if it sags, and Q = S(∇w − θ). Rigid bodies have zeros.
 pub type Stress = [f64; 5];
 
-/// Stress at the four samples of one element: Gauss points, ξ running fastest; of a triangle those near its corners and
-/// the centroid.
+/// Stress at the four samples of one element: the Gauss points, ξ running fastest. A triangle has three samples near
+/// its corners and one at the centroid.
 ///
-/// `curvature` is the stress-free one, [κxx, κyy, κxy]; `couples` act on the centre rotations.
+/// `curvature` is the stress-free curvature κ⁰ = [κxx, κyy, κxy]; `couples` act on the two centre rotations.
 pub fn at_gauss_points(
     plate: &Plate,
     e: usize,
@@ -30,7 +30,7 @@ pub fn at_gauss_points(
     Samples::of(plate, e).stress(plate, e, displacement, curvature, couples)
 }
 
-/// The strain–displacement matrices and sections at points of an element.
+/// Strain–displacement matrices and sections at N points of an element.
 struct Samples<const N: usize = 4> {
     strain: [StrainMatrix; N],
     sections: [Section; N],
@@ -48,7 +48,7 @@ impl Samples {
 }
 
 impl<const N: usize> Samples<N> {
-    /// The samples at N consecutive points of the element.
+    /// Samples at N consecutive points of the element's list, from number `first` on.
     fn from(plate: &Plate, e: usize, first: usize) -> Self {
         let geometry = plate.geometry(e);
         let points = &plate.kind.points_of(geometry.triangle)[first..];
@@ -85,8 +85,8 @@ impl<const N: usize> Samples<N> {
         out
     }
 
-    /// Strains from displacements without rigid motion; shears in double-double, since they are differences of large
-    /// terms in thin plates.
+    /// Strains [κxx, κyy, 2κxy, γx, γy] at each sample, from displacements without rigid motion. Shears are computed in
+    /// double-double, since they are differences of large terms in thin plates.
     #[inline(always)]
     fn strains(&self, plate: &Plate, e: usize, stripped: &[DoubleDouble; DOFS], couples: [f64; 2]) -> [[f64; 5]; N] {
         let dot = |row: &[f64], values: &[DoubleDouble], from: f64| {
@@ -122,7 +122,8 @@ pub fn at_integration_points(plate: &Plate, e: usize, of: &Strained) -> Vec<Stre
     }
 }
 
-/// Strain matrices there on the dofs of the nodes, in their frames, with the centre condensed.
+/// Strain matrices at the integration points, over the element's nodal dofs in their frames; centre rotations are
+/// condensed.
 pub fn strain_rows(plate: &Plate, e: usize) -> Vec<[[f64; DOFS]; 5]> {
     let condensed = |strain: &StrainMatrix| {
         strain.map(|row| {
@@ -138,14 +139,14 @@ pub fn strain_rows(plate: &Plate, e: usize) -> Vec<[[f64; DOFS]; 5]> {
     }
 }
 
-/// Displacements with stress-free curvature and couples on centre rotations.
+/// Displacements u, stress-free curvature κ⁰, and couples on the centre rotations, two per element.
 pub struct Strained<'a> {
     pub displacement: &'a Displacement,
     pub curvature: [f64; 3],
     pub couples: &'a [f64],
 }
 
-/// Stress at each node for several displacements; element matrices are made once.
+/// Stress at each node, for each of several displacements; element matrices are computed once.
 pub fn smoothed_together(plate: &Plate, all: &[Strained]) -> Vec<Vec<Stress>> {
     let sampled: Vec<Vec<[Stress; 4]>> = (0..plate.elements().len())
         .into_par_iter()
@@ -161,7 +162,7 @@ pub fn smoothed_together(plate: &Plate, all: &[Strained]) -> Vec<Vec<Stress>> {
     (0..all.len()).into_par_iter().map(|k| carried_to_nodes(plate, |e| sampled[e][k])).collect()
 }
 
-/// Stress at each node (5 numbers), and at the Gauss points of each element (20 numbers).
+/// Stress at each stress node, and at the four samples of each element.
 pub fn smoothed(
     plate: &Plate,
     displacement: &Displacement,
@@ -177,7 +178,7 @@ pub fn smoothed(
     (nodal, sampled)
 }
 
-/// Mean of the extrapolated samples over the elements of each stress node.
+/// Mean stress at each stress node: the extrapolated samples, averaged over the elements that contain the node.
 fn carried_to_nodes(plate: &Plate, sampled: impl Fn(usize) -> [Stress; 4]) -> Vec<Stress> {
     let of_squares: [[f64; 4]; 8] = std::array::from_fn(|i| bilinear(NODES[i][0], NODES[i][1]));
     let (elements, count) = plate.stress_nodes();
@@ -203,8 +204,8 @@ fn carried_to_nodes(plate: &Plate, sampled: impl Fn(usize) -> [Stress; 4]) -> Ve
     nodal
 }
 
-/// The linear function through the first three samples of a triangle, at its nodes; zeros where its third corner is
-/// repeated.
+/// Weights of a triangle's samples in the linear extrapolation to its eight node positions. The fourth sample has
+/// weight 0; the positions 3 and 6, which repeat the third corner, have zeros.
 const ON_TRIANGLES: [[f64; 4]; 8] = {
     let (own, other, beside, across) = (5.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0, -1.0 / 3.0);
     [
@@ -219,7 +220,7 @@ const ON_TRIANGLES: [[f64; 4]; 8] = {
     ]
 };
 
-/// The bilinear functions through the 2×2 Gauss points.
+/// Values at (ξ, η) of the four bilinear functions that interpolate between the 2×2 Gauss points.
 fn bilinear(xi: f64, eta: f64) -> [f64; 4] {
     let g = GAUSS_2[1].0;
     let [x, y] = [xi / g, eta / g];

@@ -1,16 +1,16 @@
-//! Linear combinations of many vectors, and their extremes.
+//! Linear combinations of many vectors, and the extremes of these sums.
 //!
-//! Each sum runs over the vectors in order, so that it does not depend on other sums.
+//! Each sum adds the vectors in their order, so its bits do not depend on other sums.
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Entries of a tile; they stay in registers.
+/// Number of entries in a tile; the sums of a tile stay in registers.
 const TILE: usize = 16;
-/// Entries of one parallel chunk.
+/// Number of entries in a parallel chunk.
 const SHARE: usize = 1024;
 
-/// Coefficients (k, b), row-major, times vectors (b, n): (k, n).
+/// Product (k, n) of coefficients (k, b), row-major, and vectors (b, n); `count` is b.
 pub fn superpose(coefficients: &[f64], vectors: &[f64], count: usize) -> Vec<f64> {
     let length = vectors.len() / count.max(1);
     if length == 0 || count == 0 {
@@ -23,8 +23,8 @@ pub fn superpose(coefficients: &[f64], vectors: &[f64], count: usize) -> Vec<f64
     out
 }
 
-/// Sum of `count` terms, computed in parallel and added in order: the same bits for any number of threads. `least` is
-/// the chunk size.
+/// Sum of `count` terms, computed in parallel and added in order: the bits do not depend on the number of threads.
+/// `least` is the smallest chunk of terms for a thread.
 pub fn sum_in_order(count: usize, least: usize, term: impl Fn(usize) -> f64 + Send + Sync) -> f64 {
     let terms: Vec<f64> = (0..count).into_par_iter().with_min_len(least).map(term).collect();
     terms.iter().sum()
@@ -54,7 +54,7 @@ impl WithSimd for Superpose<'_> {
     }
 }
 
-/// Running maxima and minima (n,), and their combinations.
+/// Running maxima and minima (n,), and the number of the combination that attains each.
 pub struct Envelope<'a> {
     pub largest: &'a mut [f64],
     pub largest_by: &'a mut [i64],
@@ -62,7 +62,7 @@ pub struct Envelope<'a> {
     pub smallest_by: &'a mut [i64],
 }
 
-/// Positions of the extremes of a sum.
+/// Extremes of a sum, and the indices at which they occur.
 #[derive(Clone, Copy, Debug)]
 pub struct Peak {
     pub largest: f64,
@@ -71,7 +71,8 @@ pub struct Peak {
     pub smallest_at: usize,
 }
 
-/// Class of each entry (n,), and classes (k, c) excluded from the extremes of each sum.
+/// Entries excluded from extremes: `class` (n,) is the class of each entry; `sums` (k, `classes`) is true where a sum
+/// excludes a class.
 #[derive(Clone, Copy)]
 pub struct LeftOut<'a> {
     pub class: &'a [i64],
@@ -80,9 +81,9 @@ pub struct LeftOut<'a> {
 }
 
 impl LeftOut<'_> {
-    /// Updates the extremes of a sum by its entries from `first`, except excluded ones.
+    /// Updates the extremes of a sum with its entries from `first` on, without excluded entries.
     ///
-    /// Called seldom, and kept out of the loop over sums.
+    /// It is rarely called and kept out of the loop over sums.
     #[cold]
     #[inline(never)]
     fn look(&self, sum: usize, first: usize, entries: &[f64], peak: &mut Peak) {
@@ -98,7 +99,7 @@ impl LeftOut<'_> {
 const NO_PEAK: Peak = Peak { largest: f64::NEG_INFINITY, largest_at: 0, smallest: f64::INFINITY, smallest_at: 0 };
 
 impl Peak {
-    /// The more extreme of two; the first where they are equal.
+    /// The extremes over two ranges of entries; if values are equal, those of `self`.
     fn or(self, other: Self) -> Self {
         let (largest, largest_at) = if other.largest > self.largest {
             (other.largest, other.largest_at)
@@ -114,8 +115,8 @@ impl Peak {
     }
 }
 
-/// Updates an envelope by the combinations (k, b) of vectors (b, n), and returns the extremes of each. `who` (k,) are
-/// the numbers of the combinations. Sums are formed tile by tile and not stored.
+/// Updates an envelope with the combinations (k, b) of vectors (b, n), and returns the extremes of each combination.
+/// `who` (k,) has the numbers of the combinations. Sums are computed tile by tile and not stored.
 pub fn envelop(
     coefficients: &[f64],
     vectors: &[f64],
@@ -125,7 +126,7 @@ pub fn envelop(
 ) -> Vec<Peak> {
     let length = envelope.largest.len();
     let count = coefficients.len() / who.len().max(1);
-    // Vectors without a nonzero coefficient are skipped.
+    // Vectors that have only zero coefficients are skipped.
     let used: Vec<usize> =
         (0..count).filter(|&b| coefficients.iter().skip(b).step_by(count).any(|c| *c != 0.0)).collect();
     let rows: Vec<f64> = coefficients.chunks_exact(count.max(1)).flat_map(|row| used.iter().map(|&b| row[b])).collect();
@@ -165,7 +166,7 @@ pub fn envelop(
     (0..who.len()).map(merged).collect()
 }
 
-/// A tile: [`TILE`] consecutive entries of every vector, superposed for all combinations at once.
+/// A tile: [`TILE`] consecutive entries of every vector, superposed for all combinations.
 struct Tile<'a, 'b> {
     rows: &'a [f64],
     vectors: &'a [f64],
@@ -229,7 +230,7 @@ impl WithSimd for Tile<'_, '_> {
     }
 }
 
-/// N registers of one sum, from `from` on.
+/// Computes N registers of a sum, from register `from` on.
 #[inline(always)]
 fn sum_strip<S: Simd, const N: usize>(simd: S, row: &[f64], vectors: &[S::f64s], from: usize, out: &mut [S::f64s]) {
     let mut sums = [simd.splat_f64s(0.0); N];
@@ -283,7 +284,7 @@ mod tests {
                 smallest: &mut smallest,
                 smallest_by: &mut smallest_by,
             };
-            // Every third entry is excluded from every other sum.
+            // Every third entry is excluded from the sums with odd numbers.
             let class: Vec<i64> = (0..length as i64).map(|i| i64::from(i % 3 == 2)).collect();
             let sums_without: Vec<bool> = (0..combinations).flat_map(|k| [false, k % 2 == 1]).collect();
             let left_out = LeftOut { class: &class, sums: &sums_without, classes: 2 };

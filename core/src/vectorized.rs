@@ -4,8 +4,8 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Runs a closure marked `#[inline(always)]`, vectorized for this machine.
 ///
-/// It is called as `FnMut`: as `FnOnce`, a closure that captures by reference is called through a shim that is not
-/// inlined and not vectorized; a fused multiply-add is then a function call.
+/// It is called as `FnMut`. As `FnOnce`, a closure that captures by reference would be called through a shim, which is
+/// not inlined and not vectorized; a fused multiply-add would then be a function call.
 #[inline(always)]
 pub fn vectorized<R>(work: impl FnMut() -> R) -> R {
     Arch::new().dispatch(Work(work))

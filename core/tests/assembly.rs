@@ -1,4 +1,4 @@
-//! Orderings, assembly and factors against dense sums.
+//! Orderings, assembly and factorization, compared with dense sums.
 use faer::Mat;
 use proptest::prelude::*;
 use signorini_core::assembly::{Assembly, Bedding, HELD, LowerTriangle, Numbering};
@@ -9,7 +9,7 @@ use signorini_core::ordering::nested_dissection;
 use signorini_core::plate::Plate;
 use signorini_core::rows::Springs;
 
-/// A grid of nx × ny squares, its nodes turned a little at random and in frames of their own.
+/// A grid of nx × ny elements; nodes are moved a little at random and have random frames.
 fn plate(nx: usize, ny: usize, seed: u64) -> Plate {
     let (columns, rows) = (2 * nx + 1, 2 * ny + 1);
     let noise = |k: usize| ((k as f64 + 0.37 * seed as f64) * 12.9898).sin();
@@ -39,7 +39,8 @@ fn springs(plate: &Plate, seed: u64) -> Springs {
         out.stiffness.push(10.0 + e as f64);
         out.base.push(0.0);
     }
-    // The first one also over a far element, if there is one: no neighbour of the other's nodes.
+    // The first spring also has coefficients in a distant element, if there is one: its nodes are no neighbours in the
+    // mesh.
     let last = plate.elements().len() - 1;
     if !plate.elements()[last].iter().any(|node| plate.elements()[0].contains(node)) {
         out.rows.further.insert(0, vec![(last, plate.interpolation_row(last, 0.2, 0.4, 0).0)]);
@@ -47,7 +48,7 @@ fn springs(plate: &Plate, seed: u64) -> Springs {
     out
 }
 
-/// Element matrices, turned into the frames by T, and springs, summed densely.
+/// Dense sum of the springs and of the element matrices, which T transforms into the frames of the nodes.
 fn dense(plate: &Plate, springs: &Springs) -> Mat<f64> {
     let mut k = Mat::zeros(plate.dof_count(), plate.dof_count());
     for (e, nodes) in plate.elements().iter().enumerate() {
@@ -144,7 +145,7 @@ proptest! {
         prop_assert!(largest(&(sparse - &expected)) <= 1e-12 * largest(&expected));
     }
 
-    /// Of two elements far apart, and of two that share an edge.
+    /// Springs couple two distant elements, or two that share an edge.
     #[test]
     fn bedding_of_two_elements_is_the_sum_of_its_springs(nx in 2usize..5, ny in 1usize..4, seed in 0u64..100) {
         let plate = plate(nx, ny, seed);
@@ -194,7 +195,7 @@ proptest! {
         let size = largest(&full) * largest(&solution);
         prop_assert!(largest(&(&full * &solution - right)) <= 1e-13 * size);
 
-        // Eliminating the leading dofs by dense Gauss steps leaves the Schur complement.
+        // Dense Gaussian elimination of the leading dofs leaves the Schur complement.
         let mut schur = full.clone();
         let first = n - numbering.trailing;
         for k in 0..first {

@@ -1,7 +1,7 @@
-//! Small contact problems with printed matrices, on strips of unit width with EI = 1 and κGA = 5.
+//! Small contact problems with known matrices M, on strips of unit width with EI = 1 and κGA = 5.
 //!
-//! A 9-node element has the nodal deflections of a Timoshenko beam: a cantilever of length 1 has the flexibility 1/3 + 1/5
-//! = 8/15 at its tip.
+//! A strip of 9-node elements has the nodal deflections of a Timoshenko beam: the tip of a cantilever of length 1 has
+//! the flexibility 1/3 + 1/5 = 8/15.
 use signorini_core::contact::{
     ContactProblem, ContactSolution, Form, Graph, Load, Method, PathEnd, PathLoad, Points, Settings, Supported,
 };
@@ -10,11 +10,11 @@ use signorini_core::plate::Plate;
 use signorini_core::rows::Springs;
 use std::sync::Arc;
 
-/// Entries (dof, coefficient) of a row.
+/// Row of a support: (dof, coefficient) pairs.
 type Row = Vec<(usize, f64)>;
 
-/// `count` elements (1, 1) from x = `start` on. Node 5i is at the lower, 5i + 1 in the middle and 5i + 2 at the upper end
-/// of the line x = start + i.
+/// A strip of `count` elements of size (1, 1) from x = `start` on. On the line x = start + i, nodes 5i, 5i + 1 and 5i +
+/// 2 are at the lower end, in the middle and at the upper end.
 fn strip(start: f64, count: usize, young: f64) -> Arc<Plate> {
     let mut points = Vec::new();
     for i in 0..=count {
@@ -30,7 +30,7 @@ fn strip(start: f64, count: usize, young: f64) -> Arc<Plate> {
     Arc::new(Plate::new(points, elements, Thickness::Constant(1.0), material, Kind::Mitc9, None).unwrap())
 }
 
-/// Mean deflection of a line x = start + i.
+/// Row of the mean deflection on the line x = start + i.
 fn mean(i: usize) -> Row {
     vec![(15 * i, 1.0 / 6.0), (15 * i + 3, 4.0 / 6.0), (15 * i + 6, 1.0 / 6.0)]
 }
@@ -43,9 +43,9 @@ fn nodal(plate: &Plate, rows: &[(Row, f64)]) -> Vec<f64> {
     load
 }
 
-/// A strip whose supports, each with a row, a law and a gap, alone hold it.
+/// A strip held only by `supports`, each with a row, a law and a gap.
 fn free(plate: &Arc<Plate>, supports: &[(Row, Graph, f64)], delta: f64, method: Method) -> ContactProblem {
-    // No rotation about the axis of the strip.
+    // Rotations about the axis of the strip are fixed.
     let held: Vec<bool> = (0..plate.dof_count()).map(|dof| dof % 3 == 2).collect();
     let motion =
         |values: fn(f64) -> [f64; 3]| (0..plate.node_count()).flat_map(|n| values(plate.point(n)[0])).collect();
@@ -82,7 +82,7 @@ fn solved(problem: &ContactProblem, load: &[f64]) -> ContactSolution {
     problem.solve(&load, &Settings::default(), None, &mut |_| true).unwrap()
 }
 
-/// M (row-major) and q.
+/// M (row-major) and q of the linear complementarity problem.
 fn lcp(problem: &ContactProblem, load: &[f64], form: Form) -> (Vec<f64>, Vec<f64>) {
     let load = Load { nodal: load, held_value: &vec![0.0; load.len()] };
     let (template, q) = problem.lcp(&load, &Settings { form: Some(form) }).unwrap();
@@ -96,13 +96,13 @@ fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
 
 const METHODS: [Method; 3] = [Method::Lemke, Method::ActiveSet, Method::Saddle];
 
-/// Two springs k = 10 under the ends, a force of 4 at a quarter of the length: statics alone gives the reactions 3 and 1.
+/// Two springs k = 10 at the ends, a force of 4 at a quarter of the length: by equilibrium the reactions are 3 and 1.
 #[test]
 fn a_beam_on_two_springs() {
     let plate = strip(0.0, 1, 12.0);
     let springs = [0, 1].map(|i| (mean(i), Graph::one_sided(10.0), 0.0));
     let load = nodal(&plate, &[(mean(0), 3.0), (mean(1), 1.0)]);
-    // The gaps as unknowns: both rigid motions are free, so that gaps cost no reaction.
+    // The gaps are the unknowns z. M is zero, because opening a gap by a rigid motion causes no reaction.
     let (matrix, q) = lcp(&free(&plate, &springs, 10.0, Method::Lemke), &load, Form::Stiffness);
     assert_close(&matrix, &[0.0, 0.0, 0.0, 0.0], 0.0);
     assert_close(&q, &[3.0, 1.0], 1e-12);
@@ -114,7 +114,8 @@ fn a_beam_on_two_springs() {
     }
 }
 
-/// A force of 15 at the tip deflects it by 8; the prop is 2 below, so that it carries 6 · 15/8.
+/// A force of 15 at the tip deflects the free cantilever by 8. The prop is 2 below the tip, so its reaction is 6 ·
+/// 15/8.
 #[test]
 fn a_cantilever_on_a_prop() {
     let rigid = || Graph::one_sided(f64::INFINITY);
@@ -130,7 +131,8 @@ fn a_cantilever_on_a_prop() {
     }
 }
 
-/// The prop is a spring k = 30 that yields at 3: w₀ is the gap, w₁ = 3 − z₀ the rest to its limit, z₁ the yielding.
+/// The prop is a spring k = 30 that yields at 3: w₀ is the gap, w₁ = 3 − z₀ the remaining force to the limit, z₁ the
+/// plastic travel.
 #[test]
 fn a_yielding_point() {
     let law = || Graph::new(vec![[0.0, 0.0], [0.1, 3.0]], [0.0, 0.0]).unwrap();
@@ -142,15 +144,15 @@ fn a_yielding_point() {
         let found = solved(&cantilever(law(), 0.0, method), &load);
         assert_eq!(found.piece, [2]);
         assert_close(&found.reaction, &[3.0], 1e-12);
-        // (15 − 3) 8/15, of which 0.1 is elastic.
+        // Total travel (15 − 3) 8/15, of which 0.1 is elastic.
         assert_close(&found.displacement.hi[15..16], &[6.4], 1e-12);
         assert_close(&found.gap, &[0.1 - 6.4], 1e-12);
     }
 }
 
-/// A rigid raft on three springs k = 1 at x = −1, 0, 1, with a force of 1 at x = 0.8, outside the kern 2/3.
+/// A rigid raft on three springs k = 1 at x = −1, 0, 1, with a force of 1 at x = 0.8, outside the kern |x| ≤ 2/3.
 ///
-/// M = C⁻¹ − N(NᵀN)⁻¹Nᵀ with the rigid motions N, that is vvᵀ/6 with v = (1, −2, 1).
+/// M = C⁻¹ − N(NᵀN)⁻¹Nᵀ with the rigid motions N; this is vvᵀ/6 with v = (1, −2, 1).
 #[test]
 fn a_tilted_raft() {
     let plate = strip(-1.0, 2, 12e9);
@@ -164,13 +166,13 @@ fn a_tilted_raft() {
         let found = solved(&free(&plate, &springs, 1.0, method), &load);
         assert_eq!(found.piece, [0, 1, 1]);
         assert_close(&found.reaction, &[0.0, 0.2, 0.8], 1e-12);
-        // The line through the deflections 0.2 and 0.8.
+        // The raft is the line through the deflections 0.2 and 0.8.
         assert_close(&found.gap, &[0.4, 0.0, 0.0], 1e-8);
     }
 }
 
-/// A beam on rigid points at x = 0 and 1, with a force of 1 at 0.5 and t at −1. At t = 0.5 it tips about x = 0 onto a
-/// point at x = −1 that is 0.01 deeper.
+/// A beam on rigid points at x = 0 and 1, with a force of 1 at 0.5 and a force t at −1. At t = 0.5 it tips about x = 0
+/// until it touches a point at x = −1 that is 0.01 lower.
 #[test]
 fn a_jump() {
     let plate = strip(-1.0, 2, 12e6);
@@ -194,7 +196,7 @@ fn a_jump() {
         for ((_, _, found), reaction) in stops.iter().zip(reactions) {
             assert_close(&found.reaction, &reaction, 1e-8);
         }
-        // The tip at x = 1 rises as far as the other one sinks, but for bending.
+        // Without bending, the tip at x = 1 would rise as much as the tip at x = −1 sinks.
         assert_close(&[stops[1].2.gap[2], stops[2].2.gap[2]], &[0.0, 0.01], 1e-5);
     }
 }

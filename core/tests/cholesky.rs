@@ -1,4 +1,4 @@
-//! Factors against dense arithmetic and on any number of threads; one right-hand side against several side by side.
+//! Factors, compared with dense arithmetic, for different numbers of threads, and for one and several right-hand sides.
 
 use signorini_core::assembly::{Assembly, Bedding, LowerTriangle, Numbering};
 use signorini_core::cholesky::{Analysis, Factor, FactorError, Graph, Matrix, Reader};
@@ -6,9 +6,9 @@ use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::plate::Plate;
 use signorini_core::rows::{Rows, Springs};
 
-/// A matrix whose entries are all there.
+/// A matrix that stores its lower triangle.
 struct Stored {
-    /// First columns of its blocks, the number of columns behind them.
+    /// First column of each block, and the number of columns at the end.
     blocks: Vec<usize>,
     lower: LowerTriangle,
 }
@@ -33,7 +33,7 @@ impl Matrix for Stored {
     }
 }
 
-/// A strip of square elements, on a spring at the first node of each.
+/// A strip of square elements with a spring at the first node of each element.
 fn strip(columns: usize, rows: usize) -> (Plate, Springs) {
     let wide = 2 * columns + 1;
     let mut number = vec![usize::MAX; wide * (2 * rows + 1)];
@@ -55,7 +55,7 @@ fn strip(columns: usize, rows: usize) -> (Plate, Springs) {
     (plate, Springs { rows, stiffness: vec![1.0; count], base: vec![0.0; count] })
 }
 
-/// A small factor, whose subtrees are not shared out, and one whose are.
+/// A small matrix, whose subtrees are not divided among threads, and a larger one, whose subtrees are.
 fn matrices() -> [Stored; 2] {
     [(3, 2), (40, 20)].map(|(columns, rows)| {
         let (plate, springs) = strip(columns, rows);
@@ -70,8 +70,8 @@ fn factors() -> [Factor; 2] {
     matrices().map(|matrix| Analysis::new(&matrix).unwrap().factorize(&matrix).unwrap())
 }
 
-/// A sparse matrix that diagonal dominance makes positive definite: `links` entries of each column below the diagonal,
-/// all within groups of `group` columns, in no particular order and some of them in two parts.
+/// A sparse matrix that is positive definite by diagonal dominance. Each column has `links` entries below the diagonal,
+/// within groups of `group` columns. They are in random order, and some are sums of two entries.
 fn random(size: usize, links: usize, group: usize, seed: u64) -> Stored {
     let mut state = seed;
     let mut next = |below: usize| {
@@ -135,7 +135,8 @@ fn any_pattern_is_solved() {
         factor.forward(&mut found).unwrap();
         factor.backward(&mut found).unwrap();
         assert!(expected.iter().zip(&found).all(|(x, y)| (x - y).abs() < 1e-9), "{size} {links} {group}");
-        // L Lᵀ of the trailing block is the Schur complement: L⁻ᵀ of a vector that is zero before it needs no more.
+        // L Lᵀ of the trailing block is the Schur complement. L⁻ᵀ of a vector whose leading entries are zero needs only
+        // this block.
         let trailing = size.min(5);
         let block = factor.trailing_block(trailing).unwrap();
         let mut unit = vec![0.0; size];
@@ -195,7 +196,7 @@ fn a_pivot_that_fails_is_named() {
         let factor = analysis.factorize(&matrix).unwrap();
         assert!(factor.weakest_pivot().1 > 1e-8);
 
-        // A diagonal entry that leaves a billionth of the last pivot.
+        // Reduces the last diagonal entry, so that its pivot is 1e-9 of the value before.
         let start = matrix.lower.column_start[size - 1];
         assert_eq!(matrix.lower.column_start[size], start + 1);
         let pivot = factor.trailing_block(1).unwrap()[(0, 0)].powi(2);

@@ -1,4 +1,4 @@
-//! Contact problems on a square plate: against the conditions themselves, and the rigid motions in the LCP.
+//! Contact problems on a square plate: the contact conditions are checked, and the rigid motions in the LCP.
 mod common;
 
 use common::{SIZE, largest, plate_in};
@@ -11,14 +11,15 @@ use signorini_core::plate::Plate;
 use signorini_core::rows::{Rows, Springs};
 use std::sync::Arc;
 
-/// w = 1, w = x, w = y.
+/// The rigid motions w = 1, w = x, w = y.
 fn motions(plate: &Plate) -> Vec<Vec<f64>> {
     let over =
         |values: fn([f64; 2]) -> [f64; 3]| (0..plate.node_count()).flat_map(|n| values(plate.point(n))).collect();
     vec![over(|_| [1.0, 0.0, 0.0]), over(|p| [p[0], 1.0, 0.0]), over(|p| [p[1], 0.0, 1.0])]
 }
 
-/// Points that push up, in corner elements, then one in the middle element; the first three are regularised.
+/// A free plate on points that push up: four in the corner elements, then one in the middle element. The first three
+/// are regularised; with `soft`, the fourth has a finite stiffness.
 fn free_on_points(at: &[(f64, f64)], gap: &[f64], soft: bool) -> ContactProblem {
     on_points(at, gap, soft, Method::Lemke)
 }
@@ -64,7 +65,7 @@ fn solved_in(problem: &ContactProblem, load: &[f64], form: Option<Form>) -> Resu
     problem.solve(&load, &Settings { form }, None, &mut |_| true)
 }
 
-/// The worst of what a solution leaves of the conditions.
+/// Largest violation of the contact conditions by a solution.
 fn worst(problem: &ContactProblem, load: &[f64], solution: &ContactSolution) -> f64 {
     let (forces, points) = problem.violations(load, solution);
     largest(&forces).max(largest(&points))
@@ -101,7 +102,7 @@ proptest! {
         }
     }
 
-    /// Powers of 4, since a root of one is a power of 2: nothing is rounded otherwise.
+    /// Units are powers of 4, because their roots are powers of 2 and cause no rounding.
     #[test]
     fn units_change_no_bit(
         at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
@@ -166,7 +167,7 @@ proptest! {
         let problem = on_points(&at, &gap, soft, Method::ActiveSet);
         let held = vec![0.0; problem.plate.dof_count()];
         let mean = load(&problem.plate, 4, 1.0);
-        // All of them between the points, which balance them.
+        // The resultant of each load is between the points, so that they can balance it.
         let beside = |&e: &usize| mean.iter().zip(load(&problem.plate, e, 0.3)).map(|(a, b)| a + b).collect();
         let loads: Vec<Vec<f64>> = elements.iter().map(beside).collect();
         let mean = Load { nodal: &mean, held_value: &held };
@@ -196,7 +197,7 @@ proptest! {
         prop_assert_eq!(found.displacement.hi, wanted.displacement.hi);
     }
 
-    /// A plate that is held at three corners, which settle.
+    /// A plate that is fixed at three corners, which settle.
     #[test]
     fn settlements_move_the_plate_as_they_say(
         at in (-0.9f64..0.9, -0.9f64..0.9), settlement in prop::collection::vec(-0.01f64..0.01, 3), gap in 0.0f64..0.01,
@@ -221,7 +222,7 @@ proptest! {
             let found = problem.solve(&moved, &Settings::default(), None, &mut |_| true).unwrap();
             prop_assert!(corners.iter().zip(&settlement).all(|(c, s)| found.displacement.hi[3 * c] == *s));
             prop_assert!(worst(&problem, &none, &found) < 1e-9);
-            // Without contact the plate tilts as a plane through its corners, which are at ±1.5.
+            // Without contact, the plate is the plane through its corners, which are at ±1.5.
             let [a, b, c] = [settlement[0], settlement[1], settlement[2]];
             let [x, y] = [at.0 / 2.0, at.1 / 2.0];
             let plane = 0.5 * (a + c) + (b - a) * x / 3.0 + (c - b) * y / 3.0;
@@ -229,7 +230,7 @@ proptest! {
         }
     }
 
-    /// A footprint: its row is the mean over all nine elements.
+    /// A footprint: its row is the mean deflection over all nine elements.
     #[test]
     fn a_footprint_carries_what_it_must(compliance in prop_oneof![Just(0.0), 1e-4f64..1.0], gap in 0.0f64..0.01) {
         let plate = plate_in([1.0, 1.0]);
@@ -262,7 +263,8 @@ proptest! {
         }
     }
 
-    /// At every stop of a path the plate is where a solve by itself finds it, and the pieces change where it says.
+    /// At every stop of a path, the solution satisfies the contact conditions for the load there. The last one agrees
+    /// with a direct solution.
     #[test]
     fn a_path_goes_through_solutions(
         at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5),
@@ -271,7 +273,7 @@ proptest! {
     ) {
         let plate = plate_in([1.0, 1.0]);
         let law = |i: usize| match i {
-            // One yields, unless the plate needs it.
+            // Point 4 yields, so it may fail to balance the load.
             4 if limited => Graph::new(vec![[0.0, 0.0], [0.01, 0.2]], [0.0, 0.0]).unwrap(),
             3 if soft => Graph::one_sided(100.0),
             _ => Graph::one_sided(f64::INFINITY),
@@ -297,7 +299,7 @@ proptest! {
             prop_assert_eq!(stops.is_empty(), first.is_err(), "{:?}", method);
             match end {
                 PathEnd::Reached => prop_assert!(apart(&stops.last().unwrap().1.reaction, &last.unwrap().reaction) < 1e-7),
-                // The loads in equilibrium are convex: none lies beyond the end.
+                // The loads in equilibrium are a convex set, so that no larger factor is in equilibrium again.
                 PathEnd::NoEquilibrium => prop_assert_eq!(last.err(), Some(SolveError::NoEquilibrium), "{:?}", method),
                 end => prop_assert!(first.is_err() || last.is_err(), "{:?}: {:?}", method, end),
             }
@@ -324,7 +326,7 @@ proptest! {
             let single = solved(&problem, &sum);
             match (found, single) {
                 (Ok(found), Ok(single)) => prop_assert!((0..5).all(|i| (found.reaction[i] - single.reaction[i]).abs() < 1e-9)),
-                // Only where some point touches without a force is the contact state rounding.
+                // The contact state is undetermined only if a point touches without a force.
                 (Err(SolveError::Unsolved), Ok(single)) => {
                     prop_assert!((0..5).any(|i| single.reaction[i].abs() < 1e-9 && single.gap[i].abs() < 1e-9));
                 }
@@ -333,7 +335,7 @@ proptest! {
         }
     }
 
-    /// Gaps that a rigid motion opens cost no reaction, and the posed reactions balance the load.
+    /// Opening gaps by a rigid motion causes no reaction, and the reactions q of closed gaps balance the load.
     #[test]
     fn the_lcp_knows_the_rigid_motions_exactly(at in prop::collection::vec((-0.9f64..0.9, -0.9f64..0.9), 5), element in 0usize..9) {
         let problem = free_on_points(&at, &[0.0; 5], false);
@@ -404,7 +406,7 @@ fn gaps_that_contradict_each_other_have_no_solution() {
             rows.coefficient.push(plate.interpolation_row(element, xi, eta, 0).0);
             points.push_row(&plate, &rows, i, law, 0.0, 1.0);
         }
-        // The last one from above, at a depth.
+        // The last point pushes down on the place of the fourth one, at a distance `depth`.
         points.push(rows.entries(&plate, 3).map(|(dof, c)| (dof, -c)), law, depth, 1.0);
         let delta = vec![10.0, 10.0, 10.0, 0.0, 0.0];
         let (held, free_motions) = (vec![false; plate.dof_count()], motions(&plate));

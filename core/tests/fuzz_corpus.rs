@@ -1,4 +1,4 @@
-//! The fuzzers' corpus (fuzz/corpus) replayed, and some bytes of no meaning: nothing panics.
+//! Runs the fuzz targets on their corpus (fuzz/corpus) and on random bytes: nothing may panic.
 #[path = "../../fuzz/harness/mod.rs"]
 mod harness;
 
@@ -12,7 +12,7 @@ fn corpus(target: &str) -> Vec<Vec<u8>> {
     paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
 }
 
-/// Bytes of a linear congruential generator.
+/// Random bytes from a linear congruential generator.
 fn noise(seed: u64, length: usize) -> Vec<u8> {
     let mut state = seed.wrapping_mul(2862933555777941757).wrapping_add(3037000493);
     let mut next = || {

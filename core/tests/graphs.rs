@@ -1,5 +1,5 @@
-//! Points whose laws are monotone graphs of two to five pieces, on a square plate: every method against enumeration of all
-//! pieces, against a convex quadratic program, and against the conditions themselves.
+//! Points with monotone graphs of two to five pieces as laws, on a square plate. Every method is compared with an
+//! enumeration of all pieces and with a convex quadratic program; the contact conditions are checked.
 mod common;
 
 use clarabel::algebra::CscMatrix;
@@ -16,7 +16,7 @@ use signorini_core::plate::Plate;
 use signorini_core::rows::Springs;
 use std::sync::Arc;
 
-/// A point at ξ, η of an element, and its law.
+/// A point at (ξ, η) of an element, and its law.
 #[derive(Clone, Debug)]
 struct Point {
     element: usize,
@@ -55,7 +55,7 @@ fn problem(plate: &Arc<Plate>, points: &[Point], held: &[bool], method: Method, 
     ContactProblem::new(plate.clone(), on, method, usize::MAX).unwrap_or_else(|error| panic!("{method:?}: {error}"))
 }
 
-/// Three corners are held.
+/// Fixes the deflections of three corners.
 fn held(plate: &Plate) -> Vec<bool> {
     let corners = [0, 2 * SIZE, plate.node_count() - 1];
     (0..plate.dof_count()).map(|dof| dof % 3 == 0 && corners.contains(&(dof / 3))).collect()
@@ -84,7 +84,7 @@ fn stiffness(plate: &Plate) -> Mat<f64> {
     k
 }
 
-/// Travels d without reactions, beyond the shifts, and P = GK⁻¹Gᵀ, by dense elimination.
+/// Travels d without reactions, minus the shifts, and P = GK⁻¹Gᵀ, by dense elimination.
 fn condensed(plate: &Plate, held: &[bool], points: &[Point], load: &[f64]) -> (Vec<f64>, Mat<f64>) {
     let mut k = stiffness(plate);
     for dof in (0..held.len()).filter(|&dof| held[dof]) {
@@ -103,7 +103,7 @@ fn condensed(plate: &Plate, held: &[bool], points: &[Point], load: &[f64]) -> (V
     (d, Mat::from_fn(points.len(), points.len(), dot))
 }
 
-/// Reactions and pieces by trying all pieces: travel = d − P r, on a piece of every graph.
+/// Reactions found by trying all combinations of pieces: travel = d − P r, with each point on its piece.
 fn by_enumeration(points: &[Point], d: &[f64], p: &Mat<f64>) -> Vec<f64> {
     let m = points.len();
     let count: usize = points.iter().map(|point| point.graph.pieces()).product();
@@ -118,7 +118,7 @@ fn by_enumeration(points: &[Point], d: &[f64], p: &Mat<f64>) -> Vec<f64> {
                 piece as u8
             })
             .collect();
-        // On a piece travel = s + a x, reaction = r + b x: (a + P b) x = d − s − P r.
+        // On a piece, travel = s + a x and reaction = r + b x. So (a + P b) x = d − s − P r.
         let line = |i: usize| {
             let piece = points[i].graph.piece(pieces[i]);
             let w = points[i].weight;
@@ -148,16 +148,17 @@ fn by_enumeration(points: &[Point], d: &[f64], p: &Mat<f64>) -> Vec<f64> {
     best.1
 }
 
-/// Columns and coefficients of a row, and its right-hand side.
+/// (column, coefficient) pairs of a row, and its right-hand side.
 type Row = (Vec<(usize, f64)>, f64);
 
-/// Travel and force from which energies are counted: where the first piece ends.
+/// Travel and force at which the energy of a law is zero: the end of its first piece.
 fn begin(graph: &Graph) -> [f64; 2] {
     let first = graph.piece(0);
     graph.ends(0)[1].unwrap_or([first.travel, first.force])
 }
 
-/// Least energy, by a convex quadratic program over all dofs and the travels along pieces; `None` where there is none.
+/// Smallest energy, by a convex quadratic program over all dofs and the travels along pieces; `None` if there is no
+/// minimum.
 fn by_program(plate: &Plate, held: &[bool], points: &[Point], load: &[f64]) -> Option<f64> {
     let k = stiffness(plate);
     let n = held.len();
@@ -204,7 +205,7 @@ fn by_program(plate: &Plate, held: &[bool], points: &[Point], load: &[f64]) -> O
     for dof in (0..n).filter(|&dof| held[dof]) {
         equations.push((vec![(dof, 1.0)], 0.0));
     }
-    // In units in which every square has the coefficient 1.
+    // Variables are scaled so that all diagonal entries of the quadratic term are 1.
     let mut unit = vec![0.1; q.len()];
     p.iter().filter(|(i, j, _)| i == j).for_each(|&(i, _, value)| unit[i] = 1.0 / value.sqrt());
     p.iter_mut().for_each(|(i, j, value)| *value *= unit[*i] * unit[*j]);
@@ -235,12 +236,13 @@ fn by_program(plate: &Plate, held: &[bool], points: &[Point], load: &[f64]) -> O
     match solver.solution.status {
         SolverStatus::PrimalInfeasible | SolverStatus::DualInfeasible => None,
         SolverStatus::AlmostPrimalInfeasible | SolverStatus::AlmostDualInfeasible => None,
-        // Of loads of about 1, far out along a ray on which the energy falls for ever.
+        // Loads are about 1: a huge energy means that the solver follows a ray along which the energy decreases without
+        // limit.
         _ => Some(solver.solution.obj_val).filter(|energy| energy.abs() < 1e6),
     }
 }
 
-/// ½uᵀKu − fᵀu and the energies of the points' laws from their first vertices on; and the size of its largest term.
+/// Energy ½uᵀKu − fᵀu plus the energies of the points' laws, and the magnitude of its largest term.
 fn energy(plate: &Plate, points: &[Point], load: &[f64], found: &ContactSolution) -> (f64, f64) {
     let k = stiffness(plate);
     let u = &found.displacement.hi;
@@ -249,7 +251,7 @@ fn energy(plate: &Plate, points: &[Point], load: &[f64], found: &ContactSolution
     for (point, &force) in points.iter().zip(&found.reaction) {
         let travel = row(plate, point).iter().map(|&(dof, c)| c * u[dof]).sum::<f64>() - point.shift;
         let (graph, force) = (&point.graph, force / point.weight);
-        // From vertex to vertex to where the point is, trapezoid by trapezoid.
+        // Integrates force over travel by trapezoids between the vertices, up to the point's travel.
         let mut at = begin(graph);
         let passed = (1..graph.pieces() as u8).filter_map(|number| graph.ends(number)[1]);
         for to in passed.filter(|to| to[0] + to[1] < travel + force).chain([[travel, force]]) {
@@ -260,7 +262,7 @@ fn energy(plate: &Plate, points: &[Point], load: &[f64], found: &ContactSolution
     (terms.iter().sum(), largest(&terms))
 }
 
-/// By every method that finds pieces.
+/// Solutions by every method, each with its name.
 fn by_all(
     plate: &Arc<Plate>,
     points: &[Point],
@@ -281,7 +283,7 @@ fn by_all(
     ]
 }
 
-/// A nondecreasing polyline through steps of travel and force, some of them zero, with ends of some slope.
+/// Random nondecreasing polylines. Steps of travel and force may be zero; the end slopes are zero, finite or infinite.
 fn graphs(most: usize) -> impl Strategy<Value = Graph> {
     let step = prop_oneof![3 => 0.002f64..0.02, 1 => Just(0.0)];
     let rise = prop_oneof![3 => 0.02f64..0.5, 1 => Just(0.0)];
@@ -289,7 +291,7 @@ fn graphs(most: usize) -> impl Strategy<Value = Graph> {
     (prop::collection::vec((step, rise), 0..most - 1), end(), end(), -0.01f64..0.01, -0.2f64..0.2).prop_filter_map(
         "not a graph",
         |(steps, first, last, travel, force)| {
-            // A one-sided support begins without a force.
+            // A one-sided support begins with zero force.
             let mut at = if first == 0.0 { [travel, 0.0] } else { [travel, force] };
             let mut vertices = vec![at];
             for (step, rise) in steps {
@@ -363,7 +365,7 @@ proptest! {
                 Some(expected) => {
                     prop_assert_eq!(found.as_ref().err(), None, "{}", name);
                     let found = found.unwrap();
-                    // Points in one element may share a force in many ways that are alike; the energy is unique.
+                    // Points in one element may share a force in different ways; only the energy is unique.
                     let (energy, size) = energy(&plate, &points, &load, &found);
                     prop_assert!((energy - expected).abs() < 1e-9 * size, "{}: {} for {}", name, energy, expected);
                     let problem = problem(&plate, &points, &held, Method::ActiveSet, 0.0);

@@ -1,5 +1,5 @@
-//! A free beam that rests on one-sided supports alone: M is the beam's stiffness, singular and of condition n⁴, z is
-//! the lift-off of its n points and w the supports' reaction. There is equilibrium if and only if the load's resultant
+//! A free beam that rests on one-sided supports only. M is its stiffness matrix, singular and with a condition of n⁴; z
+//! are the lift-offs at the n points, w the reactions. There is equilibrium if and only if the resultant of the load
 //! points down and passes between the ends.
 use signorini_core::lcp::{Lcp, LcpStatus, LemkeOptions, lemke};
 
@@ -33,7 +33,7 @@ fn outcome(load: &[f64]) -> LcpStatus {
 
 const SIZES: [usize; 3] = [20, 100, 300];
 
-/// Down at 1 a point, up in two waves.
+/// A downward load of 1 per point, and an upward load in two waves.
 fn waves(points: usize) -> Vec<f64> {
     let at = |i: usize| i as f64 / points as f64;
     (0..points).map(|i| 1.0 + 3.0 * (7.0 * at(i)).cos() * (-at(i)).exp()).collect()

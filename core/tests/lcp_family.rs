@@ -1,11 +1,11 @@
-//! Many problems with one M against each by itself.
+//! Many problems with the same M, compared with each problem solved alone.
 use proptest::prelude::*;
 use signorini_core::lcp::{Lcp, LcpFamily, LcpStatus, LemkeOptions, lemke, lemke_from};
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
-    /// Integers make ties; M = GᵀG has the rank of G.
+    /// Integer entries cause ties; M = GᵀG has the rank of G.
     #[test]
     fn a_family_ends_where_each_of_its_problems_does(
         (order, rank) in (1usize..8, 1usize..8),

@@ -1,4 +1,4 @@
-//! Linear complementarity problems with known solutions, named after their source.
+//! Linear complementarity problems with known solutions, named after their sources.
 use signorini_core::lcp::{Lcp, LcpError, LcpSolution, LcpStatus, LemkeOptions, lemke, lemke_from};
 
 fn solve(matrix: &[f64], q: &[f64]) -> LcpSolution {
@@ -17,7 +17,7 @@ fn assert_close(found: &[f64], expected: &[f64]) {
     assert!(!far && found.len() == expected.len(), "{found:?} is not {expected:?}");
 }
 
-/// 1 on the diagonal, 2 below.
+/// Lower triangular matrix: 1 on the diagonal, 2 below.
 fn unit_lower(n: usize) -> Vec<f64> {
     let entry = |i: usize, j: usize| f64::from(u8::from(i == j) + 2 * u8::from(i > j));
     (0..n * n).map(|at| entry(at / n, at % n)).collect()
@@ -97,15 +97,17 @@ fn ray_where_no_point_is_feasible() {
     assert!(Lcp::new(&matrix, &q).unwrap().infeasibility(&ray).unwrap().holds(1e-14));
 }
 
-/// The P-matrix on which Murty's least-index method needs its order and Lemke's first ratio test ties everywhere.
+/// A P-matrix on which principal pivoting cycles without Murty's least-index rule. In Lemke's first ratio test all
+/// ratios tie.
 #[test]
 fn cyclic_problem_of_kostreva() {
     let solution = solve(&[1.0, 2.0, 0.0, 0.0, 1.0, 2.0, 2.0, 0.0, 1.0], &[-1.0; 3]);
     assert_close(&solution.z, &[1.0 / 3.0; 3]);
 }
 
-/// Matching pennies with costs A, B > 0: M = [[0, A], [Bᵀ, 0]], q = −e. M is copositive but not copositive-plus, so
-/// Lemke's ray says nothing (Cottle, Pang & Stone 1992, section 4.4), and it does not pass for a proof.
+/// A bimatrix game, matching pennies with costs A, B > 0: M = [[0, A], [Bᵀ, 0]], q = −e. M is copositive but not
+/// copositive-plus, so Lemke's ray does not prove infeasibility (Cottle, Pang & Stone 1992, section 4.4). The proof
+/// check must fail.
 #[test]
 fn ray_of_a_bimatrix_game_proves_nothing() {
     let matrix = [0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 2.0, 1.0, 2.0, 1.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0];

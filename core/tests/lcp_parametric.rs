@@ -1,8 +1,8 @@
-//! Parametric paths: every segment is solved by its basis, and none is left out.
+//! Parametric paths: the basis of every segment solves the problem there, and no segment is missing.
 use proptest::prelude::*;
 use signorini_core::lcp::{Lcp, LcpStatus, LemkeOptions, ParametricEnd, lemke, lemke_from, parametric};
 
-/// G Gᵀ plus a skew part, row-major: positive semidefinite, singular where G has few columns.
+/// G Gᵀ plus a skew-symmetric part, row-major: positive semidefinite, and singular if G has few columns.
 fn semidefinite(order: usize, rank: usize, g: &[i32], skew: &[i32]) -> Vec<f64> {
     let mut matrix = vec![0.0; order * order];
     for i in 0..order {
@@ -26,7 +26,7 @@ fn moved(q: &[f64], direction: &[f64], t: f64) -> Vec<f64> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
 
-    /// Integers make ties, so several variables often reach zero at once.
+    /// Integer entries cause ties, so several variables often reach zero together.
     #[test]
     fn every_segment_is_solved_by_its_basis_and_beyond_the_last_is_nothing(
         (order, rank) in (1usize..8, 0usize..8),
@@ -79,7 +79,7 @@ fn a_direction_of_the_wrong_length_is_refused() {
 
 #[test]
 fn a_matrix_that_is_not_semidefinite_may_turn_the_path_back() {
-    // w = 1 − t − z: at t = 1 the slack is zero, and z can grow only where t falls.
+    // w = 1 − t − z: at t = 1 the slack is zero, and z can increase only if t decreases.
     let lcp = Lcp::new(&[-1.0], &[1.0]).unwrap();
     let path = parametric(&lcp, &[-1.0], &[false], f64::INFINITY, &mut |_| true).unwrap();
     assert_eq!((path.end, path.segments.len()), (ParametricEnd::Stopped, 1));

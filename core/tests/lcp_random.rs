@@ -1,9 +1,10 @@
-//! 10,000 random problems against exact enumeration of the complementary bases, and properties of any problem.
+//! 10,000 random problems, compared with exact enumeration of the complementary bases; and properties of arbitrary
+//! problems.
 use proptest::prelude::*;
 use rayon::prelude::*;
 use signorini_core::lcp::{Lcp, LcpSolution, LcpStatus, LemkeOptions, lemke, lemke_from};
 
-/// Vigna's xorshift64*.
+/// Random numbers by Vigna's xorshift64*.
 struct Random(u64);
 
 impl Random {
@@ -24,14 +25,14 @@ impl Random {
     }
 }
 
-/// A problem in integers, so that its enumeration is exact.
+/// A problem with integer entries, so that its enumeration is exact.
 struct Problem {
     matrix: Vec<Vec<i128>>,
     q: Vec<i128>,
 }
 
 impl Problem {
-    /// G Gᵀ, plus a skew-symmetric part half of the time: positive semidefinite.
+    /// A positive semidefinite matrix: G Gᵀ, plus a skew-symmetric part in half of the cases.
     fn semidefinite(random: &mut Random, g: &[Vec<i128>], skew: bool) -> Vec<Vec<i128>> {
         let order = g.len();
         let product = |i: usize, j: usize| g[i].iter().zip(&g[j]).map(|(a, b)| a * b).sum();
@@ -61,7 +62,7 @@ impl Problem {
         Self { matrix: Self::semidefinite(random, &g, skew), q: random.vector(order, -4, 8) }
     }
 
-    /// Repeated rows, and a solution in which many pairs are zero on both sides.
+    /// A problem with repeated rows, and a solution in which many pairs have z_i = w_i = 0.
     fn degenerate(random: &mut Random) -> Self {
         let order = random.integer(2, 10) as usize;
         Self::degenerate_of(random, order)
@@ -78,7 +79,7 @@ impl Problem {
         Self { matrix, q }
     }
 
-    /// vᵀM = 0 and vᵀq < 0 with v ≥ 0.
+    /// An infeasible problem: there is a v ≥ 0 with vᵀM = 0 and vᵀq < 0.
     fn infeasible(random: &mut Random) -> Self {
         let order = random.integer(1, 10) as usize;
         Self::infeasible_of(random, order)
@@ -102,7 +103,7 @@ impl Problem {
         (self.matrix.concat().iter().map(|&x| x as f64).collect(), self.q.iter().map(|&x| x as f64).collect())
     }
 
-    /// z of the first feasible complementary basis, if there is one.
+    /// z of the first feasible complementary basis; `None` if there is none.
     fn enumerate(&self) -> Option<Vec<f64>> {
         let order = self.q.len();
         (0_usize..1 << order).find_map(|set| {
@@ -162,7 +163,7 @@ fn check(problem: &Problem, solution: &LcpSolution, expected: Option<&[f64]>, se
                 assert_eq!(nonbasic, 0.0, "problem {seed}: both of pair {i}");
             }
             if problem.is_symmetric() {
-                // For a symmetric semidefinite M all solutions share w.
+                // If M is symmetric and semidefinite, w is the same in all solutions.
                 let slack = |i: usize| lcp.row(i).iter().zip(expected).map(|(a, z)| a * z).sum::<f64>() + q[i];
                 let w: Vec<f64> = (0..q.len()).map(slack).collect();
                 assert_close(&solution.w, &w, seed);
@@ -176,7 +177,8 @@ fn check(problem: &Problem, solution: &LcpSolution, expected: Option<&[f64]>, se
     }
 }
 
-/// Solves 2,500 problems cold, and warm from an arbitrary basis; returns how many have a solution.
+/// Solves 2,500 problems by a cold start and by a warm start from an arbitrary basis. Returns the number of problems
+/// with a solution.
 fn compare(draw: fn(&mut Random) -> Problem) -> usize {
     let solved = |seed: usize| {
         let mut random = Random::new(seed);
@@ -215,7 +217,8 @@ fn infeasible_problems_all_end_in_a_ray() {
     assert_eq!(compare(Problem::infeasible), 0);
 }
 
-/// Orders no enumeration reaches, and past the tableau's block of delayed updates: rank 3, ties everywhere.
+/// Larger problems than can be enumerated, with more pivots than the tableau collects before an update: rank 3, ties in
+/// every pivot.
 #[test]
 fn large_degenerate_problems_are_solved_and_infeasible_ones_proved() {
     for seed in 0..40 {
@@ -236,7 +239,7 @@ fn large_degenerate_problems_are_solved_and_infeasible_ones_proved() {
     }
 }
 
-/// M = G Gᵀ + ε I with rows of any size, and any q.
+/// Random M = G Gᵀ + ε I with rows of very different magnitudes, and random q.
 fn any_definite() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
     (1_usize..40).prop_flat_map(|order| {
         let entries = prop::collection::vec(-1.0..1.0, order * order);

@@ -1,4 +1,4 @@
-//! Plates: what arrays they refuse, what they leave unstrained, and the arithmetic underneath.
+//! Plates: refused arrays, rigid motions without strain, and double-double arithmetic.
 use proptest::prelude::*;
 use signorini_core::displacement::Displacement;
 use signorini_core::double_double::DoubleDouble;
@@ -105,7 +105,7 @@ fn moments_keep_the_sides_of_a_jump_apart() {
     let (first, second) = (elements[0], elements[1]);
     let materials = Materials::several(vec![MATERIAL, Material::isotropic(100.0, 0.3, 5.0 / 6.0)], vec![0, 1]);
     let plate = Plate::new(points.clone(), elements, Thickness::Constant(0.1), materials, Kind::Mitc9, None).unwrap();
-    // w = x²/2: a curvature of one all over, and ten times the moment in the first element.
+    // w = x²/2: a curvature of one everywhere, and ten times the moment in the first element.
     let dofs: Vec<f64> = points.iter().flat_map(|[x, _]| [0.5 * x * x, *x, 0.0]).collect();
     let displaced = Displacement { lo: vec![0.0; dofs.len()], hi: dofs };
     let [left, right] = [1000.0, 100.0].map(|young: f64| -young * 1e-3 / 12.0 / 0.91);
@@ -128,7 +128,7 @@ fn plate_again(points: &[[f64; 2]]) -> Plate {
     Plate::new(points.to_vec(), elements, Thickness::Constant(0.1), MATERIAL, Kind::Mitc9, None).unwrap()
 }
 
-/// An element that is said to be layered, in the sections that its thickness has anyway.
+/// A plate with one element given as layered, whose sections equal those of its thickness.
 fn layered_alike(kind: Kind, change: impl FnOnce(&mut Layered)) -> Result<Plate, PlateError> {
     let (points, elements) = grid(3, 2, 0.05);
     let count = kind.points().len();
@@ -201,7 +201,7 @@ fn messages_say_what_was_found() {
     assert_eq!(PlateError::Inverted { element: 3 }.to_string(), "element 3 is turned over or degenerate");
 }
 
-/// A fan of two elements whose sides from one corner to the other are collapsed to node 0.
+/// Two elements around node 0; in each, a side is collapsed to this node.
 fn fan() -> (Vec<[f64; 2]>, Vec<[usize; 8]>) {
     let points = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, 0.0], [2.5, 1.0], [1.0, 1.0]];
     let points = [points, vec![[1.0, 2.5], [0.0, 1.0]]].concat();
@@ -225,7 +225,7 @@ fn each_kind_takes_its_own_elements_of_three_corners() {
 }
 
 proptest! {
-    /// A deflection or slopes that dyadic coordinates carry without rounding strain nothing at all.
+    /// A rigid motion with dyadic coordinates, which is exact in doubles, causes no strain at all.
     #[test]
     fn a_rigid_motion_leaves_no_residual(w in -64i32..64, x in -64i32..64, y in -64i32..64, q8r: bool, collapsed: bool) {
         let (points, elements) = if q8r && collapsed { fan() } else { grid(3, 2, 0.0) };
@@ -243,7 +243,7 @@ proptest! {
         prop_assert!(out.iter().all(|&r| r == 0.0));
     }
 
-    /// Turning the frames turns the residual's couples and changes nothing else.
+    /// Rotating the frames rotates the couples of the residual and changes nothing else.
     #[test]
     fn frames_turn_couples(angle in -3.0f64..3.0, seed in 1u64..1000) {
         let plain = plate(Kind::Mitc9, None);
@@ -273,7 +273,7 @@ proptest! {
         }
     }
 
-    /// Sums and products of integers of up to 100 bits are exact.
+    /// Sums and products of integers of up to 100 bits are exact in double-double.
     #[test]
     fn double_doubles_carry_a_hundred_bits(a in -(1i64 << 50)..(1i64 << 50), b in -(1i64 << 50)..(1i64 << 50)) {
         let product = DoubleDouble::from(a as f64).times(b as f64);

@@ -1,11 +1,11 @@
-//! Plates that lie on one another: two meshes in one table, coupled by contact points over two elements.
+//! Plates on top of each other: two meshes in one plate, coupled by contact points over two elements.
 use signorini_core::contact::{ContactProblem, ContactSolution, Graph, Load, Method, Points, Settings, Supported};
 use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::plate::Plate;
 use signorini_core::rows::{Rows, Springs};
 use std::sync::Arc;
 
-/// Squares of side 1 in one place, each of n × n elements.
+/// Squares of side 1 at the same position, each of n × n elements.
 fn squares(sizes: &[usize]) -> Arc<Plate> {
     let (mut points, mut elements) = (Vec::new(), Vec::new());
     for &n in sizes {
@@ -24,7 +24,7 @@ fn squares(sizes: &[usize]) -> Arc<Plate> {
     Arc::new(Plate::new(points, elements, Thickness::Constant(0.05), material, Kind::Mitc9, None).unwrap())
 }
 
-/// Element and row of the deflection at a place of an n × n square whose elements begin with `first`.
+/// Element, and row of the deflection at (x, y), of an n × n square whose elements begin with number `first`.
 fn deflection(plate: &Plate, first: usize, n: usize, [x, y]: [f64; 2]) -> (usize, [f64; 24]) {
     let cell = |x: f64| ((n as f64 * x) as usize).min(n - 1);
     let local = |x: f64| 2.0 * (n as f64 * x - cell(x) as f64) - 1.0;
@@ -32,13 +32,13 @@ fn deflection(plate: &Plate, first: usize, n: usize, [x, y]: [f64; 2]) -> (usize
     (element, plate.interpolation_row(element, local(x), local(y), 0).0)
 }
 
-/// Gauss points of an n × n square.
+/// Gauss points of all elements of an n × n square.
 fn places(n: usize) -> impl Iterator<Item = [f64; 2]> {
     let at = move |k: usize| ((k / 2) as f64 + [0.211, 0.789][k % 2]) / n as f64;
     (0..4 * n * n).map(move |k| [at(k % (2 * n)), at(k / (2 * n))])
 }
 
-/// What lies between two squares: rows w of the second less w of the first, whose elements come first.
+/// Rows of the relative deflection w₂ − w₁ of two squares; the elements of square 1 come first.
 fn between(plate: &Plate, [below, above]: [usize; 2]) -> Rows {
     let mut rows = Rows::default();
     for place in places(above) {
@@ -51,9 +51,11 @@ fn between(plate: &Plate, [below, above]: [usize; 2]) -> Rows {
     rows
 }
 
-/// Two free squares, the first on soil that only pushes up, the second on a layer on it that only pushes apart.
+/// Two free squares: the first on soil that only pushes up, the second on a layer on the first that only pushes them
+/// apart.
 ///
-/// `wide` gives the layer's rows as rows over any dofs. `at_edge` holds the left edge of the first one.
+/// If `wide`, the rows of the layer are given over arbitrary dofs. If `at_edge`, the left edge of the first square is
+/// fixed.
 fn layered_at(at_edge: bool, sizes: [usize; 2], soil: f64, layer: f64, wide: bool, method: Method) -> ContactProblem {
     let plate = squares(&sizes);
     let [below, above] = sizes;
@@ -96,7 +98,7 @@ fn layered(sizes: [usize; 2], soil: f64, layer: f64, wide: bool, method: Method)
     layered_at(false, sizes, soil, layer, wide, method)
 }
 
-/// The same soil both ways under the first square, and further springs.
+/// The first square on two-sided soil springs, and further `springs`.
 fn on_springs(plate: Arc<Plate>, below: usize, mut springs: Springs) -> ContactProblem {
     for place in places(below) {
         let mut row = Rows::default();
@@ -130,7 +132,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs())) / largest(b)
 }
 
-/// Edges that the load lifts, and a load that leaves none.
+/// Positions of two loads: the first lifts edges, the second does not.
 const LOADED: [[f64; 2]; 2] = [[0.8, 0.6], [0.55, 0.5]];
 
 const METHODS: [Method; 3] = [Method::Lemke, Method::ActiveSet, Method::Saddle];
@@ -167,7 +169,8 @@ fn a_layer_of_springs_both_ways_is_one_of_points_that_stay_closed() {
     assert!(apart(&found.displacement.hi, &expected.displacement.hi) < 1e-10);
 }
 
-/// Of two alike, in the best case, every block of the factor has twice the rows and columns.
+/// Bound: at best, two equal plates double the rows and columns of every block of the factor, so it has four times the
+/// entries.
 #[test]
 fn plates_on_one_another_share_separators() {
     let alone = on_springs(squares(&[20]), 20, Springs::default()).factor_size().0;
@@ -178,7 +181,7 @@ fn plates_on_one_another_share_separators() {
     }
 }
 
-/// Down to what the factor's own rounding resists more than the layer does.
+/// The layer is soft, but stiffer than the rounding errors of the factor.
 #[test]
 fn a_layer_far_softer_than_soft_soil_moves_a_plate_as_one_body() {
     let sizes = [4, 3];
@@ -195,7 +198,7 @@ fn a_layer_far_softer_than_soft_soil_moves_a_plate_as_one_body() {
     }
 }
 
-/// What is held of the one does not hold the other.
+/// The fixed edge of the first plate does not hold the second.
 #[test]
 fn a_layer_far_softer_than_a_plate_that_is_held_moves_the_other_as_one_body() {
     let sizes = [4, 3];
@@ -212,7 +215,7 @@ fn a_layer_far_softer_than_a_plate_that_is_held_moves_the_other_as_one_body() {
     }
 }
 
-/// One tilts, one sinks: neither is bent, to the last bit.
+/// The fixed deflections tilt the first plate and lower the second; neither may bend.
 #[test]
 fn plates_go_with_what_each_is_held_at() {
     let plate = squares(&[4, 3]);

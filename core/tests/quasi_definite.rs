@@ -1,4 +1,5 @@
-//! Quasi-definite matrices [[K, Gᵀ], [G, −C]], the columns of both signs mixed in one order, against dense arithmetic.
+//! Quasi-definite matrices [[K, Gᵀ], [G, −C]], with columns of K and −C mixed in one order, compared with dense
+//! arithmetic.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -6,9 +7,9 @@ use proptest::prelude::*;
 use signorini_core::cholesky::{Analysis, Factor, FactorError, Graph, Matrix, Reader};
 use std::ops::Range;
 
-/// Columns of the lower triangle in the order of elimination, and the signs of their pivots.
+/// Columns of the lower triangle in elimination order, and whether their pivots are negative.
 struct Saddle {
-    /// First columns of its blocks, the number of columns behind them.
+    /// First column of each block, and the number of columns at the end.
     blocks: Vec<usize>,
     columns: Vec<Vec<(usize, f64)>>,
     negative: Vec<bool>,
@@ -28,12 +29,12 @@ impl Matrix for Saddle {
     }
 }
 
-/// Where a constraint is eliminated.
+/// Position of a constraint in the elimination order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
-    /// Anywhere.
+    /// At a random position.
     Any,
-    /// Behind the last column that it couples.
+    /// After the last column that it couples.
     Behind,
 }
 
@@ -41,10 +42,10 @@ enum Place {
 struct Shape {
     size: (usize, usize),
     constraints: usize,
-    /// Entries of C are about this large, those of K and G about one.
+    /// Magnitude of the entries of C; those of K and G are about 1.
     compliance: f64,
     place: Place,
-    /// Nodes in the order of nested dissection, not at random.
+    /// Whether nodes are in nested dissection order; if not, in random order.
     dissected: bool,
     seed: u64,
 }
@@ -62,7 +63,7 @@ impl Random {
     }
 }
 
-/// Nodes of a part of the grid, those that cut it in two behind the others.
+/// Appends the nodes of a part of the grid in nested dissection order: both halves, then the nodes that separate them.
 fn dissect(x: Range<usize>, y: Range<usize>, wide: usize, order: &mut Vec<usize>) {
     if x.len() < 2 && y.len() < 2 || x.is_empty() || y.is_empty() {
         order.extend(x.flat_map(|x| y.clone().map(move |y| y * wide + x)));
@@ -80,7 +81,8 @@ fn dissect(x: Range<usize>, y: Range<usize>, wide: usize, order: &mut Vec<usize>
 }
 
 impl Saddle {
-    /// Of (row, column, value), each pair once, with the columns at the given places.
+    /// Makes the matrix from (row, column, value) of the lower triangle, each pair once. `place` is the elimination
+    /// index of each column.
     fn new(entries: &[(usize, usize, f64)], place: &[usize], is_negative: impl Fn(usize) -> bool) -> Self {
         let size = place.len();
         let (mut columns, mut negative) = (vec![Vec::new(); size], vec![false; size]);
@@ -92,7 +94,7 @@ impl Saddle {
         Self { blocks: (0..=size).collect(), columns, negative }
     }
 
-    /// A grid whose nodes are coupled with their neighbours, and constraints of some nodes that are near to each other.
+    /// K couples the nodes of a grid with their neighbours; each constraint couples a few nodes near each other.
     fn on_grid(shape: Shape) -> Self {
         let Shape { size: (wide, high), constraints, compliance, place, dissected, seed } = shape;
         let mut random = Random(seed);
@@ -133,7 +135,7 @@ impl Saddle {
                 entries.push((row, row - 1, compliance * (random.next() - 0.5)));
             }
         }
-        // Of the same rank nodes come first.
+        // Nodes precede constraints of the same rank.
         let mut order: Vec<usize> = (0..rank.len()).collect();
         order.sort_by(|&a, &b| rank[a].total_cmp(&rank[b]));
         let mut place = vec![0; order.len()];
@@ -141,7 +143,7 @@ impl Saddle {
         Self::new(&entries, &place, |k| k >= nodes)
     }
 
-    /// All entries are there, and its columns are one supernode.
+    /// A dense matrix, whose columns are one supernode.
     fn full(size: usize, is_negative: impl Fn(usize) -> bool) -> Self {
         let mut random = Random(size as u64);
         let mut entries = Vec::new();
@@ -180,7 +182,7 @@ impl Saddle {
         (0..self.len()).map(|i| ((37 * (i + seed)) % 101) as f64 - 50.0).collect()
     }
 
-    /// Largest entry of A x − b beside ‖A‖ ‖x‖ + ‖b‖, by the norm of the largest entry.
+    /// Largest entry of A x − b relative to ‖A‖ ‖x‖ + ‖b‖; norms are the largest entries.
     fn residual(&self, x: &[f64], b: &[f64]) -> f64 {
         let (mut residual, mut sums) = (b.to_vec(), vec![0.0; b.len()]);
         for (j, column) in self.columns.iter().enumerate() {
@@ -201,7 +203,7 @@ fn largest(vector: &[f64]) -> f64 {
     vector.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// One right-hand side and several, solved at once and in two steps.
+/// Checks solutions for one and several right-hand sides, in one call and by forward and backward substitution.
 fn check_solves(matrix: &Saddle, factor: &Factor, accuracy: f64) {
     let size = matrix.len();
     let mut one = matrix.right(0);
@@ -223,7 +225,7 @@ fn shape() -> impl Strategy<Value = Shape> {
     let place = prop_oneof![Just(Place::Any), Just(Place::Behind)];
     (1_usize..20, 1_usize..20, 0.0..0.6, -10.0..2.0, place, any::<bool>(), any::<u64>()).prop_map(
         |(wide, high, part, exponent, place, dissected, seed)| {
-            // Of those anywhere numbers grow by what C is less than K.
+            // If constraints are at random positions, entries grow with the ratio of K to C.
             let exponent = if place == Place::Any { f64::max(exponent, -5.0) } else { exponent };
             let constraints = (part * (wide * high) as f64) as usize;
             Shape { size: (wide, high), constraints, compliance: 10_f64.powf(exponent), place, dissected, seed }
@@ -316,10 +318,10 @@ fn a_sign_that_is_wrong_is_refused_with_its_column() {
     }
 }
 
-/// A diagonal entry of −C that leaves a billionth of its pivot.
+/// The pivot of a column of −C is 1e-9 of the diagonal entry.
 #[test]
 fn the_weakest_pivot_may_be_negative() {
-    // Of [[−2, 1], [1, c]] the second pivot is c + 1/2.
+    // [[−2, 1], [1, c]] has the second pivot c + 1/2.
     let c = -0.5 * (1.0 + 1e-9);
     let matrix = Saddle {
         blocks: vec![0, 1, 2],

@@ -1,4 +1,4 @@
-//! What the fuzzers do with their bytes; core/tests/fuzz_corpus.rs does the same with the corpus.
+//! Fuzz targets, which make problems from bytes; core/tests/fuzz_corpus.rs runs them on the corpus.
 use signorini_core::contact::{
     ContactProblem, ContactSolution, Form, Graph, Load, Method, Points, Settings, Supported,
 };
@@ -8,7 +8,7 @@ use signorini_core::plate::Plate;
 use signorini_core::rows::{Rows, Springs};
 use std::sync::Arc;
 
-/// Bytes read off one after the other; zeros where they end.
+/// A reader of bytes; after the end it returns zeros.
 struct Bytes<'a>(std::slice::Iter<'a, u8>);
 
 impl Bytes<'_> {
@@ -20,7 +20,7 @@ impl Bytes<'_> {
         usize::from(self.byte()) % limit
     }
 
-    /// Mostly a small number, now and then one that tries the arithmetic.
+    /// Usually a small number, sometimes one that is extreme or not finite.
     fn number(&mut self) -> f64 {
         match self.byte() {
             byte @ 0..=239 => f64::from(byte) / 16.0 - 7.0,
@@ -43,8 +43,8 @@ impl Bytes<'_> {
     }
 }
 
-/// A linear complementarity problem of up to seven pairs, with lengths that may not fit, solved from both starts and
-/// followed along a direction of its q.
+/// Makes a linear complementarity problem of up to seven pairs, some with arrays of wrong lengths. It is solved by a
+/// cold and a warm start; then a parametric path along a direction of q is followed.
 pub fn linear_complementarity(data: &[u8]) {
     let mut bytes = Bytes(data.iter());
     let order = bytes.below(8);
@@ -70,7 +70,8 @@ pub fn linear_complementarity(data: &[u8]) {
     }
 }
 
-/// Two elements on up to four points, distorted, held and loaded as the bytes say, by both methods.
+/// Makes two elements on up to four points; the bytes determine distortion, fixed dofs, laws and load. It is solved by
+/// all three methods.
 pub fn contact(data: &[u8]) {
     let mut bytes = Bytes(data.iter());
     let mut points: Vec<[f64; 2]> = [(0, 0), (2, 0), (4, 0), (0, 2), (2, 2), (4, 2), (1, 0)]
@@ -104,7 +105,7 @@ pub fn contact(data: &[u8]) {
         let element = bytes.below(2);
         rows.element.push(element);
         rows.coefficient.push(plate.interpolation_row(element, xi, eta, 0).0);
-        // Travels and forces, falling or not, and the slopes at the ends.
+        // Vertices (travel, force), which may decrease, and slopes at the ends.
         let vertices = (0..bytes.below(4)).map(|_| [bytes.number(), bytes.number()]).collect();
         let ends = [bytes.number(), if bytes.byte() & 1 == 0 { f64::INFINITY } else { bytes.number() }];
         let Ok(graph) = Graph::new(vertices, ends) else { return };
@@ -140,7 +141,7 @@ pub fn contact(data: &[u8]) {
     }
 }
 
-/// What claims to solve meets equilibrium and every point's law, as far as its numbers are those of a plate.
+/// Asserts that a solution satisfies equilibrium and the points' laws, if no load, shift or weight exceeds 1e6.
 fn meets_the_conditions(problem: &ContactProblem, load: &[f64], answer: &ContactSolution) {
     let size = load.iter().chain(&problem.points.shift).chain(&problem.points.weight);
     if size.clone().any(|value| value.abs() > 1e6) {

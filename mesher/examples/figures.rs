@@ -1,6 +1,6 @@
-//! How well typical plates are meshed, and how long it takes: `cargo run --release --example figures [DIRECTORY]`.
+//! Quality of the meshes of typical plates, and the time taken: `cargo run --release --example figures [DIRECTORY]`.
 //!
-//! Into a directory it also writes the meshes, as SVG.
+//! If a directory is given, the meshes are written to it as SVG.
 
 use signorini_mesher::{Line, Loop, Mesh, MeshOptions, Point, Refinement, mesh};
 use std::f64::consts::TAU;
@@ -40,7 +40,7 @@ fn line(from: Point, to: Point) -> Line {
     Line { ends: [from, to], ..Line::default() }
 }
 
-/// A floor of 10 × 8 with two shafts and twenty columns, the sides of which are lines to follow.
+/// A floor of 10 × 8 with two shafts and twenty columns, whose sides are lines to follow.
 fn floor() -> (Vec<Loop>, Vec<Line>) {
     let loops = vec![
         polygon("", vec![[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [7.0, 5.0], [7.0, 8.0], [0.0, 8.0]]),

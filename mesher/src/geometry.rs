@@ -1,4 +1,4 @@
-//! Points, straight lines and arcs of the plane.
+//! Points, straight lines and arcs in the plane.
 
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
@@ -33,24 +33,24 @@ pub fn distance(a: Point, b: Point) -> f64 {
     norm(sub(a, b))
 }
 
-/// The point at share t of the way from a to b.
+/// The point a + t (b − a).
 pub fn between(a: Point, b: Point, t: f64) -> Point {
     [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
 }
 
-/// Twice the area of a triangle, positive counter-clockwise.
+/// Twice the area of a triangle; positive if a, b, c are counter-clockwise.
 pub fn turn(a: Point, b: Point, c: Point) -> f64 {
     cross(sub(b, a), sub(c, a))
 }
 
-/// The share of the way from a to b of the point of that segment nearest to p.
+/// t in [0, 1] for which a + t (b − a) is nearest to p.
 pub fn nearest_share(p: Point, a: Point, b: Point) -> f64 {
     let along = sub(b, a);
     let square = dot(along, along);
     if square > 0.0 { (dot(sub(p, a), along) / square).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// The points of two segments nearest to each other.
+/// The pair of nearest points, one on the segment ab, the other on cd.
 pub fn nearest_points(a: Point, b: Point, c: Point, d: Point) -> (Point, Point) {
     if cross_each_other(a, b, c, d) {
         let along = sub(b, a);
@@ -73,14 +73,14 @@ fn cross_each_other(a: Point, b: Point, c: Point, d: Point) -> bool {
     turn(a, b, c) * turn(a, b, d) < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0
 }
 
-/// Centre of the circle through three points; not finite where they are on a line.
+/// Centre of the circle through three points; not finite if they are collinear.
 pub fn circumcentre(a: Point, b: Point, c: Point) -> Point {
     let (u, v) = (sub(b, a), sub(c, a));
     let (uu, vv, area) = (dot(u, u), dot(v, v), 2.0 * cross(u, v));
     add(a, [(v[1] * uu - u[1] * vv) / area, (u[0] * vv - v[0] * uu) / area])
 }
 
-/// The lexicographic order of coordinates.
+/// Lexicographic order of two points, or of two lists of coordinates.
 pub fn order(one: &[f64], other: &[f64]) -> Ordering {
     let unequal = one.iter().zip(other).map(|(a, b)| a.total_cmp(b)).find(|result| result.is_ne());
     unequal.unwrap_or(Ordering::Equal)
@@ -99,7 +99,7 @@ struct Round {
     centre: Point,
     radius: f64,
     start: f64,
-    /// Angle turned through, positive counter-clockwise.
+    /// Signed angle of the arc, positive counter-clockwise.
     sweep: f64,
 }
 
@@ -108,9 +108,9 @@ impl Curve {
         Curve { from, to, round: None }
     }
 
-    /// The arc through three points; `None` where they are on a line, or two of them are one.
+    /// The arc through three points; `None` if they are collinear or two of them coincide.
     pub fn arc(from: Point, through: Point, to: Point) -> Option<Curve> {
-        // A rise of less than this share of the chord is that of a point meant to lie on the line.
+        // A rise smaller than this, relative to the chord, is taken as a straight line.
         const FLAT: f64 = 1e-7;
         let bend = turn(from, through, to);
         let (a, b, c) = (distance(from, through), distance(through, to), distance(from, to));
@@ -129,7 +129,7 @@ impl Curve {
         self.round.is_none()
     }
 
-    /// Radius, infinite of a straight line.
+    /// Radius; infinite for a straight line.
     pub fn radius(&self) -> f64 {
         self.round.map_or(f64::INFINITY, |round| round.radius)
     }
@@ -138,7 +138,7 @@ impl Curve {
         self.round.map_or_else(|| distance(self.from, self.to), |round| round.radius * round.sweep.abs())
     }
 
-    /// The point at share t of the length.
+    /// The point at the fraction t of the length.
     pub fn at(&self, t: f64) -> Point {
         if t == 0.0 {
             return self.from;
@@ -155,7 +155,7 @@ impl Curve {
         }
     }
 
-    /// Unit vector along the curve at share t.
+    /// Unit tangent at the fraction t of the length.
     pub fn direction(&self, t: f64) -> Point {
         match self.round {
             None => scale(sub(self.to, self.from), 1.0 / distance(self.from, self.to)),
@@ -171,13 +171,13 @@ impl Curve {
         Curve { from: self.to, to: self.from, round }
     }
 
-    /// The same curve by other points: each is handed through `map`, which turns and shifts the plane by `turned`.
+    /// The curve under a map of the plane: a rotation by the angle `turned`, and a translation.
     pub fn mapped(&self, map: impl Fn(Point) -> Point, turned: f64) -> Curve {
         let round = self.round.map(|round| Round { centre: map(round.centre), start: round.start + turned, ..round });
         Curve { from: map(self.from), to: map(self.to), round }
     }
 
-    /// The share of the length at which the curve comes nearest to p.
+    /// Fraction of the length at which the curve is nearest to p.
     pub fn nearest(&self, p: Point) -> f64 {
         let Some(round) = self.round else {
             return nearest_share(p, self.from, self.to);
@@ -193,8 +193,7 @@ impl Curve {
         }
     }
 
-    /// The shares of its length at which a segment from a to b meets this curve, in the order of the curve; none of a
-    /// line parallel to it.
+    /// Fractions of this curve's length at which it meets the segment from a to b, ascending; empty for parallel lines.
     pub fn meets(&self, a: Point, b: Point) -> Vec<f64> {
         let along = sub(b, a);
         let Some(round) = self.round else {
@@ -227,7 +226,7 @@ impl Curve {
         result
     }
 
-    /// The shares of its length at which this curve meets another, with the points; none of lines parallel to it.
+    /// Fractions of this curve's length at which it meets another curve, and the points; empty for parallel lines.
     pub fn crossings(&self, other: &Curve) -> Vec<(f64, Point)> {
         let points: Vec<Point> = match (self.round, other.round) {
             (None, _) => other.meets(self.from, self.to).into_iter().map(|t| other.at(t)).collect(),
@@ -237,7 +236,7 @@ impl Curve {
                 let apart = norm(axis);
                 let foot = 0.5 * (apart + (one.radius - two.radius) * (one.radius + two.radius) / apart);
                 let square = one.radius * one.radius - foot * foot;
-                // For concentric circles the foot is not finite; for separate or nested ones the square is negative.
+                // For concentric circles `foot` is not finite; for separate or nested circles `square` is negative.
                 if !(square > 0.0 && foot.is_finite()) {
                     return Vec::new();
                 }
@@ -252,7 +251,7 @@ impl Curve {
         those.map(|p| (self.nearest(p), p)).collect()
     }
 
-    /// The part between two shares of the length, with end points given exactly.
+    /// The part between two fractions of the length; `from` and `to` are its exact end points.
     pub fn part(&self, [begin, end]: [f64; 2], from: Point, to: Point) -> Curve {
         let round = self.round.map(|round| {
             let start = round.start + begin * round.sweep;
@@ -261,10 +260,12 @@ impl Curve {
         Curve { from, to, round }
     }
 
-    /// Where this curve and one that goes on from its end meet again, other than by running into each other's ends.
+    /// A second common point of this curve and `next`, which begins at its end. A point at which both curves close on
+    /// each other's far ends does not count.
     pub fn meets_next(&self, next: &Curve) -> Option<Point> {
         let corner = self.to;
-        // Two circles, or a circle and a line, meet in two points, each the other's mirror image.
+        // The second point is the mirror image of the first in the line through both centres, or in the perpendicular
+        // from the centre onto the line.
         let again = match (self.round, next.round) {
             (None, None) => return None,
             (Some(one), Some(other)) => {
@@ -285,17 +286,17 @@ impl Curve {
         (elsewhere && !at_far_ends && on(self) && on(next)).then_some(again)
     }
 
-    /// Points along the curve, its ends included, such that the chords between them are `rise` from it at most.
+    /// Points along the curve, including its ends, such that the chords between them are at most `rise` from the curve.
     pub fn flattened(&self, rise: f64) -> Vec<Point> {
         let count = match self.round {
             None => 1.0,
-            // At least twelve pieces a turn, so that a small circle is no triangle.
+            // At least twelve chords for a full turn, so that a small circle does not become a triangle.
             Some(round) => (round.sweep.abs() / (8.0 * rise / round.radius).sqrt().min(TAU / 12.0)).ceil(),
         };
         (0..=count as usize).map(|i| self.at(i as f64 / count)).collect()
     }
 
-    /// Twice the area between the curve and a point.
+    /// Twice the area between the curve and the point `about`.
     pub fn moment(&self, about: Point) -> f64 {
         let chord = cross(sub(self.from, about), sub(self.to, about));
         chord + self.round.map_or(0.0, |round| round.radius * round.radius * (round.sweep - round.sweep.sin()))

@@ -1,10 +1,12 @@
-//! Meshes of 8-node quadrilaterals, with 6-node triangles where none fit, of plates with any outline.
+//! Meshes of 8-node quadrilaterals for plates with any outline. Where quadrilaterals do not fit, there are 6-node
+//! triangles.
 //!
-//! The outline is checked (`outline`), brought into a form that depends on no unit, place or order (`normal`), and turned
-//! into the direction that most of it has; lines to follow are cut where they meet it (`planar`). Nodes are placed along them and on a lattice that is finer where elements must be smaller
-//! (`sizes`, `seeding`), joined to Delaunay triangles (`triangles`), these to quadrilaterals (`pairing`), those left over
-//! too, as far as they can be led together (`tunnels`), and nodes are moved to better places (`smoothing`). The same
-//! input gives the same bits.
+//! The outline is checked (`outline`), transformed to a form that does not depend on unit, position and order
+//! (`normal`), and rotated to the direction of most of its length. Lines that element sides follow are cut where they
+//! meet the outline (`planar`). Nodes are placed along them and on a lattice, which is finer where elements must be
+//! smaller (`sizes`, `seeding`). They are joined to Delaunay triangles (`triangles`), and these to quadrilaterals
+//! (`pairing`). Remaining triangles are merged in pairs where possible (`tunnels`), and nodes are moved to improve
+//! shapes (`smoothing`). The same input gives the same bits.
 
 #![forbid(unsafe_code)]
 
@@ -38,32 +40,33 @@ use smoothing::{Freedom, smooth};
 use triangles::{NONE, Triangles};
 use tunnels::Chords;
 
-/// A line or arc for sides of elements to follow.
+/// A line or arc that sides of elements follow.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Line {
     pub ends: [Point; 2],
-    /// A point that it is an arc through; `None`: it is straight.
+    /// A point on the arc between its ends; `None` for a straight line.
     pub through: Option<Point>,
-    /// Order in which lines are followed; the least first.
+    /// Lines are followed in the order of their ranks, the smallest first.
     pub rank: usize,
-    /// Whether the line may be followed in part: its parts inside the plate that keep half an element from the outline
-    /// and from followed lines. Otherwise it is followed as a whole, if it lies within the plate.
+    /// Whether only parts of the line may be followed: the parts inside the plate that are at least about half an
+    /// element from the outline and from followed lines. Otherwise the part inside the plate is followed as a whole or
+    /// not at all.
     pub in_part: bool,
 }
 
-/// How a plate is to be meshed.
+/// Options of [`mesh`].
 #[derive(Clone, Debug)]
 pub struct MeshOptions {
-    /// Largest side of an element, were they all squares.
+    /// Largest element size: the side length of square elements.
     pub size: f64,
     pub refinements: Vec<Refinement>,
     pub lines: Vec<Line>,
-    /// Points that become nodes where they keep their distance from others.
+    /// Points that become nodes if they are far enough from other nodes and lines.
     pub points: Vec<Point>,
-    /// Elements at most, about; 10⁷ if it is not said.
+    /// Largest number of elements, approximately; 10⁷ if `None`.
     pub most: Option<usize>,
-    /// The axes along which the plate is meshed, ±x and ±y in either order. Seen along them alike, mirrored and turned
-    /// plates have the same mesh, mirrored and turned.
+    /// Axes of the normal form: ±x and ±y, in either order. Two plates that are the same along their axes have the same
+    /// mesh, mirrored or turned like the plates.
     pub axes: [Point; 2],
 }
 
@@ -77,33 +80,35 @@ impl Default for MeshOptions {
 #[derive(Clone, Debug)]
 pub struct Mesh {
     pub points: Vec<Point>,
-    /// Corners counter-clockwise, then the nodes in the middle of the sides, the first between the first two corners.
-    /// A triangle repeats its third corner: [a, b, c, c, ab, bc, c, ca].
+    /// Corners counter-clockwise, then the midside nodes, beginning between the first two corners. A triangle repeats
+    /// its third corner: [a, b, c, c, ab, bc, c, ca].
     pub elements: Vec<[usize; 8]>,
-    /// Corner, middle and corner of each side on the outline, the plate on its left, in order around each loop.
+    /// Corner, midside node and corner of each element side on the outline, the plate on its left, in order around each
+    /// loop.
     pub sides: Vec<[usize; 3]>,
-    /// The loop of each of them, and the side in it.
+    /// Loop of each of `sides`, and number of the outline side in this loop.
     pub side_of: Vec<[usize; 2]>,
     /// The smallest angle at a corner of an element, in degrees.
     pub least_angle: f64,
-    /// Share of the area in quadrilaterals.
+    /// Area of quadrilaterals relative to the plate.
     pub quadrilaterals: f64,
 }
 
-/// Default of the largest number of elements.
+/// Default for the largest number of elements.
 const MOST: usize = 10_000_000;
-/// Times that a mesh with bad elements is made again with smaller ones about them.
+/// Number of attempts; each repeats the mesh with smaller elements near bad ones.
 const ATTEMPTS: usize = 8;
 
-/// Meshes a plate by the loops around it, the outline first and then its holes.
+/// Meshes the plate inside the first loop and outside the others, which are its holes.
 ///
 /// # Errors
 ///
-/// If loops cross, touch or all but touch themselves or each other, or a hole is outside; with the side and the place.
+/// If loops cross, touch or nearly touch themselves or each other, or a hole is outside the outline. The error has the
+/// side and the position.
 ///
 /// # Panics
 ///
-/// If a loop has no sides, or lists of different lengths.
+/// If a loop has no sides, or its lists have different lengths.
 ///
 /// # Examples
 ///
@@ -134,7 +139,7 @@ pub fn mesh(loops: &[Loop], options: &MeshOptions) -> Result<Mesh, MeshError> {
         MeshError { message, side: None }
     };
     let sides = outline::sides(loops)?;
-    // Chords along arcs are much shorter than elements: too large a mesh is refused before chords are made.
+    // Chords along arcs are much shorter than elements, so a mesh that is too large is refused before chords are made.
     if outline::area(&sides) > most * size * size {
         return Err(too_many());
     }
@@ -177,29 +182,31 @@ pub fn mesh(loops: &[Loop], options: &MeshOptions) -> Result<Mesh, MeshError> {
     unreachable!("the last attempt returns")
 }
 
-/// Acceptance of the first mesh: area of quadrilaterals relative to the plate, smallest angle in degrees. A mesh of at least
-/// `MANY` elements is dominated by its interior lattice and made in one style only.
+/// A first mesh is accepted if quadrilaterals have at least this part of the area and the smallest angle (degrees) is
+/// at least this. Other styles are tried only for meshes of at most `MANY` elements; larger ones are dominated by their
+/// lattice.
 const ENOUGH: f64 = 0.99;
 const SHARP: f64 = 40.0;
 const MANY: usize = 20_000;
-/// So few elements keep their triangles: longer quadrilaterals in their place would cost more than they bring.
+/// Meshes with fewer elements keep their triangles: merging would replace them by longer quadrilaterals, which are less
+/// accurate.
 const FEW: usize = 28;
-/// Least quality, before smoothing, of elements made by merging triangles; and the same in meshes of many elements,
-/// which are not made again without merging where it leaves sharp angles.
+/// Smallest quality, before smoothing, of elements that result from merging triangles; the second value is for meshes
+/// of more than `MANY` elements, which are not made again without merging if an angle is too sharp.
 const LEAST_MERGED: f64 = 0.05;
 const CAUTIOUS: f64 = 0.3;
 
-/// The better of two meshes, of equal ones the first.
+/// The better of two meshes; the first if they are equal.
 fn better(one: Quadratic, other: Quadratic) -> Quadratic {
     let rank = |mesh: &Quadratic| {
         let (share, angle) = mesh.measures();
-        // Up to here a degree of the smallest angle counts as much as a fiftieth of the area.
+        // Below `SHARP`, one degree of the smallest angle counts as much as 2 % of the area in quadrilaterals.
         100.0 * share + 2.0 * angle.min(SHARP)
     };
     if rank(&other) > rank(&one) { other } else { one }
 }
 
-/// Nodes and elements before they are shaped.
+/// Nodes and elements before triangles are merged and nodes are moved.
 struct Draft {
     seeds: Seeds,
     pieces: Vec<Piece>,
@@ -209,21 +216,21 @@ struct Draft {
 struct Task<'a> {
     outline: &'a Outline,
     sizes: &'a Sizes,
-    /// And whether they are followed in part.
+    /// Lines, and whether each may be followed in part.
     lines: &'a [(Curve, bool)],
     points: &'a [Point],
-    /// The smallest angle that is good enough.
+    /// Smallest acceptable angle, in degrees.
     sharp: f64,
 }
 
 impl Task<'_> {
-    /// The first mesh that is good enough, or else the best, of those in several styles.
+    /// The first good mesh, or the best one of several styles.
     ///
     /// # Errors
     ///
-    /// The places where elements must be smaller.
+    /// The points at which elements must be smaller, if no mesh can be made.
     fn best(&self, slant: Option<f64>) -> Result<Quadratic, Vec<Point>> {
-        // A lattice at the slant fits such a plate without triangles, or is one style among others.
+        // A lattice with the angle `slant` may fit the plate without triangles; if not, it is one style among others.
         let mut slanted = slant.and_then(|angle| self.drafted(Style::Skew(angle)).ok());
         let whole = slanted.take_if(|draft| draft.elements.iter().all(|corners| corners[3] != NONE));
         let mut fitting = whole.and_then(|draft| self.made(draft).ok());
@@ -252,11 +259,11 @@ impl Task<'_> {
         share >= ENOUGH && angle >= self.sharp
     }
 
-    /// Triangles paired in a style.
+    /// Places nodes by `style`, triangulates, and pairs triangles into quadrilaterals.
     ///
     /// # Errors
     ///
-    /// The places where elements must be smaller.
+    /// The points at which elements must be smaller.
     fn drafted(&self, style: Style) -> Result<Draft, Vec<Point>> {
         let Task { outline, sizes, .. } = *self;
         let mut planar = Planar::new(outline, sizes);
@@ -270,11 +277,11 @@ impl Task<'_> {
         Ok(Draft { seeds, pieces, elements })
     }
 
-    /// Finishes a draft, with triangles merged where possible or with all of them, and smooths it.
+    /// Makes a mesh of a draft, with triangles merged where possible, or with all of them. Smooths it.
     ///
     /// # Errors
     ///
-    /// The places where elements must be smaller.
+    /// The points at which elements must be smaller.
     fn made(&self, draft: Draft) -> Result<Quadratic, Vec<Point>> {
         let Draft { mut seeds, pieces, elements: paired } = draft;
         let chords = Chords::new(&seeds.chords, &pieces);
@@ -299,11 +306,11 @@ impl Task<'_> {
         result
     }
 
-    /// Elements with their nodes moved to better places.
+    /// Smooths the nodes and makes quadratic elements.
     ///
     /// # Errors
     ///
-    /// The places where elements must be smaller.
+    /// The points at which elements must be smaller.
     fn shaped(&self, seeds: &mut Seeds, pieces: &[Piece], elements: &[Corners]) -> Result<Quadratic, Vec<Point>> {
         let mut freedom = vec![Freedom::None; seeds.fixed_points];
         freedom.resize(seeds.points.len(), Freedom::Plane);
@@ -313,7 +320,7 @@ impl Task<'_> {
                 let Some((piece, t)) = seeds.on[node] else {
                     continue;
                 };
-                // It stays in the middle half of the way to the nodes before and after it.
+                // A node stays within the middle half of the curve between the nodes before and after it.
                 let bound = 0.75 * t + 0.25 * chord.span[other];
                 let [low, high] = match freedom[node] {
                     Freedom::Along(_, _, [first, _]) => [first.min(bound), first.max(bound)],

@@ -1,5 +1,5 @@
-//! The normal form in which a plate is meshed, the same for everybody who looks at it: about the middle of its outline,
-//! of extent one, along the axes asked for, rounded, and in an order that its places alone decide.
+//! The normal form in which a plate is meshed: centred at its bounding box, of extent one, along the given axes,
+//! rounded, and ordered by coordinates only. It does not depend on unit, position and order of the input.
 
 use crate::geometry::{Curve, Point, dot, order};
 use crate::outline::{Loop, Side};
@@ -7,26 +7,26 @@ use crate::sizes::Refinement;
 use crate::tree::Box2;
 use crate::{Line, MeshOptions};
 
-/// Grid of coordinates, relative to the extent: far above the rounding of numbers in any unit, and below the distance
-/// of different places.
+/// Grid of coordinates, relative to the extent: much larger than rounding errors of any unit, smaller than the distance
+/// of distinct points.
 const GRID: f64 = 1.0 / (1u64 << 40) as f64;
-/// The same of places of refinements, and of sizes: those matter less, and distances that they come from have fewer digits.
+/// Grid of refinements. It is coarser, because their positions come from distances with fewer digits.
 const COARSE: f64 = 1.0 / (1u64 << 30) as f64;
 
 pub struct Normal {
     centre: Point,
     extent: f64,
     axes: [Point; 2],
-    /// Given values of each coordinate: rounded, and original.
+    /// Given values of each coordinate: (normal form, original).
     known: [Vec<(f64, f64)>; 2],
 }
 
-/// A side as it was given.
+/// A side in original coordinates.
 pub struct Given {
     pub curve: Curve,
-    /// Its place among those with the plate on their left.
+    /// Number of the side in the list of sides with the plate on their left.
     pub number: usize,
-    /// Its loop, and its number in it.
+    /// Loop, and number of the side in this loop.
     pub of: [usize; 2],
 }
 
@@ -53,7 +53,7 @@ impl Normal {
         [0, 1].map(|axis| ((p[axis] - self.centre[axis]) / self.extent / grid).round() * grid)
     }
 
-    /// Whether the normal form is mirrored.
+    /// Whether the axes are left-handed, so that the normal form is mirrored.
     pub fn is_mirrored(&self) -> bool {
         self.axes[0][0] * self.axes[1][1] < self.axes[0][1] * self.axes[1][0]
     }
@@ -63,18 +63,18 @@ impl Normal {
     }
 
     fn along(&self, p: Point) -> Point {
-        // Zero has one sign.
+        // Adding 0.0 turns −0.0 into 0.0.
         self.axes.map(|axis| dot(axis, p) + 0.0)
     }
 
     pub fn size(&self, size: f64) -> f64 {
-        // The upper 30 of 53 bits (Dekker 1971).
+        // Rounds to the upper 30 of 53 bits (Dekker 1971).
         let size = size / self.extent;
         let wide = f64::from((1 << 23) + 1) * size;
         wide - (wide - size)
     }
 
-    /// Where a point of the normal form is; coordinates that were given are given back.
+    /// Maps a point of the normal form to original coordinates; given coordinates are returned exactly.
     pub fn back(&self, p: Point) -> Point {
         [0, 1].map(|axis| {
             let (at, known) = (self.axes[0][axis] * p[0] + self.axes[1][axis] * p[1], &self.known[axis]);
@@ -94,7 +94,8 @@ impl Normal {
         through.and_then(|p| Curve::arc(from, self.point(p), to)).unwrap_or_else(|| Curve::straight(from, to))
     }
 
-    /// Sides with the plate on their left: of every loop from its lowest corner on, holes by that corner.
+    /// Sides in normal form, the plate on their left, and their original sides. Each loop begins at its smallest corner
+    /// in lexicographic order; holes are ordered by this corner.
     pub fn sides(&self, loops: &[Loop], sides: &[Side]) -> (Vec<Side>, Vec<Given>) {
         let mut rings: Vec<Vec<(Side, Given)>> = Vec::new();
         for (number, side) in sides.iter().enumerate() {
@@ -126,7 +127,8 @@ impl Normal {
         (own, given)
     }
 
-    /// Lines to follow, and whether in part, ordered by rank and then by place; degenerate arcs are left out.
+    /// Lines in normal form with `in_part`, and the original lines. They are ordered by rank, then by coordinates;
+    /// degenerate arcs are left out.
     pub fn lines(&self, lines: &[Line]) -> (Vec<(Curve, bool)>, Vec<Curve>) {
         let mut result: Vec<(usize, [f64; 6], bool, Curve)> = Vec::new();
         for &Line { mut ends, through, rank, in_part } in lines {

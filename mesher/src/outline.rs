@@ -1,25 +1,25 @@
-//! The outline of a plate and its holes, checked and brought into one sense.
+//! The outline of a plate and its holes: checked, with the plate on the left of each side.
 
 use crate::geometry::{Curve, Point, cross, distance, dot, nearest_points};
 use crate::tree::{Box2, Segment, Tree};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
-/// A closed line: its sides run from each corner to the next, the last one to the first.
+/// A closed line. Side i runs from corner i to corner i + 1, the last side to the first corner.
 #[derive(Clone, Debug, Default)]
 pub struct Loop {
     pub corners: Vec<Point>,
-    /// A point that the side from each corner is an arc through; `None`: a straight side.
+    /// For each side, a point on its arc; `None` for a straight side.
     pub through: Vec<Option<Point>>,
     /// Name of each side; several sides may share a name.
     pub names: Vec<String>,
 }
 
-/// Why there is no mesh, and of which side of which loop.
+/// Reason why there is no mesh, and the side that causes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshError {
     pub message: String,
-    /// The loop, the outline being the first, and its side.
+    /// Loop (0 is the outline), and side in this loop.
     pub side: Option<(usize, usize)>,
 }
 
@@ -33,29 +33,30 @@ impl std::error::Error for MeshError {}
 
 #[derive(Clone, Debug)]
 pub struct Side {
-    /// With the plate on its left.
+    /// The curve, with the plate on its left.
     pub curve: Curve,
     pub name: String,
     pub ring: usize,
-    /// Its number in the loop as it was given.
+    /// Number of the side in the given loop.
     pub number: usize,
-    /// The sides before and after it.
+    /// Indices of the sides before and after it.
     pub neighbours: [usize; 2],
 }
 
 pub struct Outline {
     pub sides: Vec<Side>,
-    /// Chords along all sides, each owned by its side.
+    /// Chords along all sides; `owner` is the index of the side.
     pub chords: Tree,
     pub bounds: Box2,
 }
 
-/// Sides nearer to each other than this share of the element size, or shorter, would need elements by the thousand.
+/// Smallest length and distance of sides, relative to the element size: smaller ones would require thousands of
+/// elements.
 const NARROW: f64 = 1e-3;
-/// Smallest angle of a corner, in radians (one degree): elements in a sharper one are useless.
+/// Smallest angle at a corner, in radians (one degree): elements in a sharper corner are useless.
 const SHARP: f64 = 0.017_452;
 
-/// The sides of loops, the outline first and then the holes, with the plate on their left.
+/// The sides of all loops, the plate on their left; the first loop is the outline, the others are holes.
 pub fn sides(loops: &[Loop]) -> Result<Vec<Side>, MeshError> {
     let mut sides: Vec<Side> = Vec::new();
     for (ring, given) in loops.iter().enumerate() {
@@ -77,14 +78,14 @@ pub fn sides(loops: &[Loop]) -> Result<Vec<Side>, MeshError> {
     Ok(sides)
 }
 
-/// The area on the left of sides, of which that of holes is negative.
+/// The area on the left of the sides; holes count negative.
 pub fn area(sides: &[Side]) -> f64 {
     let about = sides[0].curve.from;
     0.5 * sides.iter().map(|side| side.curve.moment(about)).sum::<f64>()
 }
 
 impl Outline {
-    /// The outline of sides, for a mesh of elements of a size.
+    /// Makes the outline of the given sides; `size` is the element size.
     pub fn new(sides: Vec<Side>, size: f64) -> Outline {
         let mut chords = Vec::new();
         for (owner, side) in sides.iter().enumerate() {
@@ -95,8 +96,7 @@ impl Outline {
         Outline { sides, chords: Tree::new(chords), bounds }
     }
 
-    /// Refuses invalid outlines of a plate with elements of a size; sides of the outline come first, then those of
-    /// holes.
+    /// Checks that the outline is valid for elements of the given size.
     pub fn require(&self, size: f64) -> Result<(), MeshError> {
         self.require_corners(NARROW * size)?;
         self.require_simple(NARROW * size)?;
@@ -111,7 +111,7 @@ impl Outline {
         self.sides[one].neighbours.contains(&other)
     }
 
-    /// The smallest angle at a corner, in degrees.
+    /// The smallest interior angle at a corner, in degrees.
     pub fn sharpest(&self) -> f64 {
         let inside = |side: &Side| {
             let (inward, onward) = (side.curve.direction(1.0), self.sides[side.neighbours[1]].curve.direction(0.0));
@@ -155,7 +155,7 @@ impl Outline {
         Ok(())
     }
 
-    /// Refuses sides that cross, touch or all but touch.
+    /// Refuses sides that cross, touch or nearly touch.
     fn require_simple(&self, narrow: f64) -> Result<(), MeshError> {
         let touching = 1e-9 * self.bounds.extent();
         let mut worst: Option<(f64, usize, usize, Point)> = None;
@@ -211,7 +211,7 @@ impl Outline {
         Err(MeshError { message, side: Some(key(one).max(key(other))) })
     }
 
-    /// Refuses holes outside the outline, or in other holes; sides no longer meet.
+    /// Refuses holes outside the outline or inside other holes; it is already checked that sides do not meet.
     fn require_nested(&self, rings: usize) -> Result<(), MeshError> {
         for (index, side) in self.sides.iter().enumerate() {
             if side.ring == 0 || self.sides[..index].iter().any(|before| before.ring == side.ring) {
@@ -268,7 +268,7 @@ fn curve(given: &Loop, number: usize) -> Result<Curve, String> {
     }
 }
 
-/// A number with six digits at most.
+/// A number with at most six digits.
 pub fn number(value: f64) -> String {
     let short: f64 = format!("{value:.5e}").parse().expect("a number that was written can be read");
     if short != 0.0 && !(1e-5..1e15).contains(&short.abs()) { format!("{short:e}") } else { short.to_string() }
@@ -278,13 +278,13 @@ pub fn place(p: Point) -> String {
     format!("[{}, {}]", number(p[0]), number(p[1]))
 }
 
-/// The direction, in [0, π/2), along or across which the largest straight length of the outline runs; and the angle
-/// from it to the second one, if any.
+/// The angle in [0, π/2) for which the straight sides along or across it have the largest total length. The second
+/// value is the angle from it to a second direction that is neither close to 0° nor to 90°, if there is one.
 pub fn directions(sides: &[Side]) -> (f64, Option<f64>) {
     use std::f64::consts::{FRAC_PI_2, PI};
-    // Tolerance for equal directions of sides, in radians: the rounding of their corners.
+    // Tolerance in radians for equal directions of sides: the rounding of their corners.
     const SAME: f64 = 1e-6;
-    // Cosines of the flattest angle between lines of a lattice (40°), and of one that is as good as 90°.
+    // Cosines: of 40°, the smallest angle between lattice directions, and of an angle that counts as 90°.
     const FLATTEST: f64 = 0.766;
     const SQUARE: f64 = 0.01;
     let longest = |period: f64, wanted: &dyn Fn(f64) -> bool| {
@@ -308,14 +308,14 @@ pub fn directions(sides: &[Side]) -> (f64, Option<f64>) {
         best.map(|(angle, _)| angle)
     };
     let first = longest(FRAC_PI_2, &|_| true).unwrap_or(0.0);
-    // Rounding must not turn plates along the axes.
+    // Rounding must not rotate plates whose sides are along the axes.
     let first = if (1e-12..FRAC_PI_2 - 1e-12).contains(&first) { first } else { 0.0 };
     let slant = |angle: f64| (angle - first).cos().abs();
     let second = longest(PI, &|angle| slant(angle) > SQUARE && slant(angle) < FLATTEST);
     (first, second.map(|angle| (angle - first).rem_euclid(PI)))
 }
 
-/// Turns a point about the origin.
+/// Rotates a point about the origin.
 pub fn turned(p: Point, [cos, sin]: [f64; 2]) -> Point {
     let [x, y] = p;
     [cos * x - sin * y, sin * x + cos * y]

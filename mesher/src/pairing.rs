@@ -1,24 +1,25 @@
-//! Triangles paired to quadrilaterals.
+//! Pairing of triangles into quadrilaterals.
 
 use crate::geometry::Point;
 use crate::quality::{Corners, quality};
 use crate::triangles::{NONE, Triangles};
 
-/// Two triangles are paired only if the sine of every corner is at least this (25°, and 155°).
+/// Smallest quality of a pair: the sine at every corner is at least this (25° to 155°).
 const LEAST: f64 = 0.42;
-/// How much worse pairs that take out a side of the lattice are held to be than they are: only pairs across its diagonals
-/// are its cells, but of a lattice with 40° (0.64) those across sides are better shaped (0.94).
+/// Reduction of the quality of pairs that remove a side along a lattice line. The cells of the lattice are the pairs
+/// across diagonals. In a lattice with an angle of 40°, their quality is 0.64, but pairs across lattice lines have
+/// 0.94.
 const KEPT: f64 = 0.35;
-/// Pairs that are exchanged at most to pair two more triangles.
+/// Largest number of pairs exchanged in order to pair two more triangles.
 const DEPTH: usize = 10;
 
-/// Pairs triangles, the best shaped pairs first, then by augmenting paths.
+/// Pairs triangles: the best-shaped pairs first, then by augmenting paths.
 ///
-/// Sides that are `kept`, between two given points, are taken out last.
+/// Pairs across sides for which `kept(a, b)` is true have a lower priority.
 pub fn pair(triangles: &Triangles, points: &[Point], kept: impl Fn(Point, Point) -> bool) -> Vec<Corners> {
     let count = triangles.corners.len();
     let mut sides = Vec::new();
-    // Possible partners of each triangle.
+    // Possible partner of each triangle across each of its sides.
     let mut partners = vec![[NONE; 3]; count];
     for t in 0..count {
         for i in 0..3 {
@@ -36,7 +37,7 @@ pub fn pair(triangles: &Triangles, points: &[Point], kept: impl Fn(Point, Point)
             }
         }
     }
-    // Rounding must not order pairs that are alike, so that regular lattices pair regularly.
+    // Rounding must not decide the order of equal pairs, so that regular lattices are paired regularly.
     let rank = |shape: f64| (shape * 1e6).round();
     sides.sort_by(|a, b| rank(b.0).total_cmp(&rank(a.0)).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
     let mut mate = vec![NONE; count];
@@ -66,7 +67,7 @@ pub fn pair(triangles: &Triangles, points: &[Point], kept: impl Fn(Point, Point)
     elements
 }
 
-/// The quadrilateral of a triangle and the one across its side i.
+/// The quadrilateral made of triangle t and the triangle across its side i.
 fn joined(triangles: &Triangles, t: usize, i: usize) -> Corners {
     let own = triangles.corners[t];
     let n = triangles.across[t][i];
@@ -75,7 +76,7 @@ fn joined(triangles: &Triangles, t: usize, i: usize) -> Corners {
     [own[i], a, apex, b]
 }
 
-/// Finds a partner for triangle t, exchanging at most `depth` pairs on the way.
+/// Finds a partner for triangle t, exchanging at most `depth` other pairs; returns whether there is one.
 fn augment(t: usize, depth: usize, partners: &[[usize; 3]], mate: &mut [usize], on_path: &mut [bool]) -> bool {
     on_path[t] = true;
     let mut result = false;

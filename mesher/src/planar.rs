@@ -1,20 +1,20 @@
-//! Sides of the outline and lines to follow, cut where they meet: vertices and the pieces between them.
+//! Sides of the outline and followed lines, cut where they meet: vertices, and the pieces between them.
 
 use crate::geometry::{Curve, Point, cross, distance, dot, order, scale};
 use crate::outline::Outline;
 use crate::sizes::Sizes;
 
-/// A part of a curve between two vertices.
+/// The part of a curve between two vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
     pub curve: Curve,
-    /// Where on the curve it begins and ends.
+    /// Fractions of the curve's length at which the piece begins and ends.
     pub span: [f64; 2],
     pub ends: [usize; 2],
     pub of: Source,
 }
 
-/// Source of a piece: a side of the outline, or a line within the plate, with its number.
+/// Source of a piece, with its number: a side of the outline, or a line within the plate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Source {
     Side(usize),
@@ -30,7 +30,7 @@ impl Source {
 struct Track {
     curve: Curve,
     of: Source,
-    /// Shares of the curve's length, and the vertices there.
+    /// Fractions of the curve's length, and the vertices there.
     cuts: Vec<(f64, usize)>,
 }
 
@@ -39,19 +39,19 @@ pub struct Planar<'a> {
     sizes: &'a Sizes,
     vertices: Vec<Point>,
     tracks: Vec<Track>,
-    /// Points nearer to each other than this are one.
+    /// Points are equal if they are nearer to each other than this.
     same: f64,
 }
 
-/// Smallest distance of followed lines from existing ones, as a share of the element size.
+/// Smallest distance of a followed line from others, relative to the element size.
 pub const NEAR: f64 = 0.55;
-/// Sine of the least angle at which a line is followed up to another (25°).
+/// Sine of the smallest angle between a followed line and the curve at which it ends (25°).
 const SLANT: f64 = 0.42;
 
-/// Places looked at on a line within the distance that is too near.
+/// Number of sample points on a line per smallest distance.
 const STATIONS: f64 = 4.0;
 
-/// Where a stretch of a new line begins or ends.
+/// Begin or end of a part of a new line; `share` is the fraction of its length.
 #[derive(Clone, Copy)]
 struct Stop {
     share: f64,
@@ -71,8 +71,8 @@ impl<'a> Planar<'a> {
         Planar { outline, sizes, vertices, tracks, same }
     }
 
-    /// Follows a line where it is in the plate, if nowhere there it comes too near to something, or those parts of it
-    /// that do not.
+    /// Follows a line inside the plate: wholly, if it is far enough from all other lines and vertices; if `in_part`,
+    /// the parts for which this is true.
     pub fn follow_curve(&mut self, number: usize, line: &Curve, in_part: bool) {
         let length = line.length();
         if !(length > self.same) {
@@ -96,7 +96,7 @@ impl<'a> Planar<'a> {
         }
     }
 
-    /// Makes a point of the plate a vertex if it keeps its distance from others.
+    /// Makes a point of the plate a vertex if it is far enough from other vertices and lines.
     pub fn follow_point(&mut self, p: Point) {
         let on = self.track_at(p);
         if !(on.is_some() || self.outline.contains(p)) || self.vertex_at(p).is_some() || !self.has_room(p) {
@@ -109,9 +109,9 @@ impl<'a> Planar<'a> {
         }
     }
 
-    /// The vertices, and the pieces between them; a vertex without a piece is a point to follow.
+    /// The vertices, and the pieces between them; a vertex without a piece comes from `follow_point`.
     pub fn finish(mut self) -> (Vec<Point>, Vec<Piece>) {
-        // Numbers depend on places only, independent of the order of following.
+        // Numbers depend on coordinates only and not on the order in which lines were followed.
         let sides = self.outline.sides.len();
         let mut result: Vec<usize> = (0..self.vertices.len()).collect();
         result[sides..].sort_by(|&one, &other| order(&self.vertices[one], &self.vertices[other]));
@@ -150,7 +150,7 @@ impl<'a> Planar<'a> {
             let met = line.crossings(&track.curve);
             stops.extend(met.into_iter().map(|(share, at)| Stop { share, at, vertex: self.vertex_at(at) }));
         }
-        // Vertices first, so that of stops at one place the one with a vertex remains.
+        // Merges stops at equal points; the merged stop keeps a vertex if there is one.
         stops.sort_by(|s, t| s.share.total_cmp(&t.share));
         let mut merged: Vec<Stop> = Vec::new();
         for stop in stops {
@@ -179,7 +179,8 @@ impl<'a> Planar<'a> {
         }
     }
 
-    /// The parts of a stretch of a line that may be followed: all of it, or those that keep their distance.
+    /// The parts of a line that may be followed: all of it, or the parts that are far enough from other lines and
+    /// vertices.
     fn with_room(&self, ends: &[Stop; 2], stretch: &Curve) -> Vec<([Stop; 2], Curve)> {
         if self.may_follow(ends, stretch) {
             return vec![(*ends, *stretch)];
@@ -197,7 +198,7 @@ impl<'a> Planar<'a> {
                 && parts.last().is_none_or(|(ends, _): &([Stop; 2], Curve)| distance(ends[1].at, at(i)) >= near(at(i)))
         }) {
             let last = (first..=count).take_while(|&i| clear[i]).last().unwrap_or(first);
-            // Extends to the ends of the stretch if only these were too near.
+            // Extends the part to the end of the line if only that end is too near.
             let from =
                 if parts.is_empty() { vec![Stop { share: 0.0, ..ends[0] }, stop(first)] } else { vec![stop(first)] };
             let to = if clear[last..].iter().skip(1).any(|&c| c) {
@@ -213,7 +214,7 @@ impl<'a> Planar<'a> {
         parts
     }
 
-    /// The vertex at a point, made if need be, on the track that passes there.
+    /// The vertex at a point. It is added if it does not exist, also to the track through the point.
     fn vertex(&mut self, at: Point) -> usize {
         if let Some(vertex) = self.vertex_at(at) {
             return vertex;
@@ -237,7 +238,7 @@ impl<'a> Planar<'a> {
                 return false;
             }
         }
-        // Straight lines come nearest to each other at an end; arcs may do so anywhere.
+        // Straight lines are nearest to each other at an end; arcs may be so anywhere.
         let stations = if part.is_straight() { 0 } else { (4.0 * part.length() / near(part.at(0.5))).ceil() as usize };
         let apart = self.vertices.iter().all(|&v| {
             let off = distance(v, part.at(part.nearest(v)));
@@ -255,7 +256,7 @@ impl<'a> Planar<'a> {
                         }
                         let direction = track.curve.direction(t);
                         let steep = cross(direction, onward).abs() >= SLANT;
-                        // At the end of a track the new line may go on where the track came from nowhere.
+                        // At the end of a track the new line may continue it.
                         let length = track.curve.length();
                         steep
                             || (t * length <= 2.0 * self.same && dot(direction, onward) < 0.0)
@@ -265,13 +266,13 @@ impl<'a> Planar<'a> {
             )
     }
 
-    /// Whether a new vertex would be far enough from other vertices, and from tracks but the one it is on.
+    /// Whether a new vertex is far enough from other vertices, and from tracks that do not pass through it.
     fn has_room(&self, at: Point) -> bool {
         let near = NEAR * self.sizes.at(at);
         self.vertices.iter().all(|&v| distance(v, at) >= near) && self.is_clear(at, near)
     }
 
-    /// Whether a point keeps its distance from all tracks except its own.
+    /// Whether a point is at least `near` from all tracks that do not pass through it.
     fn is_clear(&self, at: Point, near: f64) -> bool {
         self.tracks.iter().all(|track| {
             let off = distance(track.curve.at(track.curve.nearest(at)), at);

@@ -1,4 +1,4 @@
-//! Nodes in the middle of sides, on arcs where these are sides, and the mesh as it is handed out.
+//! Midside nodes, on arcs where sides follow arcs, and the resulting mesh.
 
 use crate::Mesh;
 use crate::geometry::{Curve, Point, add, between, cross, scale, sub};
@@ -11,15 +11,16 @@ use crate::smoothing::Freedom;
 use crate::triangles::NONE;
 
 pub struct Quadratic {
-    /// Corners of elements, those of the outline first, then the middles of their sides.
+    /// Corners of elements (corners of the outline first), then midside nodes.
     points: Vec<Point>,
     elements: Vec<[usize; 8]>,
-    /// Sides on the outline, and the side of it that each is on.
+    /// Element sides on the outline as (corner, midside node, corner), and the index of the outline side.
     sides: Vec<([usize; 3], usize)>,
     corners: Vec<Corners>,
     /// Elements with a curved side.
     curved: Vec<usize>,
-    /// Corners on lines and sides of the outline, lines first, and middles on arcs.
+    /// (source, node) for corners on lines and outline sides (`on`, lines first), and for midside nodes on arcs
+    /// (`bent`).
     on: Vec<(Source, usize)>,
     bent: Vec<(Source, usize)>,
 }
@@ -36,7 +37,7 @@ impl Quadratic {
         let corners: Vec<Corners> =
             elements.iter().map(|e| e.map(|node| if node == NONE { NONE } else { number[node] })).collect();
 
-        // Sides by their corners, each followed by the element's that has it too.
+        // Element sides (corners, element, number in the element), sorted so that a side's two elements are adjacent.
         let mut halves: Vec<([usize; 2], usize, usize)> = Vec::with_capacity(4 * corners.len());
         for (e, own) in corners.iter().enumerate() {
             let n = count(own);
@@ -49,7 +50,7 @@ impl Quadratic {
         let mut nodes: Vec<[usize; 8]> = corners
             .iter()
             .map(|own| {
-                // A triangle repeats its third corner, also as the middle of the collapsed side.
+                // A triangle repeats its third corner, also as the midside node of the collapsed side.
                 let mut all = [own[2]; 8];
                 all[..count(own)].copy_from_slice(&own[..count(own)]);
                 all
@@ -99,9 +100,9 @@ impl Quadratic {
         Quadratic { points, elements: nodes, sides, corners, curved, on, bent }
     }
 
-    /// Middles of elements that an arc folds or all but folds.
+    /// Centres of elements that are inverted or nearly inverted by an arc.
     pub fn folded(&self) -> Vec<Point> {
-        // Share of the straight-sided element's Jacobian that bending a side must leave.
+        // Smallest Jacobian relative to the same element with straight sides.
         const LEFT: f64 = 0.2;
         let mut result = Vec::new();
         let flat = (0..self.corners.len()).filter(|&e| !(quality(&self.corners[e], |n| self.points[n]) > 1e-3));
@@ -114,7 +115,7 @@ impl Quadratic {
         result
     }
 
-    /// The least Jacobian of an element over that of its corners' alone, at corners, middles of sides and between.
+    /// Smallest ratio of an element's Jacobian to that of its straight-sided element, over a grid of 5 × 5 points.
     fn least_share(&self, e: usize) -> f64 {
         let n = count(&self.corners[e]);
         let at = |i: usize| self.points[self.elements[e][i]];
@@ -158,7 +159,7 @@ impl Quadratic {
         least
     }
 
-    /// Share of the area in quadrilaterals, and the smallest angle at a corner, in degrees.
+    /// Area of quadrilaterals relative to the whole area, and the smallest angle at a corner, in degrees.
     pub fn measures(&self) -> (f64, f64) {
         let at = |n: usize| self.points[n];
         let (mut whole, mut four, mut least) = (0.0, 0.0, f64::INFINITY);
@@ -175,7 +176,8 @@ impl Quadratic {
         self.elements.len()
     }
 
-    /// The mesh of the plate that was given: its sides and lines, the normal form, and the turn back into that.
+    /// The mesh in original coordinates. `back` is the rotation from the mesh to the normal form; `sides` and `lines`
+    /// are the original curves.
     pub fn finish(self, sides: &[Given], lines: &[Curve], normal: &Normal, back: [f64; 2]) -> Mesh {
         let (quadrilaterals, least_angle) = self.measures();
         let mut points: Vec<Point> = self.points.iter().map(|&p| normal.back(turned(p, back))).collect();
@@ -183,7 +185,8 @@ impl Quadratic {
             Source::Side(side) => &sides[side].curve,
             Source::Line(line) => &lines[line],
         };
-        // Nodes moved by rounding are projected onto the given curves; at crossings alternately onto both.
+        // Rounding moves nodes off the given curves, so they are projected back; at crossings alternately onto both
+        // curves.
         for (of, node) in [&self.on[..], &self.on, &self.bent].concat() {
             let curve = given(of);
             points[node] = curve.at(curve.nearest(points[node]));

@@ -1,4 +1,4 @@
-//! Nodes to begin with: along the pieces, and within the plate on a lattice that is finer where sizes are.
+//! Initial nodes: along the pieces, and inside the plate on a lattice, which is finer where elements must be smaller.
 
 use crate::geometry::{Curve, Point, add, between, distance};
 use crate::outline::Outline;
@@ -6,15 +6,15 @@ use crate::planar::{NEAR, Piece};
 use crate::sizes::Sizes;
 use crate::tree::{Box2, Segment, Tree};
 
-/// Nodes and the chords of pieces between them.
+/// Nodes, and chords between consecutive nodes of a piece.
 pub struct Seeds {
     pub points: Vec<Point>,
-    /// Number of vertices among the points; they are fixed.
+    /// Number of vertices, which are the first points and are fixed.
     pub fixed_points: usize,
-    /// The piece and the share of its curve of each node that may slide on it.
+    /// For each node that may slide on a piece: the piece, and the fraction of its curve's length.
     pub on: Vec<Option<(usize, f64)>>,
     pub chords: Vec<Chord>,
-    /// The chords again, to measure distances from.
+    /// Chords and nodes of pieces, for distances.
     fixed: Tree,
 }
 
@@ -22,23 +22,23 @@ pub struct Seeds {
 pub struct Chord {
     pub ends: [usize; 2],
     pub piece: usize,
-    /// Shares of the piece's curve.
+    /// Fractions of the curve's length at which the chord begins and ends.
     pub span: [f64; 2],
 }
 
-/// How much longer than its size the side of an element may be: halves of longer ones are nearer to it.
+/// Largest side relative to the element size: halves of a longer side are nearer to the size.
 const LONG: f64 = 1.42;
 
-/// How nodes within the plate are placed.
+/// Placement of nodes inside the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Style {
     /// On a square lattice.
     Square,
-    /// On a square lattice, and at one element's depth along pieces across it.
+    /// On a square lattice, and at a depth of one element along pieces that are oblique to it.
     Lined,
-    /// Seeds a square lattice where elements have their largest size; elsewhere the refinement adds nodes.
+    /// On a square lattice only where elements have their largest size; refinement of triangles adds the other nodes.
     Loose,
-    /// On a lattice with an angle, other than 90°, between its lines.
+    /// On a lattice whose lines are at this angle, which is not 90°.
     Skew(f64),
 }
 
@@ -75,13 +75,13 @@ pub fn seed(outline: &Outline, sizes: &Sizes, vertices: Vec<Point>, pieces: &[Pi
 }
 
 impl Seeds {
-    /// Whether a point is far enough from all pieces for a node of elements of a size.
+    /// Whether a point is far enough from all pieces to be a node of elements of this size.
     pub fn is_free(&self, p: Point, size: f64) -> bool {
-        // Tolerance of the distance `NEAR` of lattice lines from followed lines: rounding.
+        // The subtracted value is a tolerance for the distance of lattice lines from followed lines.
         self.fixed.least(p, 1.0, (NEAR - 1e-6) * size, |_| true).is_none()
     }
 
-    /// Adds nodes beside those of pieces across the lattice, as far away as these are from each other.
+    /// Adds nodes beside the nodes of pieces that are oblique to the lattice, at a depth of one element.
     fn line(&mut self, outline: &Outline, sizes: &Sizes, pieces: &[Piece], grid: &Grid) {
         let mut beside: Vec<Point> = Vec::new();
         for (node, on) in self.on.iter().enumerate() {
@@ -122,12 +122,12 @@ impl Seeds {
     }
 }
 
-/// Lattice lines, by the coordinate that each has, in a plane sheared such that they are x = … and y = ….
+/// Coordinates of the lattice lines in a sheared plane, where the lines are x = … and y = ….
 pub struct Grid {
     lines: [Vec<f64>; 2],
-    /// Cosine and sine of the lattice's second direction.
+    /// Cosine and sine of the angle between the lattice directions.
     second: [f64; 2],
-    /// Coordinates this near to each other are one.
+    /// Tolerance for equal coordinates.
     level: f64,
 }
 
@@ -137,7 +137,7 @@ impl Grid {
         let mut grid = Grid { lines: [Vec::new(), Vec::new()], second, level: 1e-9 * outline.bounds.extent() };
         let bounds = Box2::around(outline.chords.segments.iter().map(|s| grid.flat(s.a)));
         grid.lines = [0, 1].map(|axis| {
-            // Coordinates of pieces across the axis, with the length that has them.
+            // Coordinates of the pieces along this line direction, and their lengths.
             let mut lines: Vec<(f64, f64)> = vec![(bounds.low[axis], 0.0), (bounds.high[axis], 0.0)];
             for piece in pieces.iter().filter(|piece| grid.axis_along(&piece.curve) == Some(1 - axis)) {
                 let length = piece.curve.length() * (piece.span[1] - piece.span[0]);
@@ -170,30 +170,30 @@ impl Grid {
         grid
     }
 
-    /// A point in the sheared plane.
+    /// Maps a point to the sheared plane.
     fn flat(&self, p: Point) -> Point {
         let [cos, sin] = self.second;
         [p[0] - p[1] * cos / sin, p[1] / sin]
     }
 
-    /// A point of the sheared plane.
+    /// Maps a point of the sheared plane back.
     fn real(&self, p: Point) -> Point {
         let [cos, sin] = self.second;
         [p[0] + p[1] * cos, p[1] * sin]
     }
 
-    /// The axis that a straight curve runs along.
+    /// The axis that a straight curve is parallel to.
     fn axis_along(&self, curve: &Curve) -> Option<usize> {
         let (from, to) = (self.flat(curve.from), self.flat(curve.to));
         (0..2).find(|&axis| curve.is_straight() && (to[1 - axis] - from[1 - axis]).abs() <= self.level)
     }
 
-    /// Whether two points are on one line of the lattice.
+    /// Whether the line through two points is parallel to a lattice direction.
     pub fn is_along(&self, a: Point, b: Point) -> bool {
         self.axis_along(&Curve::straight(a, b)).is_some()
     }
 
-    /// Shares of a piece's curve at which it gets nodes between its ends.
+    /// Fractions of a piece's curve at which nodes are placed between its ends.
     fn stations(&self, piece: &Piece, sizes: &Sizes) -> Vec<f64> {
         let [from, to] = piece.span;
         let Some(axis) = self.axis_along(&piece.curve) else {
@@ -226,7 +226,7 @@ impl Grid {
         stations
     }
 
-    /// Points of the lattice, of cells halved to the sizes.
+    /// Points of the lattice, whose cells are halved until they have the wanted size.
     fn lattice(&self, sizes: &Sizes) -> Vec<Point> {
         let [x, y] = &self.lines;
         let mut points = Vec::new();
@@ -241,7 +241,7 @@ impl Grid {
     }
 }
 
-/// Halves an interval down to the sizes; adds where each part begins.
+/// Halves an interval until its parts have the wanted size; appends the begin of each part.
 fn halve(low: f64, high: f64, size: &impl Fn(f64) -> f64, result: &mut Vec<f64>) {
     let middle = 0.5 * (low + high);
     if high - low > LONG * size(middle) {
@@ -274,7 +274,7 @@ fn quarter(low: Point, high: Point, sizes: &impl Fn(Point) -> f64, points: &mut 
     }
 }
 
-/// Shares between two of a curve that cut it into parts of one number of elements each, counted by the sizes.
+/// Fractions of a curve between `from` and `to` that divide it into parts with equal numbers of wanted elements.
 fn even(curve: &Curve, from: f64, to: f64, sizes: &Sizes) -> Vec<f64> {
     let at = |t: f64| curve.at(from + t * (to - from));
     let counts = sizes.counts(at, curve.length() * (to - from));

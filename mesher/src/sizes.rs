@@ -1,11 +1,11 @@
-//! How large elements may be: from the size asked for, refinements, short sides, arcs and narrow parts.
+//! Wanted sizes of elements: from the given size, refinements, short sides, arcs and narrow parts.
 
 use crate::geometry::{Point, between, cross, distance, sub};
 use crate::outline::Outline;
 use crate::tree::{Box2, Segment, Tree};
 use std::f64::consts::TAU;
 
-/// Elements of at most `size` along a straight piece, or at a point where both ends are one.
+/// Elements have at most `size` along the straight line from `from` to `to`, or at a point if both are equal.
 #[derive(Clone, Copy, Debug)]
 pub struct Refinement {
     pub from: Point,
@@ -18,9 +18,9 @@ pub struct Sizes {
     finer: Tree,
 }
 
-/// How much larger elements may be for each unit of length: neighbours differ by this, and less than by 1.3.
+/// Increase of the element size per unit of distance; sizes of neighbouring elements differ by at most a factor of 1.3.
 const GROWTH: f64 = 0.25;
-/// Elements around a full circle at least.
+/// Smallest number of elements around a full circle.
 const AROUND: f64 = 12.0;
 
 impl Sizes {
@@ -47,7 +47,7 @@ impl Sizes {
         self.finer.least(p, GROWTH, self.largest, |_| true).map_or(self.largest, |(size, ..)| size)
     }
 
-    /// About how many elements the sizes make, counted up to `most`.
+    /// Approximate number of elements; counting stops above `most`.
     pub fn count(&self, outline: &Outline, most: f64) -> f64 {
         let Box2 { low, high } = outline.bounds;
         let mut sum = 0.0;
@@ -57,7 +57,8 @@ impl Sizes {
             let size = self.at(middle);
             let wide = sub(high, low);
             let cells = wide[0] / size * (wide[1] / size);
-            // Within a box of eight elements sizes are much the same; of one size throughout any box will do.
+            // Within a box of eight elements the size is nearly constant; if it is constant in the plate, larger boxes
+            // suffice.
             if wide[0].max(wide[1]) <= 8.0 * size || (!self.is_graded() && cells < 1e-4 * most) {
                 sum += if outline.contains(middle) { cells } else { 0.0 };
             } else if wide[0] > wide[1] {
@@ -69,12 +70,13 @@ impl Sizes {
         sum
     }
 
-    /// Whether any place wants elements smaller than the largest.
+    /// Whether any element must be smaller than the largest size.
     pub fn is_graded(&self) -> bool {
         !self.finer.segments.is_empty()
     }
 
-    /// The number of elements along a curve, as a sum over `stations` + 1 points of it: to each its share.
+    /// Number of elements from the begin of a curve to each of equally spaced points, ascending; `at(t)` is its point
+    /// at t in [0, 1].
     pub fn counts(&self, at: impl Fn(f64) -> Point, length: f64) -> Vec<f64> {
         let stations = (4.0 * length / self.least_along(&at)).ceil().clamp(4.0, 1e6) as usize;
         let step = length / stations as f64;
@@ -92,7 +94,7 @@ impl Sizes {
     }
 }
 
-/// Adds the width of the plate along a chord of its outline, where the outline comes near on the other side.
+/// Where the outline is near on the other side of the plate, limits the size along a chord to the width in between.
 fn narrow(outline: &Outline, side: usize, a: Point, b: Point, largest: f64, finer: &mut Vec<Segment>) {
     let (middle, length) = (between(a, b, 0.5), distance(a, b));
     let other = |s: &Segment| s.owner != side && !outline.are_neighbours(side, s.owner);

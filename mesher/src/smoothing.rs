@@ -1,23 +1,24 @@
-//! Nodes moved to where the elements around them are better shaped.
+//! Moves nodes to improve the shape of the elements around them.
 
 use crate::geometry::{Curve, Point, add, distance, scale};
 use crate::quality::{Corners, count, quality};
 
-/// Where a node may go.
+/// Freedom of a node to move.
 #[derive(Clone, Copy)]
 pub enum Freedom {
     None,
     Plane,
-    /// Along a curve, at a share of its length, between two others.
+    /// On a curve, at a fraction of its length, which stays between the two bounds.
     Along(Curve, f64, [f64; 2]),
 }
 
-/// Sweeps towards the middle of the neighbours, and sweeps that try directions around the worst nodes.
+/// Number of sweeps towards the mean of the neighbours, and number of sweeps that try directions around the worst
+/// nodes.
 const SWEEPS: usize = 6;
 const SEARCHES: usize = 14;
-/// Worst corners above this (72°) are left as they are.
+/// If the worst element around a node has a quality above this (corners of 72°), the node is not moved.
 const GOOD: f64 = 0.95;
-/// Nodes with a worse corner than this (53°) are moved in every direction to find a better place.
+/// If the worst element around a node has a quality below this (corners of 55°), the node is tried in every direction.
 const POOR: f64 = 0.82;
 
 pub fn smooth(points: &mut [Point], elements: &[Corners], freedom: &mut [Freedom]) {
@@ -59,7 +60,7 @@ pub fn smooth(points: &mut [Point], elements: &[Corners], freedom: &mut [Freedom
     }
 }
 
-/// Tries places around a node, a share of its shortest side away; whether it is moved.
+/// Tries points around a node at a distance of `step` times its shortest side; returns whether the node was moved.
 fn search(
     node: usize,
     step: f64,
@@ -69,7 +70,7 @@ fn search(
     elements: &[Corners],
     freedom: &mut [Freedom],
 ) -> bool {
-    // Eight directions, the first ones along the axes.
+    // Eight directions, the first four along the axes.
     const D: f64 = std::f64::consts::FRAC_1_SQRT_2;
     const DIRECTIONS: [Point; 8] =
         [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [D, D], [-D, D], [-D, -D], [D, -D]];
@@ -114,7 +115,7 @@ impl Shape {
     }
 }
 
-/// The elements around each node.
+/// The elements around each node, compressed by node.
 struct Around {
     starts: Vec<usize>,
     elements: Vec<usize>,
@@ -144,7 +145,7 @@ impl Around {
         &self.elements[self.starts[node]..self.starts[node + 1]]
     }
 
-    /// The shape of the elements around a node, were it at a place.
+    /// Worst and mean quality of the elements around a node if it were at `place`.
     fn shape(&self, node: usize, place: Point, points: &[Point], elements: &[Corners]) -> Shape {
         let (mut worst, mut sum) = (f64::INFINITY, 0.0);
         for &e in self.of(node) {
@@ -155,7 +156,7 @@ impl Around {
         Shape { worst, mean: sum / self.of(node).len().max(1) as f64 }
     }
 
-    /// The shape of the elements around a node, whose own are known.
+    /// Worst and mean of the known qualities of the elements around a node.
     fn known(&self, node: usize, shapes: &[f64]) -> Shape {
         let (mut worst, mut sum) = (f64::INFINITY, 0.0);
         for &e in self.of(node) {
@@ -165,12 +166,12 @@ impl Around {
         Shape { worst, mean: sum / self.of(node).len().max(1) as f64 }
     }
 
-    /// Shapes of the elements around a node that has moved.
+    /// Updates the qualities of the elements around a node that has moved.
     fn update(&self, node: usize, points: &[Point], elements: &[Corners], shapes: &mut [f64]) {
         self.of(node).iter().for_each(|&e| shapes[e] = quality(&elements[e], |n| points[n]));
     }
 
-    /// The middle of the nodes that sides lead to.
+    /// Mean of the neighbours of a node.
     fn middle(&self, node: usize, points: &[Point], elements: &[Corners]) -> Point {
         let (mut sum, mut number) = ([0.0; 2], 0.0);
         self.neighbours(node, elements, |n| {
@@ -186,7 +187,7 @@ impl Around {
         least
     }
 
-    /// Hands on the neighbours of a node, those within the plate twice.
+    /// Calls `take` with each neighbour of a node; neighbours across inner sides occur twice.
     fn neighbours(&self, node: usize, elements: &[Corners], mut take: impl FnMut(usize)) {
         for &e in self.of(node) {
             let n = count(&elements[e]);

@@ -1,4 +1,4 @@
-//! Segments with weights in a tree of bounding boxes: the one that counts least at a point, and those near a box.
+//! Weighted segments in a tree of bounding boxes, for nearest segments and for segments near a box.
 
 use crate::geometry::{Point, between, distance, nearest_share};
 
@@ -6,7 +6,7 @@ use crate::geometry::{Point, between, distance, nearest_share};
 pub struct Segment {
     pub a: Point,
     pub b: Point,
-    /// Added to distances in `least`.
+    /// Added to the distance in [`Tree::least`].
     pub weight: f64,
     pub owner: usize,
 }
@@ -33,7 +33,7 @@ impl Box2 {
         Box2 { low: [self.low[0] - by, self.low[1] - by], high: [self.high[0] + by, self.high[1] + by] }
     }
 
-    /// The longer side.
+    /// Length of the longer side.
     pub fn extent(&self) -> f64 {
         (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
     }
@@ -53,7 +53,7 @@ struct Branch {
     least_weight: f64,
     from: usize,
     to: usize,
-    /// The two halves, 0 of a leaf.
+    /// Indices of both halves; zeros for a leaf.
     halves: [usize; 2],
 }
 
@@ -89,8 +89,8 @@ impl Tree {
         own
     }
 
-    /// The least weight + slope × distance over the segments that are `wanted`, below `bound`; its segment and the
-    /// point of it nearest to p.
+    /// The smallest weight + slope × distance from p, if it is less than `bound`, over the segments for which `wanted`
+    /// is true. Returns this value, the segment, and its point nearest to p.
     pub fn least(
         &self,
         p: Point,
@@ -133,7 +133,7 @@ impl Tree {
         self.branches[at].least_weight + slope * self.branches[at].bounds.distance(p)
     }
 
-    /// Hands on every segment whose bounding box meets a box.
+    /// Calls `take` with each segment whose bounding box meets `bounds`.
     pub fn meeting(&self, bounds: &Box2, mut take: impl FnMut(&Segment)) {
         let mut open = Vec::with_capacity(32);
         if !self.branches.is_empty() {
@@ -156,7 +156,7 @@ impl Tree {
         }
     }
 
-    /// Whether the closed loops that the `wanted` segments form contain p, by counting crossings to its right.
+    /// Whether the closed loops of the `wanted` segments contain p, by counting crossings to the right of p.
     pub fn encloses(&self, p: Point, wanted: impl Fn(&Segment) -> bool) -> bool {
         let right = Box2 { low: p, high: [f64::INFINITY, p[1]] };
         let mut inside = false;

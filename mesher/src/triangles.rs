@@ -1,4 +1,4 @@
-//! Delaunay triangles within an outline, and their refinement.
+//! Delaunay triangles inside an outline, and their refinement.
 
 use crate::geometry::{Point, between, circumcentre, distance, turn};
 use crate::seeding::{Chord, Seeds, Style};
@@ -6,34 +6,34 @@ use crate::sizes::Sizes;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::HashSet;
 
-/// No triangle.
+/// Index that means "no triangle" or "no node".
 pub const NONE: usize = usize::MAX;
 
-/// The triangles of a plate.
+/// The triangles of a mesh, and their neighbours.
 pub struct Triangles {
-    /// Nodes, counter-clockwise.
+    /// Nodes of each triangle, counter-clockwise.
     pub corners: Vec<[usize; 3]>,
-    /// The triangle across the side opposite to each corner, `NONE` outside.
+    /// Triangle across the side opposite to each corner; `NONE` outside the plate.
     pub across: Vec<[usize; 3]>,
-    /// Whether that side is a chord of a piece.
+    /// Whether the side opposite to each corner is a chord of a piece.
     pub fixed: Vec<[bool; 3]>,
 }
 
-/// Largest circumradius over size of a triangle; that of half a square with sides of 1.42 sizes is 1.0.
+/// Largest circumradius of a triangle relative to the wanted size; half a square with sides of 1.42 sizes has 1.0.
 const LARGE: f64 = 1.1;
-/// The same where no lattice gives nodes, which are then 0.8 to 1.6 sizes apart.
+/// The same for [`Style::Loose`], where most nodes come from refinement; their distances are then 0.8 to 1.6 sizes.
 const LARGE_LOOSE: f64 = 0.8;
-/// Largest circumradius over shortest side of a triangle (20°).
+/// Largest circumradius relative to the shortest side (smallest angle 20°).
 const THIN: f64 = 1.42;
-/// Times that triangles are refined; few meshes need more than five.
+/// Largest number of refinements; few meshes need more than five.
 const ROUNDS: usize = 24;
 
 impl Triangles {
-    /// Triangulates seeds; adds nodes where triangles are too large or thin.
+    /// Triangulates the seeds; adds nodes where triangles are too large or too thin.
     ///
     /// # Errors
     ///
-    /// The places where chords of arcs cross although the arcs do not.
+    /// The points at which chords of arcs cross although the arcs do not.
     pub fn new(
         seeds: &mut Seeds,
         sizes: &Sizes,
@@ -52,7 +52,7 @@ impl Triangles {
         triangulate(&seeds.points, &seeds.chords, &is_outline)
     }
 
-    /// Circumcentres of triangles to be refined, no two of them near each other.
+    /// Circumcentres of triangles to be refined; no two of them are in adjacent triangles.
     fn centres(&self, seeds: &Seeds, sizes: &Sizes, large: f64) -> Vec<Point> {
         let mut poor = Vec::new();
         for (t, corners) in self.corners.iter().enumerate() {
@@ -60,7 +60,7 @@ impl Triangles {
             let centre = circumcentre(a, b, c);
             let radius = distance(centre, a);
             let shortest = distance(a, b).min(distance(b, c)).min(distance(c, a));
-            // Sizes are never above the largest, so that most triangles need not be measured.
+            // Wanted sizes are at most `largest`, so most triangles can be skipped.
             if !(radius > 0.6 * sizes.largest || radius > THIN * shortest || sizes.is_graded()) {
                 continue;
             }
@@ -87,7 +87,7 @@ impl Triangles {
         centres
     }
 
-    /// The triangle that holds a point, on the way from triangle t; `None` behind a fixed side.
+    /// Walks from triangle t to the triangle that contains p; `None` if a fixed side is in between.
     fn walk(&self, points: &[Point], mut t: usize, p: Point) -> Option<usize> {
         'step: for _ in 0..1000 {
             let corners = self.corners[t].map(|node| points[node]);
@@ -111,7 +111,7 @@ fn triangulate(
     chords: &[Chord],
     is_outline: impl Fn(&Chord) -> bool,
 ) -> Result<Triangles, Vec<Point>> {
-    // Corners far outside keep the outline off the hull, where collinear points are degenerate.
+    // Four points far outside keep the outline off the convex hull, where collinear points are degenerate.
     let low = points.iter().fold([f64::INFINITY; 2], |l, p| [l[0].min(p[0]), l[1].min(p[1])]);
     let high = points.iter().fold([f64::NEG_INFINITY; 2], |h, p| [h[0].max(p[0]), h[1].max(p[1])]);
     let margin = 2.0 * (high[0] - low[0]).max(high[1] - low[1]);
@@ -121,7 +121,7 @@ fn triangulate(
         [high[0], high[1], 1.0, 1.0],
         [low[0], high[1], -1.0, 1.0],
     ];
-    // Smaller coordinates are refused by spade.
+    // spade refuses coordinates that are smaller but not zero.
     let flush = |x: f64| if x.abs() < 1e-40 { 0.0 } else { x };
     let vertices: Vec<Point2<f64>> = points
         .iter()
@@ -137,12 +137,12 @@ fn triangulate(
     if !conflicts.is_empty() {
         return Err(conflicts);
     }
-    // Points at one place would be one vertex, and the numbers of those after it would be others.
+    // spade would merge equal points and change the numbers of the points after them.
     if made.num_vertices() != points.len() + far.len() {
         return Err(vec![points[0]]);
     }
 
-    // The outline's chords have the plate on their left.
+    // Chords of the outline have the plate on their left.
     let rims: HashSet<[usize; 2]> = chords.iter().filter(|c| is_outline(c)).map(|c| c.ends).collect();
     let faces = made.num_inner_faces();
     let mut corners = Vec::with_capacity(faces);

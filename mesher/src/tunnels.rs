@@ -1,4 +1,4 @@
-//! Triangles that are left over led together, two by two, through the quadrilaterals between them.
+//! Merging of remaining triangles in pairs, by changing the quadrilaterals between them.
 
 use crate::geometry::{Point, between, cross, distance, scale};
 use crate::planar::Piece;
@@ -10,20 +10,22 @@ use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-/// Least quality of triangles on the way (10°), before nodes are moved.
+/// Smallest quality of intermediate triangles (10°), before smoothing.
 const LEAST_TRIANGLE: f64 = 0.2;
-/// How much longer than its size a new side may be: that of three equilateral triangles side by side is 2.
+/// Largest length of a new side relative to the wanted size; the long side of three equilateral triangles in a row is
+/// 2.
 const LONG: f64 = 2.1;
-/// Quadrilaterals between two triangles at most, and places that are looked at from each triangle.
+/// Largest number of quadrilaterals between two triangles, and largest number of states visited from a triangle.
 const FAR: usize = 12;
 const LOOKS: usize = 1000;
-/// Cost of a step, in addition to its cost in shape.
+/// Cost of each step, added to the cost of its element's shape.
 const STEP: f64 = 0.05;
 
-/// Replaces pairs of triangles, and the quadrilaterals between them, by quadrilaterals alone.
+/// Replaces pairs of triangles, and the quadrilaterals between them, by quadrilaterals only.
 ///
-/// A triangle and a quadrilateral beside it are a pentagon, and that may have its triangle at another corner: so the
-/// triangle moves on. No chord is taken out, and before nodes are moved all quadrilaterals have a `least` quality.
+/// A triangle and an adjacent quadrilateral form a pentagon, which can be divided with the triangle at another corner.
+/// In this way the triangle moves towards another triangle. Chords of pieces are kept. Before smoothing, all new
+/// quadrilaterals have at least the quality `least`.
 pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, sizes: &Sizes, least: f64) {
     let mut open: Vec<usize> = (0..elements.len()).filter(|&e| count(&elements[e]) == 3).collect();
     if open.len() < 2 {
@@ -67,7 +69,7 @@ pub fn join(elements: &mut Vec<Corners>, points: &[Point], chords: &Chords, size
     });
 }
 
-/// Sides along pieces in both directions; for arcs, the tangents at their first ends.
+/// Sides along pieces, in both directions. For arcs, the unit tangent at the first node.
 pub struct Chords(HashMap<[usize; 2], Option<Point>>);
 
 impl Chords {
@@ -87,12 +89,12 @@ fn sides(corners: &Corners) -> impl Iterator<Item = [usize; 2]> + use<> {
     (0..n).map(move |i| [corners[i], corners[(i + 1) % n]])
 }
 
-/// Where a triangle has come to, and the quadrilateral that it left behind on its last step.
+/// State of a search: the position of the moved triangle, and the quadrilateral that its last step leaves behind.
 struct Stop {
     triangle: [usize; 3],
     before: usize,
     steps: usize,
-    /// The quadrilateral that it stepped into.
+    /// The element into which the triangle moved.
     into: usize,
     behind: Corners,
 }
@@ -129,7 +131,7 @@ impl Ord for Next {
 }
 
 impl Search<'_> {
-    /// The best triangle to merge with, and the new corners of the elements on the path, including the first.
+    /// The best triangle to merge with, and (element, new corners) along the path, including the element `start`.
     fn run(&self, start: usize) -> Option<(usize, Vec<(usize, Corners)>)> {
         let [a, b, c, _] = self.elements[start];
         let mut stops = vec![Stop { triangle: [a, b, c], before: NONE, steps: 0, into: start, behind: [NONE; 4] }];
@@ -156,7 +158,7 @@ impl Search<'_> {
                 let other = self.elements[n];
                 let m = count(&other);
                 let first = (0..m).find(|&k| other[k] == q).expect("the side is the element's");
-                // The corners around both, from the triangle's own on.
+                // Corners of the polygon of both elements, beginning with the triangle's apex.
                 let mut ring = vec![apex, p];
                 ring.extend((2..m).map(|k| other[(first + k) % m]));
                 ring.push(q);
@@ -192,7 +194,7 @@ impl Search<'_> {
         let (_, mut at, end, mut made) = best?;
         let mut changed = Vec::new();
         while at != NONE {
-            // The new last element lies where the next one started.
+            // The new last element replaces the one into which the last step moved, and so on back along the path.
             changed.push((stops[at].into, made));
             made = stops[at].behind;
             at = stops[at].before;
@@ -200,7 +202,7 @@ impl Search<'_> {
         Some((end, changed))
     }
 
-    /// The quality of an element, of corners between chords of arcs by the directions in which the arcs leave them.
+    /// Quality of an element. At a corner between two chords of arcs, the angle between the arcs counts.
     fn shape(&self, corners: &Corners) -> f64 {
         let n = count(corners);
         let mut least = quality(corners, |node| self.points[node]);
@@ -222,7 +224,7 @@ impl Search<'_> {
         distance(a, b) <= LONG * self.sizes.at(between(a, b, 0.5))
     }
 
-    /// Whether the way to a stop has used an element.
+    /// Whether the path to a stop has used an element.
     fn passed(&self, stops: &[Stop], mut at: usize, element: usize) -> bool {
         while at != NONE {
             if stops[at].into == element {

@@ -43,12 +43,12 @@ fn turned(loops: &[Loop], degrees: f64) -> Vec<Loop> {
     loops.iter().map(|ring| Loop { corners: ring.corners.iter().map(|&p| turn(p)).collect(), ..ring.clone() }).collect()
 }
 
-/// Lines of one rank after the other.
+/// Straight lines with increasing ranks.
 fn lines(ends: &[[Point; 2]]) -> Vec<Line> {
     ends.iter().enumerate().map(|(rank, &ends)| Line { ends, rank, ..Line::default() }).collect()
 }
 
-/// Corners of elements that are on the straight line through two points.
+/// Number of element corners on the straight line through a and b.
 fn nodes_on(mesh: &Mesh, a: Point, b: Point) -> usize {
     let length = f64::hypot(b[0] - a[0], b[1] - a[1]);
     let mut nodes: Vec<usize> = mesh.elements.iter().flat_map(|e| e[..4].to_vec()).collect();
@@ -140,7 +140,7 @@ fn all_nodes_of_arcs_are_on_them_and_sides_keep_their_names() {
             assert!(off.abs() < 1e-14, "{of:?} {x} {y}");
         }
     }
-    // The plate is on the left: counter-clockwise around the outline, clockwise around the hole.
+    // Counter-clockwise around the outline, clockwise around the hole, so that the plate is on the left.
     let turn = |ring: usize| -> f64 {
         let sides = mesh.sides.iter().zip(&mesh.side_of).filter(|(_, of)| of[0] == ring);
         sides
@@ -157,7 +157,7 @@ fn corners_may_run_either_way_round() {
     back.corners.reverse();
     let (mesh, other) = (made(&[polygon(&corners)], &of(0.5)), made(&[back], &of(0.5)));
     assert_eq!(mesh.elements.len(), other.elements.len());
-    // Corner 1 is now [0, 2], and the first edge the slanted one.
+    // Corner 1 is now [0, 2], and the first edge is the oblique one.
     let first: Vec<usize> = (0..other.sides.len()).filter(|&i| other.side_of[i][1] == 0).collect();
     assert!(
         first
@@ -183,7 +183,7 @@ fn lines_with_room_are_followed_and_others_left() {
 #[test]
 fn walls_are_followed_but_where_they_come_too_near_to_something() {
     let plate = [polygon(&box_of([0.0, 0.0], [8.0, 6.0]))];
-    // One ends beside the upper edge, the other passes the end of the first.
+    // The first wall ends near the upper edge; the second passes near the end of the first.
     let mut walls = lines(&[[[2.0, 1.0], [5.0, 5.95]], [[0.5, 0.9], [7.5, 0.9]]]);
     walls.iter_mut().for_each(|wall| wall.in_part = true);
     let mesh = made(&plate, &MeshOptions { lines: walls, ..of(0.5) });

@@ -1,13 +1,13 @@
-//! Random outlines, with fixed seeds: every sound one has a mesh that covers it, of elements that meet along sides.
+//! Random outlines with fixed seeds: every valid outline has a conforming mesh that covers it.
 //!
-//! `OUTLINES=10000 cargo test --release --test random_outlines -- --nocapture` tries more of them.
+//! `OUTLINES=10000 cargo test --release --test random_outlines -- --nocapture` tests more outlines.
 
 use signorini_mesher::{Line, Loop, Mesh, MeshOptions, Point, Refinement, mesh};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
 
-/// Splitmix64 (Steele et al. 2014).
+/// Random numbers by splitmix64 (Steele et al. 2014).
 struct Random(u64);
 
 impl Random {
@@ -40,7 +40,8 @@ impl Random {
     }
 }
 
-/// A closed line around a middle: by angles, on a coarse grid, round, or a rectangle; some of its sides are arcs.
+/// A random closed line around `middle`: a rotated rectangle, a staircase, or a star-shaped or nearly round polygon. Some
+/// are rounded to a coarse grid; some sides are arcs.
 fn ring(random: &mut Random, name: &str, middle: Point, radius: f64) -> Loop {
     let mut corners: Vec<Point> = match random.below(4) {
         0 => {
@@ -51,7 +52,7 @@ fn ring(random: &mut Random, name: &str, middle: Point, radius: f64) -> Loop {
                 .to_vec()
         }
         1 => {
-            // Steps along the axes.
+            // A staircase along the axes.
             let steps = 2 + random.below(3);
             let mut heights: Vec<f64> = (0..steps).map(|_| random.within(0.1, 1.0)).collect();
             heights.sort_by(f64::total_cmp);
@@ -77,7 +78,7 @@ fn ring(random: &mut Random, name: &str, middle: Point, radius: f64) -> Loop {
         }
     };
     if random.chance(0.2) {
-        // On a grid corners meet sides and each other.
+        // On a grid, corners may lie on sides and on each other.
         corners.iter_mut().flatten().for_each(|x| *x = (4.0 * *x).round() / 4.0);
     }
     corners.iter_mut().for_each(|p| *p = [middle[0] + radius * p[0], middle[1] + radius * p[1]]);
@@ -122,7 +123,7 @@ fn plate(seed: u64) -> (Vec<Loop>, MeshOptions) {
     (loops, options)
 }
 
-/// Area within the loops: of polygons and the segments of circles on their sides.
+/// Area inside the loops: polygons, and circular segments at their sides.
 fn area(loops: &[Loop]) -> f64 {
     let one = |ring: &Loop| {
         let count = ring.corners.len();
@@ -145,7 +146,7 @@ fn area(loops: &[Loop]) -> f64 {
     2.0 * one(&loops[0]) - loops.iter().map(one).sum::<f64>()
 }
 
-/// The defects of a mesh.
+/// Descriptions of the defects of a mesh.
 fn flaws(mesh: &Mesh, loops: &[Loop]) -> Vec<String> {
     let mut found = Vec::new();
     let mut sides: HashMap<usize, Vec<[usize; 2]>> = HashMap::new();
@@ -155,7 +156,7 @@ fn flaws(mesh: &Mesh, loops: &[Loop]) -> Vec<String> {
             let (a, m, b) = (element[i], element[4 + i], element[(i + 1) % 4]);
             sides.entry(m).or_default().push([a, b]);
             let [p, q, r] = [a, m, b].map(|node| mesh.points[node]);
-            // Simpson's rule is exact on a parabola.
+            // Simpson's rule is exact for a parabola.
             let cross = |p: Point, q: Point| p[0] * q[1] - p[1] * q[0];
             covered += (cross(p, q) + cross(q, r)) * 2.0 / 3.0 - cross(p, r) / 6.0;
         }
@@ -200,7 +201,7 @@ fn random_outlines_are_meshed_or_refused_with_a_reason() {
                 share += made.quadrilaterals;
                 failed.extend(flaws(&made, &loops).into_iter().map(|flaw| (seed, flaw)));
             }
-            // The error for an invalid outline names one of its sides.
+            // The error for an invalid outline refers to one of its sides.
             Err(fault) if fault.side.is_some() => {}
             Err(fault) => failed.push((seed, fault.message)),
         }
@@ -217,7 +218,7 @@ fn random_outlines_are_meshed_or_refused_with_a_reason() {
     assert!(f64::from(meshed) > 0.3 * count as f64);
 }
 
-/// A plate as somebody sees it who has other axes, another origin and another unit of length.
+/// The same plate in other axes, with another origin and another unit of length.
 fn seen(loops: &[Loop], options: &MeshOptions, axes: [Point; 2], shift: Point, unit: f64) -> (Vec<Loop>, MeshOptions) {
     let at = |p: Point| [0, 1].map(|i| unit * (axes[i][0] * p[0] + axes[i][1] * p[1] + shift[i]));
     let ring = |ring: &Loop| Loop {

@@ -1,16 +1,16 @@
-//! Uninitialised memory for numbers, with checked allocation.
+//! Memory for f64 numbers, zeroed when it is allocated, with checked allocation.
 
 use super::error::FactorError;
 use memmap2::MmapMut;
 use std::ops::{Deref, DerefMut};
 
-/// Smallest size, in bytes, of an allocation from the system, which gives zeros at first touch. Smaller ones come from
-/// the allocator, which reuses freed memory (160×160 `mitc9`, factored again: 0.78 s instead of 0.94).
+/// Smallest size in bytes of an allocation from the system, which zeros pages at first access. Smaller buffers come
+/// from the allocator, which reuses freed memory (160×160 `mitc9`, factored again: 0.78 s instead of 0.94 s).
 ///
-/// Huge pages were tried: on a virtual machine that returns free pages to its host they are slower to obtain.
+/// Huge pages were tried: on a virtual machine that returns free pages to its host they take longer to obtain.
 const LARGE: usize = 1 << 25;
 
-/// Zeros to begin with.
+/// An array of numbers, initially zeros.
 pub(super) enum Buffer {
     Small(Vec<f64>),
     Large { pages: MmapMut, len: usize },

@@ -1,13 +1,13 @@
-//! Entries of right-hand sides: one number a row, or one of several right-hand sides.
+//! Entries of right-hand sides: a number per row, or `LANES` numbers per row for several right-hand sides.
 
 use super::layout::{PANEL, ROWS};
 use pulp::{Arch, Simd, WithSimd};
 use std::marker::PhantomData;
 
-/// Right-hand sides of one block.
+/// Number of right-hand sides that are solved together.
 pub const LANES: usize = 8;
 
-/// A row of the right-hand sides.
+/// One row of the right-hand sides.
 pub(super) trait Entry: Copy + Send + Sync {
     const ZERO: Self;
 
@@ -17,10 +17,10 @@ pub(super) trait Entry: Copy + Send + Sync {
 
     fn is_zero(&self) -> bool;
 
-    /// vector ← (L₁⁻¹v₁, −L₂L₁⁻¹v₁) for the columns (L₁, L₂) of a supernode, whose v₂ is zero.
+    /// vector ← (L₁⁻¹v₁, v₂ − L₂L₁⁻¹v₁) for `count` columns (L₁, L₂) of a supernode.
     fn eliminate(columns: &[f64], count: usize, vector: &mut [Self]);
 
-    /// v₁ ← L₁⁻ᵀ(v₁ − L₂ᵀv₂) for the columns (L₁, L₂) of a supernode.
+    /// v₁ ← L₁⁻ᵀ(v₁ − L₂ᵀv₂) for `count` columns (L₁, L₂) of a supernode.
     fn substitute(columns: &[f64], count: usize, vector: &mut [Self]);
 }
 
@@ -48,7 +48,7 @@ impl Entry for f64 {
     }
 }
 
-/// Each lane is computed independently, so that its bits do not depend on other lanes.
+/// One row of `LANES` right-hand sides. Each lane is computed independently: its bits do not depend on other lanes.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Lanes(pub(super) [f64; LANES]);
@@ -77,7 +77,7 @@ impl Entry for Lanes {
     }
 }
 
-/// A kernel's work on some columns of a supernode, as `layout` stores them, and a vector.
+/// Arguments of a kernel: `count` columns of a supernode, as `layout` stores them, and a vector.
 struct Run<'a, E, K> {
     columns: &'a [f64],
     count: usize,
@@ -85,7 +85,7 @@ struct Run<'a, E, K> {
     kernel: PhantomData<K>,
 }
 
-/// With N registers for eight numbers, and a count that the compiler may know.
+/// A kernel in which N registers hold eight numbers. Called with a constant `count`, it is compiled for that count.
 trait Kernel<E> {
     fn run<S: Simd, const N: usize>(simd: S, columns: &[f64], count: usize, vector: &mut [E]);
 }
@@ -143,7 +143,7 @@ impl Kernel<Lanes> for Eliminate {
         }
         for (block, rows) in tail.chunks(ROWS * count).zip(below.chunks_mut(ROWS)) {
             let height = rows.len();
-            // Half of the columns at a time, that their part of x stays in registers.
+            // Processes half of the columns at a time, so that the entries of x for these columns stay in registers.
             for (l, x) in block.chunks(HALF * height).zip(x.chunks_exact(HALF)) {
                 if let (Ok(l), Ok(rows)) =
                     (<&[f64; HALF * ROWS]>::try_from(l), <&mut [Lanes; ROWS]>::try_from(&mut *rows))
@@ -225,7 +225,7 @@ impl Kernel<Lanes> for Substitute {
     }
 }
 
-/// Columns whose part of several vectors stays in registers.
+/// Number of columns whose entries of x stay in registers.
 const HALF: usize = PANEL / 2;
 
 impl Kernel<f64> for Eliminate {
@@ -287,7 +287,7 @@ impl Kernel<f64> for Substitute {
     }
 }
 
-/// Products of columns with the full blocks of a vector.
+/// Product of each column with the part of the vector in full blocks of `ROWS` rows.
 ///
 /// The last block comes first, since backward substitution starts at the last column: read in one direction, L comes
 /// from memory half as fast again. The sums are separate variables, since arrays in loops are kept in memory.

@@ -1,16 +1,16 @@
-//! Why there is no factor.
+//! Errors of the factorization.
 
 use crate::dense;
 
-/// Why there is no factor.
+/// Errors of the factorization.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FactorError {
-    /// The pivot of this column is not positive, or not negative where [`is_negative`](super::Matrix::is_negative) says that
-    /// it is: something can move, or the arithmetic is at its end.
+    /// The pivot of this column is not positive, or not negative although [`is_negative`](super::Matrix::is_negative)
+    /// is true. The structure is a mechanism, or the matrix is singular to working precision.
     NotPositiveDefinite { column: usize },
     /// The factor does not fit into memory.
     OutOfMemory,
-    /// Factoring takes more bytes than there is room for; known before there are any numbers.
+    /// The factorization takes more bytes than `room`; determined from the pattern, before any number is computed.
     TooLarge { bytes: usize, room: usize },
 }
 

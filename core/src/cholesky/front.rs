@@ -1,6 +1,7 @@
-//! Dense elimination of the first columns of a symmetric matrix, stored as its lower triangle.
+//! Dense elimination of the first columns of a symmetric matrix, which is stored as its lower triangle.
 //!
-//! Pivots have the given signs S, 1 or −1: A = L S Lᵀ. Products of columns with positive signs omit them.
+//! Pivots have the given signs S, 1 or −1: A = L S Lᵀ. If all signs of a block of columns are positive, its products
+//! omit S.
 
 use crate::vectorized::vectorized;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -11,15 +12,16 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-/// Columns eliminated before the others are updated.
+/// Number of columns eliminated before the remaining columns are updated.
 const BLOCK: usize = 64;
-/// Columns updated by one thread: a fixed division, for the same bits.
+/// Number of columns that a thread updates at a time. It is fixed, so that the bits do not depend on the number of
+/// threads.
 pub(super) const TILE: usize = 128;
-/// Rows that one thread solves below a block.
+/// Number of rows below a block that a thread solves at a time.
 const ROWS: usize = 256;
-/// Columns of L in one update.
+/// Number of columns of L in one update.
 const DEPTH: usize = 256;
-/// Smallest number of rows below a tile at which its rows of L are copied contiguously: in place, neighbours in a row
+/// Smallest number of rows below a tile for which its rows of L are copied contiguously. In place, neighbours in a row
 /// are pages apart, and the product reads each row many times.
 const TALL: usize = 512;
 
@@ -28,9 +30,9 @@ pub(super) fn scratch() -> Option<MemBuffer> {
     MemBuffer::try_new(cholesky_in_place_scratch::<f64>(BLOCK, Par::Seq, Default::default())).ok()
 }
 
-/// Overwrites the lower part of `panel`, (height, width) by columns, with that of L.
+/// Overwrites the lower trapezoid of `panel`, (height, width) by columns, with L.
 ///
-/// Fails with the column whose pivot does not have its sign.
+/// Fails with the first column whose pivot does not have the sign given in `signs`.
 pub(super) fn eliminate(panel: &mut [f64], height: usize, signs: &[f64], scratch: &mut MemBuffer) -> Result<(), usize> {
     let width = panel.len() / height;
     for first in (0..width).step_by(BLOCK) {
@@ -72,9 +74,9 @@ fn has_negative(signs: &[f64]) -> bool {
     signs.iter().any(|&sign| sign < 0.0)
 }
 
-/// Overwrites the lower triangle of a square block, whose columns are `height` apart, with that of L, column by column.
+/// Overwrites the lower triangle of a square block, whose columns are `height` apart, with L, column by column.
 ///
-/// Fails with the column whose pivot does not have its sign.
+/// Fails with the first column whose pivot does not have the sign given in `signs`.
 fn eliminate_signed(block: &mut [f64], height: usize, signs: &[f64]) -> Result<(), usize> {
     let count = signs.len();
     vectorized(
@@ -100,7 +102,8 @@ fn eliminate_signed(block: &mut [f64], height: usize, signs: &[f64]) -> Result<(
     )
 }
 
-/// Overwrites `rest` with −L₂SL₂ᵀ for the rows of L below its first `width`, as `merge` reads it.
+/// Overwrites `rest` with the update matrix −L₂SL₂ᵀ in the storage of `merge`; L₂ are the rows of L below its first
+/// `width`.
 pub(super) fn write_update(panel: &[f64], height: usize, signs: &[f64], mut rest: &mut [f64]) {
     let width = panel.len() / height;
     let mut tiles = Vec::new();
@@ -114,7 +117,8 @@ pub(super) fn write_update(panel: &[f64], height: usize, signs: &[f64], mut rest
         .for_each(|(from, tile)| subtract_square(panel, height, signs, from, tile, from, Accum::Replace));
 }
 
-/// Subtracts L S Lᵀ from columns of a symmetric matrix from `from` on, without their first `skipped` rows.
+/// Subtracts L S Lᵀ from columns of a symmetric matrix. They begin at column `from` and are stored without their first
+/// `skipped` rows.
 fn subtract_square(
     l: &[f64],
     height: usize,
@@ -153,9 +157,9 @@ fn subtract_square(
     }
 }
 
-/// Overwrites `rows` with `count` rows of columns that are `height` long, one row after the other.
+/// Overwrites `rows` with `count` rows, from row `from` on, of columns of length `height`; each row is contiguous.
 fn copy_rows(columns: &[f64], height: usize, from: usize, count: usize, rows: &mut Vec<f64>) {
-    /// Columns at a time: those of a line of the cache.
+    /// Number of columns copied together: a cache line holds their entries of a row.
     const FEW: usize = 8;
     let width = columns.len() / height;
     rows.resize(width * count, 0.0);
@@ -193,7 +197,7 @@ mod tests {
         (0..WIDTH).map(|k| if is_negative(k) { -1.0 } else { 1.0 }).collect()
     }
 
-    /// Some tiles are tall, some not, and the columns are taken off in two steps.
+    /// Some tiles are tall, some are not, and the update takes two steps of `DEPTH` columns.
     #[test]
     fn a_large_front_is_that_of_its_products() {
         for signs in [signs(|_| false), signs(|k| k % 3 == 1), signs(|k| k == 2 * BLOCK), signs(|_| true)] {

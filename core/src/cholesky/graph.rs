@@ -1,20 +1,20 @@
-//! The graph of a matrix with columns of equal pattern merged, and its elimination tree.
+//! The graph of a matrix, with columns of equal pattern merged into blocks, and its elimination tree.
 
-/// Marks a root of a forest.
+/// Index that means "none", such as the parent of a root.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Blocks of consecutive columns, such as the dofs of a node, that have all rows in common.
+/// Graph whose vertices are blocks: consecutive columns with the same pattern, such as the dofs of a node.
 pub struct Graph {
-    /// First column of each block; the number of columns at the end.
+    /// First column of each block, and the number of columns at the end.
     pub(super) first: Vec<usize>,
-    /// Where each block's neighbours begin in `below`.
+    /// Index in `below` of each block's first neighbour.
     start: Vec<usize>,
     below: Vec<u32>,
 }
 
 impl Graph {
-    /// Makes the graph of blocks with the given first columns, followed by the number of columns. `rows` appends the
-    /// rows of a block's first column; rows above it are allowed.
+    /// Makes the graph. `first` has the first column of each block and, at the end, the number of columns. `rows`
+    /// appends the rows of a block's first column; rows above it are allowed.
     pub fn new(first: Vec<usize>, mut rows: impl FnMut(usize, &mut Vec<usize>)) -> Self {
         let count = first.len() - 1;
         let mut block_of = vec![0; first[count]];
@@ -44,12 +44,12 @@ impl Graph {
         self.first.len() - 1
     }
 
-    /// Columns of a block.
+    /// Number of columns in a block.
     pub(super) fn weight(&self, block: usize) -> usize {
         self.first[block + 1] - self.first[block]
     }
 
-    /// Neighbours that are eliminated later.
+    /// Neighbours of a block that are eliminated after it.
     pub(super) fn below(&self, block: usize) -> &[u32] {
         &self.below[self.start[block]..self.start[block + 1]]
     }
@@ -73,7 +73,7 @@ impl Graph {
         (start, above)
     }
 
-    /// Parent of each block in the elimination tree (Liu 1990), and rows below each block's columns in L.
+    /// Parent of each block in the elimination tree (Liu 1990), and the number of rows of L below each block.
     pub(super) fn elimination_tree(&self) -> (Vec<u32>, Vec<usize>) {
         let (start, above) = self.transposed();
         let mut parent = vec![NONE; self.len()];

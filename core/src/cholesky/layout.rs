@@ -1,25 +1,25 @@
-//! Storage of a supernode's columns of L: panels of a few columns, without the rows above them, in one stream.
+//! Storage of a supernode's columns of L in one array: panels of up to `PANEL` columns, without the rows above them.
 //!
-//! In a panel the rows of its pivots come first, then the rows below in blocks; each block is stored by columns.
+//! A panel has the rows of its pivots first, then the rows below in blocks of `ROWS`; each block is stored by columns.
 
-/// Columns stored side by side.
+/// Number of columns in a panel.
 pub(super) const PANEL: usize = 8;
-/// Rows stored at a time.
+/// Number of rows in a block.
 pub(super) const ROWS: usize = 8;
 
-/// Some of a supernode's columns.
+/// A panel: `count` columns of a supernode.
 pub(super) struct Panel {
-    /// First of them, which is also the first row stored.
+    /// First column, relative to the supernode; it is also the first stored row.
     pub(super) first: usize,
     pub(super) count: usize,
-    /// Rows stored.
+    /// Number of stored rows.
     pub(super) height: usize,
-    /// Offset among the supernode's numbers.
+    /// Index of the panel's first number among the numbers of the supernode.
     pub(super) at: usize,
 }
 
 impl Panel {
-    /// Copies one of its columns out of the panel's numbers, from its pivot on.
+    /// Copies column `k` of the panel, from its pivot down, out of the panel's numbers.
     pub(super) fn column(&self, numbers: &[f64], k: usize, to: &mut Vec<f64>) {
         to.clear();
         let (own, below) = numbers.split_at(self.count * self.count);
@@ -31,23 +31,24 @@ impl Panel {
     }
 }
 
-/// The panels of a supernode.
+/// The panels of a supernode with `width` columns and `height` rows.
 pub(super) fn panels(width: usize, height: usize) -> impl DoubleEndedIterator<Item = Panel> {
     (0..width).step_by(PANEL).map(move |first| Panel {
         first,
         count: PANEL.min(width - first),
         height: height - first,
-        // Every panel before is whole, and its columns are PANEL shorter than those before it.
+        // All previous panels have PANEL columns; the columns of each panel are PANEL shorter than those of the
+        // previous one.
         at: first * height - first * (first - PANEL.min(first)) / 2,
     })
 }
 
-/// Numbers that a supernode has.
+/// Number of f64 values stored for a supernode.
 pub(super) fn size(width: usize, height: usize) -> usize {
     panels(width, height).next_back().map_or(0, |last| last.at + last.count * last.height)
 }
 
-/// Appends a supernode's columns, each `height` long.
+/// Appends a supernode's columns, each `height` long, as panels.
 pub(super) fn store(columns: &[f64], height: usize, to: &mut Vec<f64>) {
     let width = columns.len() / height;
     for panel in panels(width, height) {

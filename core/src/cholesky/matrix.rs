@@ -1,20 +1,20 @@
-//! A symmetric matrix to be factored, given by its columns one at a time.
+//! A symmetric matrix to be factored; its columns are read one at a time.
 
 use super::graph::Graph;
 
-/// Overwrites a list with the entries of a column on and below the diagonal: row and value, in no particular order.
+/// Overwrites a list with (row, value) of a column's entries on and below the diagonal, in no particular order.
 pub type Reader<'a> = Box<dyn FnMut(usize, &mut Vec<(usize, f64)>) + Send + 'a>;
 
 pub trait Matrix: Sync {
     fn graph(&self) -> Graph;
 
-    /// Each thread reads by one of its own.
+    /// Returns a reader of columns; each thread has its own.
     fn reader(&self) -> Reader<'_>;
 
-    /// Whether the pivot of a column is negative; always the same answer.
+    /// Whether the pivot of a column is negative. The answer must not change between calls.
     ///
-    /// In a quasi-definite matrix [[K, Gᵀ], [G, −C]], K and C positive definite, these are the columns of −C, in any order of
-    /// elimination (Vanderbei 1995).
+    /// In a quasi-definite matrix [[K, Gᵀ], [G, −C]], K and C positive definite, these are the columns of −C, in every
+    /// order of elimination (Vanderbei 1995).
     fn is_negative(&self, _column: usize) -> bool {
         false
     }

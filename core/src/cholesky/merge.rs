@@ -4,37 +4,39 @@ use super::front::TILE;
 use crate::vectorized::vectorized;
 use std::ops::Range;
 
-/// Rows consecutive in both the child and the parent.
+/// Rows that are consecutive in both the child (from `from`) and the parent (from `to`).
 pub(super) struct Run {
     from: usize,
     to: usize,
     len: usize,
 }
 
-/// Number of entries of a lower triangle stored by panels, without the rows above them.
+/// Number of entries of a lower triangle that is stored by panels of `TILE` columns, without the rows above each panel.
 pub(super) fn triangle(order: usize) -> usize {
     (0..order).step_by(TILE).map(|first| TILE.min(order - first) * (order - first)).sum()
 }
 
-/// Offset of a triangle's column, and its first row.
+/// Index at which column `at` begins in the storage of [`triangle`], and the first stored row of this column.
 fn column(at: usize, order: usize) -> (usize, usize) {
     let first = at - at % TILE;
-    // Every tile before is whole, and its columns are TILE shorter than those before it.
+    // All previous tiles have TILE columns; the columns of each tile are TILE shorter than those of the previous one.
     let tile = first * order - first * (first - TILE.min(first)) / 2;
     (tile + (at - first) * (order - first), first)
 }
 
-/// The update matrix of a child (lower triangle, by columns), and the positions of its rows in the parent.
+/// The update matrix of a child, a lower triangle stored by columns, and the positions of its rows in the parent.
 pub(super) struct Child<'a> {
     pub(super) values: &'a [f64],
     pub(super) order: usize,
-    /// Its runs among those of all children, and how many of them are columns that the parent eliminates.
+    /// Indices of its runs in the list of all children's runs. The first `eliminated` runs are columns that the parent
+    /// eliminates.
     runs: Range<usize>,
     eliminated: usize,
 }
 
 impl<'a> Child<'a> {
-    /// Makes the child from its rows; `local` maps them to rows of the parent, which eliminates the first `width`.
+    /// Makes the child from its rows; `local` maps them to rows of the parent, which eliminates its first `width`
+    /// columns.
     pub(super) fn new(values: &'a [f64], rows: &[u32], local: &[u32], width: usize, runs: &mut Vec<Run>) -> Self {
         let start = runs.len();
         let mut eliminated = 0;
@@ -51,12 +53,13 @@ impl<'a> Child<'a> {
         Self { values, order: rows.len(), runs: start..runs.len(), eliminated }
     }
 
-    /// Adds the columns that the parent eliminates to its panel.
+    /// Adds to the parent's panel the columns that the parent eliminates.
     pub(super) fn add_to_panel(&self, runs: &[Run], panel: &mut [f64], height: usize) {
         self.add(&runs[self.runs.clone()], 0..self.eliminated, panel, 0, |at| (at * height, 0));
     }
 
-    /// Adds the other columns to the parent's update matrix, whose rows follow the first `width`.
+    /// Adds the remaining columns to the parent's update matrix, whose rows follow the first `width` rows of the
+    /// parent.
     pub(super) fn add_to_rest(&self, runs: &[Run], rest: &mut [f64], height: usize, width: usize) {
         let columns = self.eliminated..self.runs.len();
         self.add(&runs[self.runs.clone()], columns, rest, width, |at| column(at, height - width));

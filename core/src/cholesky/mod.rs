@@ -1,11 +1,12 @@
-//! Sparse Cholesky factorization, its solves, and its trailing block: supernodes of the elimination tree by the
-//! multifrontal method, over `faer`'s dense kernels.
+//! Sparse Cholesky factorization by the multifrontal method: supernodes of the elimination tree, eliminated with
+//! `faer`'s dense kernels; substitution, and the trailing block of the factor.
 //!
-//! Besides positive definite matrices it takes those whose pivots have signs that are known before: A = L S Lᵀ, S diagonal
-//! with entries 1 and −1. A quasi-definite matrix [[K, Gᵀ], [G, −C]], K and C positive definite, has this factor in every
-//! order of its columns (R. J. Vanderbei, "Symmetric quasidefinite matrices", SIAM J. Optim. 5, 1995). No pivot is searched
-//! for, so that the order decides how accurate it is (Gill, Saunders and Shinnerl 1996): an entry of C that is small beside
-//! G K⁻¹ Gᵀ makes the numbers grow if its column comes before those of K that G couples it with, and not if it comes after.
+//! The matrix is positive definite, or its pivots have known signs: A = L S Lᵀ, S diagonal with entries 1 and −1. A
+//! quasi-definite matrix [[K, Gᵀ], [G, −C]], K and C positive definite, has this factor in every order of its columns
+//! (R. J. Vanderbei, "Symmetric quasidefinite matrices", SIAM J. Optim. 5, 1995). There is no pivoting, so accuracy
+//! depends on the order (Gill, Saunders and Shinnerl 1996). An entry of C that is small relative to G K⁻¹ Gᵀ makes
+//! entries of L grow if its column precedes the columns of K that G couples with it. If its column follows them,
+//! entries do not grow.
 
 mod buffer;
 mod entry;
@@ -33,10 +34,10 @@ use std::sync::Arc;
 use substitution::Schedule;
 use tree::Tree;
 
-/// Nanoseconds of work that are not shared out.
+/// Smallest work, in nanoseconds, of a subtree that is divided among threads.
 const LEAST: f64 = 3e5;
 
-/// The pattern of L.
+/// The pattern of L, and the plans for the factorization and the substitution.
 #[derive(Clone)]
 pub struct Analysis(Arc<Pattern>);
 
@@ -48,7 +49,7 @@ struct Pattern {
 }
 
 impl Analysis {
-    /// Errors: `OutOfMemory` if there are more columns than 32 bits can number.
+    /// Analyses the pattern of a matrix. Returns `OutOfMemory` if 32 bits cannot number the columns.
     pub fn new(matrix: &impl Matrix) -> Result<Self, FactorError> {
         let tree = Tree::new(&matrix.graph())?;
         let parts = Parts::new(&tree.parent, &tree.work(), LEAST);
@@ -57,13 +58,14 @@ impl Analysis {
         Ok(Self(Arc::new(Pattern { tree, parts, plan, schedule })))
     }
 
-    /// Refuses a factor for whose numbers there is no room, in bytes.
+    /// Returns an error if the factorization needs more than `room` bytes.
     pub fn require_room(&self, room: usize) -> Result<(), FactorError> {
         let bytes = self.0.plan.bytes(&self.0.parts, rayon::current_num_threads());
         if bytes <= room { Ok(()) } else { Err(FactorError::TooLarge { bytes, room }) }
     }
 
-    /// A = L S Lᵀ on all threads, with the signs S that the matrix gives; the bits do not depend on their number.
+    /// A = L S Lᵀ on all threads, with the signs S that the matrix gives. The bits do not depend on the number of
+    /// threads.
     pub fn factorize(&self, matrix: &impl Matrix) -> Result<Factor, FactorError> {
         let Pattern { tree, parts, plan, .. } = &*self.0;
         let (values, weakest_pivot) = numeric::factorize(tree, parts, plan, matrix)?;
@@ -72,10 +74,10 @@ impl Analysis {
     }
 }
 
-/// A = L S Lᵀ with the columns in the order given; S is 1 where all pivots are positive.
+/// A = L S Lᵀ with the columns in the given order; S = 1 if all pivots are positive.
 pub struct Factor {
     pattern: Arc<Pattern>,
-    /// The numbers of L by parts.
+    /// The numbers of L, by part.
     values: Vec<Vec<f64>>,
     /// Columns where S is −1.
     negative: Vec<u32>,
@@ -93,26 +95,26 @@ impl Factor {
 
     /// The column with the smallest ratio |pivot|/|diagonal entry|, and this ratio.
     ///
-    /// Near the unit roundoff the pivot is rounding: the matrix is singular to working precision. After columns of the
-    /// other sign a pivot may exceed its diagonal entry, and the ratio does not show the cancellation.
+    /// A ratio near the unit roundoff means that the matrix is singular to working precision. After columns of the
+    /// other sign, a pivot may exceed its diagonal entry; the ratio then does not show the cancellation.
     pub fn weakest_pivot(&self) -> WeakestPivot {
         self.weakest_pivot
     }
 
-    /// Entries stored for L.
+    /// Number of stored entries of L.
     pub fn entries(&self) -> usize {
         self.pattern.plan.entries()
     }
 
-    /// Multiplications and additions that the factorization takes; zeros that are stored for speed are not counted.
+    /// Number of multiplications and additions of the factorization; zeros that are stored for speed are not counted.
     pub fn flops(&self) -> f64 {
         self.pattern.tree.flops
     }
 
-    /// Overwrites `rhs`, one vector or several one after the other, with S L⁻¹ times each: with L⁻¹ where all pivots are
-    /// positive. [`backward`](Self::backward) then gives A⁻¹ times each.
+    /// Overwrites each vector in `rhs` (one vector, or several one after the other) with S L⁻¹ times it; S = 1 if all
+    /// pivots are positive. [`backward`](Self::backward) then gives A⁻¹ times the original vector.
     ///
-    /// Of several each has the bits that it has beside any others.
+    /// If there are several vectors, the bits of each do not depend on the others.
     pub fn forward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         if rhs.len() != self.len() {
             return self.side_by_side(rhs, |lanes| self.run_forward(lanes));
@@ -121,7 +123,7 @@ impl Factor {
         Ok(())
     }
 
-    /// Overwrites `rhs`, one vector or several one after the other, with L⁻ᵀ times each.
+    /// Overwrites each vector in `rhs` (one vector, or several one after the other) with L⁻ᵀ times it.
     pub fn backward(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         if rhs.len() != self.len() {
             return self.side_by_side(rhs, |lanes| self.run_backward(lanes));
@@ -130,7 +132,8 @@ impl Factor {
         Ok(())
     }
 
-    /// Overwrites vectors one after the other with A⁻¹ times each, with the bits that it has beside any others, or alone.
+    /// Overwrites each of several vectors, one after the other, with A⁻¹ times it. The bits of each vector do not
+    /// depend on the others or on their number.
     pub fn solve_side_by_side(&self, rhs: &mut [f64]) -> Result<(), FactorError> {
         self.side_by_side(rhs, |lanes| {
             self.run_forward(lanes);
@@ -167,9 +170,9 @@ impl Factor {
         Ok(())
     }
 
-    /// The last `size` rows and columns of L: the Cholesky factor of the Schur complement onto them.
+    /// The last `size` rows and columns of L: a factor of the Schur complement of the columns before.
     ///
-    /// The Schur complement is L S Lᵀ of these, and the signs S are those of its own columns, whatever those before have.
+    /// The Schur complement is L S Lᵀ with this block as L and the signs S of the last columns.
     pub fn trailing_block(&self, size: usize) -> Result<Mat<f64>, FactorError> {
         let Pattern { tree, parts, .. } = &*self.pattern;
         let first = self.len() - size;

@@ -1,4 +1,4 @@
-//! The multifrontal method (Duff & Reid 1983): the update matrix of each supernode is added to the front of its parent.
+//! The multifrontal method (Duff & Reid 1983): each supernode's update matrix is added to the front of its parent.
 
 use super::buffer::Buffer;
 use super::error::FactorError;
@@ -11,18 +11,18 @@ use super::{front, layout};
 use faer::dyn_stack::MemBuffer;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Sizes of the factor and of its workspace, from the pattern.
+/// Sizes of the factor and of its workspace, determined from the pattern; numbers of f64 where no unit is given.
 pub(super) struct Plan {
-    /// Entries of L of each part.
+    /// Number of entries of L in each part.
     entries: Vec<usize>,
-    /// Entries of the update matrices of each part's roots.
+    /// Number of entries in the update matrices of each part's roots.
     left: Vec<usize>,
-    /// Largest size of the two stacks of update matrices of each part, for supernodes of even and of odd depth.
+    /// Largest sizes of each part's two stacks of update matrices, for supernodes of even and of odd depth.
     ///
-    /// The update matrices of a supernode's children are on top of one stack when it pushes its own on the other.
+    /// When a supernode pushes its update matrix on one stack, the matrices of its children are on top of the other.
     stacks: Vec<[usize; 2]>,
     odd: Vec<bool>,
-    /// Largest panel of each part, including its upper triangle.
+    /// Size of the largest panel in each part, including its upper triangle.
     panels: Vec<usize>,
 }
 
@@ -57,9 +57,10 @@ impl Plan {
         plan
     }
 
-    /// Largest memory in bytes: of L, of waiting update matrices, and of the workspace of each thread.
+    /// Peak memory in bytes: L, update matrices that wait for their parents, and the workspace of each thread.
     pub(super) fn bytes(&self, parts: &Parts, threads: usize) -> usize {
-        // Largest size of waiting update matrices below each part: all at once, and for one thread in order.
+        // Largest size of waiting update matrices below each part: if all parts wait at once, and if one thread works
+        // in order.
         let (mut all, mut ordered) = (vec![0; self.left.len()], vec![0; self.left.len()]);
         let (mut at_roots, mut most_ordered) = (0, 0);
         for (index, part) in parts.0.iter().enumerate() {
@@ -88,24 +89,25 @@ impl Plan {
     }
 }
 
-/// Entries of the update matrix of a supernode.
+/// Number of entries in the update matrix of a supernode.
 fn left(tree: &Tree, s: usize) -> usize {
     triangle(tree.below(s).len())
 }
 
-/// A column and the ratio of its pivot to its diagonal entry.
+/// A column, and the ratio |pivot|/|diagonal entry| in it.
 pub(super) type WeakestPivot = (usize, f64);
 
 const NO_PIVOT: WeakestPivot = (0, f64::INFINITY);
 
-/// The smaller ratio of two; of equal ones the first column.
+/// The pair with the smaller ratio; if the ratios are equal, the pair with the first column.
 fn weaker(one: WeakestPivot, other: WeakestPivot) -> WeakestPivot {
     if one.1 < other.1 || (one.1 == other.1 && one.0 <= other.0) { one } else { other }
 }
 
-/// The numbers of L by parts, and the weakest pivot.
+/// The numbers of L by part, and the weakest pivot.
 ///
-/// Fails with the first column in the order of elimination whose pivot does not have its sign, of the first part that has one.
+/// Fails with a column whose pivot does not have the sign that the matrix gives: the smallest of the columns at which
+/// parts fail.
 pub(super) fn factorize(
     tree: &Tree,
     parts: &Parts,
@@ -141,7 +143,7 @@ pub(super) fn factorize(
     failed.map_or(Ok((all, weakest)), Err)
 }
 
-/// The error to report of two, independent of their order in time.
+/// The more severe of two errors, or the smaller column. The result does not depend on which error occurred first.
 fn worse(one: Option<FactorError>, other: FactorError) -> FactorError {
     match (one, other) {
         (Some(FactorError::NotPositiveDefinite { column: a }), FactorError::NotPositiveDefinite { column: b }) => {
@@ -156,24 +158,24 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A part whose columns are eliminated.
+/// A part after elimination: its numbers of L and its weakest pivot.
 struct Done {
     values: Vec<f64>,
     weakest: WeakestPivot,
-    /// Update matrices of its roots.
+    /// Update matrices of the part's roots.
     left: Buffer,
 }
 
 /// Workspace of one thread.
 struct Workspace<'a> {
     read: Reader<'a>,
-    /// Entries of a column.
+    /// Entries (row, value) of the column that was read last.
     entries: Vec<(usize, f64)>,
-    /// Diagonal entries of the matrix in the present supernode.
+    /// Diagonal entries of the matrix in the current supernode.
     diagonal: Vec<f64>,
-    /// The signs of its pivots.
+    /// Signs of the pivots in the current supernode.
     signs: Vec<f64>,
-    /// Row in the present supernode of each postorder index.
+    /// Row in the current supernode for each postorder index.
     local: Vec<u32>,
     scratch: MemBuffer,
     runs: Vec<Run>,
@@ -185,7 +187,7 @@ struct Job<'a> {
     plan: &'a Plan,
     matrix: &'a dyn Matrix,
     workspaces: Mutex<Vec<Workspace<'a>>>,
-    /// Buffers whose numbers are no longer needed.
+    /// Buffers for reuse.
     spare: Mutex<Vec<Buffer>>,
     done: Vec<Mutex<Option<Result<Done, FactorError>>>>,
 }
@@ -210,7 +212,7 @@ impl<'a> Job<'a> {
         })
     }
 
-    /// The smallest buffer that is large enough, whatever stands in it.
+    /// The smallest spare buffer that is large enough, or a new one. A spare buffer has arbitrary content.
     fn buffer(&self, len: usize) -> Result<Buffer, FactorError> {
         if len == 0 {
             return Buffer::new(0);

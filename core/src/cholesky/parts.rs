@@ -1,6 +1,6 @@
-//! Division of the supernodes among threads: whole subtrees, and single supernodes above them.
+//! Division of the supernodes into parts, which threads process: whole subtrees, and single supernodes above them.
 //!
-//! The division does not depend on the number of threads, nor do the sums between parts.
+//! The division, and the order of sums between parts, do not depend on the number of threads.
 
 use super::graph::NONE;
 use rayon::Scope;
@@ -8,26 +8,26 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Largest share of the work of one part: small enough for the threads of a large machine.
+/// Largest work of a part relative to all work: small enough for machines with many threads.
 const PART: f64 = 1.0 / 32.0;
 
-/// A part: consecutive supernodes, and where its results go.
+/// A part: consecutive supernodes, with its parent and children in the tree of parts.
 pub(super) struct Part {
     pub(super) supernodes: Range<usize>,
-    /// Its supernodes whose parents are in another part.
+    /// Supernodes of this part whose parents are in another part.
     pub(super) roots: Vec<usize>,
-    /// The part of those parents, or [`NONE`].
+    /// The part that contains the parents of `roots`, or [`NONE`].
     pub(super) parent: u32,
-    /// Parts whose parent this is, in order.
+    /// Parts whose `parent` is this part, in order.
     pub(super) children: Vec<usize>,
 }
 
 pub(super) struct Parts(pub(super) Vec<Part>);
 
 impl Parts {
-    /// Divides a postordered tree; `work` is the cost of each supernode.
+    /// Divides a postordered tree; `work` is the estimated cost of each supernode.
     ///
-    /// Subtrees with less work than `least` are not split: starting threads would cost more.
+    /// Subtrees with less work than `least` are not divided: starting threads would cost more.
     pub(super) fn new(parent: &[u32], work: &[f64], least: f64) -> Self {
         let count = parent.len();
         let mut whole = work.to_vec();
@@ -42,7 +42,7 @@ impl Parts {
         let total: f64 = work.iter().sum();
         let limit = if total < 4.0 * least { f64::INFINITY } else { least.max(PART * total) };
         let mut parts: Vec<Part> = Vec::new();
-        // The work of the last part, if siblings may join it, and their parent.
+        // The work of the last part and the parent of its roots, if siblings may join the part.
         let mut open: Option<(f64, u32)> = None;
         for s in 0..count {
             if whole[s] > limit {

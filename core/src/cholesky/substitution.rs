@@ -1,7 +1,7 @@
 //! Forward and backward substitution, parallel over the parts of the elimination tree.
 //!
-//! Its time is bound by reading L once in each direction. One core cannot read at the full memory speed; several
-//! right-hand sides share one reading.
+//! Its time is determined by reading L once in each direction. One core cannot use the full memory bandwidth. Several
+//! right-hand sides are solved together, so that L is read once for all of them.
 
 use super::entry::Entry;
 use super::layout;
@@ -10,32 +10,32 @@ use super::tree::Tree;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// The share of each part.
+/// The data of each part for the substitution.
 pub(super) struct Schedule(Vec<Share>);
 
-/// Supernodes in elimination order, over the rows that they touch.
+/// The data of one part: its supernodes in elimination order, and the rows that they touch.
 struct Share {
     supernodes: Vec<Supernode>,
-    /// Places of its own rows.
+    /// Postorder indices of the part's own rows.
     own: Range<usize>,
-    /// Own rows, and those below that belong to parts above.
+    /// Number of rows: the part's own rows, then the rows below that belong to parts above.
     rows: usize,
-    /// Rows of the parent part that those below are.
+    /// Position in the parent part's rows of each row that belongs to a part above.
     above: Vec<u32>,
-    /// Rows below each supernode's columns, one supernode after the other.
+    /// Rows below each supernode's columns, as positions in the part's rows, one supernode after the other.
     below: Vec<u32>,
-    /// Most rows of a supernode.
+    /// Largest number of rows in a supernode.
     tallest: usize,
 }
 
 struct Supernode {
-    /// Where its columns begin in the part's L.
+    /// Index of the supernode's first number in the part's L.
     values: usize,
     columns: usize,
     height: usize,
-    /// Row of its first column.
+    /// Position of its first column in the part's rows.
     first: usize,
-    /// Where its rows begin in `below`.
+    /// Index in `below` of its first row.
     below: usize,
 }
 
@@ -64,7 +64,7 @@ impl Schedule {
         Self(shares)
     }
 
-    /// Overwrites `rhs` with L⁻¹ times it.
+    /// Overwrites `rhs` with L⁻¹·rhs.
     pub(super) fn forward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Vec<f64>], rhs: &mut [E]) {
         let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
         let given = &*rhs;
@@ -85,7 +85,7 @@ impl Schedule {
         self.put(tree, &done, rhs);
     }
 
-    /// Overwrites `rhs` with L⁻ᵀ times it.
+    /// Overwrites `rhs` with L⁻ᵀ·rhs.
     pub(super) fn backward<E: Entry>(&self, tree: &Tree, parts: &Parts, values: &[Vec<f64>], rhs: &mut [E]) {
         let done: Vec<OnceLock<Vec<E>>> = self.0.iter().map(|_| OnceLock::new()).collect();
         let given = &*rhs;
@@ -112,7 +112,8 @@ impl Schedule {
 }
 
 impl Share {
-    /// `local` is all `u32::MAX` for the places above, and is left so. Returns the places of those with it.
+    /// Returns the part's data, and the postorder indices of its rows that belong to parts above. For these indices,
+    /// `local` must be `u32::MAX` and is reset to it.
     fn new(tree: &Tree, supernodes: Range<usize>, local: &mut [u32]) -> (Self, Vec<u32>) {
         let own = tree.begin[supernodes.start]..tree.begin[supernodes.end];
         let mut share =
@@ -144,7 +145,8 @@ impl Share {
         (share, foreign)
     }
 
-    /// Solves the rows of the part and adds their contributions to other rows; a sparse vector reads little of L.
+    /// Solves for the part's own rows and adds their contributions to the rows below. Supernodes with a zero right-hand
+    /// side are skipped.
     fn forward<E: Entry>(&self, values: &[f64], vector: &mut [E]) {
         let mut dense = vec![E::ZERO; self.tallest];
         for node in &self.supernodes {
@@ -167,7 +169,7 @@ impl Share {
         }
     }
 
-    /// Solves the rows of the part, given the other rows.
+    /// Solves for the part's own rows, given the rows of parts above.
     fn backward<E: Entry>(&self, values: &[f64], vector: &mut [E]) {
         let mut dense = vec![E::ZERO; self.tallest];
         for node in self.supernodes.iter().rev() {

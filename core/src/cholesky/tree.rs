@@ -1,25 +1,25 @@
-//! Supernodes: columns of L eliminated together, in postorder.
+//! Supernodes (columns of L that are eliminated together) in postorder.
 
 use super::error::FactorError;
 use super::graph::{Graph, NONE};
 
 /// The pattern of L. The postorder index of a column is its position in the order of elimination.
 pub(super) struct Tree {
-    /// Column of the matrix at each place, and the other way round.
+    /// Matrix column of each postorder index (`column`), and the inverse map (`place`).
     pub(super) column: Vec<u32>,
     pub(super) place: Vec<u32>,
-    /// First place of each supernode; the number of columns at the end.
+    /// First postorder index of each supernode, and the number of columns at the end.
     pub(super) begin: Vec<usize>,
-    /// Parent of each supernode, or [`NONE`]; children stand before it.
+    /// Parent of each supernode, or [`NONE`]; children precede their parent.
     pub(super) parent: Vec<u32>,
-    /// First child of each, and the next one of the same parent.
+    /// First child of each supernode, and the next child of the same parent.
     head: Vec<u32>,
     next: Vec<u32>,
-    /// Where each supernode's places begin in `below`.
+    /// Index in `below` of each supernode's first row.
     start: Vec<usize>,
-    /// Places of the rows below each supernode's columns, ascending.
+    /// Postorder indices of the rows below each supernode's columns, ascending.
     below: Vec<u32>,
-    /// Multiplications and additions that the matrix takes; zeros of merged supernodes are not counted.
+    /// Number of multiplications and additions of the factorization; zeros of merged supernodes are not counted.
     pub(super) flops: f64,
 }
 
@@ -51,45 +51,46 @@ impl Tree {
         (self.parent[s] != NONE).then_some(self.parent[s] as usize)
     }
 
-    /// Supernodes whose parent this is, in order.
+    /// Children of a supernode, in order.
     pub(super) fn children(&self, s: usize) -> impl Iterator<Item = usize> + '_ {
         siblings(&self.head, &self.next, s)
     }
 
-    /// Columns of a supernode.
+    /// Number of columns of a supernode.
     pub(super) fn width(&self, s: usize) -> usize {
         self.begin[s + 1] - self.begin[s]
     }
 
-    /// Places of the rows below its columns.
+    /// Postorder indices of the rows below a supernode's columns.
     pub(super) fn below(&self, s: usize) -> &[u32] {
         &self.below[self.start[s]..self.start[s + 1]]
     }
 
-    /// Nanoseconds that each supernode takes, roughly.
+    /// Estimated time in nanoseconds for each supernode.
     pub(super) fn work(&self) -> Vec<f64> {
         (0..self.len()).map(|s| cost(self.width(s), self.below(s).len())).collect()
     }
 
-    /// Rows of a supernode, its columns' own among them.
+    /// Number of rows of a supernode, including the rows of its own columns.
     pub(super) fn height(&self, s: usize) -> usize {
         self.width(s) + self.below(s).len()
     }
 }
 
-/// Blocks of the graph by the supernode that takes them.
+/// Groups of blocks of the graph: the supernodes, before and after merging.
 struct Groups {
     group_of: Vec<u32>,
     parent: Vec<u32>,
-    /// Columns, and rows below them.
+    /// Number of columns in each group, and number of rows below them.
     width: Vec<usize>,
     below: Vec<usize>,
-    /// The group that took this one, or itself.
+    /// The group into which each group was merged; itself if it was not merged.
     into: Vec<u32>,
 }
 
 impl Groups {
-    /// Chains of the elimination tree whose patterns are the same (Liu, Ng and Peyton 1993). Children stand before parents.
+    /// Chains of blocks with the same pattern in the elimination tree (Liu, Ng and Peyton 1993). Children precede their
+    /// parents.
     fn fundamental(graph: &Graph, tree: &[u32], rows: &[usize]) -> Self {
         let mut children = vec![0_u32; graph.len()];
         let mut only = vec![NONE; graph.len()];
@@ -124,7 +125,7 @@ impl Groups {
         groups
     }
 
-    /// Merges children into parents as long as that makes the sum of [`cost`] smaller.
+    /// Merges a child into its parent if that does not increase the sum of [`cost`].
     fn amalgamate(&mut self) {
         let (head, next) = children(&self.parent);
         let mut those = Vec::new();
@@ -141,7 +142,7 @@ impl Groups {
                 }
             }
         }
-        // Whatever took a group stands after it.
+        // A group follows all groups merged into it.
         for group in (0..self.into.len()).rev() {
             self.into[group] = self.into[self.into[group] as usize];
         }
@@ -184,10 +185,12 @@ impl Groups {
     }
 }
 
-/// Estimated nanoseconds to eliminate `width` columns with `below` rows below them and to assemble the update matrix.
+/// Estimated time in nanoseconds to eliminate `width` columns with `below` rows below them and to assemble the update
+/// matrix.
 ///
-/// Measured on one core of 55 GFlop/s: dense kernels are slow on few columns, and each entry is written and read. Zeros
-/// in L are charged more than their time, for their memory: of 160×160 `mitc9` 39.2M entries are as fast as 41.5M.
+/// Fitted to times on a core with 55 GFlop/s: dense kernels are slow with few columns, and each entry is written and
+/// read. Zeros in L cost more here than their time, because they take memory: for 160×160 `mitc9`, 39.2M and 41.5M
+/// entries of L take the same time.
 fn cost(width: usize, below: usize) -> f64 {
     let (k, m) = (width as f64, below as f64);
     let flops = k * (k * k / 3.0 + k * m + m * m);
@@ -210,12 +213,12 @@ fn siblings<'a>(head: &'a [u32], next: &'a [u32], parent: usize) -> impl Iterato
     std::iter::successors(some(head[parent]), move |&child| some(next[child]))
 }
 
-/// Children before parents, every subtree in one piece.
+/// Postorder: children precede parents, and each subtree is contiguous.
 fn postorder(parent: &[u32]) -> Vec<usize> {
     let (head, next) = children(parent);
     let mut order = Vec::with_capacity(parent.len());
     let mut open: Vec<usize> = (0..parent.len()).filter(|&group| parent[group] == NONE).collect();
-    // Read backwards: parents before children, the last child first.
+    // The order is built in reverse: parents before children, the last child first.
     while let Some(group) = open.pop() {
         order.push(group);
         open.extend(siblings(&head, &next, group));
@@ -224,7 +227,8 @@ fn postorder(parent: &[u32]) -> Vec<usize> {
     order
 }
 
-/// Where everything stands, with the rows of each supernode: those of its columns and of its children.
+/// The tree with the rows of each supernode: the union of the rows of its columns and of its children, below its
+/// columns.
 fn places(graph: &Graph, blocks: &[usize], first_block: &[usize], parent: Vec<u32>) -> Tree {
     let mut rank = vec![0_u32; blocks.len()];
     let mut first_place = vec![0_usize; blocks.len() + 1];

@@ -6,31 +6,31 @@ use super::shape::{Shape, serendipity, triangular};
 use std::ops::Mul;
 use std::sync::LazyLock;
 
-/// Coordinates, relative to the first node, of the eight nodes of one element, or of some side by side.
+/// Coordinates of the eight nodes relative to the first one: of one element, or of several elements in SIMD lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<T = f64> {
     pub at: [[T; 2]; 8],
-    /// Whether it is a triangle, which repeats its third corner (`mitc7`).
+    /// Whether it is a triangle, stored with its third corner repeated (`mitc7`).
     pub triangle: bool,
 }
 
-/// The map at one reference point.
+/// Derivatives of the map (ξ, η) → (x, y) at one reference point.
 pub struct Jacobian<T = f64> {
     pub shape: Shape<8>,
-    /// ∂(x, y)/∂(ξ, η): rows ξ and η.
+    /// ∂(x, y)/∂(ξ, η): row 0 has the derivatives with respect to ξ, row 1 with respect to η.
     pub tangent: [[T; 2]; 2],
-    /// ∂(ξ, η)/∂(x, y): inverse[a][b] takes a reference gradient's b-th part to the physical a-th.
+    /// ∂(ξ, η)/∂(x, y): ∂f/∂x_a = Σ_b inverse[a][b] ∂f/∂ξ_b.
     pub inverse: [[T; 2]; 2],
     pub determinant: T,
 }
 
 impl Geometry {
-    /// How far the nodes reach from the first one along an axis.
+    /// Largest |x| or |y| of a node relative to the first node.
     pub fn size(&self) -> f64 {
         self.at.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
     }
 
-    /// Whether the map turns over at a point of the stiffness: 3×3 Gauss points, or seven of a triangle.
+    /// Whether det J ≤ 0 at one of the 3×3 Gauss points, or of a triangle's seven integration points.
     pub fn is_inverted(&self) -> bool {
         static SQUARE: LazyLock<Vec<Shape<8>>> =
             LazyLock::new(|| square(GAUSS_3).map(|(xi, eta, _)| serendipity(xi, eta)).collect());
@@ -45,7 +45,7 @@ impl<T: Number> Geometry<T> {
         self.jacobian_of(if self.triangle { triangular(xi, eta) } else { serendipity(xi, eta) })
     }
 
-    /// The map where the shape functions are known already.
+    /// Jacobian from shape functions that are known already.
     #[inline(always)]
     pub fn jacobian_of(&self, shape: Shape<8>) -> Jacobian<T> {
         let mut t = [[self.at[0][0].like(0.0); 2]; 2];

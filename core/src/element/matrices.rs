@@ -2,37 +2,38 @@
 
 use super::section::Section;
 
-/// Dofs that an element shows to the mesh.
+/// Number of an element's dofs in the mesh.
 pub const DOFS: usize = 24;
-/// Dofs with the centre rotations behind them.
+/// Number of an element's dofs including the two centre rotations, which come last.
 pub const ALL_DOFS: usize = 26;
-/// Entries of the packed lower triangle, row by row.
+/// Number of entries in the packed lower triangle, row by row.
 pub const PACKED: usize = DOFS * (DOFS + 1) / 2;
 
-/// Position of entry (i, j), i ≥ j, in a packed lower triangle.
+/// Index of entry (i, j) = (j, i) in a packed lower triangle.
 #[inline]
 pub fn packed(i: usize, j: usize) -> usize {
     if i >= j { i * (i + 1) / 2 + j } else { j * (j + 1) / 2 + i }
 }
 
-/// Strain rows [κxx, κyy, 2κxy, γx, γy] over the dofs with the centre rotations last.
+/// Rows of the strains [κxx, κyy, 2κxy, γx, γy] over all dofs, the centre rotations last.
 pub type StrainMatrix = [[f64; ALL_DOFS]; 5];
 
-/// Recovery of the condensed centre rotations: θ = compliance·m − coupling·u, with m the couples on them.
+/// Recovery of the condensed centre rotations: θ = compliance·m − coupling·u, with the couples m on them and the nodal
+/// dofs u.
 #[derive(Clone, Debug, Default)]
 pub struct Centre<T = f64> {
     pub coupling: [[T; DOFS]; 2],
     pub compliance: [[T; 2]; 2],
 }
 
-/// The stiffness that the mesh sees, and the centre behind it; a centre of zeros where the element has none.
+/// Stiffness with the centre rotations condensed, and their recovery; zeros if the element has no centre node.
 pub struct Stiffness<T = f64> {
     /// Packed lower triangle, [`PACKED`] entries.
     pub packed: [T; PACKED],
     pub centre: Centre<T>,
 }
 
-/// Adds bᵢᵀ C bⱼ for the first `count` dofs, i ≥ j.
+/// Calls `add(i, j, bᵢᵀ C bⱼ)` for all dofs `count` > i ≥ j, where bⱼ is column j of the strain matrix.
 pub(super) fn add_energy(
     strain: &StrainMatrix,
     section: &Section,

@@ -1,11 +1,10 @@
 //! MITC9 on the 8-node mesh (Bathe, Brezzi & Fortin 1989, Int. J. Num. Meth. Eng. 28, 1787–1801).
 //!
-//! Deflection on the eight serendipity functions, rotations on the nine of Lagrange. The covariant shear lies in
-//! γξ ∈ span{1, ξ, η, ξη, η²} and γη ∈ span{1, ξ, η, ξη, ξ²}; it equals ∇w − θ at the two Gauss points of every edge
-//! (tangential part) and, as a vector in x and y, in its mean over the quadrilateral of the corners. So constant shear and
-//! the moments that grow with it do the work they should whatever the quadrilateral; means of components over the
-//! reference square would do so on parallelograms. On curved sides means over the true element are up to eight times
-//! worse.
+//! The deflection has the eight serendipity functions, rotations the nine of Lagrange. The covariant shear lies in γξ ∈
+//! span{1, ξ, η, ξη, η²} and γη ∈ span{1, ξ, η, ξη, ξ²}. It is tied to ∇w − θ: at the two Gauss points of each edge
+//! (tangential component), and as a vector (x, y) in its mean over the quadrilateral of the corners. Constant shear
+//! then does the exact work on every quadrilateral; with means of γξ, γη over the reference square it would on
+//! parallelograms only. On curved sides, means over the true element have errors up to eight times larger.
 
 use super::quadrature::{GAUSS_3, square};
 use super::shape::{Shape, lagrange, serendipity};
@@ -20,14 +19,15 @@ pub(super) const TIES: usize = 5;
 pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 pub(super) const CENTRE: usize = DOFS;
 
-/// Where component `a` (0: γξ, 1: γη) is tied on the edges: along its own direction at ±1/√3, across at ±1.
+/// Tying point on an edge of component `a` (0: γξ, 1: γη): at ±1/√3 along the component's direction, at ±1 across it.
 fn tying_point(component: usize, tie: usize) -> (f64, f64) {
     let along = if tie % 2 == 0 { -GAUSS } else { GAUSS };
     let across = if tie < 2 { -1.0 } else { 1.0 };
     if component == 0 { (along, across) } else { (across, along) }
 }
 
-/// Interpolation of one component from its four edge values and its mean over the reference square; `along` is ξ for γξ and η for γη.
+/// Interpolation of a component from its four edge values and its mean over the reference square. `along` is ξ for γξ
+/// and η for γη; `across` is the other coordinate.
 #[inline(always)]
 fn interpolation(along: f64, across: f64) -> [f64; TIES] {
     let bubble = 0.75 * (across * across - 1.0);
@@ -43,7 +43,7 @@ fn interpolation(along: f64, across: f64) -> [f64; TIES] {
     ]
 }
 
-/// Both families of shape functions at one reference point, and its weight.
+/// Shape functions of w (`shape`) and θ (`rotation`) at one reference point, and its integration weight.
 pub(super) struct Station {
     pub(super) xi: f64,
     pub(super) eta: f64,
@@ -74,7 +74,7 @@ static TYING_POINTS: LazyLock<[[Station; 4]; 2]> = LazyLock::new(|| {
     })
 });
 
-/// Adds the part of ∇w − θ along a direction in reference coordinates, at one point.
+/// Adds to `row` the component of ∇w − θ along a direction in reference coordinates, at one point.
 #[inline(always)]
 pub(super) fn add_shear_along<T: Number>(
     row: &mut [T; ALL_DOFS],
@@ -100,8 +100,8 @@ pub(super) fn add_shear_along<T: Number>(
     row[CENTRE + 1] -= ty * at.rotation.value[8];
 }
 
-/// The five numbers of each covariant component as rows over all dofs: tied on the edges, then those with which the
-/// mean is right.
+/// Rows over all dofs that give the five parameters of each covariant component: four tied values on the edges, and the
+/// parameter that makes the mean exact.
 #[inline(always)]
 fn ties<T: Number>(geometry: &Geometry<T>) -> [[[T; ALL_DOFS]; TIES]; 2] {
     let number = |value: f64| geometry.at[0][0].like(value);
@@ -133,10 +133,10 @@ fn ties<T: Number>(geometry: &Geometry<T>) -> [[[T; ALL_DOFS]; TIES]; 2] {
     rows
 }
 
-/// How the tangents turn over the element with straight sides between its corners; zeros for a parallelogram.
+/// Skew ratios p = a × c / a × b and q = b × c / a × b of the quadrilateral of the corners; zeros for a parallelogram.
 ///
-/// With its tangents a + cη and b + cξ the physical shear times the area is, in parts along a and b,
-/// a × b times ((1 + pξ)γξ − pηγη, qξγξ + (1 − qη)γη), where p = a × c / a × b and q = b × c / a × b.
+/// The quadrilateral has the tangents a + cη along ξ and b + cξ along η. The scalar products of a and b with the
+/// physical shear times det J are a × b times ((1 + pξ)γξ − pηγη, qξγξ + (1 − qη)γη).
 #[inline(always)]
 fn skew<T: Number>(geometry: &Geometry<T>) -> [T; 2] {
     let [r, s, t, u] = [0, 1, 2, 3].map(|i| geometry.at[i]);
@@ -148,7 +148,7 @@ fn skew<T: Number>(geometry: &Geometry<T>) -> [T; 2] {
     [cross(a, c), cross(b, c)].map(|part| part / cross(a, b))
 }
 
-/// κ = sym ∇θ on nine nodes and the tied shear, both in x and y, at each of the points.
+/// κ = sym ∇θ from nine nodes and the tied shear γ, in x and y, at each given point (ξ, η).
 pub fn strain_matrices<const N: usize>(geometry: &Geometry, at: [(f64, f64); N]) -> [StrainMatrix; N] {
     let rows = ties(geometry);
     at.map(|(xi, eta)| strain_matrix(geometry, &rows, xi, eta))
@@ -167,7 +167,7 @@ fn strain_matrix(geometry: &Geometry, rows: &[[[f64; ALL_DOFS]; TIES]; 2], xi: f
     strain
 }
 
-/// Rows of κ from the gradients of the nine rotation functions; those of the shear are zero.
+/// Rows of κ from the gradients of the nine rotation functions; the shear rows are zero.
 pub(super) fn bending_rows(gradient: [[f64; 2]; 9]) -> StrainMatrix {
     let mut strain = [[0.0; ALL_DOFS]; 5];
     for (i, [x, y]) in gradient.into_iter().enumerate() {
@@ -180,12 +180,12 @@ pub(super) fn bending_rows(gradient: [[f64; 2]; 9]) -> StrainMatrix {
     strain
 }
 
-/// Bending data of one of the 3×3 points.
+/// Data for bending at one integration point.
 #[derive(Clone, Copy)]
 pub(super) struct Point<T = f64> {
     /// Gradients of the nine rotation functions in x and y.
     pub(super) gradient: [[T; 2]; 9],
-    /// Weight times the area that the point stands for.
+    /// Integration weight times det J.
     pub(super) scale: T,
     pub(super) section: Section<T>,
 }
@@ -207,7 +207,8 @@ impl<T: Number> Point<T> {
     }
 }
 
-/// An element with bending and shear apart: bending at the 3×3 points, shear as a form in the ten tied values.
+/// An element with bending and shear kept separate: bending at the integration points, shear as a quadratic form `form`
+/// in the tied values. `rows` (over all dofs) give the tied values.
 pub(super) struct Apart<T = f64> {
     pub(super) points: [Point<T>; 9],
     pub(super) form: [[T; 2 * TIES]; 2 * TIES],
@@ -253,7 +254,7 @@ impl<T: Number> Apart<T> {
         Self { points, form, rows }
     }
 
-    /// Bending alone over all dofs, lower triangle.
+    /// Lower triangle of the bending stiffness over all dofs.
     #[inline(always)]
     pub(super) fn bending(&self) -> [[T; ALL_DOFS]; ALL_DOFS] {
         let mut full = [[self.points[0].scale.like(0.0); ALL_DOFS]; ALL_DOFS];
@@ -264,7 +265,7 @@ impl<T: Number> Apart<T> {
     }
 }
 
-/// Bending by 3×3 points on the rotations; shear as a 10×10 form in the tied values; then the centre is condensed.
+/// Stiffness: bending plus the shear form in the tied values; the centre rotations are condensed.
 #[inline(always)]
 pub(super) fn stiffness<T: Number>(apart: &Apart<T>) -> Stiffness<T> {
     let mut full = apart.bending();
@@ -278,7 +279,7 @@ fn add_bending<T: Number>(full: &mut [[T; ALL_DOFS]; ALL_DOFS], point: &Point<T>
     for i in 0..9 {
         let r = if i < 8 { 3 * i + 1 } else { CENTRE };
         let (x, y) = (point.scale * gradient[i][0], point.scale * gradient[i][1]);
-        // Moments of either slope of the node.
+        // Moments of a unit slope at the node, in x and in y.
         let (mut first, mut second) = ([x; 3], [y; 3]);
         for a in 0..3 {
             first[a] = bending[a][0] * x + bending[a][2] * y;
@@ -295,7 +296,7 @@ fn add_bending<T: Number>(full: &mut [[T; ALL_DOFS]; ALL_DOFS], point: &Point<T>
     }
 }
 
-/// Adds a form in the tied values to the lower triangle on the dofs.
+/// Adds a quadratic form in the tied values to the lower triangle of the stiffness over all dofs.
 #[inline(always)]
 pub(super) fn add_shear<T: Number>(
     full: &mut [[T; ALL_DOFS]; ALL_DOFS],

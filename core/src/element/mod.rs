@@ -1,8 +1,8 @@
-//! Plate elements on the 8-node quadrilateral: 24 dofs, node by node (deflection w, slopes θx, θy); and on the 6-node
-//! triangle, written as a quadrilateral with a collapsed side (`mitc7`).
+//! Plate elements: the 8-node quadrilateral with 24 dofs, node by node (deflection w, slopes θx, θy), and the 6-node
+//! triangle, stored as a quadrilateral with a collapsed side (`mitc7`).
 //!
-//! An element may carry the rotations of a centre node inside itself; they are condensed, so that the mesh never
-//! sees them. Strains come as [κxx, κyy, 2κxy, γx, γy] with κ = sym ∇θ and γ = ∇w − θ.
+//! An element may have two rotations at an inner centre node; they are condensed and are not dofs of the mesh. Strains
+//! are [κxx, κyy, 2κxy, γx, γy] with κ = sym ∇θ and γ = ∇w − θ.
 
 pub mod geometry;
 pub mod kind;
@@ -25,13 +25,14 @@ use pulp::{Arch, Simd, WithSimd};
 pub use section::{Layered, Material, Materials, Section, Sections, Thickness};
 use shape::serendipity;
 
-/// Numbers that the widest register holds.
+/// Largest number of f64 lanes in a vector register.
 const MOST_LANES: usize = 8;
 
 /// An element: geometry, material, sections.
 pub type Made<'a> = (Geometry, &'a Material, Sections<'a>);
 
-/// Stiffness of elements, each put where its number says; those of mitc9 as many at a time as a register holds.
+/// Computes the stiffness of each element and calls `put` with the element's index. Elements of mitc9 are computed in
+/// SIMD lanes.
 pub fn stiffness(kind: Kind, elements: &[Made], mut put: impl FnMut(usize, &Stiffness)) {
     if kind == Kind::Q8r {
         for (at, (geometry, material, sections)) in elements.iter().enumerate() {
@@ -45,7 +46,7 @@ pub fn stiffness(kind: Kind, elements: &[Made], mut put: impl FnMut(usize, &Stif
     }
 }
 
-/// Triangles or quadrilaterals of a list.
+/// Computes the stiffness of the elements `which`, all triangles or all quadrilaterals, in SIMD lanes.
 struct SideBySide<'a, P> {
     triangle: bool,
     which: &'a [usize],
@@ -60,7 +61,7 @@ impl<P: FnMut(usize, &Stiffness)> WithSimd for SideBySide<'_, P> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { triangle, which, elements, put } = self;
         for which in which.chunks(S::F64_LANES) {
-            // Lanes that are left over repeat the last element.
+            // Unused lanes repeat the last element.
             let of = |lane: usize| &elements[which[lane.min(which.len() - 1)]];
             let zero = Lanes::of(simd, |_| 0.0);
             let mut geometry = Geometry { at: [[zero; 2]; 8], triangle };
@@ -112,7 +113,7 @@ impl<P: FnMut(usize, &Stiffness)> WithSimd for SideBySide<'_, P> {
     }
 }
 
-/// Strains at reference points.
+/// Strain matrices of an element at reference points.
 pub fn strain_matrices<const N: usize>(kind: Kind, geometry: &Geometry, at: [(f64, f64); N]) -> [StrainMatrix; N] {
     match kind {
         Kind::Mitc9 if geometry.triangle => mitc7::strain_matrices(geometry, at),
@@ -134,7 +135,7 @@ pub fn rotation_functions(kind: Kind, triangle: bool, xi: f64, eta: f64) -> [f64
     }
 }
 
-/// Work-equivalent forces of the stress-free curvature `[κxx, κyy, κxy]` over [`ALL_DOFS`]: ∫ Bᵀ D κ⁰.
+/// Work-equivalent forces ∫ Bᵀ D κ⁰ of the stress-free curvature `[κxx, κyy, κxy]`, over [`ALL_DOFS`].
 pub fn curvature_load(
     kind: Kind,
     geometry: &Geometry,

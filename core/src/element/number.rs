@@ -1,9 +1,10 @@
-//! Scalar types for element matrices: one number, or one for each of several elements.
+//! Scalar types for element matrices: a number, or a number for each of several elements in SIMD lanes.
 
 use pulp::Simd;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// A number, or one number for each of several elements; each lane has the bits that it has alone.
+/// A number, or a number for each of several elements. A lane has the same bits as the computation of that element
+/// alone.
 pub trait Number:
     Copy
     + Add<Output = Self>
@@ -15,7 +16,7 @@ pub trait Number:
     + AddAssign
     + SubAssign
 {
-    /// The same number for every element.
+    /// `value` in every lane.
     fn like(self, value: f64) -> Self;
 }
 
@@ -26,7 +27,7 @@ impl Number for f64 {
     }
 }
 
-/// Numbers of as many elements as a register has.
+/// A vector register with one number for each element.
 #[derive(Clone, Copy)]
 pub(super) struct Lanes<S: Simd> {
     simd: S,

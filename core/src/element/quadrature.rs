@@ -1,4 +1,4 @@
-//! Gauss–Legendre points and weights on [−1, 1], and Radon's on the triangle.
+//! Gauss–Legendre points and weights on [−1, 1], and Radon's rule on the triangle.
 
 pub const GAUSS_2: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
 
@@ -10,8 +10,8 @@ pub fn square<const N: usize>(rule: [(f64, f64); N]) -> impl Iterator<Item = (f6
     rule.into_iter().flat_map(move |(eta, b)| rule.into_iter().map(move |(xi, a)| (xi, eta, a * b)))
 }
 
-/// Points and weights, of the area, exact to the fifth degree (Radon 1948); two more, without weight, fill the
-/// places of a quadrilateral's.
+/// Points (r, s, weight) of the rule with seven points, exact to the fifth degree (Radon 1948); weights are fractions
+/// of the area. Two points of weight 0 fill the nine places of a quadrilateral.
 pub fn radon() -> [(f64, f64, f64); 9] {
     let root = 15.0_f64.sqrt();
     let (near, far) = ((6.0 - root) / 21.0, (6.0 + root) / 21.0);

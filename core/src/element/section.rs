@@ -1,19 +1,19 @@
-//! The section of a plate at one point: thickness and rigidities.
+//! Sections of a plate at one point: thickness and rigidities.
 
 use super::kind::Kind;
 use super::number::Number;
 
-/// Linear elasticity, isotropic or not.
+/// A linear elastic material, isotropic or anisotropic.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
-    /// Largest Young's modulus: the reference of forces.
+    /// Largest Young's modulus; it scales forces.
     pub young: f64,
     /// Rigidities of a plate of thickness 1.
     pub unit: Section,
 }
 
 impl Material {
-    /// The same in all directions; the shear correction factor is that of the plate.
+    /// Isotropic material; `shear_factor` is κ in the shear rigidity κGh.
     pub const fn isotropic(young: f64, poisson: f64, shear_factor: f64) -> Self {
         let d = young / (12.0 * (1.0 - poisson * poisson));
         let (coupled, twist) = (d * poisson, d * 0.5 * (1.0 - poisson));
@@ -22,19 +22,19 @@ impl Material {
         Self { young, unit: Section { bending, shear: [[s, 0.0], [0.0, s]] } }
     }
 
-    /// The lesser rigidity in bending of x and y; Eh³/12(1−ν²) where there is one.
+    /// Smaller of the bending rigidities in x and y; Eh³/12(1−ν²) if isotropic.
     pub fn bending_rigidity(&self, thickness: f64) -> f64 {
         let unit = &self.unit.bending;
         unit[0][0].min(unit[1][1]) * thickness.powi(3)
     }
 
-    /// The greater rigidity in shear of x and y; κGh where there is one.
+    /// Larger of the shear rigidities in x and y; κGh if isotropic.
     pub fn shear_rigidity(&self, thickness: f64) -> f64 {
         let unit = &self.unit.shear;
         unit[0][0].max(unit[1][1]) * thickness
     }
 
-    /// The section of a plate of one thickness.
+    /// Rigidities for a thickness h: bending times h³, shear times h.
     #[inline(always)]
     pub fn section(&self, thickness: f64) -> Section {
         let cube = thickness * thickness * thickness;
@@ -45,11 +45,11 @@ impl Material {
     }
 }
 
-/// Material of each element.
+/// Materials of a plate, and the material of each element.
 #[derive(Clone, Debug)]
 pub struct Materials {
     all: Vec<Material>,
-    /// Which of them each element is of; empty where there is one.
+    /// Index into `all` for each element; empty if there is one material.
     of: Vec<u32>,
 }
 
@@ -60,7 +60,7 @@ impl From<Material> for Materials {
 }
 
 impl Materials {
-    /// Several materials, and which of them each element is of.
+    /// Several materials, and for each element the index of its material.
     pub const fn several(all: Vec<Material>, of: Vec<u32>) -> Self {
         Self { all, of }
     }
@@ -83,13 +83,13 @@ impl Materials {
         of_each || (self.of.is_empty() && self.all.len() == 1)
     }
 
-    /// Young's modulus, the largest.
+    /// Largest Young's modulus of all materials.
     pub fn young(&self) -> f64 {
         self.all.iter().map(|material| material.young).fold(0.0, f64::max)
     }
 }
 
-/// Rigidities: [mxx, myy, mxy] from [κxx, κyy, 2κxy] and [qx, qy] from [γx, γy].
+/// Rigidities: `bending` maps [κxx, κyy, 2κxy] to [mxx, myy, mxy], `shear` maps [γx, γy] to [qx, qy].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section<T = f64> {
     pub bending: [[T; 3]; 3],
@@ -109,7 +109,7 @@ impl<T: Number> Section<T> {
 }
 
 impl Section {
-    /// Whether every load meets resistance: both matrices symmetric, finite and positive definite.
+    /// Whether both matrices are symmetric, finite and positive definite.
     pub fn resists(&self) -> bool {
         let ([[a, b, c], [_, d, e], [_, _, f]], [[s, t], [_, u]]) = (self.bending, self.shear);
         let symmetric = (0..3).all(|i| (0..i).all(|j| self.bending[i][j] == self.bending[j][i]));
@@ -122,21 +122,21 @@ impl Section {
     }
 }
 
-/// Thickness of a plate at its elements' points, see [`Kind::points`].
+/// Thickness of a plate at the points of its elements, see [`Kind::points`].
 #[derive(Clone, Debug)]
 pub enum Thickness {
     Constant(f64),
     Varying {
-        /// Element after element, its points in their order.
+        /// Thickness at each point, element by element.
         at_points: Vec<f64>,
         layered: Layered,
     },
 }
 
-/// Sections, at each of their points, of elements inside which the thickness jumps.
+/// Sections of the elements inside which the thickness jumps, at each of their points.
 #[derive(Clone, Debug, Default)]
 pub struct Layered {
-    /// In increasing order.
+    /// Numbers of these elements, in increasing order.
     pub element: Vec<usize>,
     pub section: Vec<Section>,
 }
@@ -172,7 +172,7 @@ impl Thickness {
         }
     }
 
-    /// All there are; of an element whose thickness jumps those of its points.
+    /// All thicknesses; an element in which the thickness jumps has its thicknesses at points too.
     pub fn all(&self) -> &[f64] {
         match self {
             Self::Constant(thickness) => std::slice::from_ref(thickness),
@@ -188,7 +188,7 @@ impl Thickness {
         self.all().iter().copied().fold(0.0, f64::max)
     }
 
-    /// Least of an element's points.
+    /// Smallest thickness at an element's points.
     pub fn least_of(&self, kind: Kind, e: usize) -> f64 {
         match self {
             Self::Constant(thickness) => *thickness,
@@ -199,7 +199,7 @@ impl Thickness {
         }
     }
 
-    /// At the first point of an element.
+    /// Thickness at the first point of an element.
     pub fn first(&self, kind: Kind, e: usize) -> f64 {
         match self {
             Self::Constant(thickness) => *thickness,

@@ -1,11 +1,11 @@
-//! Shape functions on the reference square [−1, 1]²: corners counter-clockwise from (−1, −1), midsides from the
-//! one between the first two corners, then (for nine nodes) the centre.
+//! Shape functions on the reference square [−1, 1]². Nodes: corners counter-clockwise from (−1, −1), midsides
+//! counter-clockwise from (0, −1), then (for nine nodes) the centre.
 
-/// Reference coordinates of the nine nodes; the first eight are those of the serendipity family.
+/// Reference coordinates of the nine nodes; the serendipity functions belong to the first eight.
 pub const NODES: [[f64; 2]; 9] =
     [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, 0.0]];
 
-/// Values and reference gradients of N functions at one point.
+/// Values and reference gradients of N shape functions at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape<const N: usize> {
     pub value: [f64; N],
@@ -61,8 +61,8 @@ pub fn lagrange(xi: f64, eta: f64) -> Shape<9> {
     Shape { value, gradient }
 }
 
-/// The quadratic functions of the 6-node triangle at (r, s), 0 ≤ r, s, r + s ≤ 1, in the places of an element whose third
-/// side is collapsed: corners a, b, c, c, midsides ab, bc, c, ca. Those that repeat c are zero.
+/// The quadratic functions of the 6-node triangle at (r, s), 0 ≤ r, s, r + s ≤ 1. They are ordered as in an element
+/// whose third side is collapsed: corners a, b, c, c, midsides ab, bc, c, ca. The functions of the repeated c are zero.
 ///
 /// ```
 /// let shape = signorini_core::element::shape::triangular(0.3, 0.2);
@@ -92,7 +92,8 @@ pub fn is_collapsed(nodes: &[usize; 8]) -> bool {
     nodes[0] == nodes[1] && nodes[0] == nodes[4]
 }
 
-/// Shape functions by node: those of a collapsed side are summed in its first position, so that each dof appears once.
+/// Shape functions by node: the three of a collapsed side are summed in its first position, so that each dof appears
+/// once.
 ///
 /// ```
 /// use signorini_core::element::shape::{gathered, serendipity};
@@ -107,7 +108,8 @@ pub fn gathered<const N: usize>(nodes: &[usize; 8], mut value: [f64; N]) -> [f64
     value
 }
 
-/// The functions of [`triangular`] with the cubic bubble as the ninth, which is the centroid's.
+/// The functions of [`triangular`], corrected to vanish at the centroid, and the cubic bubble 27rs(1 − r − s) as the
+/// ninth.
 pub fn bubbled(r: f64, s: f64) -> Shape<9> {
     let plain = triangular(r, s);
     let l = 1.0 - r - s;

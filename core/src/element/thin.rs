@@ -1,8 +1,8 @@
-//! Thin elements, mitc9 and mitc7, with bending and shear apart.
+//! Thin elements, mitc9 and mitc7, with bending and shear kept separate.
 //!
-//! In the sum of both, bending is lost: shear is (ℓ/h)² times stiffer, and rounding of its entries resists any bending.
-//! Here the strains are formed first, with double-double accuracy, and forces from them: rounding is then relative to the
-//! true moments and shears.
+//! In the sum of both, bending is lost: shear is (ℓ/h)² times stiffer (element size ℓ, thickness h), and the rounding
+//! of its entries acts as a spurious bending stiffness. Here strains are formed first, in double-double, and forces
+//! from the strains. Rounding errors are then relative to the true moments and shears.
 
 use super::geometry::Geometry;
 use super::matrices::{ALL_DOFS, Centre, DOFS, PACKED};
@@ -12,17 +12,17 @@ use super::section::{Material, Sections};
 use crate::double_double::DoubleDouble;
 use faer::{Mat, Side};
 
-/// Tied shears of an element.
+/// Number of tied shears of an element.
 pub const SHEARS: usize = 2 * TIES;
 
-/// Corrections of the condensed centre rotations; each leaves rounding of the one before.
+/// Number of corrections of the condensed centre rotations; each starts from the rounding error of the previous.
 const CENTRE_CORRECTIONS: usize = 2;
 
-/// So much stiffer in shear than in bending over the element a matrix keeps less than eight digits of bending.
+/// If the ratio of shear to bending stiffness is larger, an element's matrix keeps fewer than eight digits of bending.
 const BENDING_LOST: f64 = 1e8;
 
-/// Ratio of the shear stiffness in the matrix of a very thin element to its bending stiffness over the width: large
-/// enough to constrain shear modes, small enough to keep the digits of bending.
+/// Ratio of shear to bending stiffness over the width in the reduced matrix of a very thin element. It is large enough
+/// to constrain shear modes and small enough to keep the digits of bending.
 const SOFT_SHEAR: f64 = 1.0;
 
 fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart {
@@ -30,8 +30,8 @@ fn apart(geometry: &Geometry, material: &Material, sections: Sections) -> Apart 
     if geometry.triangle { mitc7::apart(geometry, section) } else { Apart::of(geometry, section) }
 }
 
-/// Lengths of an element along ξ and η at its centre; for a triangle its longest side, and 4/√3 times its area over
-/// that side, equal if it is equilateral.
+/// Lengths of an element along ξ and η at its centre. For a triangle: its longest side, and 4/√3 times its area over
+/// that side; both are equal if it is equilateral.
 fn lengths(geometry: &Geometry) -> [f64; 2] {
     if geometry.triangle {
         let [a, b, c] = [0, 1, 2].map(|i| geometry.at[i]);
@@ -43,19 +43,19 @@ fn lengths(geometry: &Geometry) -> [f64; 2] {
     geometry.jacobian(0.0, 0.0).tangent.map(|[x, y]| 2.0 * x.hypot(y))
 }
 
-/// The longer side over the shorter.
+/// Longer over shorter of the two [`lengths`].
 fn aspect(geometry: &Geometry) -> f64 {
     let [a, b] = lengths(geometry);
     a.max(b) / a.min(b)
 }
 
-/// By how much rounding of an element's forces grows from its matrix, as the root: the plate's size over the thickness,
-/// times the ratio of the element's sides.
+/// Plate size over thickness, times the aspect ratio of the element. Rounding errors of forces from the element's
+/// matrix grow with its square.
 pub fn slenderness(geometry: &Geometry, thinnest: f64, size: f64) -> f64 {
     aspect(geometry) * size / thinnest
 }
 
-/// Compliance in series with the tied shears where bending would be lost beside their stiffness.
+/// Compliance s in series with each tied shear; `None` if the matrix keeps enough digits of bending.
 fn series(geometry: &Geometry, material: &Material, thinnest: f64) -> Option<f64> {
     let ([a, b], aspect) = (lengths(geometry), aspect(geometry));
     let rigidity = material.bending_rigidity(thinnest);
@@ -64,8 +64,8 @@ fn series(geometry: &Geometry, material: &Material, thinnest: f64) -> Option<f64
     (ratio * aspect * aspect > BENDING_LOST).then(|| 1.0 / (SOFT_SHEAR * across))
 }
 
-/// The matrix for the factor, where the full shear would drown bending: with softer shear. [`shear_springs`] has the
-/// rest of the shear.
+/// Packed matrix with reduced shear, for the factorization; `None` if the full shear leaves enough digits of bending.
+/// [`shear_springs`] returns the remaining shear.
 pub fn factored_stiffness(
     geometry: &Geometry,
     material: &Material,
@@ -81,11 +81,12 @@ pub fn factored_stiffness(
     Some(condense(&full).packed)
 }
 
-/// Springs whose forces are unknowns of their own beside [`factored_stiffness`]: rows over the nodes' dofs, and compliances.
-/// Together they are the element.
+/// The shear that [`factored_stiffness`] leaves out, as springs: rows over the nodal dofs, and compliances. The forces
+/// of the springs are unknowns of the system.
 ///
-/// The shear C⁻¹, C with the centre rotations condensed, is the part (C + s)⁻¹ in the matrix and C⁻¹ − (C + s)⁻¹ =
-/// (C + C²/s)⁻¹ here, s being the compliance in series; neither meets the bending that their sum would drown.
+/// The shear stiffness is C⁻¹, where C includes the condensed centre rotations, and s is the compliance in series. The
+/// matrix has the part (C + s)⁻¹, the springs have C⁻¹ − (C + s)⁻¹ = (C + C²/s)⁻¹. Bending is not lost in either part,
+/// only in their sum.
 pub fn shear_springs(
     geometry: &Geometry,
     material: &Material,
@@ -103,7 +104,7 @@ pub fn shear_springs(
         alone[t][s] + turned.sum::<f64>()
     });
     let eigen = sheared.self_adjoint_eigen(Side::Lower).ok()?;
-    // A smaller eigenvalue is rounding beside the centre rotations.
+    // Smaller eigenvalues are rounding errors of the centre rotations.
     let least = f64::EPSILON * eigen.S()[SHEARS - 1];
     let row =
         |t: usize, j: usize| apart.rows[t][j] - at_centre[t][0] * coupling[0][j] - at_centre[t][1] * coupling[1][j];
@@ -115,7 +116,7 @@ pub fn shear_springs(
     Some((0..SHEARS).map(spring).collect())
 }
 
-/// Inverse of a symmetric positive definite matrix, scaled to a diagonal of 1 and by Cholesky's factors.
+/// Inverse of a symmetric positive definite matrix by Cholesky factorization, scaled to a unit diagonal.
 fn inverse(form: &[[f64; SHEARS]; SHEARS]) -> [[f64; SHEARS]; SHEARS] {
     let unit: [f64; SHEARS] = std::array::from_fn(|t| 1.0 / form[t][t].sqrt());
     let mut lower = [[0.0; SHEARS]; SHEARS];
@@ -139,24 +140,24 @@ fn inverse(form: &[[f64; SHEARS]; SHEARS]) -> [[f64; SHEARS]; SHEARS] {
         }
         (0..SHEARS).for_each(|i| out[i][column] = x[i] * unit[i] * unit[column]);
     }
-    // Rounding must not tell the halves apart.
+    // Both triangles must have the same bits.
     std::array::from_fn(|i| std::array::from_fn(|j| out[i.max(j)][i.min(j)]))
 }
 
-/// Strains of an element, and the forces that they take.
+/// Strains of an element, and their moments and shear forces.
 pub struct Strains<'a> {
     apart: Apart,
     centre: &'a Centre,
-    /// κxx, κyy, 2κxy at the 3×3 points, and their moments times the integration weight.
+    /// [κxx, κyy, 2κxy] at the integration points, and the moments there times the integration weight.
     curvature: [[f64; 3]; 9],
     moment: [[f64; 3]; 9],
-    /// The tied shears and their forces.
+    /// The tied shears, and the forces work-conjugate to them.
     shear: [f64; SHEARS],
     force: [f64; SHEARS],
 }
 
 impl<'a> Strains<'a> {
-    /// Strains from displacements without rigid motion.
+    /// Strains from nodal displacements without rigid motion.
     pub fn of(
         geometry: &Geometry,
         material: &Material,
@@ -211,7 +212,7 @@ impl<'a> Strains<'a> {
         self.force = self.apart.form.map(|row| row.iter().zip(&self.shear).map(|(f, g)| f * g).sum());
     }
 
-    /// Residual couples at the centre.
+    /// Residual couples on the centre rotations.
     fn centre_couple(&self) -> [f64; 2] {
         let mut couple = [0.0; 2];
         for (row, force) in self.apart.rows.iter().zip(&self.force) {
@@ -226,7 +227,7 @@ impl<'a> Strains<'a> {
         couple
     }
 
-    /// The nodal forces.
+    /// Nodal forces over the element's dofs.
     pub fn nodal(&self) -> [f64; DOFS] {
         let mut out = [0.0; DOFS];
         for (row, force) in self.apart.rows.iter().zip(&self.force) {
@@ -238,7 +239,7 @@ impl<'a> Strains<'a> {
                 out[3 * i + 2] += y * yy + x * xy;
             }
         }
-        // The remaining residual at the centre is condensed.
+        // The remaining couples at the centre are condensed.
         let couple = self.centre_couple();
         for (j, out) in out.iter_mut().enumerate() {
             *out -= self.centre.coupling[0][j] * couple[0] + self.centre.coupling[1][j] * couple[1];
@@ -246,7 +247,7 @@ impl<'a> Strains<'a> {
         out
     }
 
-    /// Sums of the magnitudes that [`Strains::nodal`] is made of.
+    /// Sums of the magnitudes of the terms in [`Strains::nodal`].
     pub fn magnitude(&self) -> [f64; DOFS] {
         let mut out = [0.0; DOFS];
         for (row, form) in self.apart.rows.iter().zip(&self.apart.form) {
@@ -278,7 +279,7 @@ fn add_product(sum: &mut DoubleDouble, coefficient: f64, u: DoubleDouble) {
     sum.lo += coefficient * u.lo;
 }
 
-/// Adds the curvature of one node's slopes.
+/// Adds to `[κxx, κyy, 2κxy]` the curvature of one node's slopes; `[x, y]` is the gradient of its shape function.
 fn add_curvature([xx, yy, xy]: &mut [DoubleDouble; 3], [x, y]: [f64; 2], [along_x, along_y]: [DoubleDouble; 2]) {
     add_product(xx, x, along_x);
     add_product(yy, y, along_y);

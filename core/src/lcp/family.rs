@@ -1,4 +1,4 @@
-//! Many problems with one M: the part that does not depend on q is computed once.
+//! Many problems with the same M; all that does not depend on q is computed once.
 use std::borrow::Cow;
 
 use super::lemke::{End, default_max_pivots, follow_path};
@@ -7,8 +7,8 @@ use super::problem::{Lcp, LcpError, LcpStatus};
 use super::scaling::{CoveredLcp, Scaling};
 use super::tolerances;
 
-/// Problems w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 with the same M, pivoted onto the complementary basis at which each path
-/// starts.
+/// Problems w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 with the same M. M is transformed to a given complementary basis, at
+/// which each path starts.
 ///
 /// # Example
 /// ```
@@ -23,11 +23,11 @@ use super::tolerances;
 /// ```
 pub struct LcpFamily {
     scaling: Scaling,
-    /// The scaled problem at the slack basis; its q is unused.
+    /// The scaled problem at the slack basis; its q is not used.
     scaled: CoveredLcp<'static>,
     origin: Vec<bool>,
     basis: Basis,
-    /// Principal pivotal transform of M at that basis.
+    /// Principal pivotal transform of M at `basis`.
     pivoted: Vec<f64>,
 }
 
@@ -35,17 +35,16 @@ pub struct LcpFamily {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LcpBasis {
     pub status: LcpStatus,
-    /// True where z_i is basic, so that w_i = 0; all false unless solved.
+    /// True if z_i is basic, so that w_i = 0; all false unless solved.
     pub basis: Vec<bool>,
     pub pivots: usize,
 }
 
 impl LcpFamily {
-    /// The family of the problems with the matrix of `lcp`, whose q sets the scale only; None if `basis` (true where z_i
-    /// is basic) is singular.
+    /// Makes the family of problems with the matrix of `lcp`; its q determines only the scaling. `basis` is true where
+    /// z_i is basic. None if this basis is singular.
     ///
-    /// # Errors
-    /// When `basis` does not have m entries, or memory does not hold the transformed M.
+    /// If `basis` does not have m entries, or the transformed M does not fit into memory.
     pub fn new(lcp: &Lcp, basis: &[bool]) -> Result<Option<Self>, LcpError> {
         lcp.check_length("basis", basis.len())?;
         let scaling = Scaling::of(lcp);
@@ -62,13 +61,13 @@ impl LcpFamily {
         }))
     }
 
-    /// Follows Lemke's path of one q from the family's basis.
+    /// Follows Lemke's path for one q from the family's basis.
     ///
-    /// The basis is that of the last tableau; its basic solution is not recomputed, so the caller must verify it. If the
-    /// path ends neither at a solution nor at a ray that proves infeasibility, the status is [`LcpStatus::PivotLimit`].
+    /// The result has the basis of the last tableau. Its basic solution is not recomputed, so the caller must verify
+    /// it. If the path ends neither at a solution nor on a ray that proves infeasibility, the status is
+    /// [`LcpStatus::PivotLimit`].
     ///
-    /// # Errors
-    /// When `q` does not have m entries, an entry is not finite, or memory does not hold the tableau.
+    /// If `q` does not have m entries, an entry is not finite, or the tableau does not fit into memory.
     pub fn solve(&self, q: &[f64]) -> Result<LcpBasis, LcpError> {
         let lcp = Lcp::with_matrix_of(&self.scaled.matrix, q)?;
         let order = q.len();

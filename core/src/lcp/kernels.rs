@@ -1,10 +1,11 @@
-//! Inner loops, compiled for the widest registers the machine turns out to have.
+//! Inner loops, compiled for the widest vector registers of the machine at run time.
 use pulp::{Arch, Simd, WithSimd};
 
-/// Vectors are padded with zeros to a multiple of this.
+/// Vectors are padded with zeros to a multiple of this length.
 pub(super) const LANES: usize = 8;
 
-/// The largest absolute value of a padded vector, by as many running maxima as there are lanes, so that none waits for the one before.
+/// The largest absolute value of a padded vector. There is a running maximum for each lane, so that comparisons do not
+/// wait for each other.
 #[inline(always)]
 pub(super) fn largest_size(vector: &[f64]) -> f64 {
     let mut lanes = [0.0_f64; LANES];
@@ -16,8 +17,8 @@ pub(super) fn largest_size(vector: &[f64]) -> f64 {
     lanes.into_iter().fold(0.0, f64::max)
 }
 
-/// target ← target − Σ_k factors_k · source_k, where the sources lie one after the other in `sources`. Their common
-/// length is a multiple of [`LANES`].
+/// target ← target − Σ_k factors_k · source_k. `sources` has the vectors one after the other; their length is a
+/// multiple of [`LANES`].
 pub(super) fn subtract_multiples(target: &mut [f64], factors: &[f64], sources: &[f64]) {
     Arch::new().dispatch(SubtractMultiples { target, factors, sources });
 }
@@ -47,7 +48,7 @@ impl WithSimd for SubtractMultiples<'_> {
     }
 }
 
-/// The N registers from `from` on, summed without going back to memory.
+/// Updates the N registers of `target` from `from` on; sums stay in registers.
 #[inline(always)]
 fn subtract_in_strip<S: Simd, const N: usize>(
     simd: S,

@@ -7,36 +7,35 @@ use super::tableau::Tableau;
 use super::tolerances;
 use crate::dense::OutOfMemory;
 
-/// Options.
+/// Options of [`lemke`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LemkeOptions<'a> {
-    /// The covering vector d > 0 of the cold start; ones if absent.
+    /// Covering vector d > 0 of the cold start; a vector of ones if absent.
     pub covering: Option<&'a [f64]>,
-    /// The most pivots to make; [`default_max_pivots`] if absent.
+    /// Largest number of pivots; [`default_max_pivots`] if absent.
     pub max_pivots: Option<usize>,
 }
 
-/// 50 (m + 100), the pivot limit for m pairs when none is given. Plates need a few m; the worst known problems 2ᵐ,
-/// which this covers up to m = 12.
+/// 50 (m + 100): the default limit on the number of pivots for m pairs. Plates need a few m. The worst known problems
+/// need 2ᵐ, which is within the limit up to m = 12.
 pub fn default_max_pivots(order: usize) -> usize {
     50 * (order + 100)
 }
 
 /// Solves w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 by Lemke's algorithm.
 ///
-/// The problem is embedded in w = Mz + q + d z₀, which the artificial variable z₀ makes feasible, and the path of its
+/// The problem is embedded in w = Mz + q + d z₀, which is feasible for a large artificial variable z₀. The path of
 /// almost complementary bases is followed until z₀ is zero. The ratio test is lexicographic, so the path is finite for
-/// every M, degenerate problems included. It ends in [`LcpStatus::Solved`] whenever M is copositive-plus (positive
-/// semidefinite, say) and the problem is feasible; for such M, [`LcpStatus::Ray`] means that it is not, and the ray is
-/// the proof. M need not be symmetric. The last basis is solved afresh, so z and w carry no error of the tableau; z ≥ 0
-/// and w ≥ 0 hold exactly.
+/// every M, and in degenerate problems. If M is copositive-plus (for example positive semidefinite) and the problem is
+/// feasible, the path ends in [`LcpStatus::Solved`]. For such M, [`LcpStatus::Ray`] means that the problem is
+/// infeasible, and the ray proves it. M need not be symmetric. The basic solution of the last basis is computed by a
+/// new factorization, so z and w have no error of the tableau; z ≥ 0 and w ≥ 0 hold exactly.
 ///
-/// M is scaled by powers of two to largest entries of about 1 first, so the tolerances, stated where they are used, are
-/// relative. Memory is about three times that of M; a pivot takes about 2 m² operations, of the first m/8 far fewer.
+/// M is first scaled by powers of two to largest entries of about 1, so the tolerances are relative. Memory is about
+/// three times that of M. A pivot takes about 2 m² operations; the first m/8 pivots take far fewer.
 ///
-/// # Errors
-/// When the covering vector has the wrong length or an entry that is not positive, and where memory does not hold the
-/// tableau.
+/// If the covering vector has the wrong length or an entry that is not positive, or the tableau does not fit into
+/// memory.
 ///
 /// # Source
 /// Lemke (1965); Cottle, Pang & Stone (1992), Algorithm 4.4.5 and, for the lexicographic rule, section 4.9.
@@ -56,20 +55,19 @@ pub fn lemke(lcp: &Lcp, options: &LemkeOptions) -> Result<LcpSolution, LcpError>
     lemke_watched(lcp, options, None, &mut |_, _| true)
 }
 
-/// As [`lemke`], beginning at the complementary basis of a problem solved before, with the same M or one near it.
+/// Solves the problem of [`lemke`] from the complementary basis of an earlier problem with the same or a similar M.
 ///
-/// The problem is first pivoted onto `basis` (true where z_i is basic); if that is feasible no pivot is made. From
-/// there the path starts anew, with the vector of ones as its covering vector. Where the basis is singular, or the
-/// path ends with neither a solution nor a ray that proves infeasibility, the cold start takes over.
+/// The problem is first transformed to `basis` (true where z_i is basic). If this basis is feasible, no pivot is made.
+/// If not, a path starts there with a covering vector of ones. If the basis is singular, or the path ends neither at a
+/// solution nor on a ray that proves infeasibility, a cold start follows.
 ///
-/// # Errors
-/// As [`lemke`], and when `basis` does not have m entries.
+/// As [`lemke`], and if `basis` does not have m entries.
 pub fn lemke_from(lcp: &Lcp, options: &LemkeOptions, basis: &[bool]) -> Result<LcpSolution, LcpError> {
     lemke_watched(lcp, options, Some(basis), &mut |_, _| true)
 }
 
-/// Like [`lemke`], or [`lemke_from`] a basis. Every 64 pivots it calls `watch` with the number of pivots and the artificial
-/// variable relative to its first value; `watch` returns false to end the path.
+/// [`lemke`], or [`lemke_from`] if `basis` is given, with a callback. Every 64 pivots it calls `watch` with the number
+/// of pivots and the artificial variable relative to its first value. If `watch` returns false, the path ends.
 ///
 /// # Errors
 /// See [`lemke`] and [`lemke_from`].
@@ -85,7 +83,8 @@ pub fn lemke_watched(
     solve(lcp, options, basis, watch)
 }
 
-/// How often the path may be taken up again at the basis of a cold start whose freshly solved values are infeasible.
+/// Largest number of restarts after the first path: from the final basis of a cold start whose recomputed values are
+/// infeasible, or cold.
 const RESTARTS: usize = 4;
 
 fn solve(
@@ -105,7 +104,7 @@ fn solve(
         let BasicValues { mut z, mut w, .. } = result;
         scaling.unscale_z(&mut z);
         scaling.unscale_w(&mut w);
-        // Numbers near the largest f64 overflow.
+        // Scaling back overflows if numbers are near the largest f64.
         let finite = z.iter().chain(&w).all(|x| x.is_finite());
         let result = LcpSolution { z, w, basis, status: LcpStatus::Solved, pivots, ray: None };
         Ok::<_, OutOfMemory>(finite.then_some(result))
@@ -166,16 +165,16 @@ fn check_covering(lcp: &Lcp, covering: &[f64]) -> Result<(), LcpError> {
     }
 }
 
-/// Pivots between two calls of the callback: some milliseconds for a thousand pairs.
+/// Number of pivots between two calls of the callback: some milliseconds for a thousand pairs.
 pub(super) const WATCHED: usize = 64;
 
-/// Where a path ends.
+/// How a path ends.
 pub(super) enum End {
-    /// At a complementary basis: true where slack and complement have changed places.
+    /// At a complementary basis: true where slack and complement are exchanged relative to the start.
     Complementary(Vec<bool>),
-    /// On a ray, with the direction of the slacks, then of their complements.
+    /// On a ray, with its direction: slacks first, then their complements.
     Ray(Vec<f64>),
-    /// At the pivot limit, or where the basis became singular.
+    /// At the pivot limit, or because the basis became singular.
     Stopped,
     /// Cancelled by the callback.
     Interrupted,
@@ -186,7 +185,7 @@ pub(super) struct Path {
     pub(super) pivots: usize,
 }
 
-/// Follows the almost complementary path from the slacks' basis.
+/// Follows the almost complementary path from the slack basis.
 pub(super) fn follow_path(
     problem: &CoveredLcp,
     limit: usize,

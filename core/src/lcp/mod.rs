@@ -1,19 +1,19 @@
 //! Linear complementarity: find z, w with w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0.
 //!
-//! The module is independent of plates. M is any square matrix, dense and row-major.
+//! The module does not depend on plates. M is any square matrix, dense and row-major.
 //!
-//! | file | holds |
+//! | file | content |
 //! |---|---|
 //! | `problem` | the problem, its solution and statuses, and the verification of a solution |
-//! | `lemke` | Lemke's algorithm, cold or from a given complementary basis |
+//! | `lemke` | Lemke's algorithm, from the slack basis or from a given complementary basis |
 //! | `family` | many problems with one M |
 //! | `parametric` | every basis of w = Mz + q + t d as t grows |
-//! | `scaling` | the powers of two that make tolerances relative |
-//! | `pivoting` | principal pivotal transforms and the freshly solved basic solution |
+//! | `scaling` | scaling by powers of two, so that tolerances are relative |
+//! | `pivoting` | principal pivotal transforms and the basic solution of a complementary basis |
 //! | `tableau` | the condensed tableau and its delayed updates |
 //! | `kernels` | inner loops, compiled for the widest registers of the machine |
-//! | `tolerances` | every tolerance, and what it is relative to |
-//! | `ratio_test` | which variable leaves: the lexicographic rule and its tolerances |
+//! | `tolerances` | every tolerance and its reference value |
+//! | `ratio_test` | the choice of the leaving variable: the lexicographic ratio test |
 
 mod family;
 mod kernels;

@@ -1,4 +1,4 @@
-//! Parametric linear complementarity: every basis that solves w = Mz + q + t d as t grows from zero.
+//! Parametric linear complementarity: the bases that solve w = Mz + q + t d as t increases from zero.
 use super::lemke::{WATCHED, default_max_pivots};
 use super::problem::{Lcp, LcpError};
 use super::ratio_test::{Stuck, choose};
@@ -10,28 +10,28 @@ use crate::dense::OutOfMemory;
 /// How a parametric path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParametricEnd {
-    /// The last basis is valid to the requested end.
+    /// The path reached the requested end.
     Reached,
-    /// No z ≥ 0 makes w ≥ 0 for a larger t, if M is positive semidefinite.
+    /// For larger t no z ≥ 0 makes w ≥ 0, if M is positive semidefinite.
     Infeasible,
-    /// The pivot limit was reached, t turned back (M is not positive semidefinite), or rounding made a basis singular.
+    /// The pivot limit was reached, t decreased (M is not positive semidefinite), or rounding made a basis singular.
     Stopped,
     /// Cancelled by the callback.
     Interrupted,
 }
 
-/// One basis of a path.
+/// A complementary basis on the path, and the range of t in which it solves the problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParametricSegment {
-    /// The least t at which it solves the problem.
+    /// Smallest t at which the basis solves the problem.
     pub from: f64,
-    /// The largest; infinite if it never ends.
+    /// Largest t at which the basis solves the problem; it may be infinite.
     pub to: f64,
-    /// True where z_i is basic.
+    /// True where z_i is basic, so that w_i = 0.
     pub basis: Vec<bool>,
 }
 
-/// The solutions of w = Mz + q + t d from t = 0 on: z and w are linear in t between the ends of each segment.
+/// The solutions of w = Mz + q + t d for t ≥ 0: z and w are linear in t within each segment.
 #[derive(Clone, Debug)]
 pub struct ParametricPath {
     pub segments: Vec<ParametricSegment>,
@@ -39,17 +39,17 @@ pub struct ParametricPath {
     pub pivots: usize,
 }
 
-/// Follows w = Mz + q + t d, w ≥ 0, z ≥ 0, zᵀw = 0, from t = 0, where `basis` (true where z_i is basic) is a solution, to
-/// t = `end`.
+/// Follows the solution of w = Mz + q + t d, w ≥ 0, z ≥ 0, zᵀw = 0 from t = 0 to t = `end`. `basis` (true where z_i is
+/// basic) must be a solution at t = 0.
 ///
-/// t is the artificial variable of Lemke's algorithm with covering vector d, of any sign. The problem is pivoted onto
-/// `basis`, and t enters. When a variable falls to zero, its complement enters. If M is positive semidefinite, t does not
-/// decrease. If no basic variable blocks the entering one, t either grows without bound or stays constant; then no larger
-/// t is feasible. The ratio test is lexicographic, so that the pivots at one t are finite. Bases of zero length are not
-/// reported. Every 64 pivots it calls `watch` with the number of pivots; `watch` returns false to end the path.
+/// t is the artificial variable of Lemke's algorithm with covering vector d, whose entries may have any sign. The
+/// problem is transformed to `basis`, and t enters. When a variable falls to zero, its complement enters. If M is
+/// positive semidefinite, t does not decrease. If no basic variable blocks the entering one, t either grows without
+/// bound or stays constant; if it stays constant, no larger t is feasible. The ratio test is lexicographic, so there
+/// are finitely many pivots at each t. Segments of zero length are not returned. Every 64 pivots it calls `watch` with
+/// the number of pivots. If `watch` returns false, the path ends.
 ///
-/// # Errors
-/// When `direction` or `basis` does not have m entries, an entry is not finite, or memory does not hold the tableau.
+/// If `direction` or `basis` does not have m entries, an entry is not finite, or the tableau does not fit into memory.
 ///
 /// # Source
 /// Cottle, Pang & Stone (1992), section 4.5; Murty (1988), section 5.
@@ -85,7 +85,7 @@ pub fn parametric(
     }
     let scaling = Scaling::of(lcp);
     let (scaled, unit) = scaling.scale_along(lcp, direction);
-    // A parameter whose unit overflows f64 has no representable ends.
+    // If the unit of t overflows f64, the ends of segments cannot be represented.
     match scaled.pivoted(basis)?.filter(|_| unit.is_normal()) {
         Some(origin) => path.end = follow(origin, basis, unit, end, &mut path, watch)?,
         None => path.end = ParametricEnd::Stopped,
@@ -93,7 +93,8 @@ pub fn parametric(
     Ok(path)
 }
 
-/// Follows the path from the slack basis of a pivoted problem; `unit` is the length of a scaled unit of t.
+/// Follows the path from the slack basis of a transformed problem. `unit` is the value of t that corresponds to 1 in
+/// the scaled problem.
 fn follow(
     mut problem: CoveredLcp,
     origin: &[bool],
@@ -103,7 +104,7 @@ fn follow(
     watch: &mut dyn FnMut(usize) -> bool,
 ) -> Result<ParametricEnd, OutOfMemory> {
     let order = problem.order();
-    // Negative values at t = 0 are rounding.
+    // Negative values at t = 0 are rounding errors.
     problem.q.iter_mut().for_each(|q| *q = q.max(0.0));
     let limit = default_max_pivots(order).max(1000);
     let mut tableau = Tableau::new(&problem)?;
@@ -117,7 +118,7 @@ fn follow(
             Err(Stuck::Singular) => return Ok(ParametricEnd::Stopped),
             Err(Stuck::OutOfMemory) => return Err(OutOfMemory),
         };
-        // The basis between here and the next event: the entering variable is in it, t is not.
+        // The basis from here to the next event contains the entering variable and not t.
         let basic = |i: usize| tableau.is_basic(order + i) || entering == order + i;
         let basis: Vec<bool> = (0..order).map(|i| origin[i] != basic(i)).collect();
         let Some(leaving) = leaving else {

@@ -1,4 +1,4 @@
-//! The principal pivotal transform and the basic solution of a complementary basis.
+//! Principal pivotal transforms, and the basic solution of a complementary basis.
 use faer::{Mat, MatMut};
 
 use super::scaling::CoveredLcp;
@@ -9,14 +9,14 @@ use crate::double_double::DoubleDouble;
 use crate::vectorized::vectorized;
 
 impl CoveredLcp<'_> {
-    /// The problem as it reads with z_i and w_i exchanged wherever `basis` is true, with covering vector e; None if the
-    /// principal submatrix of M there is singular (Cottle, Pang & Stone 1992, section 2.3).
+    /// The problem with z_i and w_i exchanged where `basis` is true, and with a covering vector of ones. None if the
+    /// principal submatrix of M for these indices is singular (Cottle, Pang & Stone 1992, section 2.3).
     pub(super) fn principal_transform(&self, basis: &[bool]) -> Result<Option<CoveredLcp<'static>>, OutOfMemory> {
         let ones = vec![1.0; self.order()];
         Ok(self.pivoted(basis)?.map(|pivoted| CoveredLcp { covering: ones, ..pivoted }))
     }
 
-    /// As [`Self::principal_transform`], with the covering vector that the pivots make of its own.
+    /// [`Self::principal_transform`] with the covering vector transformed too.
     pub(super) fn pivoted(&self, basis: &[bool]) -> Result<Option<CoveredLcp<'static>>, OutOfMemory> {
         let exchanged = indices(basis);
         let mut tableau = Tableau::new(self)?;
@@ -27,7 +27,8 @@ impl CoveredLcp<'_> {
         Ok(Some(CoveredLcp { matrix: matrix.into(), units: vec![1.0; self.order()].into(), q, covering }))
     }
 
-    /// z and w at a complementary basis; None if it is singular or infeasible. Negative values of rounding become zero.
+    /// z and w at a complementary basis. Negative values within rounding become zero. None if the basis is singular or
+    /// infeasible.
     pub(super) fn basic_solution(&self, basis: &[bool]) -> Result<Option<BasicValues>, OutOfMemory> {
         let Some(basis) = Basis::of(self, basis)? else { return Ok(None) };
         let Some(mut result) = basis.values(self)?.filter(|result| result.feasible) else { return Ok(None) };
@@ -35,7 +36,8 @@ impl CoveredLcp<'_> {
         Ok(Some(result))
     }
 
-    /// M′_αα for the indices α; by eight rows at a time, because M lies by rows and the block by columns.
+    /// M′_αα for the indices α. It is copied by eight rows at a time, because M is row-major and the block
+    /// column-major.
     fn principal_block(&self, indices: &[usize]) -> Result<Mat<f64>, OutOfMemory> {
         let order = self.order();
         let units: Vec<f64> = indices.iter().map(|&i| self.units[i]).collect();
@@ -52,7 +54,7 @@ impl CoveredLcp<'_> {
     }
 }
 
-/// The basic columns of a complementary basis, factored.
+/// A complementary basis, with the LU factors of the block of M for its basic z.
 pub(super) struct Basis {
     basis: Vec<bool>,
     basic: Vec<usize>,
@@ -64,12 +66,12 @@ pub(super) struct Basis {
 pub(super) struct BasicValues {
     pub(super) z: Vec<f64>,
     pub(super) w: Vec<f64>,
-    /// Whether no sign is wrong by more than rounding.
+    /// Whether z ≥ 0 and w ≥ 0 within rounding.
     pub(super) feasible: bool,
 }
 
 impl Basis {
-    /// None if it is singular.
+    /// Factors the block; None if it is singular.
     pub(super) fn of(problem: &CoveredLcp, basis: &[bool]) -> Result<Option<Self>, OutOfMemory> {
         let basic = indices(basis);
         let block = problem.principal_block(&basic)?;
@@ -78,7 +80,8 @@ impl Basis {
         Ok(regular.then(|| Self { basis: basis.to_vec(), basic, block, factors }))
     }
 
-    /// z and w, after a step of iterative refinement whose residual is summed in double-double; None beyond f64.
+    /// z and w after a step of iterative refinement, whose residual is summed in double-double; None if a value
+    /// overflows.
     pub(super) fn values(&self, problem: &CoveredLcp) -> Result<Option<BasicValues>, OutOfMemory> {
         let (order, basic) = (problem.order(), &self.basic);
         let solve = |vector: &mut [f64]| {
@@ -117,7 +120,7 @@ impl Basis {
     }
 }
 
-/// right − block · x, summed in double-double, column by column so that no sum waits for itself.
+/// right − block · x, summed in double-double. Columns are added one by one, so that the sums of rows are independent.
 fn residual(block: &Mat<f64>, x: &[f64], right: &[f64]) -> Vec<f64> {
     let (mut high, mut low) = (right.to_vec(), vec![0.0; right.len()]);
     vectorized(

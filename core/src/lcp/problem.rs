@@ -1,4 +1,4 @@
-//! The linear complementarity problem, its solution and the judgement of one by the other.
+//! The linear complementarity problem, its solution, and the verification of a solution.
 use std::fmt;
 
 use crate::dense::OutOfMemory;
@@ -26,16 +26,16 @@ pub struct Lcp<'a> {
 pub enum LcpStatus {
     /// A complementary solution was found.
     Solved,
-    /// The path left along a secondary ray; if M is copositive-plus, no point is feasible.
+    /// The path ended on a secondary ray; if M is copositive-plus, the problem is infeasible.
     Ray,
-    /// The solver stopped without a solution: at the pivot limit, or where rounding kept every basis infeasible.
+    /// The solver stopped without a solution: at the pivot limit, or because rounding made every basis infeasible.
     PivotLimit,
     /// Cancelled by the callback.
     Interrupted,
 }
 
 impl LcpStatus {
-    /// The meaning of the status as a sentence.
+    /// The meaning of the status, as a sentence.
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Solved => "A complementary solution was found.",
@@ -43,7 +43,7 @@ impl LcpStatus {
             Self::PivotLimit => {
                 "The solver stopped without a solution, at the pivot limit or where rounding kept every basis infeasible."
             }
-            Self::Interrupted => "Whoever watched wanted no more.",
+            Self::Interrupted => "The callback stopped the solver.",
         }
     }
 }
@@ -54,28 +54,28 @@ impl fmt::Display for LcpStatus {
     }
 }
 
-/// Result of a solver. For m unknowns each vector has m entries; numbers without a solution are NaN.
+/// Result of a solver. Each vector has m entries for m pairs.
 #[derive(Clone, Debug)]
 pub struct LcpSolution {
     /// The complementary variables; NaN unless solved.
     pub z: Vec<f64>,
     /// The slacks Mz + q; NaN unless solved.
     pub w: Vec<f64>,
-    /// True where z_i is basic, so that w_i = 0; false where w_i is. All false unless solved.
+    /// True if z_i is basic (w_i = 0), false if w_i is basic. All false unless solved.
     pub basis: Vec<bool>,
     pub status: LcpStatus,
-    /// Pivots made, the artificial variable's entry included.
+    /// Number of pivots, including the entry of the artificial variable.
     pub pivots: usize,
-    /// The z-direction v ≥ 0 of the secondary ray, scaled to max v = 1; present exactly when the status is `Ray`.
-    /// [`Lcp::infeasibility`] says whether it proves the problem infeasible.
+    /// z-direction v ≥ 0 of the secondary ray, scaled to max v = 1; present only if the status is `Ray`.
+    /// [`Lcp::infeasibility`] computes whether it proves that the problem is infeasible.
     pub ray: Option<Vec<f64>>,
 }
 
-/// How far a pair (z, w) is from solving a problem. Every figure is relative and at least zero; NaN where an input is.
+/// Relative errors of a pair (z, w) as a solution. Each is at least zero, and NaN if an input is NaN.
 ///
-/// With s_i = |q_i| + Σ_j |M_ij z_j| and the work W = Σ_i |z_i| s_i, row i has the size t_i = s_i + √(|M_ii| W): for a
-/// semidefinite M the root bounds |(Mz)_i|, so that a row in which all that counts is zero is not judged by its
-/// rounding. Neither the figures of w nor the complementarity depend on the units of the unknowns.
+/// With s_i = |q_i| + Σ_j |M_ij z_j| and the work W = Σ_i |z_i| s_i, row i has the magnitude t_i = s_i + √(|M_ii| W).
+/// For a semidefinite M the root bounds |(Mz)_i|. Without it, a row with only zero terms would be judged by its
+/// rounding errors. The errors except `negative_z` do not depend on the units of the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct Residuals {
     /// max_i −z_i / max_j |z_j|.
@@ -89,35 +89,34 @@ pub struct Residuals {
 }
 
 impl Residuals {
-    /// The largest of the four figures.
+    /// The largest of the four errors.
     pub fn worst(&self) -> f64 {
         [self.negative_z, self.negative_w, self.complementarity, self.equation].into_iter().fold(0.0, larger)
     }
 }
 
-/// How well a vector v proves that no z ≥ 0 has Mz + q ≥ 0: v ≥ 0, Mᵀv ≤ 0 and qᵀv < 0 do (Farkas).
+/// How well a vector v proves that no z ≥ 0 has Mz + q ≥ 0. The conditions are v ≥ 0, Mᵀv ≤ 0 and qᵀv < 0 (Farkas).
 #[derive(Clone, Copy, Debug)]
 pub struct InfeasibilityProof {
     /// max_i −v_i / max_j |v_j|, at least zero.
     pub negative: f64,
     /// max_j (Mᵀv)_j / Σ_i |M_ij v_i|, at least zero.
     pub transpose: f64,
-    /// −qᵀv / Σ_i |q_i v_i|: positive when the proof holds.
+    /// −qᵀv / Σ_i |q_i v_i|: positive if the proof holds.
     pub decrease: f64,
 }
 
 impl InfeasibilityProof {
-    /// Whether the proof holds, every figure judged at the relative tolerance `tolerance`.
+    /// Whether all three conditions hold within the relative tolerance `tolerance`.
     pub fn holds(&self, tolerance: f64) -> bool {
         self.negative <= tolerance && self.transpose <= tolerance && self.decrease > tolerance
     }
 }
 
 impl<'a> Lcp<'a> {
-    /// The problem with the m×m row-major `matrix` and the m entries of `q`.
+    /// Makes the problem from the m×m row-major `matrix` and the m entries of `q`.
     ///
-    /// # Errors
-    /// When `matrix` is not m×m, or an entry is not finite.
+    /// If `matrix` is not m×m, or an entry is not finite.
     pub fn new(matrix: &'a [f64], q: &'a [f64]) -> Result<Self, LcpError> {
         let order = q.len();
         if matrix.len() != order * order {
@@ -132,7 +131,7 @@ impl<'a> Lcp<'a> {
         Ok(Self { matrix, q })
     }
 
-    /// As [`Lcp::new`], with a matrix that another problem has had.
+    /// [`Lcp::new`] with a matrix whose entries are known to be finite.
     pub(super) fn with_matrix_of(matrix: &'a [f64], q: &'a [f64]) -> Result<Self, LcpError> {
         if matrix.len() != q.len() * q.len() {
             return Err(LcpError::MatrixLength { found: matrix.len(), order: q.len() });
@@ -163,10 +162,9 @@ impl<'a> Lcp<'a> {
         &self.matrix[i * self.order()..(i + 1) * self.order()]
     }
 
-    /// How far (z, w) is from a solution, computed from M and q alone.
+    /// Relative errors of (z, w) as a solution, computed from M and q.
     ///
-    /// # Errors
-    /// When `z` or `w` does not have m entries.
+    /// If `z` or `w` does not have m entries.
     pub fn residuals(&self, z: &[f64], w: &[f64]) -> Result<Residuals, LcpError> {
         self.check_length("z", z.len())?;
         self.check_length("w", w.len())?;
@@ -188,10 +186,9 @@ impl<'a> Lcp<'a> {
         Ok(found)
     }
 
-    /// How well `v` proves that the problem has no feasible point, computed from M and q alone.
+    /// How well `v` proves that the problem is infeasible, computed from M and q.
     ///
-    /// # Errors
-    /// When `v` does not have m entries.
+    /// If `v` does not have m entries.
     pub fn infeasibility(&self, v: &[f64]) -> Result<InfeasibilityProof, LcpError> {
         self.check_length("v", v.len())?;
         let largest = v.iter().map(|x| x.abs()).fold(0.0, larger);
@@ -217,7 +214,7 @@ impl<'a> Lcp<'a> {
     }
 }
 
-/// Where the first entry stands that is not finite; looked for by the chunk, which is fast.
+/// Index of the first entry that is not finite. Chunks are tested as a whole, which is fast.
 fn first_not_finite(entries: &[f64]) -> Option<usize> {
     let all_finite = |chunk: &[f64]| {
         vectorized(
@@ -242,13 +239,13 @@ fn relative(value: f64, scale: f64) -> f64 {
 /// Errors in a problem or in a solver's arguments.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LcpError {
-    /// M has `found` entries where q, of `order` entries, asks for order².
+    /// M has `found` entries; q has `order` entries, so M must have order².
     MatrixLength { found: usize, order: usize },
     /// An entry of M is not finite.
     MatrixEntry { row: usize, column: usize, value: f64 },
     /// An entry of a vector is not finite.
     Entry { name: &'static str, index: usize, value: f64 },
-    /// A vector does not have one entry a row of M.
+    /// A vector does not have as many entries as M has rows.
     Length { name: &'static str, found: usize, order: usize },
     /// An entry of the covering vector is not a finite positive number.
     Covering { index: usize, value: f64 },

@@ -1,16 +1,17 @@
-//! Which basic variable leaves: the lexicographic minimum ratio test (Dantzig, Orden & Wolfe 1955).
+//! Choice of the leaving variable: the lexicographic minimum ratio test (Dantzig, Orden & Wolfe 1955).
 //!
-//! q is thought of as q + (ε, ε², …), ε > 0 arbitrarily small. Then no two ratios are equal, the artificial variable
-//! falls at every pivot and no basis returns. The coefficients of ε, ε², … in the basic variables are the columns of
-//! the initial basis: minus the tableau's column where slack j is nonbasic, a unit vector where it is basic.
+//! q is regarded as q + (ε, ε², …) with an arbitrarily small ε > 0. Then no two ratios are equal, the artificial
+//! variable decreases at every pivot, and no basis occurs twice. In the basic variables, the coefficients of ε, ε², …
+//! are the columns of the initial basis. Column j is minus the tableau's column if slack j is nonbasic, and a unit
+//! vector if it is basic.
 use super::kernels::{LANES, largest_size};
 use super::tableau::Tableau;
 use super::tolerances;
 use crate::dense::OutOfMemory;
 use crate::vectorized::vectorized;
 
-/// The row of the first pivot, where the artificial variable enters: the lexicographic minimum of (q_i, e_i) / d_i,
-/// which is the last of the rows at which q_i / d_i is least.
+/// Row of the first pivot, where the artificial variable enters: the lexicographic minimum of (q_i, e_i) / d_i. It is
+/// the last row with the smallest q_i / d_i.
 pub(super) fn first_row(values: &[f64], covering: &[f64]) -> usize {
     let ratios = || values.iter().zip(covering).map(|(q, d)| q / d);
     let least = ratios().fold(f64::INFINITY, f64::min);
@@ -18,15 +19,15 @@ pub(super) fn first_row(values: &[f64], covering: &[f64]) -> usize {
     tied.unwrap_or(0)
 }
 
-/// A leaving row and whether its pivot is small enough to be doubted.
+/// A leaving row, and whether its pivot is so small that it may be a rounding error.
 struct Leaving {
     row: usize,
     doubtful: bool,
 }
 
-/// The row that leaves when the variable of `column` grows from zero; None if it is unbounded.
+/// The row that leaves if the variable of `column` increases from zero; None if the variable is unbounded.
 ///
-/// The artificial variable leaves whenever possible: the basis is then complementary. `tied` is workspace.
+/// If the artificial variable can leave, it does: the basis is then complementary. `tied` is workspace.
 fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
     let (values, column) = (&tableau.values, &tableau.column);
     let largest = vectorized(
@@ -46,15 +47,15 @@ fn leaving_row(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<Leaving> {
     Some(Leaving { row, doubtful: -column[row] < tolerances::DOUBTFUL_PIVOT * largest })
 }
 
-/// Least number of exchanges since the last recomputation, absolute and as a share of the order, for a doubtful pivot
-/// to be recomputed.
+/// Smallest number of exchanges since the last recomputation after which a doubtful pivot is recomputed: absolute, and
+/// relative to the order.
 ///
-/// A recomputation costs as much as many exchanges, the more so the larger the order, and where rounding decides, every
-/// pivot is doubtful: a path of 4057 points that had not ended after two minutes then took 44 s.
+/// A recomputation costs as much as many exchanges, more with increasing order. Where rounding errors dominate, every
+/// pivot is doubtful: with this rule a path of 4057 points took 44 s; before, it had not ended after two minutes.
 const RECOMPUTE_AGE: usize = 16;
 const RECOMPUTE_PART: usize = 32;
 
-/// Why there is no next pivot.
+/// Reasons why there is no next pivot.
 pub(super) enum Stuck {
     /// Rounding made the basis singular.
     Singular,
@@ -67,8 +68,8 @@ impl From<OutOfMemory> for Stuck {
     }
 }
 
-/// Chooses the entering variable and the leaving row; None if it is unbounded. A small pivot, or the end of a path, is
-/// accepted only from a tableau computed recently.
+/// Sets the entering variable and returns the leaving row; None if the variable is unbounded. A doubtful pivot, or the
+/// end of a path, is accepted only if the tableau was recomputed recently.
 pub(super) fn choose(tableau: &mut Tableau, entering: usize, tied: &mut Vec<usize>) -> Result<Option<usize>, Stuck> {
     loop {
         tableau.choose(entering);
@@ -106,7 +107,8 @@ fn lexicographic_minimum(tableau: &Tableau, tied: &mut Vec<usize>) -> Option<usi
     tied.iter().copied().min_by(|&a, &b| column[a].total_cmp(&column[b]))
 }
 
-/// The least max(value, 0) / −a over the rows with an entry a < `least` in the column; infinite without such rows.
+/// Smallest max(value, 0) / −a over the rows with a < `least`, where a is the row's entry in the column; infinite
+/// without such rows.
 #[inline(always)]
 fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
     let mut lanes = [f64::INFINITY; LANES];
@@ -120,7 +122,7 @@ fn least_ratio(values: &[f64], column: &[f64], least: f64) -> f64 {
     lanes.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// Finds the rows that may leave at `step`.
+/// Finds the rows whose variables are zero, within the tolerance, when the entering variable is `step`.
 #[inline(always)]
 fn find_tied(values: &[f64], column: &[f64], least: f64, step: f64, tied: &mut Vec<usize>) {
     let reaches = |value: f64, a: f64| {

@@ -1,4 +1,4 @@
-//! Scaling by powers of two, which changes no digit and no pivot.
+//! Scaling by powers of two, which causes no rounding.
 use std::borrow::Cow;
 
 use super::kernels::{LANES, largest_size};
@@ -6,7 +6,7 @@ use super::problem::Lcp;
 use crate::dense::{OutOfMemory, room};
 use crate::vectorized::vectorized;
 
-/// w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j and a covering vector d > 0: the start of a path.
+/// w = M′z + q + d z₀ with M′_ij = u_i M_ij u_j (`units` u) and the covering vector d.
 pub(super) struct CoveredLcp<'a> {
     pub(super) matrix: Cow<'a, [f64]>,
     pub(super) units: Cow<'a, [f64]>,
@@ -35,7 +35,7 @@ impl CoveredLcp<'_> {
         })
     }
 
-    /// Column j of M′, or behind its last one the covering vector.
+    /// Column j of M′; if j is the order m, the covering vector.
     pub(super) fn copy_column(&self, j: usize, target: &mut [f64]) {
         let order = self.order();
         if j == order {
@@ -49,22 +49,24 @@ impl CoveredLcp<'_> {
     }
 }
 
-/// z = σ D z′, w = σ D⁻¹ w′ with M′ = DMD, q′ = Dq/σ: a symmetric scaling keeps M in its class.
+/// z = σ D z′, w = σ D⁻¹ w′ with M′ = DMD, q′ = Dq/σ. The scaling is symmetric, so M′ is semidefinite or copositive if
+/// M is.
 ///
-/// D makes the largest entry of every row and column pair of M about one, σ the most negative one of q. Where the diagonal leads, as in
-/// a semidefinite M, it gives D at once; otherwise rows and columns are equilibrated together (Ruiz 2001).
+/// With D (`diagonal`), the largest entry in row and column i of M′ is about 1; with σ (`load`), the most negative
+/// entry of q′. If the diagonal has the largest entries, as in a semidefinite M, it gives D. If not, rows and columns
+/// are equilibrated together (Ruiz 2001).
 pub(super) struct Scaling {
     diagonal: Vec<f64>,
     load: f64,
 }
 
-/// Equilibrations at most.
+/// Largest number of equilibration passes.
 const PASSES: usize = 4;
 
-/// Largest entries within this factor of one are left as they are.
+/// Equilibration ends when all largest entries are within this factor of 1.
 const EVEN: f64 = 4.0;
 
-/// D is kept within 2^±400, so that its products stay finite.
+/// Entries of D are between 2⁻⁴⁰⁰ and 2⁴⁰⁰, so that products with them stay finite.
 const LEAST: f64 = 1.0 / MOST;
 const MOST: f64 = f64::from_bits((1023 + 400) << 52);
 
@@ -99,8 +101,8 @@ impl Scaling {
         }
     }
 
-    /// The problem with a direction of q, of any sign, as covering vector, and the length of a scaled unit of the
-    /// parameter.
+    /// The problem with the vector `direction`, of any signs, as covering vector. The second value is the parameter t
+    /// that corresponds to 1 in the scaled problem.
     pub(super) fn scale_along<'a>(&'a self, lcp: &Lcp<'a>, direction: &[f64]) -> (CoveredLcp<'a>, f64) {
         let mut scaled = self.scale(lcp, None);
         let size = power_of_two(direction.iter().zip(&self.diagonal).map(|(a, d)| (a * d).abs()));
@@ -108,13 +110,13 @@ impl Scaling {
         (scaled, self.load / size)
     }
 
-    /// D q/σ, with the σ of this q.
+    /// D q/σ, with σ computed from this q.
     pub(super) fn scale_q(&self, q: &[f64]) -> Vec<f64> {
         let load = load_of(q, &self.diagonal);
         q.iter().zip(&self.diagonal).map(|(a, d)| a * d / load).collect()
     }
 
-    /// The z-direction of a ray from a basis, its largest entry one.
+    /// z-direction of a ray that starts at the basis `origin`, scaled to a largest entry of 1.
     pub(super) fn unscaled_ray(&self, origin: &[bool], direction: &[f64]) -> Vec<f64> {
         let (slack, complement) = direction.split_at(origin.len());
         let mut ray: Vec<f64> =
@@ -134,8 +136,8 @@ impl Scaling {
     }
 }
 
-/// σ: about the largest entry of Dq below zero, or, without one, above. Slack that is far from used up, a wide gap say,
-/// must not hide the rest.
+/// σ: a power of two near the most negative entry of Dq, or near the largest entry if none is negative. A large
+/// positive q_i, such as a wide gap, must not reduce the other entries.
 fn load_of(q: &[f64], diagonal: &[f64]) -> f64 {
     let scaled = || q.iter().zip(diagonal).map(|(a, d)| a * d);
     let short = power_of_two(scaled().filter(|a| *a < 0.0).map(f64::abs));
@@ -162,7 +164,7 @@ fn largest_entries(lcp: &Lcp, diagonal: &[f64]) -> Vec<f64> {
     largest
 }
 
-/// The power of two f nearest to 1/√size, so that ½ ≤ f² size < 2; 1 for a size that is zero or infinite.
+/// The power of two f near 1/√size, so that ½ ≤ f² size < 2; 1 if `size` is zero or not finite.
 fn even_factor(size: f64) -> f64 {
     if size <= 0.0 || !size.is_finite() {
         return 1.0;
@@ -171,7 +173,7 @@ fn even_factor(size: f64) -> f64 {
     f64::from_bits(((1023 + (-exponent).div_euclid(2)) as u64) << 52).clamp(LEAST, MOST)
 }
 
-/// The power of two at or below the largest of `sizes`; 1 if that is zero.
+/// The largest power of two that is at most the largest of `sizes`; 1 if they are zero or not finite.
 fn power_of_two(sizes: impl Iterator<Item = f64>) -> f64 {
     let largest = sizes.fold(0.0, f64::max);
     if largest > 0.0 && largest.is_finite() { largest.log2().floor().exp2() } else { 1.0 }

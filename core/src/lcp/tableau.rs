@@ -1,10 +1,10 @@
-//! The condensed tableau of Lemke's algorithm: nonbasic columns only, m × (m + 1) and the values.
+//! The condensed tableau of Lemke's algorithm: m × (m + 1) entries of the nonbasic columns, and the values.
 //!
-//! It is the dictionary `basic = value + T · nonbasic`. An exchange of basic variable r and nonbasic variable s zeroes row r
-//! and column s of T and subtracts a rank-one term. The terms are collected, T = base − U V, and subtracted from the base in
-//! blocks, as one matrix product. In between only the columns of T that pivots need are formed. A row of V is a row of the
-//! base minus the earlier terms, so V = L⁻¹ × rows of the base. L is unit lower triangular, with the entries of U in the
-//! exchanged rows.
+//! It is the dictionary `basic = value + T · nonbasic`. An exchange of the basic variable in row r and the nonbasic
+//! variable in column s sets row r and column s of T to zero and subtracts a rank-one term. The terms are collected, T
+//! = base − U V, and subtracted from the base in blocks, by one matrix product. Until then only the columns of T that
+//! pivots need are computed. Each row of V is a row of the base minus the earlier terms, so V = L⁻¹ × rows of the base.
+//! L is unit lower triangular and contains the entries of U in the exchanged rows.
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -16,52 +16,53 @@ use super::tolerances;
 use crate::dense::{Lu, OutOfMemory, PARALLEL_ORDER, matrix, parallelism, room, zeros};
 use crate::vectorized::vectorized;
 
-/// Least and largest number of collected rank-one terms before the base is updated; between them an eighth of the
-/// order. With fewer terms the product is bound by reading the base, with more the columns take as long as the product.
+/// Smallest and largest number of collected rank-one terms at which the base is updated; in between, it is m/8. With
+/// fewer terms, reading the base limits the speed of the product. With more, computing the columns takes longer than
+/// the product.
 const LEAST: usize = 40;
 const MOST: usize = 128;
 
-/// Columns of the base that a thread takes at a time.
+/// Number of columns of the base that a thread updates at a time.
 const TOGETHER: usize = 128;
 
-/// One exchange since the base was last touched.
+/// An exchange since the base was last updated.
 struct Term {
     row: usize,
     column: usize,
-    /// Whether this is the first term with this row; the row of the base is zero after it.
+    /// Whether this is the first term with this row; its row of the base counts as zero for later terms.
     first: bool,
 }
 
-/// Variables are numbered: slack i is i, its complement is m + i, the artificial variable is 2m.
+/// The tableau. Slack i has number i, its complement m + i, the artificial variable 2m.
 pub(super) struct Tableau<'a> {
     problem: &'a CoveredLcp<'a>,
     order: usize,
-    /// Length to which all columns are padded.
+    /// Padded length of all columns.
     stride: usize,
     block: usize,
-    /// By columns; empty while it equals M and the covering vector.
+    /// Column-major; empty as long as it equals M and the covering vector.
     base: Vec<f64>,
     terms: Vec<Term>,
-    /// U by columns, each zero in the rows of later terms.
+    /// U, column-major; each column is zero in the rows of later terms.
     left: Vec<f64>,
-    /// L by columns.
+    /// L, column-major.
     lower: Vec<f64>,
     pub(super) values: Vec<f64>,
-    /// T's column of the variable that enters next.
+    /// Column of T for the variable that enters next.
     pub(super) column: Vec<f64>,
     pub(super) row_variable: Vec<usize>,
     column_variable: Vec<usize>,
-    /// Row i as i, column j as m + j.
+    /// Position of each variable: i if it is basic in row i, m + j if it is nonbasic in column j.
     place: Vec<usize>,
-    /// Exchanges made one by one since the tableau was last computed from the problem itself.
+    /// Number of single exchanges since the tableau was last computed from the problem.
     pub(super) age: usize,
 }
 
 impl<'a> Tableau<'a> {
-    /// The tableau whose basis is the slacks: w = q + Mz + d z₀. The artificial variable enters next.
+    /// The tableau of the slack basis, w = q + Mz + d z₀. The artificial variable enters next.
     pub(super) fn new(problem: &'a CoveredLcp) -> Result<Self, OutOfMemory> {
         let order = problem.order();
-        // An odd number of cache lines, so that a row's entries do not fall into a few cache sets.
+        // An odd number of cache lines, so that the entries of a row are not mapped to a few cache sets.
         let stride = (order.div_ceil(LANES) | 1) * LANES;
         let block = (order / 8).clamp(LEAST, MOST);
         let padded = |entries: &[f64]| {
@@ -88,7 +89,7 @@ impl<'a> Tableau<'a> {
         })
     }
 
-    /// The tableau at the same basis, computed by a fresh factorization; None if that is singular.
+    /// The tableau of the same basis, recomputed by a factorization; None if the basis is singular.
     pub(super) fn recomputed(&self) -> Result<Option<Self>, OutOfMemory> {
         let order = self.order;
         let leaving: Vec<usize> = (0..order).filter(|&i| !self.is_basic(i)).collect();
@@ -113,7 +114,7 @@ impl<'a> Tableau<'a> {
         self.row_of(variable).is_some()
     }
 
-    /// The row of a basic variable.
+    /// The row of a variable; None if it is nonbasic.
     pub(super) fn row_of(&self, variable: usize) -> Option<usize> {
         Some(self.place[variable]).filter(|&place| place < self.order)
     }
@@ -132,7 +133,8 @@ impl<'a> Tableau<'a> {
         }
     }
 
-    /// Column j of V, given that of the base in the terms' rows, and whether a term has taken the place of the base's.
+    /// Column j of V, and whether a term has replaced column j of the base. `rows` are the entries of the base's column
+    /// j in the rows of the terms.
     fn factors(&self, j: usize, rows: impl Iterator<Item = f64>) -> ([f64; MOST], bool) {
         let mut factors = [0.0; MOST];
         let count = self.terms.len();
@@ -153,7 +155,7 @@ impl<'a> Tableau<'a> {
         (factors, last.is_some())
     }
 
-    /// T's entries in some rows and the column of a nonbasic variable.
+    /// Entries of T in the given rows, in the column of a nonbasic variable.
     pub(super) fn entries(&self, rows: &[usize], nonbasic: usize) -> Vec<f64> {
         let j = self.column_of(nonbasic);
         let of_terms = self.terms.iter().map(|term| if term.first { self.base_entry(term.row, j) } else { 0.0 });
@@ -167,7 +169,7 @@ impl<'a> Tableau<'a> {
         rows.iter().map(entry).collect()
     }
 
-    /// Chooses the nonbasic variable that enters next.
+    /// Sets the nonbasic variable that enters next, and computes its column of T.
     pub(super) fn choose(&mut self, entering: usize) {
         let j = self.column_of(entering);
         let mut column = std::mem::take(&mut self.column);
@@ -183,13 +185,13 @@ impl<'a> Tableau<'a> {
         self.column = column;
     }
 
-    /// Makes `entering`, the variable of `column`, basic in row `r`, and returns the variable that leaves.
+    /// Makes `entering`, the variable of `column`, basic in row `r`. Returns the variable that leaves.
     pub(super) fn exchange(&mut self, r: usize, entering: usize) -> Result<usize, OutOfMemory> {
         if self.terms.len() == self.block {
             self.flush()?;
         }
         let (s, k, reciprocal) = (self.column_of(entering), self.terms.len(), self.column[r].recip());
-        // Row r, the terms' own row r and column s are zero from now on; the new term restores them.
+        // Row r of T, row r of U, and column s are zero from now on; the new term has their entries.
         for (l, column) in self.left.chunks_exact_mut(self.stride).enumerate() {
             self.lower[l * self.block + k] = std::mem::take(&mut column[r]);
         }
@@ -206,7 +208,7 @@ impl<'a> Tableau<'a> {
         Ok(self.column_variable[s])
     }
 
-    /// The direction of all variables but the artificial one as `entering`, the variable of `column`, grows.
+    /// Derivative of all variables except the artificial one with respect to `entering`, the variable of `column`.
     pub(super) fn direction(&self, entering: usize) -> Vec<f64> {
         let least = tolerances::PIVOT * self.column.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
         let mut direction = vec![0.0; 2 * self.order + 1];
@@ -250,14 +252,14 @@ impl<'a> Tableau<'a> {
         Ok(())
     }
 
-    /// Fills the base with M and the covering vector, if it is empty.
+    /// Fills the base with M′ and the covering vector, if it is empty.
     fn fill_base(&mut self) -> Result<(), OutOfMemory> {
         let (problem, order, stride) = (self.problem, self.order, self.stride);
         if !self.base.is_empty() || order == 0 {
             return Ok(());
         }
         self.base = zeros((order + 1).checked_mul(stride).ok_or(OutOfMemory)?)?;
-        // As many columns at a time as a cache line of M has entries.
+        // The number of columns filled at a time is the number of entries in a cache line of M.
         let fill = |(block, columns): (usize, &mut [f64])| {
             let first = block * LANES;
             for (i, row) in problem.matrix.chunks_exact(order).enumerate() {
@@ -278,8 +280,8 @@ impl<'a> Tableau<'a> {
         Ok(())
     }
 
-    /// Makes column variables `entering` basic in rows `leaving`, pairwise and all at once, by one LU factorization.
-    /// False, with the tableau spoilt, if their block of T is singular. Meant for a tableau with no exchange pending.
+    /// Makes the column variables `entering` basic in the rows `leaving`, pairwise, by one LU factorization. Returns
+    /// false, with an unusable tableau, if their block of T is singular. The tableau must have no pending terms.
     pub(super) fn exchange_block(&mut self, leaving: &[usize], entering: &[usize]) -> Result<bool, OutOfMemory> {
         let (order, columns, stride) = (self.order, self.order + 1, self.stride);
         let count = leaving.len();
@@ -288,7 +290,7 @@ impl<'a> Tableau<'a> {
             return Ok(true);
         }
         let block = matrix(count, count, |i, j| self.base_entry(leaving[i], entering[j]))?;
-        // The new rows: block⁻¹ [I on the entering columns, −T on the others | −values].
+        // The new rows: block⁻¹ [I in the entering columns, −T in the others | −values].
         let mut rows = matrix(count, columns + 1, |i, j| {
             -if j == columns { self.values[leaving[i]] } else { self.base_entry(leaving[i], j) }
         })?;
@@ -328,13 +330,13 @@ impl<'a> Tableau<'a> {
         Ok(true)
     }
 
-    /// True where slack and complement have changed places.
+    /// True for each pair whose slack is nonbasic.
     pub(super) fn complementary_basis(&self) -> Vec<bool> {
         (0..self.order).map(|slack| !self.is_basic(slack)).collect()
     }
 
-    /// T without the artificial variable's column, row-major, that column, and the values; meant for a tableau right after
-    /// [`Self::exchange_block`].
+    /// The problem at the current basis: T without the artificial variable's column, row-major; this column; and the
+    /// values. It must directly follow [`Self::exchange_block`].
     pub(super) fn into_parts(mut self) -> Result<Parts, OutOfMemory> {
         let (order, stride) = (self.order, self.stride);
         self.values.truncate(order);
@@ -357,7 +359,7 @@ impl<'a> Tableau<'a> {
     }
 }
 
-/// A problem as its tableau reads it.
+/// The matrix (row-major), covering vector and q of a transformed problem.
 pub(super) struct Parts {
     pub(super) matrix: Vec<f64>,
     pub(super) covering: Vec<f64>,

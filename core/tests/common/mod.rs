@@ -1,11 +1,11 @@
-//! The square plate that the tests of contact share.
+//! The square plate that the contact tests use.
 use signorini_core::element::{Kind, Material, Thickness};
 use signorini_core::plate::Plate;
 use std::sync::Arc;
 
 pub const SIZE: usize = 3;
 
-/// The plate in other units: how many of them a length of 1 and a force of 1 are.
+/// The plate in other units: lengths are multiplied by `length`, forces by `force`.
 pub fn plate_in([length, force]: [f64; 2]) -> Arc<Plate> {
     let columns = 2 * SIZE + 1;
     let mut number = vec![usize::MAX; columns * columns];
