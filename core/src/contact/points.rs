@@ -291,7 +291,7 @@ impl Points {
     }
 
     /// The first piece of each point (m,) whose force depends on its travel where `holds` is true, and does not where
-    /// it is false; piece 0 if there is no such piece.
+    /// it is false; otherwise piece 0.
     pub fn pieces_holding(&self, holds: &[bool]) -> Vec<u8> {
         let first = |i: usize| (0..self.graph(i).pieces() as u8).find(|&p| self.graph(i).piece(p).holds() == holds[i]);
         (0..self.len()).map(|i| first(i).unwrap_or(0)).collect()

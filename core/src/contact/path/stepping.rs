@@ -138,7 +138,7 @@ impl<'a> PathTracer<'a> {
         Some(wrong)
     }
 
-    /// The next t at which points reach ends of their pieces (infinite if there is none), and these ends.
+    /// The next t at which points reach ends of their pieces (infinite without an event), and these ends.
     fn next_event(&self, line: &Line<'_>, from: f64) -> (f64, Vec<Breakpoint>) {
         let span = line.at[1] - line.at[0];
         let roots: Vec<(f64, Breakpoint)> = line

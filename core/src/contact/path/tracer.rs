@@ -226,7 +226,7 @@ impl ContactProblem {
     }
 }
 
-/// The solution; `None` if there is none or the solve was cancelled.
+/// The solution; `None` if the solve found no solution or was cancelled.
 fn some(solved: Result<ContactSolution, SolveError>) -> Result<Option<ContactSolution>, SolveError> {
     match solved {
         Ok(solution) => Ok(Some(solution)),
