@@ -93,7 +93,8 @@ pub fn element_rows(
     Ok(Rows { element, coefficient, further }.onto_leaders(plate))
 }
 
-/// The row that each of the last entries of `pieces` continues (q,), in ascending order.
+/// The row (q,) that each of the last q of `pieces` entries continues; raises ValueError unless they are in ascending
+/// order.
 pub fn further_rows(further: &PyReadonlyArray1<'_, i64>, pieces: usize) -> PyResult<Vec<usize>> {
     let Some(rows) = pieces.checked_sub(further.len()) else {
         return Err(invalid(format!("{pieces} elements cannot go on {} rows", further.len())));

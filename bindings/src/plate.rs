@@ -292,8 +292,8 @@ impl Plate {
         Ok((nodal, PyArray1::from_vec(py, sampled).reshape([count, 4, 5])?))
     }
 
-    /// Nodal forces (k, 24) of elements (k,) in the frames of the nodes, with the stress-free curvature as the only
-    /// load, and [mx, my, mxy, qx, qy] (k, p, 5) at the integration points of the stiffness.
+    /// Nodal forces K_e u − f_κ (k, 24) of elements (k,) in the frames of the nodes, with f_κ the load of the
+    /// stress-free curvature, and [mx, my, mxy, qx, qy] (k, p, 5) at the integration points of the stiffness.
     fn element_forces<'py>(
         &self,
         py: Python<'py>,

@@ -60,7 +60,7 @@ pub struct PointLaws {
     pub graphs: Vec<Graph>,
     /// Index in `graphs` of the law of each point (m,).
     pub graph: Vec<usize>,
-    /// As the fields of [`Points`] (m,).
+    /// `shift`, `weight` and `unit` (m,) are as in [`Points`].
     pub shift: Vec<f64>,
     pub weight: Vec<f64>,
     pub unit: Vec<f64>,

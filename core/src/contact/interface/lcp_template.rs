@@ -83,8 +83,8 @@ impl LcpTemplate {
         Ok(Self { matrix, vertices, elimination, motions })
     }
 
-    /// q (k,) of a load on top of `reaction` (m,), with the free motions imposed. `rhs.violation` is relative to
-    /// [`Interface::first_pieces`].
+    /// q (k,) of a load, starting from the reactions `reaction` (m,), with the free motions imposed. `rhs.violation` is
+    /// relative to [`Interface::first_pieces`].
     pub(in crate::contact) fn balanced_q(
         &self,
         interface: &Interface,
@@ -98,7 +98,7 @@ impl LcpTemplate {
         Ok(q)
     }
 
-    /// q (k,) of a load on top of `reaction` (m,), before the free motions are imposed.
+    /// q (k,) of a load, starting from the reactions `reaction` (m,), before the free motions are imposed.
     pub(in crate::contact) fn q(
         &self,
         interface: &Interface,

@@ -39,8 +39,8 @@ struct Deflated {
 }
 
 /// Number of conjugate gradient steps before a new factorization, which costs about as much. With a shared factor a
-/// step is cheaper, and the number is `SHARED` times as large. In the saddle-point method springs differ too much for
-/// any step.
+/// step is cheaper, and the number is `SHARED` times as large. The saddle-point method uses no conjugate gradients
+/// before it, since springs differ too much.
 pub(in crate::contact) const BEFORE_A_FACTOR: usize = 10;
 const SHARED: usize = 3;
 /// Largest number of steps if the contact state cannot be factored.
@@ -156,7 +156,7 @@ impl Gradients {
             curvature = kkt.curvature(&self.pieces, &ahead.nodal);
         }
         if !(curvature > tolerances::newton::FREE * stiff) {
-            // The line search ends at the next contact points: until then no other direction balances the load.
+            // No direction balances the load until the next points come into contact. The line search ends there.
             let mut free = std::mem::take(ahead);
             free.is_free = true;
             return Some(free);

@@ -17,7 +17,7 @@ pub(in crate::contact) trait Kkt {
         None
     }
 
-    /// Whether the violations, as forces, are rounding after the next correction.
+    /// Whether the forces that the next correction adds for the violations are rounding relative to a force.
     fn is_settled(&self, _right: &Residual, _force: f64) -> bool {
         true
     }

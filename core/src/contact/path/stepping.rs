@@ -19,13 +19,13 @@ impl<'a> PathTracer<'a> {
     pub(super) fn step_along(&mut self, mut t: f64, recorder: &mut PathRecorder) -> Result<PathEnd, SolveError> {
         let load = self.load;
         let mut pieces = recorder.here().piece.clone();
-        // Contact states since the last advance of t.
+        // Contact states of the lines since t last advanced.
         let mut spent: Vec<Vec<u8>> = Vec::new();
         for _ in 0..=MOST_EVENTS {
             let Some(mut line) = self.leaving(t, &pieces, recorder.here())? else {
                 return Ok(recorder.end(t, None, PathEnd::Unsolved));
             };
-            // A repeated contact state would be a cycle: rounding decides which points close.
+            // A repeated contact state is a cycle: rounding alone decides which points close.
             if spent.contains(&line.ends[0].piece) {
                 return Ok(recorder.end(t, None, PathEnd::Unsolved));
             }

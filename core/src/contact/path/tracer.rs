@@ -22,7 +22,7 @@ pub(super) struct PathTracer<'a> {
     /// Solver of fixed contact states; it keeps its last factor.
     kkt: Box<dyn Kkt + 'a>,
     watch: &'a mut Watch<'a>,
-    /// Whether the callback cancelled.
+    /// Whether the callback cancelled the path.
     pub interrupted: bool,
     lines: usize,
 }

@@ -75,7 +75,7 @@ impl NewtonIterate<'_> {
             let (moved, old) = (length * change[i], *augmented_travel);
             *augmented_travel = old + moved;
             let series = self.kkt.series[i];
-            // A point that keeps its factored stiffness stays in balance to the last bit.
+            // If a point keeps its factored stiffness, its change of force leaves no rounding in the residual.
             let (piece, next) = (points.piece_at(i, series, old), points.piece_at(i, series, *augmented_travel));
             let increment = match piece == next {
                 true => points.piece(i, piece).in_series(series) * moved,

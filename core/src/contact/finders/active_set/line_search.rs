@@ -61,7 +61,7 @@ impl NewtonIterate<'_> {
             doublings += 1;
         }
         if at_high < 0.0 {
-            // No point ends the step: the work of the load is rounding.
+            // No contact point ends the motion, so the work of the load along it is rounding.
             return 0.0;
         }
         let mut at_low = slope(low);

@@ -96,8 +96,8 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Iterates with `answer`, the solution by the shared factor that was asked for. Without a shared factor, iterates
-    /// to the end.
+    /// Iterates until the shared factor is needed. `answer` is its solution if the last call returned [`Next::Solve`].
+    /// Without a shared factor, iterates to the end.
     pub(super) fn go_on(&mut self, mut answer: Option<Vec<f64>>, watch: &mut Watch<'_>) -> Result<Next, FactorError> {
         loop {
             let direction = match self.gradients.take() {
