@@ -1,4 +1,4 @@
-//! Arrays of one side as arrays of the other.
+//! Conversion of numpy arrays to Rust vectors, and of Rust vectors to numpy arrays.
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
@@ -13,7 +13,7 @@ pub fn invalid(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// Allocates memory for numbers, or raises MemoryError.
+/// Allocates memory for `len` numbers; raises MemoryError if there is not enough.
 pub fn room(len: usize) -> PyResult<Vec<f64>> {
     dense::room(len).map_err(|_| PyMemoryError::new_err("not enough memory"))
 }
@@ -22,7 +22,7 @@ pub fn vector<T: numpy::Element + Copy>(array: &PyReadonlyArray1<'_, T>) -> Vec<
     array.as_array().to_vec()
 }
 
-/// A vector of a stated length.
+/// The array as a vector; raises ValueError unless it has `length` entries.
 pub fn sized<T: numpy::Element + Copy>(what: &str, array: &PyReadonlyArray1<'_, T>, length: usize) -> PyResult<Vec<T>> {
     if array.len() == length {
         Ok(array.as_array().to_vec())
@@ -31,7 +31,7 @@ pub fn sized<T: numpy::Element + Copy>(what: &str, array: &PyReadonlyArray1<'_, 
     }
 }
 
-/// The rows of a matrix with N columns.
+/// The rows of a matrix with N columns; raises ValueError for another number of columns.
 pub fn rows_of<const N: usize, T: numpy::Element + Copy + Default>(
     what: &str,
     array: &PyReadonlyArray2<'_, T>,
@@ -51,7 +51,7 @@ pub fn rows_of<const N: usize, T: numpy::Element + Copy + Default>(
         .collect())
 }
 
-/// Indices into something of a stated size.
+/// The array as indices less than `size`; raises ValueError for any other number.
 pub fn indices(what: &str, array: &PyReadonlyArray1<'_, i64>, size: usize) -> PyResult<Vec<usize>> {
     array
         .as_array()
@@ -63,13 +63,13 @@ pub fn indices(what: &str, array: &PyReadonlyArray1<'_, i64>, size: usize) -> Py
         .collect()
 }
 
-/// The rows of a matrix.
+/// The rows of a matrix as vectors.
 pub fn rows(matrix: &PyReadonlyArray2<'_, f64>) -> Vec<Vec<f64>> {
     matrix.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
 }
 
-/// Rows (elements (m + q,), coefficients (m + q, 24), further (q,)) as m rows of a plate; the last q continue the rows
-/// `further` in further elements.
+/// m rows of a plate, made from elements (m + q,), coefficients (m + q, 24) and `further` (q,). The last q entries
+/// continue the rows `further` in other elements.
 pub fn element_rows(
     elements: &PyReadonlyArray1<'_, i64>,
     rows: &PyReadonlyArray2<'_, f64>,
@@ -93,7 +93,8 @@ pub fn element_rows(
     Ok(Rows { element, coefficient, further }.onto_leaders(plate))
 }
 
-/// Which row each of the last of `pieces` goes on; in ascending order.
+/// The row (q,) that each of the last q of `pieces` entries continues; raises ValueError unless they are in ascending
+/// order.
 pub fn further_rows(further: &PyReadonlyArray1<'_, i64>, pieces: usize) -> PyResult<Vec<usize>> {
     let Some(rows) = pieces.checked_sub(further.len()) else {
         return Err(invalid(format!("{pieces} elements cannot go on {} rows", further.len())));

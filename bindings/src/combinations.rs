@@ -39,7 +39,7 @@ impl Response {
         PyArray1::from_slice(py, &self.inner.reaction)
     }
 
-    /// The same without its displacements, which the contact problem does not read.
+    /// The same response without its displacements, which the contact problem does not read.
     fn at_points(&self) -> Self {
         Self { inner: at_points(self), of: self.of.clone() }
     }
@@ -50,7 +50,7 @@ impl Response {
     }
 }
 
-/// Data shared by the combinations of some load cases.
+/// Data shared by all combinations of some load cases.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct CombinedCases {
     inner: contact::CombinedCases,
@@ -66,7 +66,7 @@ type Combined<'py> = (
     Bound<'py, PyArray1<i64>>,
 );
 
-/// A response without its displacement, which the contact points do not read.
+/// A response without its displacements, which the contact problem does not read.
 fn at_points(response: &Response) -> contact::Response {
     let r = &response.inner;
     contact::Response {
@@ -77,7 +77,7 @@ fn at_points(response: &Response) -> contact::Response {
     }
 }
 
-/// The response to no load, with the held dofs at `held_value` (3n,) and the springs on their bases.
+/// The response without load, with the held dofs at `held_value` (3n,) and the springs at their bases.
 #[pyfunction]
 pub fn rest_response(
     problem: &ContactProblem,
@@ -89,7 +89,7 @@ pub fn rest_response(
     Ok(Response { inner, of: problem.inner.clone() })
 }
 
-/// The responses to nodal loads (k, 3n), held dofs and bases at zero.
+/// The responses to nodal loads (k, 3n), with held dofs and bases at zero.
 #[pyfunction]
 pub fn load_responses(
     problem: &ContactProblem,
@@ -101,14 +101,15 @@ pub fn load_responses(
     Ok(result.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
 
-/// The responses to one unit of the own action of contact points `first` to `end`, the last excluded.
+/// The responses to contact points `first` to `end` − 1: each for a unit displacement of the point or a unit force at
+/// it.
 #[pyfunction]
 pub fn point_responses(problem: &ContactProblem, py: Python<'_>, first: usize, end: usize) -> PyResult<Vec<Response>> {
     let result = interruptible(py, |watch| problem.inner.point_responses(first..end, watch))?.map_err(failed)?;
     Ok(result.into_iter().map(|inner| Response { inner, of: problem.inner.clone() }).collect())
 }
 
-/// Condenses load cases for `combine`, from the responses at rest, of the cases and of the points.
+/// Condenses load cases for `combine`, from the response without load, those to the cases, and those to the points.
 #[pyfunction]
 pub fn combined_cases(
     problem: &ContactProblem,
@@ -130,10 +131,10 @@ pub fn combined_cases(
     Ok(CombinedCases { inner: result.map_err(failed)?, of: problem.inner.clone() })
 }
 
-/// Solves combinations of factors (k, c), each by itself and all in parallel.
+/// Solves combinations with factors (k, c) of the cases in parallel; none depends on another.
 ///
-/// Returns verdicts (k,), 0 solved, 1 no equilibrium, 2 to be solved by itself; factors of the points' responses,
-/// reactions, gaps and states (k, m); pivots (k,).
+/// Returns verdicts (k,): 0 solved, 1 no equilibrium, 2 must be solved separately; factors of the point responses,
+/// reactions and gaps (k, m); whether each point has a force (k, m); number of pivots (k,).
 #[pyfunction]
 pub fn combine<'py>(
     problem: &ContactProblem,
@@ -173,7 +174,8 @@ pub fn combine<'py>(
     ))
 }
 
-/// [mx, my, mxy, qx, qy] at nodes (b, n, 5), or those of the plate's `stress_elements`, of several responses, with their curvatures (b, 3) and couples (b, 2e).
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5), or at the nodes of the plate's `stress_elements`, for b responses with
+/// curvatures (b, 3) and couples (b, 2e).
 #[pyfunction]
 pub fn response_stresses<'py>(
     py: Python<'py>,
@@ -189,7 +191,7 @@ pub fn response_stresses<'py>(
     stresses(py, plate, result, &curvatures, &couples)
 }
 
-/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several displacements, each with the plate that is displaced.
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) for b displacements, each with the plate that it belongs to.
 pub fn stresses<'py>(
     py: Python<'py>,
     plate: &Plate,
@@ -217,7 +219,7 @@ pub fn stresses<'py>(
     PyArray1::from_vec(py, values).reshape([number, nodes, 5])
 }
 
-/// Coefficients (k, b) times vectors (b, n), each sum in the order of the vectors: (k, n).
+/// Product (k, n) of coefficients (k, b) and vectors (b, n), summed in the order of the vectors.
 #[pyfunction]
 pub fn superpose<'py>(
     py: Python<'py>,
@@ -237,10 +239,11 @@ pub fn superpose<'py>(
 
 type Peaks<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
 
-/// Widens an envelope (n,), in place, by every sum of vectors (b, n) with coefficients (k, b) of combinations `who` (k,).
+/// Updates an envelope (n,) in place by the sums of vectors (b, n) with coefficients (k, b). `who` (k,) are the numbers
+/// of the combinations.
 ///
-/// Returns every sum's largest and smallest value (k, 2) and where they are (k, 2), without the entries of some of the
-/// classes (n,): `left_out` (k, c).
+/// Returns the largest and smallest value (k, 2) of each sum, and their indices (k, 2). Entry i of a sum is excluded
+/// from them if `left_out` (k, c) is true for its class `classes[i]`.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn envelop<'py>(

@@ -12,7 +12,8 @@ pub fn serendipity<'py>(py: Python<'py>, xi: PyReadonlyArray2<'py, f64>) -> PyRe
     evaluated(py, &xi, shape::serendipity)
 }
 
-/// The same of the quadratic functions on triangles [a, b, c, c, ab, bc, c, ca], zero where c is repeated.
+/// Values (q, 8) and reference gradients (q, 8, 2) of the quadratic functions on triangles [a, b, c, c, ab, bc, c, ca];
+/// zero where c is repeated.
 #[pyfunction]
 pub fn triangular<'py>(py: Python<'py>, xi: PyReadonlyArray2<'py, f64>) -> PyResult<Shapes<'py>> {
     evaluated(py, &xi, shape::triangular)
@@ -36,7 +37,8 @@ fn evaluated<'py>(
     Ok((PyArray1::from_vec(py, values).reshape([count, 8])?, PyArray1::from_vec(py, gradients).reshape([count, 8, 2])?))
 }
 
-/// Shape functions (q, 8) at reference points (q, 2) of elements `of` (q,) among a mesh's (ne, 8).
+/// Values of the shape functions (q, 8) at reference points (q, 2). `of` (q,) is the element of each point in the
+/// mesh's elements (ne, 8).
 #[pyfunction]
 pub fn shape_values<'py>(
     py: Python<'py>,
@@ -49,7 +51,7 @@ pub fn shape_values<'py>(
     matrix(py, result, 8)
 }
 
-/// Positions (q, 2) of reference points (q, 2) of elements `of` (q,), with nodes at `points` (n, 2).
+/// Positions (q, 2) of reference points (q, 2) in elements `of` (q,), with nodes at `points` (n, 2).
 #[pyfunction]
 pub fn map_points<'py>(
     py: Python<'py>,
@@ -67,7 +69,7 @@ pub fn map_points<'py>(
     matrix(py, result, 2)
 }
 
-/// Forces (n,) at the nodes that are worth forces (q,) at reference points (q, 2) of elements `of` (q,).
+/// Nodal forces (n,) equivalent to `forces` (q,) at reference points (q, 2) in elements `of` (q,).
 #[pyfunction]
 pub fn nodal_forces<'py>(
     py: Python<'py>,
@@ -89,7 +91,7 @@ pub fn nodal_forces<'py>(
     Ok(PyArray1::from_vec(py, nodal))
 }
 
-/// Calls `take` with the nodes and the shape functions of each point in turn.
+/// Calls `take` with the nodes of the element and the shape functions, for each point in turn.
 fn each_point(
     elements: &PyReadonlyArray2<'_, i64>,
     of: &PyReadonlyArray1<'_, i64>,

@@ -7,7 +7,7 @@ use signorini_core::dense;
 use signorini_core::lcp::{self, Lcp, LcpError, LcpStatus, LemkeOptions};
 use std::borrow::Cow;
 
-/// z, w and the basis (m,) of a linear complementarity problem, and how the solver ended.
+/// Solution of a linear complementarity problem: z, w, the basis (m,), and how the solver ended.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct LcpSolution {
     inner: lcp::LcpSolution,
@@ -15,8 +15,8 @@ pub struct LcpSolution {
 
 /// Solves w = Mz + q, w ≥ 0, z ≥ 0, zᵀw = 0 by Lemke's algorithm with the lexicographic ratio test.
 ///
-/// `matrix` is M (m, m), `q` (m,); `covering` (m,) > 0 is the covering vector, ones if None. `start` (m,) marks the z
-/// basic in the solution of a similar problem, from which the path then starts.
+/// `matrix` is M (m, m), `q` (m,). `covering` (m,) > 0 is the covering vector; None means ones. `start` (m,) is true
+/// where z is basic in the solution of a similar problem; the path then starts at this basis.
 #[pyfunction]
 #[pyo3(signature = (matrix, q, covering=None, max_pivots=None, start=None))]
 pub fn lemke(
@@ -57,13 +57,13 @@ pub fn lemke(
 
 #[pymethods]
 impl LcpSolution {
-    /// The complementary variables (m,); NaN unless solved.
+    /// z (m,); NaN unless solved.
     #[getter]
     fn z<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.inner.z)
     }
 
-    /// The slacks Mz + q (m,); NaN unless solved.
+    /// w = Mz + q (m,); NaN unless solved.
     #[getter]
     fn w<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.inner.w)
@@ -86,20 +86,20 @@ impl LcpSolution {
         }
     }
 
-    /// The status in a sentence.
+    /// The meaning of the status as a sentence.
     #[getter]
     fn message(&self) -> &'static str {
         self.inner.status.sentence()
     }
 
-    /// Pivots made, the artificial variable's entry included.
+    /// Number of pivots, including the one by which the artificial variable enters.
     #[getter]
     fn pivots(&self) -> usize {
         self.inner.pivots
     }
 
-    /// v ≥ 0 (m,), at most 1, along which the path left; None unless the status is "ray". Mᵀv ≤ 0 with qᵀv < 0 proves
-    /// that no point is feasible.
+    /// Direction v ≥ 0 (m,) of z on the ray, scaled to max v = 1; None unless the status is "ray". Mᵀv ≤ 0 with qᵀv < 0
+    /// proves that no point is feasible.
     #[getter]
     fn ray<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.inner.ray.as_ref().map(|ray| PyArray1::from_slice(py, ray))

@@ -13,20 +13,22 @@ use signorini_core::residual::{internal_magnitudes, nodal_force, openings, resid
 use signorini_core::stress;
 use std::sync::Arc;
 
-/// A discretised plate: nodes (n, 2), 8-node elements (e, 8), of triangles [a, b, c, c, ab, bc, c, ca], thickness, material and element kind ("mitc9" or "q8r",
-/// whose quadrilaterals may have a collapsed side, [c, c, a, b, c, ca, ab, bc]).
-///
-/// `thickness` is one number or that of every element (e, p) at its `section_points`. `layered`, if given, has the
-/// elements (k,), in increasing order, inside which the thickness jumps, and at their points the rigidities (k, p, 9):
-/// rows 11, 12, 13, 22, 23, 33 of those in bending and 11, 12, 22 of those in shear. `rigidities` (9,) are the same of a
-/// plate of thickness 1, and `young` the largest Young's modulus. `others`, if given, has further materials: which of
-/// them each element (e,) is of, from 1, or 0, their Young's moduli (m,) and rigidities (m, 9). `stress_elements` (e, 8), if given, are the elements by the nodes of moments and
-/// shears, several at a place where these jump. `frames` (n, 2), if given, holds
-/// cos and sin of every node's first rotation direction. `leaders` (n,), if given, are the nodes that nodes follow as rigid
-/// bodies, themselves where they are free.
-/// Displacements as the sum of two arrays of doubles.
+/// Displacements hi + lo as two arrays of doubles (3n,).
 type HighAndLow<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
+/// A discretised plate: nodes `points` (n, 2), 8-node `elements` (e, 8), thickness, material, and element `kind`.
+///
+/// A triangle of "mitc9" has the nodes [a, b, c, c, ab, bc, c, ca]. The kind "q8r" has quadrilaterals only; one side may
+/// be collapsed, [c, c, a, b, c, ca, ab, bc].
+///
+/// `thickness` is one number, or the thickness (e, p) at the `section_points` of each element. `layered` is the pair of
+/// elements (k,), in increasing order, inside which the thickness jumps, and rigidities (k, p, 9) at their points.
+/// Rigidities are the entries 11, 12, 13, 22, 23, 33 in bending and 11, 12, 22 in shear. `rigidities` (9,) are those of
+/// the plate for thickness 1, and `young` is the largest Young's modulus. `others` describes m further materials: the
+/// material (e,) of each element (0 is that of the plate), Young's moduli (m,) and rigidities (m, 9).
+/// `stress_elements` (e, 8) are the elements by stress nodes, of which a place has several where moments and shears
+/// jump. `frames` (n, 2) are cos and sin of the first rotation direction of each node. `leaders` (n,) is the node that
+/// each node follows as a rigid body, itself if it is free.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct Plate {
     pub inner: Arc<plate::Plate>,
@@ -94,8 +96,9 @@ fn section(values: &[f64]) -> Section {
     Section { bending, shear: [[v[6], v[7]], [v[7], v[8]]] }
 }
 
-/// Reference points (p, 2) at which an element of a kind asks for its thickness: those of its stiffness, then the four
-/// at which moments and shears are sampled, which of q8r are the same; of quadrilaterals, or of triangles.
+/// Reference points (p, 2) at which an element of a kind needs its thickness, for quadrilaterals or for triangles. The
+/// integration points of the stiffness come first, then the four sampling points of moments and shears; for q8r both
+/// are the same points.
 #[pyfunction]
 #[pyo3(signature = (kind, triangle=false))]
 pub fn section_points<'py>(py: Python<'py>, kind: &str, triangle: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -165,8 +168,8 @@ impl Plate {
         Ok(Self { inner: Arc::new(inner) })
     }
 
-    /// Rows (q, 24) that give w, θx or θy (field 0, 1, 2) at reference points (q, 2) of elements (q,), in the nodes'
-    /// frames, and their parts (q, 2) on the centre rotations.
+    /// Rows that give w, θx or θy (field 0, 1, 2) at reference points (q, 2) of elements (q,): coefficients (q, 24) of
+    /// the nodal displacements in the nodes' frames, and coefficients (q, 2) of the centre rotations.
     fn interpolation_rows<'py>(
         &self,
         py: Python<'py>,
@@ -189,13 +192,13 @@ impl Plate {
         Ok((matrix(py, rows, 24)?, matrix(py, centre, 2)?))
     }
 
-    /// Nodal forces (3n,) of the stress-free curvature [κxx, κyy, κxy] and its couples (2e,) on centre rotations.
+    /// Nodal forces (3n,) of the stress-free curvature [κxx, κyy, κxy], and its couples (2e,) on centre rotations.
     fn curvature_load<'py>(&self, py: Python<'py>, curvature: [f64; 3]) -> PyResult<Pair<'py>> {
         let (load, centre) = released(py, || self.inner.curvature_load(curvature))?;
         Ok((PyArray1::from_vec(py, load), PyArray1::from_vec(py, centre)))
     }
 
-    /// f − Ku − springs at every dof (3n,), by the refined residual.
+    /// f − Ku − spring forces at every dof (3n,), in double-double.
     fn residual<'py>(
         &self,
         py: Python<'py>,
@@ -212,8 +215,8 @@ impl Plate {
         Ok(PyArray1::from_vec(py, out))
     }
 
-    /// distance − g·u (m,) for rows (m + q, 24) on elements (m + q,), in extended precision; the last q continue the
-    /// rows `further` (q,) in further elements.
+    /// distance − g·u (m,) in extended precision. Rows g (m + q, 24) are on elements (m + q,); the last q continue the
+    /// rows `further` (q,) in other elements.
     #[allow(clippy::too_many_arguments)]
     fn openings<'py>(
         &self,
@@ -237,8 +240,8 @@ impl Plate {
         Ok(PyArray1::from_vec(py, out))
     }
 
-    /// Displacements hi + lo (3n,) moved by w + sx (x − x0) + sy (y − y0), in extended precision: `center` is (x0, y0),
-    /// `motion` (w, sx, sy).
+    /// Displacements hi + lo (3n,) plus the rigid motion w + sx (x − x0) + sy (y − y0), in extended precision. `center`
+    /// is (x0, y0), `motion` is (w, sx, sy).
     fn moved<'py>(
         &self,
         py: Python<'py>,
@@ -253,7 +256,7 @@ impl Plate {
         Ok((PyArray1::from_vec(py, out.hi), PyArray1::from_vec(py, out.lo)))
     }
 
-    /// Largest sum of |element matrix| |displacement| over dofs not held (3n,): rounding is relative to this.
+    /// Largest Σ |element matrix| |displacement| over the dofs (3n,) that are not held. Rounding is relative to it.
     fn internal_magnitude(
         &self,
         py: Python<'_>,
@@ -269,8 +272,9 @@ impl Plate {
         })
     }
 
-    /// [mx, my, mxy, qx, qy] at nodes (n, 5), or those of `stress_elements`, and at the elements' four samples (e, 4, 5): 2×2 Gauss points, of triangles
-    /// three near the corners and the centroid.
+    /// [mx, my, mxy, qx, qy] at nodes (n, 5), or at the nodes of `stress_elements`, and at the four sampling points of
+    /// each element (e, 4, 5): the 2×2 Gauss points of quadrilaterals, three points near the corners and the centroid
+    /// of triangles.
     fn stresses<'py>(
         &self,
         py: Python<'py>,
@@ -288,8 +292,8 @@ impl Plate {
         Ok((nodal, PyArray1::from_vec(py, sampled).reshape([count, 4, 5])?))
     }
 
-    /// Nodal forces (k, 24) of elements (k,) in the frames of the nodes, without loads other than the stress-free
-    /// curvature, and [mx, my, mxy, qx, qy] (k, p, 5) at the integration points of their stiffness.
+    /// Nodal forces K_e u − f_κ (k, 24) of elements (k,) in the frames of the nodes, with f_κ the load of the
+    /// stress-free curvature, and [mx, my, mxy, qx, qy] (k, p, 5) at the integration points of the stiffness.
     fn element_forces<'py>(
         &self,
         py: Python<'py>,
@@ -318,8 +322,8 @@ impl Plate {
         Ok((matrix(py, forces, DOFS)?, stress))
     }
 
-    /// [κx, κy, 2κxy, γx, γy] at the points of the stiffness of elements (k,), over the dofs of their nodes, in the
-    /// nodes' frames: (k, p, 120), a strain's 24 one behind the other.
+    /// Rows of the strains [κx, κy, 2κxy, γx, γy] at the integration points of elements (k,): (k, p, 120), 24
+    /// coefficients for each strain in turn, of the nodal displacements in the nodes' frames.
     fn strain_rows<'py>(
         &self,
         py: Python<'py>,
@@ -332,7 +336,7 @@ impl Plate {
         PyArray1::from_vec(py, all).reshape([elements.len(), points, 5 * DOFS])
     }
 
-    /// Lower triangle of K with springs, in the mesh's own order: column starts, rows, values.
+    /// Lower triangle of K with springs, in the order of the mesh: column starts, rows, values.
     fn stiffness_matrix<'py>(&self, py: Python<'py>, spring_arrays: SpringArrays<'_>) -> PyResult<Compressed<'py>> {
         let springs = springs(&spring_arrays, &self.inner)?;
         let numbering = Numbering::natural(&self.inner);

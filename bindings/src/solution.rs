@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use signorini_core::contact::{self, SolveError};
 use std::sync::Arc;
 
-/// Displacements (3n,) as two doubles, reactions, gaps and pieces (m,) of one load; NaN unless solved.
+/// Displacements (3n,) as two doubles, reactions, gaps and pieces (m,) under one load; NaN unless solved.
 #[pyclass(frozen, module = "signorini._core")]
 pub struct ContactSolution {
     pub inner: contact::ContactSolution,
@@ -15,7 +15,7 @@ pub struct ContactSolution {
 }
 
 impl ContactSolution {
-    /// A load without a solution has a status and NaN for every number; other failures are errors.
+    /// A solution, or for a load without a solution its status with NaN for every number. Other failures are errors.
     pub fn of(
         problem: &Arc<contact::ContactProblem>,
         solved: Result<contact::ContactSolution, SolveError>,
@@ -35,7 +35,7 @@ impl ContactSolution {
         Ok(Self { inner, of, status })
     }
 
-    /// The solution, if there is one.
+    /// The solution; `None` unless the status is "solved".
     pub fn solved(&self) -> Option<&contact::ContactSolution> {
         (self.status == "solved").then_some(&self.inner)
     }
@@ -63,13 +63,13 @@ impl ContactSolution {
         PyArray1::from_slice(py, &self.inner.gap)
     }
 
-    /// The piece (m,) of its law that every point is on.
+    /// Index (m,) of the piece of its law that each point is on.
     #[getter]
     fn piece<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         PyArray1::from_slice(py, &self.inner.piece)
     }
 
-    /// Points that are not open: they hold, or yield.
+    /// Whether each point (m,) is not open: it is in contact or yields.
     #[getter]
     fn closed<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         PyArray1::from_vec(py, self.of.points.acting(&self.inner.piece))

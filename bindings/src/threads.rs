@@ -1,7 +1,7 @@
-//! The threads that the core works on.
+//! The thread pools on which the core works.
 //!
-//! A process that forked has none of its parent's threads, and waits for ever for those of a pool that it inherits, as
-//! rayon's global one is. So every entry into the core goes to a pool of this very process, made at its first use.
+//! A forked process has none of its parent's threads. It would wait for ever for a pool that it inherits, such as
+//! rayon's global one. Therefore every call of the core runs on a pool of the present process, made at its first use.
 
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -10,10 +10,12 @@ use std::cell::Cell;
 use std::process;
 use std::sync::{OnceLock, mpsc};
 
-/// As much as a process's first thread has: the core's own recursions and faer's are laid out for no less.
+/// Stack of a thread in bytes, as large as that of a process's first thread: recursions of the core and of faer need
+/// it.
 const STACK: usize = 8 << 20;
 
-/// A process, and how many of its callbacks a thread is in: the threads of the pool above wait for these.
+/// Process id, and number of callbacks in which the calling thread is. The threads of a pool wait while a callback
+/// runs, so calls from it need another pool.
 type Key = (u32, usize);
 
 struct Pool {
@@ -22,7 +24,7 @@ struct Pool {
     next: OnceLock<Box<Pool>>,
 }
 
-/// A list that only grows, and is read without a lock, which another thread might hold while this one forks.
+/// A list that only grows. It is read without a lock, since another thread might hold a lock while this thread forks.
 static POOLS: OnceLock<Box<Pool>> = OnceLock::new();
 
 thread_local! {
@@ -41,7 +43,7 @@ fn pool() -> PyResult<&'static ThreadPool> {
                     .stack_size(STACK)
                     .build()
                     .map_err(|error| PyOSError::new_err(format!("threads to work on cannot be started: {error}")))?;
-                // Another thread may have set it first; the next round then uses its pool.
+                // Another thread may have set it first; the next round then uses that thread's pool.
                 let _ = place.set(Box::new(Pool { key, threads, next: OnceLock::new() }));
             }
         }
@@ -54,10 +56,10 @@ pub fn released<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyR
     Ok(py.detach(|| pool.install(work)))
 }
 
-/// As `released`; `work` gets a function that passes its argument to `tell` and returns whether to continue.
+/// As `released`. `work` gets a function that passes its argument to `tell` and returns whether to continue.
 ///
-/// `tell` runs on the calling thread, since Python handles signals and windows on one thread only. An exception in it
-/// ends the work and is the result.
+/// `tell` runs on the calling thread, since Python handles signals and windows on one thread only. An exception in
+/// `tell` ends the work and is the result.
 pub fn told<N: Send, T: Send>(
     py: Python<'_>,
     mut tell: impl FnMut(Python<'_>, N) -> PyResult<()> + Send,
@@ -93,12 +95,12 @@ pub fn told<N: Send, T: Send>(
     }
 }
 
-/// As `released`; `work` is given a function that says whether to go on, and which a signal makes say no.
+/// As `released`. `work` gets a function that returns false after a signal such as Ctrl-C.
 pub fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&mut dyn FnMut() -> bool) -> T + Send) -> PyResult<T> {
     told(py, |py, (): ()| py.check_signals(), |tell| work(&mut || tell(())))
 }
 
-/// As `interruptible`, on the thread that called: work that takes no others may be over before one of them wakes up.
+/// As `interruptible`, on the calling thread: short work on one thread may end before another thread wakes up.
 pub fn interruptible_alone<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&mut dyn FnMut() -> bool) -> T + Send,
@@ -116,7 +118,7 @@ pub fn interruptible_alone<T: Send>(
     raised.map_or(Ok(output), Err)
 }
 
-/// Runs a callback, in which calls of the core go to a pool that nobody waits in.
+/// Runs a callback. Calls of the core from it use a pool whose threads do not wait.
 fn in_callback<T>(callback: impl FnOnce() -> T) -> T {
     struct Leaving;
     impl Drop for Leaving {

@@ -8,7 +8,7 @@ use numpy::{PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 /// Solves many loads (k, 3n) together by the Newton method, from the solution of another load if given. `progress()` is
-/// called at intervals; an exception in it cancels all.
+/// called repeatedly; an exception in it cancels all solves.
 #[pyfunction]
 #[pyo3(signature = (problem, start, loads, held_value, progress=None))]
 pub fn solve_together(
@@ -32,7 +32,7 @@ pub fn solve_together(
     solved.map_err(failed)?.into_iter().map(|solved| problem.solution(solved)).collect()
 }
 
-/// As `response_stresses`, of solutions.
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several solutions, as `response_stresses` for responses.
 #[pyfunction]
 pub fn solution_stresses<'py>(
     py: Python<'py>,

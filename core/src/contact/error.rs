@@ -63,7 +63,7 @@ impl From<OutOfMemory> for SolveError {
 }
 
 impl From<LcpError> for SolveError {
-    /// Entries that are not finite belong to a singular contact state.
+    /// An LCP with entries that are not finite belongs to a singular contact state.
     fn from(error: LcpError) -> Self {
         match error {
             LcpError::OutOfMemory => Self::Factor(FactorError::OutOfMemory),
@@ -73,7 +73,7 @@ impl From<LcpError> for SolveError {
 }
 
 impl SolveError {
-    /// Converts the status of an LCP.
+    /// The error for the status of an LCP; `Ok` if it is solved.
     pub(super) fn of(status: LcpStatus) -> Result<(), Self> {
         match status {
             LcpStatus::Solved => Ok(()),
@@ -83,18 +83,18 @@ impl SolveError {
         }
     }
 
-    /// Whether the load, not the machine or the caller, is the reason.
+    /// Whether the load is the reason, and not the memory or the caller.
     pub(super) fn is_of_load(self) -> bool {
         matches!(self, Self::NoEquilibrium | Self::Unsolved)
     }
 }
 
-/// Refuses a vector of the wrong length.
+/// Returns an error if a vector has the wrong length.
 pub(super) fn require_length(name: &'static str, found: usize, expected: usize) -> Result<(), SolveError> {
     if found == expected { Ok(()) } else { Err(SolveError::Length { name, found, expected }) }
 }
 
-/// Refuses a vector with a number out of range.
+/// Returns an error if a number of a vector is out of range.
 pub(super) fn require_values(
     name: &'static str,
     values: &[f64],

@@ -10,7 +10,7 @@ use super::residual::Residual;
 use super::solution::ContactSolution;
 use super::tolerances;
 
-/// The linear equations of fixed contact states: condensed, or with springs in the factor.
+/// Solver of the linear equations of fixed contact states, for the backend of the problem.
 pub(super) fn kkt(problem: &ContactProblem) -> Box<dyn Kkt + '_> {
     match &problem.backend {
         Backend::Condensed { interface, .. } => Box::new(Condensed::new(problem, interface)),
@@ -20,8 +20,8 @@ pub(super) fn kkt(problem: &ContactProblem) -> Box<dyn Kkt + '_> {
     }
 }
 
-/// Solves on given pieces, whose bounds points may violate, from a `start` if given. Forces far below `least` count as
-/// rounding.
+/// Solves on the given pieces (m,), from `start` if given. Points may violate the bounds of their pieces. Forces far
+/// below `least` count as rounding.
 pub(super) fn solve_on(
     problem: &ContactProblem,
     kkt: &mut dyn Kkt,

@@ -1,15 +1,15 @@
 //! Laws of contact points as monotone graphs r(s): a nondecreasing polyline of force r over travel s (Moreau 1965;
 //! Rockafellar 1970, section 24).
 //!
-//! A point that is open or yields is on a horizontal piece, rigid contact on a vertical one. The state of a point is
-//! the number of its piece. The equations need the slope of that piece only.
+//! A point that is open or yields is on a horizontal piece, a point in rigid contact on a vertical one. The state of a
+//! point is the index of its piece. The equations need the line of that piece only.
 
 use std::fmt;
 
-/// Relative rounding of the vertices of a line that is drawn through the origin.
+/// Relative rounding of the vertices of a line that is meant to pass through the origin.
 const DRAWN: f64 = 1e-12;
 
-/// A nondecreasing polyline of force over travel.
+/// A nondecreasing polyline of force r over travel s.
 ///
 /// ```
 /// use signorini_core::contact::Graph;
@@ -19,15 +19,15 @@ const DRAWN: f64 = 1e-12;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph {
-    /// Vertices [s, r]; at least one. A straight graph passes through its only vertex.
+    /// Vertices [s, r], at least one. The line of a graph with one piece passes through its only vertex.
     vertices: Vec<[f64; 2]>,
-    /// In order of travel.
+    /// Pieces in order of travel.
     pieces: Vec<Piece>,
 }
 
-/// The line of a piece: r − `force` = `slope` (s − `travel`), or s = `travel` where the slope is infinite. The point
-/// (`travel`, `force`) is the one with r = 0 if the piece has one, so that small forces keep their digits beside a
-/// large limit.
+/// The line of a piece: r − `force` = `slope` (s − `travel`), or s = `travel` where the slope is infinite. (`travel`,
+/// `force`) is the place on the piece with r = 0, if there is one. Small forces then keep their digits beside a large
+/// limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     pub travel: f64,
@@ -40,7 +40,7 @@ pub struct Piece {
 pub enum GraphError {
     NoVertex,
     NotFinite,
-    /// The vertex whose travel or force is less than that of the one before it.
+    /// The vertex with this index has less travel or force than the one before it.
     Falls(usize),
     /// A slope at an end is negative.
     NegativeSlope,
@@ -63,7 +63,7 @@ impl fmt::Display for GraphError {
 impl std::error::Error for GraphError {}
 
 impl Graph {
-    /// Makes the graph through vertices [s, r], with slopes before the first and after the last vertex.
+    /// Makes the graph through `vertices` [s, r]. `ends` are the slopes before the first and after the last vertex.
     pub fn new(vertices: Vec<[f64; 2]>, ends: [f64; 2]) -> Result<Self, GraphError> {
         if vertices.is_empty() {
             return Err(GraphError::NoVertex);
@@ -86,7 +86,7 @@ impl Graph {
         Ok(Self::of(vertices, slopes))
     }
 
-    /// A one-sided law: r = 0 for s ≤ 0, r = `stiffness` s for s > 0. An infinite stiffness is rigid.
+    /// A one-sided law: r = 0 for s ≤ 0, r = `stiffness` s for s > 0. An infinite stiffness is rigid contact.
     pub fn one_sided(stiffness: f64) -> Self {
         Self::of(vec![[0.0, 0.0]], vec![0.0, stiffness])
     }
@@ -105,7 +105,7 @@ impl Graph {
                 return Piece { travel, force, slope };
             }
             let (base, back) = match vertices.get(number).filter(|_| number > 0 && slope.is_finite()) {
-                // By parts of the rise: zero to the last bit between vertices that mirror each other.
+                // Each term is a part of the rise, so that vertices that mirror each other give exactly zero.
                 Some(&[next, above]) => (travel * (above / (above - force)), next * (force / (above - force))),
                 None => (travel, force / slope),
             };
@@ -120,7 +120,7 @@ impl Graph {
         self.pieces.len()
     }
 
-    /// Whether the law is linear: a single piece, so that the state is constant.
+    /// Whether the law is linear: it has a single piece, so that the state is constant.
     pub fn is_straight(&self) -> bool {
         self.pieces.len() == 1
     }
@@ -138,13 +138,13 @@ impl Graph {
         [number.checked_sub(1).map(|at| self.vertices[at]), self.vertices.get(number).copied()]
     }
 
-    /// The number of the steepest piece; the first one if several are equally steep.
+    /// Index of the steepest piece; the first one if several are equally steep.
     pub fn steepest(&self) -> u8 {
         let steeper = |most: usize, at: usize| if self.pieces[at].slope > self.pieces[most].slope { at } else { most };
         (1..self.pieces.len()).fold(0, steeper) as u8
     }
 
-    /// The piece at the augmented travel s + σr, with σ the compliance in series.
+    /// The piece at the augmented travel s + σr, with σ = `compliance` in series.
     pub fn piece_at(&self, compliance: f64, augmented_travel: f64) -> u8 {
         if self.is_straight() {
             return 0;
@@ -152,7 +152,7 @@ impl Graph {
         self.vertices.iter().take_while(|[travel, force]| augmented_travel > travel + compliance * force).count() as u8
     }
 
-    /// Force r at the augmented travel s + σr, and its derivative: the Yosida regularization of the graph.
+    /// Force r at the augmented travel s + σr, and the derivative of r by it: the Yosida regularization of the graph.
     pub fn force_at(&self, compliance: f64, augmented_travel: f64) -> (f64, f64) {
         let piece = self.piece(self.piece_at(compliance, augmented_travel));
         let slope = piece.in_series(compliance);
@@ -171,7 +171,7 @@ impl Piece {
         if self.slope > 0.0 { 1.0 / self.slope } else { 0.0 }
     }
 
-    /// Slope of the piece in series with a compliance.
+    /// Slope of the piece in series with a compliance: 1/(1/slope + compliance).
     pub fn in_series(self, compliance: f64) -> f64 {
         if self.slope == 0.0 { 0.0 } else { 1.0 / (1.0 / self.slope + compliance) }
     }
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn the_regularized_graph_is_the_graph_in_series_with_a_spring() {
-        // Open, elastic, rigid, yielding.
+        // Pieces in order: open, elastic, rigid, yielding.
         let graph = Graph::new(vec![[0.0, 0.0], [1.0, 2.0], [1.0, 5.0]], [0.0, 0.0]).unwrap();
         let compliance = 0.1;
         for (augmented_travel, number, force, slope) in

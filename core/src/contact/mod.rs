@@ -1,11 +1,12 @@
 //! Contact of plates on one-sided supports: min ½uᵀKu − fᵀu + Σ ψᵢ(gᵢᵀu), with ψᵢ the energy of the law of point i.
 //!
-//! Modules in order of dependence: `tolerances`; `error`; `graph`, the law of a point; `points`, rows and laws; `scale`,
-//! reference forces and lengths; `system`, K with springs, factored; `interface`, the plate condensed onto its contact
-//! points; `backend`, the factored plate of each method; `problem`, data shared by all loads; `load`; `residual`; `kkt`,
-//! the linear equations of a fixed contact state and their solvers; `refine`, iterative refinement; `fixed_state`;
-//! `finders`, methods that find the contact state; `solve`. Built on these: `path`, a load f₀ + t f₁; `responses` and
-//! `combine`, linear combinations of load cases.
+//! Modules in order of dependence: `tolerances`; `error`; `graph`, the law of a point; `points`, rows and laws;
+//! `scale`, reference forces and lengths; `rigid` and `rigid_body_space`, rigid motions; `system`, K with springs,
+//! factored; `solution`; `interface`, the plate condensed onto its contact points; `backend`, the factored plate of
+//! each method; `problem`, data shared by all loads; `load`; `residual`; `kkt`, the linear equations of a fixed contact
+//! state and their solvers; `refine`, iterative refinement; `fixed_state`; `finders`, methods that find the contact
+//! state; `solve`. Built on these: `path`, a load f₀ + t f₁; `responses` and `combine`, linear combinations of load
+//! cases.
 
 mod backend;
 mod combine;

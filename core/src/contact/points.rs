@@ -11,11 +11,11 @@ use crate::vectorized::vectorized;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// The elements whose dofs a row of G has.
+/// The elements that contain the dofs of a row of G.
 #[derive(Clone, Copy, Debug)]
 enum Over {
     One(u32),
-    /// Number of the pair.
+    /// Index in `Points::pairs`.
     Pair(u32),
     Several,
 }
@@ -28,24 +28,26 @@ pub struct Points {
     dof: Vec<u32>,
     coefficient: Vec<f64>,
     over: Vec<Over>,
-    /// Whether a row has deflection dofs only.
+    /// Whether each row has deflection dofs only.
     deflects: Vec<bool>,
-    /// Elements of every pair, and the number of each.
+    /// The two elements of every pair, and the index of each pair.
     pairs: Vec<[u32; 2]>,
     pair: HashMap<[u32; 2], u32>,
     graphs: Vec<Graph>,
     graph: Vec<u32>,
     /// Displacement g·u at which s = 0: gap and settlement.
     pub shift: Vec<f64>,
-    /// Force per unit force of the graph: an area, a length, a stiffness.
+    /// Force per unit force of the graph: an area, a length or a stiffness.
     pub weight: Vec<f64>,
-    /// Displacement per unit travel of the graph; 1 unless laws differ by their limits only.
+    /// Displacement per unit travel of the graph; it differs from 1 where laws that differ only by their limits share a
+    /// graph.
     pub unit: Vec<f64>,
-    /// Factor from reaction to force: 1, or the lever arm of a couple. Its inverse converts a travel to a length.
+    /// Divisor that converts a reaction to a force: 1, or the lever arm of a couple. A travel times the arm is a
+    /// length.
     pub arm: Vec<f64>,
 }
 
-/// State of a point: its piece, its reaction, and its travel to the vertex of a horizontal piece.
+/// State of a point: its piece, its reaction, and its gap (the travel to the vertex of a horizontal piece).
 #[derive(Clone, Copy)]
 pub(super) struct PointState {
     pub(super) piece: u8,
@@ -53,19 +55,19 @@ pub(super) struct PointState {
     pub(super) gap: f64,
 }
 
-/// Laws and travels of contact points.
+/// Laws and travels of m contact points.
 pub struct PointLaws {
     pub graphs: Vec<Graph>,
-    /// Number of the law of each point (m,).
+    /// Index in `graphs` of the law of each point (m,).
     pub graph: Vec<usize>,
-    /// As in [`Points`] (m,).
+    /// `shift`, `weight` and `unit` (m,) are as in [`Points`].
     pub shift: Vec<f64>,
     pub weight: Vec<f64>,
     pub unit: Vec<f64>,
 }
 
 impl Points {
-    /// Makes the points of a table of rows (m).
+    /// Makes the points of a table of m rows.
     pub fn on_rows(plate: &Plate, rows: &Rows, laws: PointLaws) -> Result<Self, SolveError> {
         let PointLaws { graphs, graph, shift, weight, unit } = laws;
         require_length("the laws of points", graph.len(), rows.len())?;
@@ -93,7 +95,7 @@ impl Points {
         require_values("unit", &self.unit, "finite and positive", |unit| unit > 0.0 && unit.is_finite())
     }
 
-    /// Reserves memory for `count` points, each with the deflections of one element.
+    /// Reserves memory for `count` points whose rows have the deflections of one element.
     pub fn with_capacity(count: usize) -> Self {
         let mut points = Self::default();
         points.dof.reserve(8 * count);
@@ -109,13 +111,13 @@ impl Points {
         self.graph.is_empty()
     }
 
-    /// Adds a law and returns its number.
+    /// Adds a law and returns its index.
     pub fn add_graph(&mut self, graph: Graph) -> u32 {
         self.graphs.push(graph);
         self.graphs.len() as u32 - 1
     }
 
-    /// Appends a point: dofs and coefficients of its row, each dof once.
+    /// Appends a point. `row` holds dofs and coefficients, each dof once.
     pub fn push(&mut self, row: impl Iterator<Item = (usize, f64)>, graph: u32, shift: f64, weight: f64) {
         if self.start.is_empty() {
             self.start.push(0);
@@ -134,7 +136,7 @@ impl Points {
         self.unit.push(1.0);
     }
 
-    /// Appends row i of a table.
+    /// Appends a point with row i of a table.
     pub fn push_row(&mut self, plate: &Plate, rows: &Rows, i: usize, graph: u32, shift: f64, weight: f64) {
         self.push(rows.entries(plate, i), graph, shift, weight);
         let over = match rows.pair(i) {
@@ -157,7 +159,7 @@ impl Points {
         &self.pairs
     }
 
-    /// The elements of a row with one or two elements; else empty.
+    /// The elements of a row that lies in one or two elements; empty for other rows.
     fn elements(&self, i: usize) -> &[u32] {
         match &self.over[i] {
             Over::One(element) => std::slice::from_ref(element),
@@ -166,7 +168,7 @@ impl Points {
         }
     }
 
-    /// Sets the lever arm of rows with rotation dofs only: their reactions are couples.
+    /// Sets the lever arm of rows that have rotation dofs only: their reactions are couples.
     pub(super) fn set_arm(&mut self, arm: f64) {
         for i in 0..self.len() {
             let mut dofs = self.dof[self.start[i]..self.start[i + 1]].iter();
@@ -201,7 +203,7 @@ impl Points {
         (0..self.len()).into_par_iter().with_min_len(4096).map(|i| self.dot(i, vector)).collect()
     }
 
-    /// G u − `from` (m,), in double-double.
+    /// Gu − `from` (m,), in double-double.
     pub fn travel_from(&self, from: &[f64], displacement: &Displacement) -> Vec<f64> {
         let mut out = vec![0.0; self.len()];
         out.par_chunks_mut(1024).enumerate().for_each(|(chunk, out)| {
@@ -235,7 +237,7 @@ impl Points {
         &self.graphs[self.graph[i] as usize]
     }
 
-    /// The line of a piece of a point, in displacement and force of the point.
+    /// The line of a piece of a point, as force over displacement of the point.
     pub fn piece(&self, i: usize, number: u8) -> Piece {
         let Piece { travel, force, slope } = self.graph(i).piece(number);
         let (weight, unit) = (self.weight[i], self.unit[i]);
@@ -248,8 +250,8 @@ impl Points {
         self.graph(i).ends(number).map(|end| end.map(own))
     }
 
-    /// Distance of a point from the lower or upper end of its piece, positive inside: in force where the force depends
-    /// on the travel, else in travel. `None` where the piece is unbounded.
+    /// Distance of a point from the lower or upper end of its piece, positive inside the piece. It is a force where the
+    /// force depends on the travel, otherwise a travel. `None` where the piece is unbounded.
     pub(super) fn signed_distance(&self, i: usize, state: PointState, is_upper: bool) -> Option<f64> {
         let piece = self.piece(i, state.piece);
         let end = self.ends(i, state.piece)[usize::from(is_upper)]?;
@@ -260,12 +262,12 @@ impl Points {
         Some(if is_upper { -above } else { above })
     }
 
-    /// The piece at the augmented travel s + σr, measured from `shift`.
+    /// The piece at the augmented travel s + σr, with s measured from `shift` and σ = `compliance`.
     pub fn piece_at(&self, i: usize, compliance: f64, augmented_travel: f64) -> u8 {
         self.graph(i).piece_at(compliance * self.weight[i] / self.unit[i], augmented_travel / self.unit[i])
     }
 
-    /// Force at that augmented travel, and its derivative.
+    /// Force r at the augmented travel s + σr, and the derivative of r by it.
     pub fn force_at(&self, i: usize, compliance: f64, augmented_travel: f64) -> (f64, f64) {
         let (weight, unit) = (self.weight[i], self.unit[i]);
         let (force, slope) = self.graph(i).force_at(compliance * weight / unit, augmented_travel / unit);
@@ -277,24 +279,25 @@ impl Points {
         self.piece(i, self.graph(i).steepest())
     }
 
-    /// Whether the force of each point depends on its travel, for given pieces: (m,).
+    /// Whether the force of each point depends on its travel (m,), for the given pieces.
     pub fn holding(&self, pieces: &[u8]) -> Vec<bool> {
         (0..self.len()).map(|i| self.graph(i).piece(pieces[i]).holds()).collect()
     }
 
-    /// Whether each point has a force, for given pieces; open points have none.
+    /// Whether each point has a force (m,), for the given pieces; open points have none.
     pub fn acting(&self, pieces: &[u8]) -> Vec<bool> {
         let acts = |piece: Piece| piece.holds() || piece.force != 0.0;
         (0..self.len()).map(|i| acts(self.graph(i).piece(pieces[i]))).collect()
     }
 
-    /// The first piece of each point whose force depends on its travel, or does not, as `holds` says.
+    /// The first piece of each point (m,) whose force depends on its travel where `holds` is true, and does not where
+    /// it is false; otherwise piece 0.
     pub fn pieces_holding(&self, holds: &[bool]) -> Vec<u8> {
         let first = |i: usize| (0..self.graph(i).pieces() as u8).find(|&p| self.graph(i).piece(p).holds() == holds[i]);
         (0..self.len()).map(|i| first(i).unwrap_or(0)).collect()
     }
 
-    /// The first piece of each point, on which a one-sided point is open.
+    /// Piece 0 of each point, on which a one-sided point is open.
     pub fn first_pieces(&self) -> Vec<u8> {
         vec![0; self.len()]
     }
@@ -307,7 +310,7 @@ impl Points {
         self.graph(i).is_straight()
     }
 
-    /// Whether a row has dofs of one element only.
+    /// Whether the row of a point has dofs of one element only.
     pub(super) fn is_narrow(&self, i: usize) -> bool {
         matches!(self.over[i], Over::One(_))
     }
@@ -317,13 +320,13 @@ impl Points {
         self.deflects[i] && !matches!(self.over[i], Over::Several)
     }
 
-    /// The least of a value by element, over the elements of all rows.
+    /// Least value of `of_element` over the elements of all rows.
     pub(super) fn least_at(&self, of_element: impl Fn(usize) -> f64 + Sync) -> f64 {
         let least = |i: usize| self.elements(i).iter().map(|&e| of_element(e as usize)).fold(f64::INFINITY, f64::min);
         (0..self.len()).into_par_iter().with_min_len(4096).map(least).reduce(|| f64::INFINITY, f64::min)
     }
 
-    /// Springs of the points that are assembled with element matrices.
+    /// Springs of `stiffness` (m,) at the points whose springs are assembled with the element matrices.
     pub fn bedding(&self, plate: &Plate, stiffness: &[f64]) -> Bedding<'_> {
         let mut bedding = Bedding { pairs: &self.pairs, ..Bedding::default() };
         if stiffness.iter().all(|&k| k == 0.0) {

@@ -1,4 +1,4 @@
-//! Residual of the equations of a contact state in double-double, and its reference sizes.
+//! Residual of the equations of a contact state in double-double, and the reference sizes to which it is relative.
 
 use super::error::SolveError;
 use super::interface::{Form, Interface, ReducedLoad};
@@ -11,14 +11,15 @@ use crate::cholesky::FactorError;
 use crate::element::packed;
 use crate::residual::{internal_magnitudes, residual};
 
-/// Residual of equilibrium and of the laws.
+/// Residual of equilibrium and of the laws of points.
 #[derive(Clone, Default)]
 pub(super) struct Residual {
     /// f − Ku − Gᵀr (3n,); zero at held dofs.
     pub(super) imbalance: Vec<f64>,
-    /// s₀ − g·u + (r − r₀)/k (m,): distance from each point to its piece in travel.
+    /// s₀ − g·u + (r − r₀)/k (m,): distance in travel from each point to the line of its piece, with (s₀, r₀) on that
+    /// line and k its slope.
     pub(super) violation: Vec<f64>,
-    /// Largest entry of `imbalance`, couples over the lever arm.
+    /// Largest entry of `imbalance`; a couple counts as couple/arm.
     pub(super) worst: f64,
 }
 
@@ -27,7 +28,7 @@ impl Residual {
         Self::from(problem, load, solution, &solution.piece)
     }
 
-    /// The residual relative to other pieces than those of the solution.
+    /// The residual on the given pieces instead of the solution's.
     pub(super) fn from(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, pieces: &[u8]) -> Self {
         Self { violation: violation(problem, solution, pieces), ..Self::of_forces(problem, load, solution) }
     }
@@ -41,7 +42,8 @@ impl Residual {
         Self { imbalance, violation: Vec::new(), worst }
     }
 
-    /// Scaled residuals of equilibrium, then those of points whose force depends on the travel.
+    /// Residuals divided by their reference sizes: equilibrium, then the laws of points whose force depends on the
+    /// travel.
     pub(super) fn scaled(&self, problem: &ContactProblem, sizes: &Sizes, pieces: &[u8]) -> Vec<f64> {
         let couple = sizes.force * problem.scale.arm;
         let forces = self.imbalance.chunks(3).flat_map(|f| [f[0] / sizes.force, f[1] / couple, f[2] / couple]);
@@ -49,7 +51,8 @@ impl Residual {
         forces.chain(holding.map(|i| self.violation[i] / sizes.travel[i])).collect()
     }
 
-    /// Whether the residual is that of a solution. Without forces every finite residual is accepted.
+    /// Whether the residual is small enough for a solution. Where no force acts, every finite residual is accepted. The
+    /// reference force is at least `least`.
     pub(super) fn is_solved(
         &self,
         problem: &ContactProblem,
@@ -69,7 +72,7 @@ impl Residual {
 }
 
 impl ContactSolution {
-    /// Refuses the solution if its residual is too large, or some number is NaN or infinite.
+    /// Returns an error if the residual is too large, or some number is NaN or infinite.
     pub(super) fn require_solved(
         self,
         problem: &ContactProblem,
@@ -88,14 +91,14 @@ impl ContactSolution {
     }
 }
 
-/// Reference sizes of a residual: a force, and the travel of each point.
+/// Reference sizes of a residual: one force, and a travel for each point.
 pub(super) struct Sizes {
     pub(super) force: f64,
     travel: Vec<f64>,
 }
 
 impl Sizes {
-    /// Reference sizes from a solution; `least` is a lower bound of the force.
+    /// Reference sizes from a solution; the reference force is at least `least`.
     pub(super) fn of(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, least: f64) -> Self {
         let or_one = |size: f64| if size > 0.0 { size } else { 1.0 };
         let force = match acting(problem, load, solution, least) {
@@ -123,7 +126,7 @@ impl ContactProblem {
     }
 }
 
-/// s₀ − g·u + (r − r₀)/k of each point on its piece.
+/// s₀ − g·u + (r − r₀)/k (m,) of each point on its piece.
 fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]) -> Vec<f64> {
     let points = &problem.points;
     let on: Vec<_> = pieces.iter().enumerate().map(|(i, &piece)| points.piece(i, piece)).collect();
@@ -135,14 +138,15 @@ fn violation(problem: &ContactProblem, solution: &ContactSolution, pieces: &[u8]
     travel
 }
 
-/// Largest force of a load and of reactions.
+/// Largest force among a load and reactions; a couple counts as couple/arm.
 pub(super) fn largest_force(problem: &ContactProblem, load: &[f64], reaction: &[f64]) -> f64 {
     let forces = reaction.iter().zip(&problem.points.arm).map(|(reaction, arm)| reaction.abs() / arm);
     forces.fold(problem.scale.largest(load), f64::max)
 }
 
-/// Reference force: at least `least`. Without a load also the force that bends the plate by its deflection or by the
-/// distance of points whose force depends on the travel; reactions of springs that just touch are rounding beside it.
+/// Reference force, at least `least`. Without a load it is also at least the force that bends the plate by its
+/// deflection or by the distance of points whose force depends on the travel. Reactions of springs that just touch are
+/// rounding relative to it.
 fn acting(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, least: f64) -> f64 {
     let force = largest_force(problem, load, &solution.reaction).max(least);
     if force == 0.0 || load.iter().any(|&f| f != 0.0) {
@@ -155,15 +159,15 @@ fn acting(problem: &ContactProblem, load: &[f64], solution: &ContactSolution, le
     force.max(problem.scale.stiffness * farthest)
 }
 
-/// Reference travel of each point: the largest deflection, or its own shift. A distant stop does not change the scale
-/// of other points.
+/// Reference travel (m,) of each point: the largest deflection, or its shift if that is larger. A distant stop does not
+/// change the scale of other points.
 pub(super) fn lengths(problem: &ContactProblem, solution: &ContactSolution) -> Vec<f64> {
     let deflection = solution.displacement.hi.iter().step_by(3).fold(0.0, |size: f64, w| size.max(w.abs()));
     let shifts = problem.points.shift.iter().zip(&problem.points.arm);
     shifts.map(|(shift, arm)| shift.abs().max(deflection / arm)).collect()
 }
 
-/// Least reference length of a plate that hardly deflects: far below the deflection under the load.
+/// Least reference length, far below the deflection under the load. It applies where the plate hardly deflects.
 pub(super) fn least_length(problem: &ContactProblem, load: &[f64]) -> f64 {
     let springs = &problem.springs;
     let settled: f64 = springs.stiffness.iter().zip(&springs.base).map(|(k, base)| (k * base).abs()).sum();
@@ -177,8 +181,8 @@ pub(super) fn rounding(problem: &ContactProblem, solution: &ContactSolution) -> 
     f64::EPSILON * problem.scale.largest(&internal)
 }
 
-/// Largest force with which an element can resist the prescribed displacements: the reference of rounding where no
-/// other load acts.
+/// Largest force with which an element can resist the prescribed displacements. Where no other load acts, rounding is
+/// relative to it.
 pub(super) fn force_of_settlements(problem: &ContactProblem, held_value: &[f64]) -> f64 {
     let size = |dof: usize| if dof % 3 == 0 { 1.0 } else { problem.scale.size };
     let moved = held_value.iter().enumerate().fold(0.0, |most: f64, (dof, v)| most.max(v.abs() * size(dof)));

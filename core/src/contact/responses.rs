@@ -1,8 +1,10 @@
-//! Responses to single load cases and to single contact points; combinations are linear combinations of these.
+//! Responses to single load cases and to single contact points; the solution of a combination is a linear combination
+//! of these.
 //!
-//! u = u₀ + Σ factor_c u_c + Σ x_i u_i; reactions and displacements of points likewise. Each term is in equilibrium:
-//! Ku + Gᵀr = f. Where the rows of G select single dofs, x is the displacement of the points, and load cases act with
-//! all points fixed. Otherwise x is the force δ·Gu − r, and load cases act on K̃.
+//! u = u₀ + Σ factor_c u_c + Σ x_i u_i, with u₀ the response without load, u_c that to load case c, and u_i that to
+//! contact point i. Reactions and displacements of points are the same sums. Each response is in equilibrium: Ku + Gᵀr
+//! = f. If the rows of G select single dofs, x_i is the displacement of point i, and load cases act with all points
+//! fixed. Otherwise x_i is the force δ·Gu − r of point i, and load cases act on K̃.
 
 use super::error::{SolveError, require_length};
 use super::interface::{Form, Interface, Work};
@@ -15,35 +17,35 @@ use crate::residual::residual;
 use crate::rows::Springs;
 use rayon::prelude::*;
 
-/// One term of the sum, refined with the double-double residual.
+/// One response, refined with the double-double residual.
 #[derive(Clone, Debug, Default)]
 pub struct Response {
     pub displacement: Displacement,
     /// Reaction r of each contact point (m,).
     pub reaction: Vec<f64>,
-    /// Displacement Gu of every contact point.
+    /// Displacement Gu of each contact point (m,).
     pub moved: Vec<f64>,
     pub work: Work,
 }
 
-/// Responses refined in one block, so that the factor is read once for all.
+/// Number of responses refined in one block, for which the factor is read once.
 const TOGETHER: usize = 8;
-/// Largest number of corrections.
+/// Largest number of corrections of a response.
 const CORRECTIONS: usize = 8;
 
 /// A response during refinement.
 struct Draft<'a> {
-    /// Nodal forces, and the reference force.
+    /// Nodal forces (3n,), and the reference force of the residual.
     force: Vec<f64>,
     acting: f64,
     springs: &'a Springs,
-    /// Stiffness at each point that the response includes.
+    /// Stiffness (m,) at the points that the response includes.
     carried: &'a [f64],
-    /// The point whose x is 1.
+    /// The point whose x is 1; `None` in the response to a load.
     point: Option<usize>,
     response: Response,
     imbalance: Vec<f64>,
-    /// Residual of the displacements imposed on the points; empty where none are imposed.
+    /// Imposed displacement minus Gu (m,); empty where no displacements are imposed.
     remaining: Vec<f64>,
     worst: f64,
     settled: bool,
@@ -56,7 +58,7 @@ struct Responses<'a> {
 }
 
 impl ContactProblem {
-    /// The response without load, with the held dofs at `held_value` (3n,) and the springs at their bases.
+    /// The response without load: held dofs at `held_value` (3n,), springs at their bases.
     pub fn rest_response(&self, held_value: &[f64]) -> Result<Response, SolveError> {
         require_length("held_value", held_value.len(), self.plate.dof_count())?;
         let begin = |_, draft: &mut Draft| {
@@ -65,7 +67,7 @@ impl ContactProblem {
         Ok(self.responder()?.responses(1, true, begin, &mut || true)?.remove(0))
     }
 
-    /// The responses to nodal loads (3n,). `watch` is called at intervals and cancels by returning false.
+    /// The response to each nodal load (3n,). `watch` is called repeatedly and cancels by returning false.
     pub fn load_responses(
         &self,
         loads: &[Vec<f64>],
@@ -82,7 +84,7 @@ impl ContactProblem {
         responder.responses(loads.len(), false, begin, watch)
     }
 
-    /// The responses of some contact points; `watch` as for [`ContactProblem::load_responses`].
+    /// The response of each contact point in the range `points`; `watch` as for [`ContactProblem::load_responses`].
     pub fn point_responses(
         &self,
         points: std::ops::Range<usize>,
@@ -108,12 +110,13 @@ impl ContactProblem {
 }
 
 impl Responses<'_> {
-    /// Whether x is the displacement of the points.
+    /// Whether x is the displacement of the points, so that it is imposed.
     fn imposed(&self) -> bool {
         self.interface.better_form() == Form::Stiffness
     }
 
-    /// Refines responses from their initial values, with springs at their bases or at zero.
+    /// Makes `count` responses from the initial values set by `begin`, and refines them. Springs are at their bases if
+    /// `on_bases`, otherwise at zero.
     fn responses(
         &self,
         count: usize,
@@ -171,7 +174,7 @@ impl Responses<'_> {
         Ok(drafts.into_iter().map(|draft| self.response(draft)).collect())
     }
 
-    /// Computes the residuals of equilibrium and of the imposed displacements.
+    /// Computes the residual of equilibrium, and of the imposed displacements.
     fn judge(&self, draft: &mut Draft) {
         let Response { displacement, reaction, .. } = &draft.response;
         // Before the first correction only held dofs have a displacement.

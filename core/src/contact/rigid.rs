@@ -5,11 +5,11 @@ use super::tolerances;
 use crate::double_double::DoubleDouble;
 use crate::plate::Plate;
 
-/// A small matrix, row by row.
+/// A small matrix as a list of rows.
 pub(super) type Matrix = Vec<Vec<DoubleDouble>>;
 
-/// The rigid motions w = 1, (x − x₀)/a, (y − y₀)/a as nodal vectors, with x₀, y₀ the centre and a the size of the
-/// plate.
+/// The rigid motions w = 1, (x − x₀)/a, (y − y₀)/a as nodal vectors (3n,), with (x₀, y₀) the centre and a the size of
+/// the plate.
 pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) -> [Vec<f64>; 3] {
     let motion = |k: usize| -> Vec<f64> {
         let of_node = |node: usize| {
@@ -23,8 +23,8 @@ pub(super) fn rigid_motions(plate: &Plate, &Scale { centre, size, .. }: &Scale) 
     [motion(0), motion(1), motion(2)]
 }
 
-/// The rigid motion of each component (w, θx, θy at the centre) that is nearest, in least squares, to the values of its
-/// held dofs; `None` where all are zero.
+/// The rigid motion (w, θx, θy at the centre) of each component that is nearest, in least squares, to the values of its
+/// held dofs; `None` if all these values are zero.
 pub(super) fn nearest_motions(plate: &Plate, scale: &Scale, held: &[bool], value: &[f64]) -> Option<Vec<[f64; 3]>> {
     if (0..held.len()).all(|dof| !held[dof] || value[dof] == 0.0) {
         return None;
@@ -54,7 +54,7 @@ pub(super) struct Eliminated {
     pub(super) unknown: Vec<f64>,
     /// Smallest accepted pivot.
     pub(super) least: f64,
-    /// Largest right-hand side of an unconstrained unknown.
+    /// Largest magnitude of the right-hand side at an unconstrained unknown.
     pub(super) unbalanced: f64,
 }
 
@@ -111,7 +111,7 @@ mod tests {
                 matrix[j][k].add_product(1e-6 * soft[j], soft[k]);
             }
         }
-        // The force of a unit of the soft direction: the soft unknown must be 1 and the stiff one 0.
+        // The right-hand side 1e-6 (0, 1, 2)ᵀ asks for (0, 1, 2)·x = 1 and (1, 1, 1)·x = 0.
         let right = soft.map(|s| DoubleDouble::from(1e-6 * s)).to_vec();
         let Eliminated { unknown, least, unbalanced } = eliminated(matrix, right);
         let [a, b, c] = unknown[..] else { panic!("three unknowns") };

@@ -1,9 +1,8 @@
-//! Rigid motions R of plates without held dofs, as unknowns of their own (the coarse space of FETI, Farhat & Roux
-//! 1991).
+//! Rigid motions R of plates without held dofs, as separate unknowns (the coarse space of FETI, Farhat & Roux 1991).
 //!
 //! Where the springs are soft relative to the plate, elimination of K gives rigid motions to few digits, and adding
-//! them in double precision strains the plate by their rounding. Here they follow from the resultants on each plate,
-//! and they are added exactly.
+//! them in double precision strains the plate by their rounding. Therefore they are computed from the resultants on
+//! each plate, and added exactly.
 
 use super::points::Points;
 use super::rigid::{Matrix, eliminated, rigid_motions};
@@ -13,20 +12,21 @@ use crate::plate::Plate;
 use crate::rows::Springs;
 use rayon::prelude::*;
 
-/// Points of one parallel chunk.
+/// Number of points in one parallel chunk.
 const CHUNK: usize = 8192;
 
-/// The rigid motions R of all plates without a held dof, n in total: three per plate, with lengths over the plate's
-/// size.
+/// The rigid motions R of all plates without a held dof: three per plate, n in total. Lengths are divided by the size
+/// of the plate.
 pub(super) struct RigidBodySpace {
     size: f64,
-    /// The three motions of its plate at each dof.
+    /// Values at each dof of the three motions of its plate.
     pub(super) nodal: [Vec<f64>; 3],
-    /// Index of the first motion of the plate of each node and of each component; `None` where a dof is held.
+    /// Index of the first motion of the plate of each node, and of each component; `None` where the plate has a held
+    /// dof.
     of_node: Vec<Option<usize>>,
     of_component: Vec<Option<usize>>,
     count: usize,
-    /// GR of contact points and of springs (rows, n), row by row.
+    /// GR of contact points (m, n) and of springs, row by row.
     points: Vec<f64>,
     springs: Vec<f64>,
 }
@@ -54,7 +54,7 @@ impl RigidBodySpace {
         Some(rigid_space)
     }
 
-    /// Product of rows with R: (rows, n), row by row.
+    /// Product of sparse rows with R: (rows, n), row by row.
     fn arms<R: Iterator<Item = (usize, f64)>>(&self, rows: usize, row: impl Fn(usize) -> R) -> Vec<f64> {
         let mut arms = vec![0.0; self.count * rows];
         for (i, arm) in arms.chunks_exact_mut(self.count).enumerate() {
@@ -66,17 +66,17 @@ impl RigidBodySpace {
         arms
     }
 
-    /// Row of GR of a contact point (n,).
+    /// Row i of GR of the contact points (n,).
     pub(super) fn of_point(&self, i: usize) -> &[f64] {
         &self.points[self.count * i..self.count * (i + 1)]
     }
 
-    /// Row of GR of each spring (n,).
+    /// Rows of GR of the springs, each (n,).
     pub(super) fn of_springs(&self) -> impl Iterator<Item = &[f64]> {
         self.springs.chunks_exact(self.count)
     }
 
-    /// Projected stiffness RᵀGᵀkGR (n, n), given the stiffness k of points and springs; open points have k = 0.
+    /// Projected stiffness RᵀGᵀkGR (n, n), with k the stiffness of points and springs; k = 0 at open points.
     pub(super) fn projected_stiffness(&self, of_points: impl Fn(usize) -> f64 + Sync, of_springs: &[f64]) -> Matrix {
         let n = self.count;
         let zeros = || vec![vec![DoubleDouble::default(); n]; n];
@@ -103,7 +103,7 @@ impl RigidBodySpace {
         matrix
     }
 
-    /// Smallest pivot of the projected stiffness.
+    /// Smallest accepted pivot of the projected stiffness.
     pub(super) fn softest(&self, of_points: impl Fn(usize) -> f64 + Sync, of_springs: &[f64]) -> f64 {
         eliminated(self.projected_stiffness(of_points, of_springs), vec![DoubleDouble::default(); self.count]).least
     }
@@ -118,7 +118,7 @@ impl RigidBodySpace {
         sums
     }
 
-    /// The motion (w, θx, θy at the centre) of each component, given the amounts of the motions (n,).
+    /// The motion (w, θx, θy at the centre) of each component, for amounts (n,) of the motions R.
     pub(super) fn motion(&self, amount: &[f64]) -> Vec<[f64; 3]> {
         let of = |first: usize| [amount[first], amount[first + 1] / self.size, amount[first + 2] / self.size];
         self.of_component.iter().map(|first| first.map_or([0.0; 3], of)).collect()

@@ -1,16 +1,16 @@
-//! Reference forces and lengths, made of the plate's dimensions. They do not depend on units or numbering.
+//! Reference forces and lengths, from the plate's dimensions. They do not depend on units or numbering.
 
 use crate::plate::Plate;
 
 /// Reference sizes of a plate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
-    /// Centre and longer side of the bounding box.
+    /// Centre of the bounding box, and its longer side a.
     pub(super) centre: [f64; 2],
     pub(super) size: f64,
     /// Root-mean-square element size, rounded to a power of two: the lever arm that converts a nodal couple to a force.
     pub(super) arm: f64,
-    /// D/a²: of the order of the plate stiffness under a point load.
+    /// D/a²: of the order of the plate's stiffness under a point load.
     pub(super) stiffness: f64,
 }
 
@@ -50,7 +50,7 @@ impl Scale {
     }
 }
 
-/// The largest magnitude.
+/// Largest magnitude of the values.
 pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
 }

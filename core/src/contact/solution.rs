@@ -1,4 +1,4 @@
-//! The solution of a contact problem and its progress reports.
+//! The solution of a contact problem, and the progress of a solve.
 
 use super::error::SolveError;
 use super::points::{PointState, Points};
@@ -6,17 +6,17 @@ use super::system::System;
 use crate::displacement::Displacement;
 use std::sync::Arc;
 
-/// Progress of one step, for a callback.
+/// Progress of a solve after one step, for the callback.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     pub step: usize,
     /// Number of points that changed their piece in this step.
     pub changing: usize,
-    /// Largest nodal residual over the largest nodal force.
+    /// Largest nodal residual divided by the largest nodal force.
     pub residual: f64,
 }
 
-/// Callback after every step; false cancels the solve.
+/// Callback after every step; it returns false to cancel the solve.
 pub type Watch<'a> = dyn FnMut(Progress) -> bool + 'a;
 
 /// Displacements, reactions and gaps of one load.
@@ -25,34 +25,34 @@ pub struct ContactSolution {
     pub displacement: Displacement,
     /// Reaction r (m,): Ku + Gᵀr = f.
     pub reaction: Vec<f64>,
-    /// Remaining travel of each point to the vertex of its horizontal piece; 0 on other pieces.
+    /// Travel (m,) from each point to the reference vertex of its horizontal piece; 0 on other pieces.
     pub gap: Vec<f64>,
-    /// Number of the piece of each point.
+    /// Piece of each point (m,).
     pub piece: Vec<u8>,
     pub pivots: usize,
-    /// Newton steps.
+    /// Number of Newton steps.
     pub iterations: usize,
-    /// Conjugate gradient steps in all Newton steps.
+    /// Number of conjugate gradient steps in all Newton steps.
     pub gradients: usize,
-    /// Factorizations for other contact states than the first one.
+    /// Number of factorizations after the first one.
     pub factorizations: usize,
-    /// Steps of iterative refinement.
+    /// Number of steps of iterative refinement.
     pub corrections: usize,
     /// Last factor of the Newton method, for a warm start.
     pub(super) system: Option<Arc<System>>,
-    /// Conjugate gradient steps with this factor. When they have cost as much as a factorization, the next solve
-    /// factors its contact state.
+    /// Number of conjugate gradient steps with this factor. When they have cost as much as a factorization, the next
+    /// solve factors its contact state.
     pub(super) spent: usize,
 }
 
 impl ContactSolution {
-    /// Refuses a solution in which some number is NaN or infinite.
+    /// Returns an error if some number is NaN or infinite.
     pub(super) fn require_finite(self) -> Result<Self, SolveError> {
         let mut numbers = self.displacement.hi.iter().chain(&self.reaction).chain(&self.gap);
         if numbers.all(|value| value.is_finite()) { Ok(self) } else { Err(SolveError::Unsolved) }
     }
 
-    /// Sets the pieces. On a horizontal piece the force is that of the piece.
+    /// Sets the pieces (m,). A point on a horizontal piece gets the force of that piece.
     pub(super) fn put_on(&mut self, points: &Points, pieces: Vec<u8>) {
         for (i, reaction) in self.reaction.iter_mut().enumerate() {
             let piece = points.piece(i, pieces[i]);
@@ -67,7 +67,7 @@ impl ContactSolution {
         PointState { piece: self.piece[i], reaction: self.reaction[i], gap: self.gap[i] }
     }
 
-    /// Interpolates linearly towards another solution.
+    /// Moves the solution linearly towards `other`, by `part` of the difference.
     pub(super) fn towards(&mut self, other: &Self, part: f64) {
         for i in 0..self.displacement.hi.len() {
             let (from, to) = (self.displacement.at(i), other.displacement.at(i));
@@ -80,7 +80,7 @@ impl ContactSolution {
     }
 }
 
-/// Indices at which two contact states differ.
+/// Points at which two contact states differ.
 pub(super) fn differing(one: &[u8], other: &[u8]) -> Vec<usize> {
     (0..one.len()).filter(|&i| one[i] != other[i]).collect()
 }

@@ -1,4 +1,4 @@
-//! Solution of one load: displacements, reactions and gaps.
+//! Solution of a contact problem under one load or several loads.
 
 use super::backend::Backend;
 use super::error::{SolveError, require_length};
@@ -15,16 +15,15 @@ use super::solution::{ContactSolution, Watch};
 /// Settings of a solve.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settings {
-    /// The unknowns of the LCP of condensed points; `None` takes the better conditioned form. The Newton method has no
-    /// LCP.
+    /// The form of the LCP of condensed points; `None` takes the better conditioned form. The Newton method has no LCP.
     pub form: Option<Form>,
 }
 
 impl ContactProblem {
     /// Solves one load by the method for which the plate is factored.
     ///
-    /// A `start`, the solution of another load, gives the first contact state; the Newton method starts from its
-    /// displacements and reactions, too.
+    /// `start` is the solution of another load. It gives the first contact state; the Newton method also starts from
+    /// its displacements and reactions.
     pub fn solve(
         &self,
         load: &Load,
@@ -45,7 +44,7 @@ impl ContactProblem {
         }
     }
 
-    /// Solves one load for a fixed contact state. Points may violate the bounds of their pieces.
+    /// Solves one load on a fixed contact state `pieces` (m,). Points may violate the bounds of their pieces.
     pub fn solve_on(&self, load: &Load, pieces: &[u8]) -> Result<ContactSolution, SolveError> {
         load.require_lengths(self)?;
         require_length("pieces", pieces.len(), self.points.len())?;
@@ -56,8 +55,9 @@ impl ContactProblem {
         fixed_state::solve_on(self, &mut *fixed_state::kkt(self), load, pieces, None, 0.0)
     }
 
-    /// Residuals of a solution: nodal forces (3n,) relative to the largest force, and distances of points from their
-    /// pieces (m,), relative to the largest force (or the force that bends the plate) or to the largest travel.
+    /// Residuals of a solution: nodal forces (3n,) relative to the largest force, and violations of the laws (m,). A
+    /// violation in force is relative to the largest force or to the force that bends the plate, a violation in travel
+    /// to the largest travel.
     ///
     /// It calls no solver.
     pub fn violations(&self, load: &[f64], solution: &ContactSolution) -> (Vec<f64>, Vec<f64>) {
@@ -81,7 +81,7 @@ impl ContactProblem {
         (residual.imbalance.iter().map(|f| f / force).collect(), points)
     }
 
-    /// Solves one load and factors its contact state, for warm starts; `None` where that state does not hold the plate.
+    /// Solves one load and factors its contact state, for warm starts; `None` if that state leaves a rigid motion free.
     pub fn solve_and_factor(&self, load: &Load, watch: &mut Watch<'_>) -> Result<Option<ContactSolution>, SolveError> {
         load.require_lengths(self)?;
         match &self.backend {
@@ -92,7 +92,7 @@ impl ContactProblem {
         }
     }
 
-    /// Solves many loads (3n,) as [`ContactProblem::solve`], by the Newton method. `watch` is called at intervals and
+    /// Solves many loads (3n,) as [`ContactProblem::solve`], by the Newton method. `watch` is called repeatedly and
     /// cancels by returning false.
     pub fn solve_together(
         &self,
@@ -111,7 +111,7 @@ impl ContactProblem {
         }
     }
 
-    /// The first LCP of [`ContactProblem::solve`] where points are condensed, and its q (k,).
+    /// The first LCP that [`ContactProblem::solve`] poses for condensed points, and its q (k,).
     pub fn lcp(&self, load: &Load, settings: &Settings) -> Result<(&LcpTemplate, Vec<f64>), SolveError> {
         load.require_lengths(self)?;
         let interface = self.condensed()?;

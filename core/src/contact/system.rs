@@ -1,4 +1,4 @@
-//! The factor of K with the springs of some points.
+//! The factor of K with springs at some points, and its sparsity pattern.
 
 use super::points::Points;
 use super::tolerances;
@@ -11,27 +11,27 @@ use crate::rows::Springs;
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-/// Origin of a multiplier row.
+/// The spring, point or shear force that a multiplier row belongs to.
 #[derive(Clone, Copy)]
 enum RowKind {
     Spring(usize),
     Point(usize),
-    /// Shear force of a thin element, with its compliance.
+    /// Shear force of a thin element; the number is its compliance.
     Shear(f64),
 }
 
-/// The sparsity pattern that all factors of a plate share: its columns, and the rows of multipliers.
+/// The sparsity pattern that all factors of a plate share: numbering of columns, and multiplier rows.
 ///
-/// Springs on deflections of one or two elements may be assembled with the element matrices. All other springs are
-/// multiplier rows: their forces are unknowns, and the matrix is quasi-definite.
+/// Springs on deflections of one or two elements may be assembled with the element matrices. Every other spring has a
+/// multiplier row: its force is an unknown, and the matrix is quasi-definite.
 pub(super) struct KktPattern {
     pub(super) numbering: Numbering,
     kinds: Vec<RowKind>,
     /// Whether the row of each point is a multiplier row.
     is_multiplier_row: Vec<bool>,
-    /// Multiplier rows with infinite compliance, hence without force.
+    /// Every multiplier row with infinite compliance, so that it has no force.
     absent: Vec<MultiplierRow>,
-    /// Springs on one or two elements.
+    /// Springs on the dofs of one or two elements.
     narrow: Springs,
     bodies: Arc<Bodies>,
     analysis: OnceLock<Analysis>,
@@ -40,13 +40,14 @@ pub(super) struct KktPattern {
 /// A factor of K with springs.
 pub(super) struct System {
     pub(super) factor: Factor,
-    /// Stiffness of the spring at each point.
+    /// Stiffness (m,) of the spring that the factor has at each point.
     pub(super) carried: Vec<f64>,
     pub(super) pattern: Arc<KktPattern>,
 }
 
 impl KktPattern {
-    /// Numbers the dofs, those marked `trailing` last. `has_multiplier` says which points have a multiplier row.
+    /// Numbers the dofs, with those marked `trailing` last. `has_multiplier(i)` is true if point i has a multiplier
+    /// row.
     pub(super) fn new(
         plate: &Plate,
         held: &[bool],
@@ -93,8 +94,8 @@ impl KktPattern {
         }
     }
 
-    /// Factors K with springs at the points, `carried` (m,), and with a relative shift `diagonal_shift` of the
-    /// diagonal. A factor of more than `room` bytes is refused before it is begun.
+    /// Factors K with the spring stiffness `carried` (m,) at the points, and with a relative shift `diagonal_shift` of
+    /// the diagonal. Refuses a factor of more than `room` bytes before it is begun.
     pub(super) fn factored(
         self: &Arc<Self>,
         plate: &Plate,
@@ -129,7 +130,7 @@ impl KktPattern {
         };
         analysis.require_room(room)?;
         let factor = analysis.factorize(&matrix)?;
-        // Without a spring at every point the supports may not hold the plate, and elements of q8r have mechanisms.
+        // If some point has no spring, the supports may leave a rigid motion free. Elements of q8r have mechanisms.
         if carried.contains(&0.0) || plate.kind == Kind::Q8r {
             let (column, part) = factor.weakest_pivot();
             if part < tolerances::LOOSE_PIVOT {
@@ -139,12 +140,12 @@ impl KktPattern {
         Ok(System { factor, carried, pattern: self.clone() })
     }
 
-    /// A nodal load in elimination order, without held dofs.
+    /// Gathers a nodal load (3n,) in elimination order, without held dofs.
     pub(super) fn gather(&self, load: &[f64]) -> Vec<f64> {
         self.numbering.dof.iter().map(|&dof| load.get(dof).copied().unwrap_or(0.0)).collect()
     }
 
-    /// A displacement in elimination order as a nodal vector; held dofs are zero.
+    /// Scatters a displacement in elimination order to a nodal vector (3n,); held dofs are zero.
     pub(super) fn scatter(&self, ordered: &[f64], dofs: usize) -> Vec<f64> {
         let mut out = vec![0.0; dofs];
         for (&dof, &value) in self.numbering.dof.iter().zip(ordered).filter(|(dof, _)| **dof < dofs) {
@@ -154,13 +155,13 @@ impl KktPattern {
         out
     }
 
-    /// The columns of multipliers.
+    /// The columns of the factor that belong to multipliers.
     pub(super) fn multiplier_rows(&self, dofs: usize) -> HashSet<usize> {
         let columns = self.numbering.dof.iter().enumerate();
         columns.filter(|(_, dof)| **dof >= dofs).map(|(column, _)| column).collect()
     }
 
-    /// The rows of G by column of the factor.
+    /// The rows of G as (column of the factor, coefficient), without held dofs.
     pub(super) fn rows(&self, points: &Points) -> Vec<Vec<(usize, f64)>> {
         let row = |i| points.row(i).map(|(dof, coefficient)| (self.numbering.column[dof], coefficient));
         (0..points.len()).map(|i| row(i).filter(|entry| entry.0 != HELD).collect()).collect()
@@ -168,7 +169,7 @@ impl KktPattern {
 }
 
 impl System {
-    /// Displacements under nodal forces.
+    /// Displacements (3n,) under nodal forces.
     pub(super) fn solve(&self, force: &[f64]) -> Result<Vec<f64>, FactorError> {
         let mut ordered = self.pattern.gather(force);
         self.factor.forward(&mut ordered)?;

@@ -1,7 +1,7 @@
-//! Factors of the point responses for one contact state after another.
+//! Factors x of the point responses, for one contact state after another.
 //!
-//! The equations of a state differ from those of a reference state in the rows of the points that changed their piece,
-//! so that one inverse serves both (Woodbury 1950), with corrections by residuals in double-double.
+//! The equations of a state differ from those of a reference state in the rows of the points that changed their piece.
+//! One inverse therefore serves both states (Woodbury 1950), with corrections by residuals in double-double.
 
 use crate::contact::interface::{Form, Interface};
 use crate::contact::points::Points;
@@ -13,37 +13,39 @@ use crate::double_double::DoubleDouble;
 use crate::vectorized::vectorized;
 use faer::Mat;
 
-/// Largest share of changed points for an update: with more a factorization is cheaper.
+/// Largest ratio of changed points to all points for an update of the inverse; with more changes a factorization is
+/// cheaper.
 const FEW: f64 = 0.25;
-/// Largest number of points with a dense inverse; limits memory.
+/// Largest number of points with a dense inverse; it limits memory.
 const MOST: usize = 2000;
-/// Largest number of corrections by an updated inverse; without convergence the state is factored.
+/// Largest number of corrections with an updated inverse; without convergence the equations of the state are factored.
 const CORRECTIONS: usize = 4;
 
-/// Factors of the point responses, reactions and gaps.
+/// Factors x of the point responses, reactions and gaps, each (m,).
 pub(super) type PointFactors = (Vec<f64>, Vec<f64>, Vec<f64>);
 
-/// Equations of contact states in the factors x: travel − r/k of points whose force depends on the travel, r of others.
+/// Solver of the equations of contact states for the factors x. The equation of a point prescribes travel − r/k if its
+/// force depends on the travel, otherwise r.
 pub(super) struct ContactSetSolver {
     form: Form,
-    /// Travel and reaction of all points under each point response, response by response.
+    /// Travel and reaction of all points under each point response (m, m), response by response.
     moved: Vec<f64>,
     reaction: Vec<f64>,
     known: Option<ReferenceInverse>,
 }
 
-/// The compliance of a point whose force depends on the travel; else `None`.
+/// The compliance of a point whose force depends on the travel; `None` for other points.
 type Compliance = Option<f64>;
 
-/// A contact state and the inverse of its equations, scaled by their largest coefficients.
+/// A contact state and the inverse of its equations, each scaled by its largest coefficient.
 struct ReferenceInverse {
     pieces: Vec<u8>,
-    /// Scale factor of each equation.
+    /// Scale factor (m,) of each equation.
     unit: Vec<f64>,
     inverse: Mat<f64>,
 }
 
-/// The compliances of a contact state.
+/// Compliances (m,) of the points in a contact state.
 struct On<'a> {
     interface: &'a Interface,
     form: Form,
@@ -55,7 +57,7 @@ impl On<'_> {
         self.compliance.len()
     }
 
-    /// The only coefficient of a point's equation, if it has one coefficient.
+    /// The coefficient of x_i in the equation of point i, if all other coefficients are zero.
     fn alone(&self, i: usize) -> Option<f64> {
         match (self.form, self.compliance[i]) {
             (Form::Stiffness, Some(compliance)) => (compliance == 0.0).then_some(1.0),
@@ -86,7 +88,7 @@ impl ContactSetSolver {
         On { interface, form: self.form, compliance: pieces.iter().enumerate().map(compliance).collect() }
     }
 
-    /// Inverts the equations of a reference state, unless they are singular.
+    /// Inverts the equations of the reference state `pieces`, unless they are singular.
     pub(super) fn begin_with(
         &mut self,
         interface: &Interface,
@@ -108,8 +110,8 @@ impl ContactSetSolver {
         Ok(())
     }
 
-    /// Factors, reactions and gaps of a contact state, on top of those of the load; `None` if the equations are
-    /// singular.
+    /// Factors, reactions and gaps for a contact state, given the travels `moved` and reactions `reaction` (m,) without
+    /// point responses; `None` if the equations are singular.
     pub(super) fn solve(
         &self,
         interface: &Interface,
@@ -150,13 +152,13 @@ impl ContactSetSolver {
         }
     }
 
-    /// Scale factor that makes the largest coefficient of an equation 1.
+    /// Scale factor that makes the largest coefficient of equation i equal to 1.
     fn unit(&self, on: &On, i: usize) -> f64 {
         let largest = (0..on.len()).map(|j| self.coefficient(on, i, j).abs()).fold(0.0, f64::max);
         if largest > 0.0 { 1.0 / largest } else { 1.0 }
     }
 
-    /// own + Σ_j part(i, moved_ij, reaction_ij) x_j in double-double, vectorized over points.
+    /// own_i + Σ_j part(i, moved_ij, reaction_ij) x_j in double-double, vectorized over the points i.
     fn add_products(&self, own: Vec<f64>, x: &[f64], part: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
         let count = own.len();
         let (mut high, mut low) = (own, vec![0.0; count]);
@@ -176,7 +178,7 @@ impl ContactSetSolver {
         high.iter().zip(&low).map(|(hi, lo)| hi + lo).collect()
     }
 
-    /// Residual of the equations.
+    /// Residual (m,) of the equations.
     fn residual(&self, on: &On, right: &[f64], x: &[f64]) -> Vec<f64> {
         let mut residual = self.add_products(right.to_vec(), x, |i, moved, reaction| match on.compliance[i] {
             Some(compliance) => compliance * reaction - moved,
@@ -190,8 +192,8 @@ impl ContactSetSolver {
         residual
     }
 
-    /// Solves by the inverse of the reference state; `None` without one, after too many changes, or without
-    /// convergence.
+    /// Solves with the inverse of the reference state. `None` if there is no inverse, after too many changes, or
+    /// without convergence.
     fn updated(&self, on: &On, pieces: &[u8], right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
         let Some(ReferenceInverse { pieces: before, unit, inverse }) = &self.known else { return Ok(None) };
         let count = on.len();
@@ -201,7 +203,7 @@ impl ContactSetSolver {
         }
         let mut unit = unit.clone();
         changed.iter().for_each(|&i| unit[i] = self.unit(on, i));
-        // Product of the changed equations with columns of the inverse.
+        // Product of the changed equations with the columns of the inverse.
         let row = |p: usize, j: usize| unit[changed[p]] * self.coefficient(on, changed[p], j);
         let rows = dense::matrix(changed.len(), count, row)?;
         let columns = dense::matrix(count, changed.len(), |i, q| inverse[(i, changed[q])])?;
@@ -229,7 +231,7 @@ impl ContactSetSolver {
         Ok(None)
     }
 
-    /// Solves by a factorization of the coupled equations.
+    /// Solves by a factorization of the coupled equations; `None` if they are singular.
     fn factored(&self, on: &On, right: &[f64]) -> Result<Option<Vec<f64>>, OutOfMemory> {
         let mut x = vec![0.0; on.len()];
         let mut unknown = Vec::new();

@@ -1,8 +1,8 @@
-//! Many combinations of few load cases: one LCP each, without an operation on the plate.
+//! Many combinations of few load cases: one LCP for each combination, without an operation on the plate.
 //!
-//! All terms that are linear in the factors are condensed once. A combination sums q of its cases, solves its LCP, and
-//! solves the equations of that contact state with the refined responses. Each result depends on its factors only, so
-//! that order and number of threads change no bit.
+//! All terms that are linear in the factors are condensed once. A combination sums q over its cases, solves its LCP,
+//! and solves the equations of the contact state with the refined responses. Each result depends on the factors of its
+//! combination only, so that order and number of threads change no bit.
 
 mod contact_set_solver;
 
@@ -18,13 +18,13 @@ use crate::lcp::{Lcp, LcpBasis, LcpFamily};
 use contact_set_solver::ContactSetSolver;
 use rayon::prelude::*;
 
-/// Combinations between two calls of the callback.
+/// Number of combinations between two calls of the callback.
 const TOGETHER: usize = 256;
 
-/// Result of one combination at the contact points.
+/// Solution of one combination at the contact points (m,).
 #[derive(Clone, Debug)]
 pub struct Combined {
-    /// Factors x of the responses of points.
+    /// Factors x (m,) of the responses of points, see [`Response`].
     pub factor: Vec<f64>,
     pub reaction: Vec<f64>,
     pub gap: Vec<f64>,
@@ -35,24 +35,24 @@ pub struct Combined {
 /// Data shared by all combinations.
 pub struct CombinedCases {
     form: Form,
-    /// q at rest and of each case, before the free motions are imposed.
+    /// q without load and of each case, before the free motions are imposed.
     q_at_rest: Vec<f64>,
     q: Vec<Vec<f64>>,
-    /// Family of LCPs with one M; `None` without a start basis.
+    /// LCPs with one M and a common start basis; `None` if that basis is singular.
     family: Option<LcpFamily>,
     set_solver: ContactSetSolver,
-    /// Travel of each point from rest to its first piece.
+    /// Violation (m,) of the first pieces at u = 0 and r = 0.
     distance: Vec<f64>,
     rest: Response,
     cases: Vec<Response>,
 }
 
 impl ContactProblem {
-    /// Condenses load cases, given by their responses, for [`ContactProblem::combine`]; displacements of the responses
-    /// are unused.
+    /// Condenses load cases for [`ContactProblem::combine`]. `rest`, `cases` and `points` are responses; their
+    /// displacements are unused.
     ///
-    /// Each LCP starts from the basis, and each contact state from the factor, of all cases at factor 1, or of the open
-    /// state if these have no equilibrium.
+    /// The reference contact state is that of all cases at factor 1, or the first pieces if this load has no solution.
+    /// Each LCP starts from the basis of the reference state, and each contact state is solved with its inverse.
     pub fn combined_cases(
         &self,
         rest: Response,
@@ -65,7 +65,7 @@ impl ContactProblem {
         let form = interface.better_form();
         let still = vec![0.0; self.points.len()];
         let first = interface.first_pieces(&self.points, form);
-        // Travel at which the force on the first piece is zero.
+        // Violation of the first piece at u = 0 and r = 0.
         let to_piece = |(i, &piece): (usize, &u8)| {
             let piece = self.points.piece(i, piece);
             piece.travel - piece.compliance() * piece.force
@@ -93,11 +93,11 @@ impl ContactProblem {
         Ok(shared)
     }
 
-    /// Solves combinations, one row of factors each, in parallel. `watch` is called at intervals and cancels by
-    /// returning false.
+    /// Solves combinations in parallel; each row of `factors` has one factor per case. `watch` is called repeatedly and
+    /// cancels by returning false.
     ///
     /// [`SolveError::NoEquilibrium`] includes contradictory gaps. [`SolveError::Unsolved`] means that the combination
-    /// needs a solve of its own: signs are within rounding, or the pivot limit was reached.
+    /// must be solved separately: signs are within rounding, or the pivot limit was reached.
     pub fn combine(
         &self,
         shared: &CombinedCases,
@@ -140,12 +140,13 @@ impl ContactProblem {
             Err(SolveError::Unsolved) => {}
             combined => return combined,
         }
-        // Rounding of many pivots gave an infeasible state nearby: few pivots with a fresh tableau remain.
+        // Rounding of many pivots gave an infeasible state near the solution. A fresh tableau needs few pivots from
+        // there.
         let again = pieces_of(self, template, &q, Some(pieces), &mut pivots, &mut |_| true)?;
         self.on_pieces_of(interface, shared, &sum, again, pivots)
     }
 
-    /// The combination on a contact state.
+    /// Solves a combination, with the summed responses `sum`, on the contact state `piece` (m,).
     fn on_pieces_of(
         &self,
         interface: &Interface,
@@ -166,7 +167,7 @@ impl ContactProblem {
         Ok(Combined { factor, reaction, gap, piece, pivots })
     }
 
-    /// Whether every point is within the bounds of its piece, beyond rounding.
+    /// Whether every point is within the bounds of its piece, up to rounding.
     fn is_certain(&self, pieces: &[u8], reaction: &[f64], gap: &[f64], travel: f64) -> bool {
         let force = tolerances::SIGN * largest_force(self, &[], reaction);
         let (shift, arm) = (&self.points.shift, &self.points.arm);
@@ -182,7 +183,7 @@ impl ContactProblem {
     }
 }
 
-/// The right-hand side of a response at the points.
+/// Right-hand side of the condensed equations for a response.
 fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
     let (displacement, force) = match form {
         Form::Dual => (response.moved.clone(), vec![0.0; response.moved.len()]),
@@ -192,7 +193,7 @@ fn rhs(form: Form, response: &Response, violation: &[f64]) -> CondensedRhs {
 }
 
 impl CombinedCases {
-    /// The sum of the cases of a combination, and q of its LCP.
+    /// The sum of the case responses of a combination, and q (k,) of its LCP.
     fn pose(&self, template: &LcpTemplate, factors: &[f64]) -> (Response, Vec<f64>) {
         let sum = self.sum(factors);
         let mut q = self.q_at_rest.clone();
@@ -203,7 +204,7 @@ impl CombinedCases {
         (sum, q)
     }
 
-    /// The sum of responses without displacements.
+    /// Response without load plus Σ factor · case response, without displacements.
     fn sum(&self, factors: &[f64]) -> Response {
         let of = |part: fn(&Response) -> &[f64], size: fn(f64) -> f64| {
             let mut total = part(&self.rest).to_vec();

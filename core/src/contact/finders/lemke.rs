@@ -1,4 +1,4 @@
-//! Lemke's algorithm on the condensed points: finitely many pivots from piece to piece.
+//! Lemke's algorithm on the condensed points: finitely many pivots between contact states.
 
 use super::feasibility::beyond_rounding;
 use crate::cholesky::FactorError;
@@ -14,11 +14,11 @@ use crate::contact::solution::{ContactSolution, Progress, Watch};
 use crate::contact::tolerances;
 use crate::lcp::{Lcp, LemkeOptions, lemke_watched};
 
-/// Largest number of contact states.
+/// Largest number of contact states that are refined.
 const STATES: usize = 60;
 
-/// Solves one load by Lemke's algorithm with refinement: where the refined solution violates a bound, the LCP is posed
-/// again from there.
+/// Solves one load by Lemke's algorithm with refinement. If the refined solution violates a bound, a new LCP is posed
+/// from that solution.
 pub(in crate::contact) fn by_lemke(
     problem: &ContactProblem,
     interface: &Interface,
@@ -55,8 +55,8 @@ pub(in crate::contact) fn by_lemke(
         }
         solution.measure_gaps(&problem.points, &residual);
         if settled || beyond_rounding(problem, load, tolerances::RESIDUAL * travel, &solution).is_empty() {
-            // A contact state that only rounding keeps regular has no solution. Where no load acts, the rounding of
-            // settlements is the reference.
+            // A contact state that is regular only by rounding has no solution. If no load acts, the residual is
+            // relative to the rounding of settlements.
             let least = f64::EPSILON * force_of_settlements(problem, held_value);
             return solution.require_solved(problem, load, &residual, least);
         }
@@ -65,7 +65,8 @@ pub(in crate::contact) fn by_lemke(
     Err(SolveError::Unsolved)
 }
 
-/// The right-hand side of the LCP for a load and a solution, with violations relative to the first pieces.
+/// The right-hand side of the LCP for the change from `solution` to the solution under a load, with violations relative
+/// to the first pieces.
 pub(in crate::contact) fn posed_from(
     problem: &ContactProblem,
     interface: &Interface,
@@ -77,7 +78,7 @@ pub(in crate::contact) fn posed_from(
     problem.reduced(interface, &Residual::from(problem, load, solution, &pieces), form)
 }
 
-/// The contact state that solves an LCP, from a given one if any; adds to the number of pivots.
+/// The contact state (m,) that solves an LCP, starting from `from` if given. Adds to the number of pivots.
 pub(in crate::contact) fn pieces_of(
     problem: &ContactProblem,
     template: &LcpTemplate,

@@ -1,4 +1,4 @@
-//! The contact points of a factored plate.
+//! The plate condensed onto its contact points.
 
 use super::forward_rows::ForwardRows;
 use super::schur::Schur;
@@ -10,22 +10,22 @@ use faer::Mat;
 use std::collections::HashSet;
 use std::sync::OnceLock;
 
-/// The contact points of a factored plate.
+/// The plate condensed onto its contact points.
 pub(in crate::contact) struct Interface {
-    /// δ: stiffness that the factor includes at each point, in addition to K.
+    /// Stiffness δ (m,) that the factor includes at the points, in addition to K.
     pub(in crate::contact) delta: Vec<f64>,
     /// Rigid motions (3n,) that springs, held dofs and two-sided points leave free.
     pub(in crate::contact) free_motions: Vec<Vec<f64>>,
-    /// N: displacements Gu of each free rigid motion, by column.
+    /// N (m, f): displacement Gu of each point under each of the f free rigid motions.
     pub(super) moves: Mat<f64>,
-    /// The Schur complement, where the rows select single dofs; the flexibility is then made on demand.
+    /// The Schur complement, if the rows of G select single dofs; the flexibility is then made on demand.
     pub(super) stiffness: Option<Schur>,
     flexibility: OnceLock<Flexibility>,
 }
 
-/// The flexibility form.
+/// Matrices of the flexibility form.
 pub(super) struct Flexibility {
-    /// G after forward substitution.
+    /// The rows of G after forward substitution.
     pub(super) rows: ForwardRows,
     /// P̃ = GK̃⁻¹Gᵀ.
     pub(super) matrix: Mat<f64>,
@@ -34,21 +34,21 @@ pub(super) struct Flexibility {
 /// The unknowns of the complementarity problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Reactions; gaps only where the factor includes a stiffness δ.
+    /// z are reactions; gaps only at points at which the factor includes a stiffness δ.
     Dual,
-    /// Gaps.
+    /// z are gaps.
     Stiffness,
 }
 
-/// A load after condensation.
+/// A load after forward substitution and condensation.
 pub(in crate::contact) struct ReducedLoad {
     /// The load after forward substitution.
     pub(in crate::contact) forward: Vec<f64>,
     pub(in crate::contact) rhs: CondensedRhs,
 }
 
-/// d = GK̃⁻¹f, empty in stiffness form; f̂, empty in flexibility form; and the distances of the points from their
-/// pieces.
+/// Right-hand side at the points (m,): `displacement` d = GK̃⁻¹f, empty in stiffness form; `force` f̂, empty without a
+/// Schur complement; `violation`, the distances of the points from the lines of their pieces.
 #[derive(Clone, Default)]
 pub(in crate::contact) struct CondensedRhs {
     pub(in crate::contact) displacement: Vec<f64>,
@@ -57,8 +57,8 @@ pub(in crate::contact) struct CondensedRhs {
 }
 
 impl Interface {
-    /// Condenses a factor that ends with `trailing` columns of contact dofs. `rows` are the rows of G by its columns,
-    /// `multiplier_rows` its columns of multipliers.
+    /// Condenses a factor whose last `trailing` columns are contact dofs. `rows` are the rows of G by column of the
+    /// factor; `multiplier_rows` are the columns of the factor that belong to multipliers.
     pub(in crate::contact) fn on(
         factor: &Factor,
         trailing: usize,
@@ -86,7 +86,7 @@ impl Interface {
         self.delta.len()
     }
 
-    /// The better conditioned form.
+    /// The better conditioned form: stiffness if the rows of G select single dofs, otherwise dual.
     pub(in crate::contact) fn better_form(&self) -> Form {
         if self.stiffness.is_some() { Form::Stiffness } else { Form::Dual }
     }
@@ -100,7 +100,7 @@ impl Interface {
         Ok(self.flexibility.get().expect("made here or with the factor"))
     }
 
-    /// Condenses a residual that is forward substituted, with its `violation`.
+    /// Condenses a residual that is forward substituted. `violation` (m,) is copied.
     pub(in crate::contact) fn reduced(
         &self,
         form: Form,
@@ -115,8 +115,8 @@ impl Interface {
         Ok(ReducedLoad { forward, rhs: CondensedRhs { displacement, force, violation: violation.to_vec() } })
     }
 
-    /// Where the rows select single dofs: prescribes the displacements of the points in a forward substituted vector,
-    /// and returns their reactions; otherwise empty.
+    /// If the rows of G select single dofs, prescribes the displacements `travel` (m,) of the points in a forward
+    /// substituted vector, and returns their reactions (m,). Otherwise returns an empty vector.
     pub(in crate::contact) fn impose(&self, travel: &[f64], forward: &mut [f64]) -> Vec<f64> {
         let Some(stiffness) = &self.stiffness else { return Vec::new() };
         let reaction = stiffness.holding_forces(&stiffness.condensed_force(forward), travel);
@@ -124,20 +124,20 @@ impl Interface {
         reaction
     }
 
-    /// Whether the factor includes the whole stiffness of a point.
+    /// Whether δ is the whole stiffness of point i, which is 1/`compliance`.
     pub(in crate::contact) fn absorbs(&self, i: usize, compliance: f64) -> bool {
         compliance > 0.0 && (1.0 - self.delta[i] * compliance).abs() < tolerances::interface::ABSORBED
     }
 
-    /// The first pieces: force dependent on travel in stiffness form, for linear laws, and where the factor includes a
-    /// stiffness δ; otherwise open.
+    /// The first piece of each point (m,). Its force depends on the travel in stiffness form, for linear laws, and
+    /// where δ > 0. Otherwise the point is open.
     pub(in crate::contact) fn first_pieces(&self, points: &Points, form: Form) -> Vec<u8> {
         let holds = |i: usize| form == Form::Stiffness || points.is_straight(i) || self.delta[i] > 0.0;
         points.pieces_holding(&(0..points.len()).map(holds).collect::<Vec<_>>())
     }
 }
 
-/// Whether every row has one entry and no two rows share a dof.
+/// Whether every row has one entry, and no two rows share a dof.
 fn picks_single_dofs(rows: &[Vec<(usize, f64)>]) -> bool {
     let mut taken = HashSet::new();
     rows.iter().all(|row| row.len() == 1 && taken.insert(row[0].0))

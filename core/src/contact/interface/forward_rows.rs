@@ -1,9 +1,9 @@
-//! Rows of G after forward substitution; products of these are entries of P̃.
+//! Rows of G after forward substitution. Their products are the entries of P̃.
 //!
-//! The dofs of narrow rows, those of one element, are the last columns. A wide row, between two plates or the mean over
-//! a footprint, would add hundreds of dofs there. It is forward substituted instead, and has entries only at the
-//! ancestors of its dofs in the elimination tree. The factor is L S Lᵀ with sign −1 at multiplier columns; a row is
-//! kept as SL⁻¹gᵀ.
+//! Narrow rows have the dofs of one element; these are the last columns of the factor. Wide rows join two plates or
+//! average over a footprint. In the last columns their dofs would add hundreds of columns. A wide row is forward
+//! substituted instead, and has entries only at the ancestors of its dofs in the elimination tree. The factor is L S Lᵀ
+//! with sign −1 at multiplier columns; a row is stored as SL⁻¹gᵀ.
 
 use crate::cholesky::{Factor, FactorError, LANES};
 use crate::contact::scale::dot;
@@ -16,20 +16,20 @@ use std::collections::HashSet;
 pub(super) struct ForwardRows {
     /// Number of columns before the trailing block.
     first: usize,
-    /// Entries of each row in the trailing block.
+    /// Entries of each row in the trailing block, by column.
     last: Mat<f64>,
-    /// Other nonzero entries of wide rows.
+    /// Nonzero entries of wide rows before the trailing block.
     wide: Vec<Wide>,
 }
 
 struct Wide {
     row: usize,
-    /// Column, value, and sign times value.
+    /// (column, value, sign of the column times value).
     entries: Vec<(usize, f64, f64)>,
 }
 
 impl ForwardRows {
-    /// Forward substitutes rows, given by columns of a factor that ends with the block `trailing`.
+    /// Forward substitutes `rows`, given by columns of a factor whose last block is `trailing`.
     pub(super) fn of(
         factor: &Factor,
         trailing: &Mat<f64>,
@@ -60,7 +60,7 @@ impl ForwardRows {
         Ok(all)
     }
 
-    /// Forward substitutes rows in the trailing block, which `first` columns precede.
+    /// Forward substitutes rows with entries in the trailing block only, which `first` columns precede.
     pub(super) fn narrow(first: usize, trailing: &Mat<f64>, rows: &[Vec<(usize, f64)>]) -> Result<Self, OutOfMemory> {
         let mut last = dense::matrix(trailing.nrows(), rows.len(), |_, _| 0.0)?;
         for (row, entries) in rows.iter().enumerate() {
@@ -70,7 +70,7 @@ impl ForwardRows {
         Ok(Self { first, last, wide: Vec::new() })
     }
 
-    /// Displacements of the rows after back substitution of a forward substituted vector.
+    /// Products (m,) of the rows with a forward substituted load: the displacements of the points under this load.
     pub(super) fn dot(&self, forward: &[f64]) -> Vec<f64> {
         let (before, last) = forward.split_at(self.first);
         let mut out: Vec<f64> = (0..self.last.ncols()).map(|row| dot(self.of_last(row), last)).collect();
@@ -80,7 +80,7 @@ impl ForwardRows {
         out
     }
 
-    /// Adds forces on the rows to a forward substituted vector.
+    /// Adds `force` (m,) on the rows to a forward substituted vector.
     pub(super) fn add(&self, force: &[f64], forward: &mut [f64]) {
         let (before, last) = forward.split_at_mut(self.first);
         for (row, &force) in force.iter().enumerate().filter(|(_, force)| **force != 0.0) {
@@ -91,7 +91,7 @@ impl ForwardRows {
         }
     }
 
-    /// Products of all rows with all others.
+    /// Products (m, k) of all these rows with all rows of `others`.
     pub(super) fn products(&self, others: &Self) -> Result<Mat<f64>, OutOfMemory> {
         let mut products = dense::product(self.last.transpose(), others.last.as_ref())?;
         let of_wide = |other: &Wide| -> Vec<f64> {

@@ -1,9 +1,10 @@
 //! The linear complementarity problem of contact points with monotone graphs.
 //!
-//! Each point starts on one piece. Its unknown x, measured from the piece's first vertex, follows from elimination: x =
-//! x₀ + Σ columns z. At an end of the piece, w is the remaining length of the piece, and z the length travelled along
-//! the next piece. At each further vertex, w is the length of the piece minus z of the vertex before. Katzenelson
-//! (1965) follows a piecewise linear monotone map in this way; for graphs of two pieces, w and z are reaction and gap.
+//! Each point starts on its first piece. Its unknown x is a force where the force depends on the travel, otherwise a
+//! travel; it is measured from the reference point of the piece ([`Piece`]). Elimination gives x = x₀ − Σ columns z. At
+//! an end of the first piece, w is the distance from x to this end, and z the length travelled along the next piece. At
+//! each further vertex, w is the length of the piece before it minus the z of the vertex before. Katzenelson (1965)
+//! follows a piecewise linear monotone map in this way. For graphs of two pieces, w and z are reaction and gap.
 
 use super::condensed::{CondensedRhs, Form, Interface};
 use super::motions::{FreeMotions, Work};
@@ -13,8 +14,8 @@ use crate::contact::points::Points;
 use crate::dense::{self, Lu, OutOfMemory, row_major};
 use faer::Mat;
 
-/// The LCP w = Mz + q of condensed points in one form, without q, which is affine in the load. It does not depend on the
-/// shifts of the points.
+/// The LCP w = Mz + q of condensed points in one form, without q, which is affine in the load. It does not depend on
+/// the shifts of the points.
 pub struct LcpTemplate {
     /// M (k, k), row-major, with the free motions imposed.
     pub matrix: Vec<f64>,
@@ -23,16 +24,17 @@ pub struct LcpTemplate {
     motions: FreeMotions,
 }
 
-/// The equations HΔx = b of the unknowns of all points on their first pieces.
+/// Factored equations HΔx = b for the unknowns x of all points on their first pieces.
 enum Elimination {
-    /// H = I + SC, with the forces as unknowns; `None` where all pieces are rigid.
+    /// H = I + SC, with the forces as unknowns and C the compliances; `None` if all first pieces are rigid.
     Stiffness(Option<Lu>),
-    /// H of the flexibility form: its coupled block, and the points whose column has one entry, with that entry.
+    /// H of the flexibility form. `factor` is its block for the `coupled` points. `alone` are the other points, whose
+    /// column of H has one entry, with that entry. `across` are the entries of coupled columns in rows of `alone`.
     Flexibility { coupled: Vec<usize>, alone: Vec<(usize, f64)>, factor: Option<Lu>, across: Mat<f64> },
 }
 
 impl Elimination {
-    /// Replaces right-hand sides (m, columns) by H⁻¹ of them.
+    /// Replaces right-hand sides B (m, columns) by H⁻¹B.
     fn solve_in_place(&self, all: &mut Mat<f64>) -> Result<(), OutOfMemory> {
         match self {
             Self::Stiffness(None) => {}
@@ -60,7 +62,7 @@ impl LcpTemplate {
         let vertices = Vertices::of(points, interface.first_pieces(points, form));
         let piece = vertices.first_pieces(points);
         let Vertices { rows, .. } = &vertices;
-        // z is the length along the next piece.
+        // Travel and force along the next piece per unit of z.
         let along: Vec<[f64; 2]> = rows.iter().map(|row| direction(points, row)).collect();
         let (elimination, mut columns) = match form {
             Form::Stiffness if interface.stiffness.is_some() => interface.by_stiffness(&piece, rows, &along)?,
@@ -71,7 +73,7 @@ impl LcpTemplate {
             symmetrize(rows, &mut columns);
         }
         let entry = |r: usize, c: usize| match rows[r].before {
-            // x = x₀ − (columns) z; w is the remaining length of the piece above or below.
+            // x = x₀ − Σ columns z; w is the distance from x to the upper or lower end of the first piece.
             None => rows[r].sign() * columns[(rows[r].point, c)],
             Some(before) if before == c => -1.0,
             Some(_) => 0.0,
@@ -81,8 +83,8 @@ impl LcpTemplate {
         Ok(Self { matrix, vertices, elimination, motions })
     }
 
-    /// q (k,) of a load, for reactions that act already, with the free motions imposed. `rhs.violation` is relative to
-    /// [`Interface::first_pieces`].
+    /// q (k,) of a load, starting from the reactions `reaction` (m,), with the free motions imposed. `rhs.violation` is
+    /// relative to [`Interface::first_pieces`].
     pub(in crate::contact) fn balanced_q(
         &self,
         interface: &Interface,
@@ -96,7 +98,7 @@ impl LcpTemplate {
         Ok(q)
     }
 
-    /// q (k,) of a load before the free motions are imposed.
+    /// q (k,) of a load, starting from the reactions `reaction` (m,), before the free motions are imposed.
     pub(in crate::contact) fn q(
         &self,
         interface: &Interface,
@@ -105,7 +107,7 @@ impl LcpTemplate {
         reaction: &[f64],
     ) -> Result<Vec<f64>, OutOfMemory> {
         let piece = self.vertices.first_pieces(points);
-        // A point that starts on an open piece releases its present reaction.
+        // A point whose first piece is horizontal releases its present reaction.
         let released: Vec<f64> =
             (0..piece.len()).map(|j| if piece[j].holds() { 0.0 } else { reaction[j] - piece[j].force }).collect();
         let linear = self.linear(interface, rhs, Some(&released))?;
@@ -113,8 +115,8 @@ impl LcpTemplate {
             if !row.is_next() {
                 return end_length(points, row);
             }
-            // x is the increment plus `from`, measured from the vertex. The first piece starts at its lower vertex; piece
-            // 0 ends at its upper vertex.
+            // x is `from` plus an increment, measured from the reference point of the first piece. An upward row needs
+            // the upper end of the piece, another row the lower end.
             let (i, piece) = (row.point, piece[row.point]);
             let from = if piece.holds() { reaction[i] - piece.force } else { 0.0 };
             let [low, high] = points.ends(i, self.vertices.base[i]);
@@ -125,7 +127,7 @@ impl LcpTemplate {
         Ok(linear.into_iter().zip(&self.vertices.rows).map(length).collect())
     }
 
-    /// The linear part of q (k,): that of an increment of load.
+    /// Change of q (k,) under an increment of load.
     pub(in crate::contact) fn increment(
         &self,
         interface: &Interface,
@@ -168,19 +170,19 @@ impl LcpTemplate {
         Ok(self.vertices.rows.iter().map(of).collect())
     }
 
-    /// Imposes the free motions on q of a load: the reactions of the first pieces balance it.
+    /// Imposes the free motions on q of a load: the reactions on the first pieces balance the load.
     pub(in crate::contact) fn balance(&self, q: &mut [f64], rhs: &CondensedRhs, work: &Work) {
         self.motions.balance(q, rhs, work);
     }
 
-    /// The same for the linear part of q.
+    /// Imposes the free motions on the change of q under an increment of load.
     pub(in crate::contact) fn balance_increment(&self, q: &mut [f64], rhs: &CondensedRhs, work: &Work) {
         self.motions.balance_increment(q, rhs, work);
     }
 }
 
 impl Interface {
-    /// H of SΔs + Δr = f̂ with all points in contact, and the columns (m, k) of all z.
+    /// H of SΔs + Δr = f̂ with all points in contact, and the columns (m, k) of z.
     fn by_stiffness(
         &self,
         piece: &[Piece],
@@ -203,7 +205,7 @@ impl Interface {
         Ok((Elimination::Stiffness(Some(Lu::of(coupled)?)), columns))
     }
 
-    /// The same of (I − P̃δ)Δs + P̃Δr = d, with each point on its first piece.
+    /// H of (I − P̃δ)Δs + P̃Δr = d with each point on its first piece, and the columns (m, k) of z.
     fn by_flexibility(
         &self,
         piece: &[Piece],
@@ -236,7 +238,7 @@ impl Interface {
     }
 }
 
-/// Makes (I + SC)⁻¹S symmetric; elimination gives it up to rounding.
+/// Makes (I + SC)⁻¹S symmetric; elimination leaves a difference of rounding.
 fn symmetrize(rows: &[VertexRow], columns: &mut Mat<f64>) {
     let gap = |i: usize| rows.iter().position(|row| row.point == i && row.kind == Kind::Gap);
     let of_point: Vec<Option<usize>> = (0..columns.nrows()).map(gap).collect();

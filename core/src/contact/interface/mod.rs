@@ -1,5 +1,5 @@
 //! The plate condensed onto its contact points, and its linear complementarity problem. Only this module uses both
-//! vocabularies: outside, `reaction` and `gap`; inside, z, w, M, q.
+//! vocabularies: `reaction` and `gap` of mechanics, and z, w, M, q of the LCP.
 //!
 //! With increments Δs = GΔu of travel and Δr of reaction, a factor of K̃ = K + Gᵀ diag(δ) G, with the contact dofs
 //! last, gives the plate at its contact points in two forms:
@@ -9,9 +9,9 @@
 //!
 //! - *flexibility*: (I − P̃δ)Δs + P̃Δr = d with P̃ = GK̃⁻¹Gᵀ and d = GK̃⁻¹f. δ = 0 gives the dual form of the paper.
 //!
-//! Both read AΔs + RΔr = b. A point on a piece has one unknown x: its force from the piece's first vertex if the force
-//! depends on the travel, else its travel. Its column is A/k + R or A. A point whose whole stiffness is in the factor
-//! has a column with one entry.
+//! Both forms read AΔs + RΔr = b. A point on a piece has one unknown x: its force if this depends on the travel,
+//! otherwise its travel. The column of x is A/k + R for a force, with k the slope of the piece, and A for a travel. A
+//! point whose whole stiffness is in the factor has a column with one entry.
 
 mod condensed;
 mod forward_rows;

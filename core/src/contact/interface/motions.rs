@@ -1,9 +1,9 @@
-//! Free rigid motions in the LCP, imposed exactly, since elimination gives them to rounding only.
+//! Free rigid motions in the LCP. They are imposed exactly, since elimination leaves an error of rounding.
 //!
-//! Let N be the displacements of the points under the free motions, J the points whose unknown is the gap, O those
-//! whose unknown is the reaction. A motion changes every gap and no reaction: M_JJ N_J = 0 and M_OJ N_J = N_O. The
-//! reactions of the first pieces balance the load: N_Jᵀ q_J = work. With rounding in these, marginal equilibrium would
-//! be decided at random.
+//! Let N be the displacements of the points under the free motions, J the rows whose z is a gap, and O the rows whose z
+//! is a reaction. A motion z_J = N_J changes every gap and no reaction: M_JJ N_J = 0 and M_OJ N_J = N_O. The reactions
+//! on the first pieces balance the load: N_Jᵀq_J plus the work of the reactions at z = w = 0 is the work of the load.
+//! With rounding in these equations, marginal equilibrium would be decided at random.
 
 use super::condensed::{CondensedRhs, Interface};
 use super::vertices::Vertices;
@@ -15,8 +15,8 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatRef};
 
-/// Work of a load in each free rigid motion, and the sum of the magnitudes of its terms. Internal forces do no work in
-/// it.
+/// Work of a load in each free rigid motion (`sum`), and the sum of the magnitudes of its terms (`size`). Internal
+/// forces do no work in a free motion.
 #[derive(Clone, Debug, Default)]
 pub struct Work {
     pub sum: Vec<f64>,
@@ -34,26 +34,26 @@ impl Work {
     }
 }
 
-/// The part of the imposed motions that does not depend on the load.
+/// Data of the imposed free motions that do not depend on the load.
 pub(super) struct FreeMotions {
-    /// N_J and WN_J(N_JᵀWN_J)⁻¹, with W the stiffness δ in the factor.
+    /// `moves` is N_J, `dual` is WN_J(N_JᵀWN_J)⁻¹ with W = diag(δ), or W = I if some δ of J is 0.
     moves: Mat<f64>,
     dual: Mat<f64>,
-    /// Points of the rows of J and O.
+    /// Point of each row of J, then of O.
     paired: Vec<usize>,
-    /// Work in the motions of the reactions at z = 0, w = 0.
+    /// Work of the reactions at z = w = 0 in each free motion.
     known: Vec<f64>,
-    /// Σ_c |M_rc| over J, before the motions are imposed.
+    /// Σ_c |M_rc| over the columns of J for each row r of J, before the motions are imposed.
     held: Vec<f64>,
-    /// Whether M is projected. S keeps its soft modes better without a projection.
+    /// Whether M is projected. S keeps the digits of its soft modes better without a projection.
     projected: bool,
-    /// Pairs of rows of the two ends of one piece: (row, earlier row, length of the piece).
+    /// Pairs of rows for the two ends of one piece: (row, earlier row, length of the piece).
     mirrored: Vec<(usize, usize, f64)>,
 }
 
 impl Interface {
-    /// Imposes the free motions on M: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ; M_OJ changes by the least that
-    /// satisfies its equation.
+    /// Imposes the free motions on M: M_JJ ← QM_JJQᵀ with Q = I − WN_J(N_JᵀWN_J)⁻¹N_Jᵀ. M_OJ changes by the least
+    /// amount that gives M_OJ N_J = N_O.
     pub(super) fn impose_motions(
         &self,
         points: &Points,
@@ -77,7 +77,7 @@ impl Interface {
         if free == 0 {
             return Ok(motions);
         }
-        // Weighted by the stiffness in the factor, so that the correction does not exceed the entry of a soft point.
+        // Weighted by δ, so that the correction of a soft point does not exceed its entry.
         let carried = |r: usize| self.delta[rows[r].point];
         let all_carried = (0..inside).all(|r| carried(r) > 0.0);
         let weight = |r: usize| if all_carried { carried(r) } else { 1.0 };
@@ -95,7 +95,7 @@ impl Interface {
         subtract_product(&mut within, dual, across.as_ref());
         let along = &within * n;
         subtract_product(&mut within, &along, dual.transpose());
-        // A diagonal entry that the projection reduces to rounding is zero.
+        // A diagonal entry that the projection reduces to rounding counts as zero.
         let loose: Vec<bool> = (0..inside)
             .map(|r| inside == free || within[(r, r)] <= tolerances::interface::PROJECTED * before[r])
             .collect();
@@ -124,7 +124,7 @@ impl Interface {
         }
         for &(row, earlier, _) in &motions.mirrored {
             (0..order).for_each(|c| matrix[row * order + c] = -matrix[earlier * order + c]);
-            // Rows of further vertices depend on the length of the piece before them, and on no base.
+            // Rows of further vertices depend on z of the vertex before them only, and not on x.
             for r in (0..order).filter(|&r| rows[r].is_next()) {
                 matrix[r * order + row] = -matrix[r * order + earlier];
             }
@@ -132,7 +132,7 @@ impl Interface {
         Ok(motions)
     }
 
-    /// Travels of the points minus the nearest free motion, to which no reaction responds.
+    /// Travels (m,) of the points minus the nearest free motion, to which no reaction responds.
     pub(super) fn without_rigid_motion(&self, travel: &[f64]) -> Vec<f64> {
         let n = &self.moves;
         if n.ncols() == 0 {
@@ -146,12 +146,12 @@ impl Interface {
 }
 
 impl FreeMotions {
-    /// Imposes on q that the reactions of the first pieces balance the load; entries of rounding become zero.
+    /// Changes q so that the reactions on the first pieces balance the load, and sets entries of rounding to zero.
     pub(super) fn balance(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &self.known, 1.0);
     }
 
-    /// The same for an increment of load.
+    /// Changes the increment of q so that reactions balance the increment of load.
     pub(super) fn balance_increment(&self, q: &mut [f64], right: &CondensedRhs, work: &Work) {
         self.balance_past(q, right, work, &vec![0.0; self.known.len()], 0.0);
     }
@@ -188,7 +188,7 @@ impl FreeMotions {
     }
 }
 
-/// from ← from − left · right, where right has few rows.
+/// from ← from − left · right, where `right` has few rows.
 fn subtract_product(from: &mut Mat<f64>, left: &Mat<f64>, right: MatRef<'_, f64>) {
     let parallelism = dense::parallelism(from.nrows());
     matmul(from.as_mut(), Accum::Add, left, right, -1.0, parallelism);

@@ -6,7 +6,7 @@ use crate::contact::points::Points;
 use crate::dense::{self, Cholesky, Lu, OutOfMemory};
 use faer::{Mat, MatMut, MatRef};
 
-/// Reactions and travels of the points.
+/// Increments of reaction and travel (m,) of the points.
 pub(in crate::contact) struct Response {
     pub(in crate::contact) reaction: Vec<f64>,
     pub(in crate::contact) travel: Vec<f64>,
@@ -15,14 +15,14 @@ pub(in crate::contact) struct Response {
 /// Factored equations of a contact state.
 pub(in crate::contact) struct OnPieces {
     piece: Vec<Piece>,
-    /// Points whose columns have more than one entry.
+    /// Points whose column of the equations has more than one entry.
     coupled: Vec<usize>,
     factor: Made,
 }
 
 enum Made {
     Nothing,
-    /// S of the points that may travel, plus the stiffness of their pieces.
+    /// S of the points that are not on rigid pieces, plus the stiffness of their pieces.
     Stiffness(Cholesky),
     Flexibility(Lu),
 }

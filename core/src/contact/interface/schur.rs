@@ -1,13 +1,14 @@
-//! The Schur complement S of K onto the dofs of contact rows with one entry each.
+//! The Schur complement S of K onto the dofs of the contact rows, each of which selects one dof.
 
 use super::forward_rows::ForwardRows;
 use crate::dense::{self, OutOfMemory};
 use faer::Mat;
 
 pub(super) struct Schur {
-    /// S, by point.
+    /// S (m, m), by point.
     pub(super) matrix: Mat<f64>,
-    /// Number of columns before the trailing block, that block, and the column and coefficient of each row in it.
+    /// `leading` is the number of columns before the trailing block L. `rows` holds, for each point, the dof as a
+    /// column of L and the coefficient.
     leading: usize,
     trailing: Mat<f64>,
     rows: Vec<(usize, f64)>,
@@ -31,20 +32,21 @@ impl Schur {
         Ok(Self { matrix, leading, trailing, rows })
     }
 
-    /// Forces f̂ = Lz on the points, from the last part z of a forward substituted right-hand side.
+    /// Forces f̂ = Lz (m,) on the points, with z the last part of a forward substituted right-hand side.
     pub(super) fn condensed_force(&self, forward: &[f64]) -> Vec<f64> {
         let last = &forward[self.leading..];
         let on_dof = |i: usize| (0..=i).map(|j| self.trailing[(i, j)] * last[j]).sum::<f64>();
         self.rows.iter().map(|&(dof, coefficient)| on_dof(dof) / coefficient).collect()
     }
 
-    /// Reactions f̂ − S y of points at displacements y under forces f̂.
+    /// Reactions f̂ − S y (m,) of points with displacements y under forces f̂.
     pub(super) fn holding_forces(&self, force: &[f64], moved: &[f64]) -> Vec<f64> {
         let of_motion = |i: usize| (0..moved.len()).map(|j| self.matrix[(i, j)] * moved[j]).sum::<f64>();
         force.iter().enumerate().map(|(i, f)| f - of_motion(i)).collect()
     }
 
-    /// Prescribes displacements of the points in a forward substituted vector: its last part becomes z = Lᵀu.
+    /// Prescribes displacements of the points in a forward substituted vector: its last part becomes z = Lᵀu, with u
+    /// the displacements of the contact dofs.
     pub(super) fn prescribe(&self, moved: &[f64], forward: &mut [f64]) {
         let size = self.trailing.nrows();
         let mut on_dofs = vec![0.0; size];
@@ -56,7 +58,7 @@ impl Schur {
         }
     }
 
-    /// The rows after forward substitution.
+    /// The rows of G after forward substitution.
     pub(super) fn forward_rows(&self) -> Result<ForwardRows, OutOfMemory> {
         let rows: Vec<_> =
             self.rows.iter().map(|&(dof, coefficient)| vec![(self.leading + dof, coefficient)]).collect();

@@ -1,4 +1,4 @@
-//! The condensed backend: one forward and one backward substitution a solve.
+//! The condensed backend: a solve takes one forward and one backward substitution.
 
 use super::coarse::CoarseSolver;
 use super::solver::{Correction, Kkt};
@@ -12,7 +12,7 @@ pub(in crate::contact) struct Condensed<'a> {
     problem: &'a ContactProblem,
     interface: &'a Interface,
     on: Option<OnPieces>,
-    /// Rigid motions, where springs alone hold the plate.
+    /// Solver of rigid motions, for plates that springs alone hold.
     coarse: Option<CoarseSolver<'a>>,
     /// The next residual after condensation, if known.
     pub(in crate::contact) reduced: Option<ReducedLoad>,

@@ -9,12 +9,12 @@ use crate::contact::system::System;
 use crate::residual::twice_the_energy;
 use std::sync::Arc;
 
-/// A displacement, and the product of the factored matrix with it.
+/// A displacement `nodal` (3n,), and the product `force` of the factored matrix with it.
 #[derive(Clone, Default)]
 pub(in crate::contact) struct Direction {
     pub(in crate::contact) nodal: Vec<f64>,
     pub(in crate::contact) force: Vec<f64>,
-    /// Whether the present contact state leaves the displacement free: then its length is undefined.
+    /// Whether the displacement is free of resistance in the present contact state: then its length is undefined.
     pub(in crate::contact) is_free: bool,
 }
 
@@ -35,22 +35,22 @@ impl Direction {
 pub(in crate::contact) struct Factored<'a> {
     pub(in crate::contact) problem: &'a ContactProblem,
     pub(in crate::contact) augmentation: &'a Augmentation,
-    /// Penalty: largest spring stiffness over the shear stiffness of the plate.
+    /// Penalty: largest spring stiffness divided by the reference stiffness of the plate.
     pub(in crate::contact) limit: f64,
-    /// Augmentation compliance σ of each point.
+    /// Augmentation compliance σ (m,) of each point.
     pub(in crate::contact) series: Vec<f64>,
-    /// The factor given at the start; `None` for that of the problem.
+    /// The factor given at the start; `None` if it is that of the problem.
     given: Option<&'a Arc<System>>,
     /// A factor made later, for another contact state.
     own: Option<Arc<System>>,
     /// Whether several loads share the given factor.
     shares: bool,
-    /// Last direction of this factor, unless it is shared.
+    /// Last direction with the present factor, unless the factor is shared.
     pub(super) last: Option<Direction>,
     /// The prepared contact state.
     pub(super) pieces: Vec<u8>,
     pub(super) coarse: Option<CoarseSolver<'a>>,
-    /// Numbers of conjugate gradient steps and of factorizations.
+    /// Number of conjugate gradient steps, and number of factorizations.
     pub(in crate::contact) gradients: usize,
     pub(in crate::contact) factorizations: usize,
 }
@@ -81,7 +81,7 @@ impl<'a> Factored<'a> {
         new
     }
 
-    /// Sets the penalty.
+    /// Sets the penalty, and σ of each point.
     pub(in crate::contact) fn set_penalty(&mut self, limit: f64) {
         self.limit = limit;
         self.series = self.augmentation.series(&self.problem.points, limit);
@@ -96,7 +96,7 @@ impl<'a> Factored<'a> {
         self.kept().map_or(&self.problem.base, |system| system)
     }
 
-    /// The present factor; `None` for that of the problem.
+    /// The present factor; `None` if it is that of the problem.
     pub(in crate::contact) fn kept(&self) -> Option<&Arc<System>> {
         self.own.as_ref().or(self.given)
     }
@@ -111,8 +111,8 @@ impl<'a> Factored<'a> {
         self.problem.points.piece(i, piece).in_series(self.series[i])
     }
 
-    /// Factors the matrix of a contact state; where that is singular, with soft springs at the other points. Keeps the
-    /// old factor if both fail.
+    /// Factors the matrix of a contact state. If it is singular, adds soft springs at the other points. Keeps the old
+    /// factor if both fail.
     pub(in crate::contact) fn refactor(&mut self, pieces: &[u8]) -> Result<(), FactorError> {
         let problem = self.problem;
         let slenderness = problem.plate.slenderness();
@@ -137,8 +137,8 @@ impl<'a> Factored<'a> {
         Ok(())
     }
 
-    /// vᵀKv with the springs of a contact state, summed from squares: along a free rigid motion a difference would be
-    /// rounding.
+    /// vᵀKv with the springs of a contact state, computed as a sum of squares: along a free rigid motion a difference
+    /// would be rounding.
     pub(super) fn curvature(&self, pieces: &[u8], vector: &[f64]) -> f64 {
         let spring = |i: usize| match self.slope(i, pieces[i]) {
             0.0 => 0.0,
@@ -148,14 +148,14 @@ impl<'a> Factored<'a> {
             + (0..pieces.len()).map(spring).sum::<f64>()
     }
 
-    /// Points whose factored spring differs from that of the contact state, and the difference.
+    /// Points whose factored spring differs from that of the contact state, and difference of the stiffness.
     pub(in crate::contact) fn differing(&self, pieces: &[u8]) -> Vec<(usize, f64)> {
         let carried = &self.system().carried;
         let difference = |i: usize| self.slope(i, pieces[i]) - carried[i];
         (0..pieces.len()).map(|i| (i, difference(i))).filter(|&(_, d)| d != 0.0).collect()
     }
 
-    /// Σ Δk g (g·v) over these points.
+    /// Σ Δk g (g·v) over the points `differing`.
     pub(super) fn difference(&self, differing: &[(usize, f64)], vector: &[f64]) -> Vec<f64> {
         let points = &self.problem.points;
         let mut out = vec![0.0; vector.len()];

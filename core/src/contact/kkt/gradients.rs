@@ -15,33 +15,35 @@ pub(in crate::contact) struct Gradients {
     pieces: Vec<u8>,
     /// Points whose factored spring differs from that of the contact state, and the difference.
     differing: Vec<(usize, f64)>,
-    /// Norm of the residual at convergence.
+    /// Norm of the residual at which the iteration ends.
     enough: f64,
-    /// Whether a new factor replaces the iteration after `most` steps; otherwise the direction is taken as it is.
+    /// Whether the contact state is factored, and the iteration restarted, after `most` steps; otherwise the direction
+    /// is returned as it is.
     may_refactor: bool,
     most: usize,
     steps: usize,
-    /// The residual, to be preconditioned next.
+    /// The residual (3n,), to which the factor is applied next.
     pub(in crate::contact) residual: Vec<f64>,
     total: Direction,
     ahead: Direction,
     deflated: Option<Deflated>,
-    /// Product of the last residual and its preconditioned residual.
+    /// Dot product of the last residual and its preconditioned residual.
     product: f64,
 }
 
-/// The deflated direction, its product with the present matrix, and its curvature.
+/// The deflated direction, the product of the present matrix with it, and its curvature.
 struct Deflated {
     direction: Direction,
     force: Vec<f64>,
     curvature: f64,
 }
 
-/// Conjugate gradient steps before a new factorization, which costs about as much. A shared factor makes a step
-/// cheaper, hence three times as many. With the forces as unknowns the springs differ too much for any.
+/// Number of conjugate gradient steps before a new factorization, which costs about as much. With a shared factor a
+/// step is cheaper, and the number is `SHARED` times as large. The saddle-point method uses no conjugate gradients
+/// before it, since springs differ too much.
 pub(in crate::contact) const BEFORE_A_FACTOR: usize = 10;
 const SHARED: usize = 3;
-/// Largest number of steps where the contact state cannot be factored.
+/// Largest number of steps if the contact state cannot be factored.
 const MOST: usize = 500;
 
 impl Gradients {
@@ -73,7 +75,7 @@ impl Gradients {
         }
     }
 
-    /// Minimises along the last direction, then keeps to directions conjugate to it.
+    /// Minimises along the last direction, then uses only directions conjugate to it.
     pub(in crate::contact) fn deflate(&mut self, kkt: &mut Factored) {
         let Some(direction) = kkt.last.take().filter(|_| !self.differing.is_empty()) else { return };
         let mut force = kkt.difference(&self.differing, &direction.nodal);
@@ -88,8 +90,8 @@ impl Gradients {
         self.deflated = Some(Deflated { direction, force, curvature });
     }
 
-    /// Iterates to the direction for an imbalance, starting with the `answer` of a shared factor; `None` asks for that
-    /// answer. The contact state is factored if the iteration is slow.
+    /// Iterates to the direction for an imbalance. With a shared factor, `answer` is the product of its inverse with
+    /// `residual`; `None` asks for the next answer. The contact state is factored if the iteration is slow.
     pub(in crate::contact) fn go_on(
         &mut self,
         kkt: &mut Factored,
@@ -114,14 +116,14 @@ impl Gradients {
         }
     }
 
-    /// Whether more augmented points differ than there are steps; each takes about one. Springs of the first penalty
-    /// are soft beside the plate and take fewer.
+    /// Whether more stiff points differ than there are steps; each takes about one step. With the first penalty their
+    /// springs are soft relative to the plate and take fewer.
     fn is_far(&self, kkt: &Factored) -> bool {
         let augmented = self.differing.iter().filter(|(i, _)| kkt.series[*i] > 0.0).count();
         augmented > self.most && kkt.limit > kkt.augmentation.first_penalty
     }
 
-    /// Restarts with a factor of the contact state.
+    /// Factors the contact state and restarts.
     fn refactor(&mut self, kkt: &mut Factored, imbalance: &[f64]) -> Result<(), FactorError> {
         kkt.refactor(&self.pieces)?;
         let anew = Self::begin(kkt, &self.pieces, imbalance.to_vec(), 0.0, self.enough);
@@ -129,7 +131,7 @@ impl Gradients {
         Ok(())
     }
 
-    /// One step with the preconditioned residual; returns the direction if it was the last step.
+    /// Makes one step with the preconditioned residual `along`; returns the direction after the last step.
     fn follow(&mut self, kkt: &mut Factored, mut along: Direction) -> Option<Direction> {
         self.steps += 1;
         kkt.gradients += 1;
@@ -154,7 +156,7 @@ impl Gradients {
             curvature = kkt.curvature(&self.pieces, &ahead.nodal);
         }
         if !(curvature > tolerances::newton::FREE * stiff) {
-            // The line search ends at the next contact points: until then no other direction balances the load.
+            // No direction balances the load until the next points come into contact. The line search ends there.
             let mut free = std::mem::take(ahead);
             free.is_free = true;
             return Some(free);

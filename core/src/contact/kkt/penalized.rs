@@ -1,5 +1,6 @@
-//! Solution with the forces of points eliminated: springs in K, none much stiffer than the plate. The method of
-//! multipliers removes the effect on rigid points (Rockafellar 1976).
+//! Solution with springs, whose compliance includes the augmentation compliance σ, at the points: the penalised method,
+//! with the forces of points eliminated, and the saddle-point method, with these forces as unknowns. The method of
+//! multipliers removes the effect of σ on rigid points (Rockafellar 1976).
 
 use super::coarse::CoarseSolver;
 use super::factored::{Direction, Factored};
@@ -54,7 +55,7 @@ impl Kkt for Factored<'_> {
     }
 
     fn is_settled(&self, right: &Residual, force: f64) -> bool {
-        // The law of a support is exact; the augmentation compliance is not.
+        // Only the points with σ > 0 count: the stiffness of the other points is exact.
         let softened = (0..self.pieces.len()).filter(|&i| self.series[i] > 0.0);
         let mut pushes = softened.map(|i| self.slope(i, self.pieces[i]) * right.violation[i].abs());
         pushes.all(|push| push <= tolerances::newton::SETTLED * force)

@@ -4,13 +4,13 @@ use crate::contact::points::Points;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
-/// The plate on a fixed contact state at two loads of the path; linear in t.
+/// The plate on a fixed contact state at the loads of two t, `at`; its solution is linear in t.
 pub(super) struct Line<'a> {
     pub points: &'a Points,
     pub at: [f64; 2],
     pub ends: [ContactSolution; 2],
     pub scales: Scales,
-    /// Reference deflection.
+    /// Reference deflection: the largest one at both ends.
     pub deflection: f64,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct Scales {
 }
 
 impl Scales {
-    /// The reference of the distance of a point from an end of its piece.
+    /// Reference size for the distance of point i from an end of its piece.
     pub fn of(&self, points: &Points, i: usize, piece: u8) -> f64 {
         if points.piece(i, piece).holds() { self.force[i] } else { self.travel[i] }
     }
@@ -67,7 +67,7 @@ impl Line<'_> {
         breakpoints(self.points, self.pieces())
     }
 
-    /// Scaled distance of a point from an end of its piece, at an end of the line.
+    /// Scaled distance of a point from an end of its piece, at end 0 or 1 of the line.
     pub fn value(&self, end: usize, Breakpoint { point: i, is_upper }: Breakpoint) -> f64 {
         let state = self.ends[end].state(i);
         let inside = self.points.signed_distance(i, state, is_upper).expect("an end");
@@ -75,7 +75,7 @@ impl Line<'_> {
         if size > 0.0 { inside / size } else { 0.0 }
     }
 
-    /// Decrease of that distance over the line; 0 if it is rounding.
+    /// Decrease over the line of the scaled distance of a point from an end of its piece; 0 if it is rounding.
     pub fn fall(&self, breakpoint: Breakpoint) -> f64 {
         let fall = self.value(0, breakpoint) - self.value(1, breakpoint);
         if fall.abs() > tolerances::path::STILL { fall } else { 0.0 }
@@ -106,7 +106,7 @@ impl Line<'_> {
         solution
     }
 
-    /// The ends of pieces at which points leave for a next contact state.
+    /// The ends of pieces that points pass when the contact state changes to `next`.
     pub fn crossed(&self, next: &[u8]) -> Vec<Breakpoint> {
         let leaves = |breakpoint: &Breakpoint| {
             let (from, to) = (self.pieces()[breakpoint.point], next[breakpoint.point]);
@@ -115,7 +115,8 @@ impl Line<'_> {
         self.breakpoints().into_iter().filter(leaves).collect()
     }
 
-    /// The t at which points reach these ends; `None` if it is not near the t from pivoting.
+    /// The t at which points reach the ends `crossed`; `None` if it differs from `seen`, the t from pivoting, by
+    /// `within` or more.
     pub fn root(&self, crossed: &[Breakpoint], seen: f64, within: f64) -> Option<f64> {
         let span = self.at[1] - self.at[0];
         let falling = crossed.iter().copied().filter(|&breakpoint| self.fall(breakpoint) > 0.0);

@@ -4,7 +4,8 @@ use crate::contact::error::{SolveError, require_length};
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::ContactSolution;
 
-/// The load f₀ + t f₁ (3n,), prescribed values (3n,), and the largest t, which may be infinite.
+/// The load f₀ + t f₁ with f₀ = `start` and f₁ = `add` (3n,), prescribed values (3n,), and the largest t, `end`, which
+/// may be infinite.
 #[derive(Clone, Copy, Debug)]
 pub struct PathLoad<'a> {
     pub start: &'a [f64],
@@ -13,22 +14,22 @@ pub struct PathLoad<'a> {
     pub end: f64,
 }
 
-/// A stop: the start of the path, an event, or its end; a jump has one stop before and one after it.
+/// A stop on the path: its start, an event, or its end. A jump has one stop before and one stop after it.
 #[derive(Clone, Copy)]
 pub struct Stop<'a> {
     pub t: f64,
-    /// Points that change their piece here; empty at the start and at the end.
+    /// Points that change their piece at this stop; empty at the start and at the end.
     pub switched: &'a [usize],
-    /// The solution here; `piece` is the contact state from here on.
+    /// The solution at this stop; its `piece` is the contact state after the stop.
     pub solution: &'a ContactSolution,
 }
 
 /// How a path ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathEnd {
-    /// At the requested t.
+    /// The path reached the requested t.
     Reached,
-    /// Without further events for t → ∞; the last stop is another point of the last segment.
+    /// There is no further event for t → ∞; the last stop is another state on the last segment.
     Unbounded,
     /// No reactions balance the load beyond the last stop.
     NoEquilibrium,

@@ -1,12 +1,12 @@
-//! The path of a plate under the load f₀ + t f₁ for growing t ≥ 0: piecewise linear, with an event wherever points
-//! change their piece.
+//! The path of a plate under the load f₀ + t f₁ for growing t ≥ 0. It is piecewise linear, with an event wherever
+//! points change their piece.
 //!
-//! Condensed points: parametric pivoting of their LCP. Newton method: from event to event, since everything is linear
-//! in t on one contact state, and the next event is the first zero of a reaction or gap. Each segment is interpolated
-//! between two refined solutions.
+//! Condensed points: parametric pivoting of their LCP. Newton method: from event to event. On one contact state
+//! everything is linear in t, and the next event is the first t at which a point reaches an end of its piece. Each
+//! segment is interpolated between two refined solutions.
 //!
-//! Where a plate loses a support and comes to rest on other points, it moves at constant load: the path has a segment
-//! at one t. All states between its ends solve the problem too, since the solution set is convex.
+//! When a plate loses a support and moves to other points, it moves at constant load: the path has a segment at one t,
+//! a jump. All states between the ends of the jump solve the problem too, since the solution set is convex.
 
 mod line;
 mod load;

@@ -1,17 +1,17 @@
-//! The stops of a path, as reported.
+//! Reports the stops of a path.
 
 use super::line::{Line, Scales};
 use super::load::{PathEnd, Stop};
 use crate::contact::solution::{ContactSolution, differing};
 use crate::contact::tolerances;
 
-/// The end of the last line, and its reference sizes.
+/// The solution at the end of the last line, and reference sizes of that line.
 struct Arrival {
     solution: ContactSolution,
     scales: Scales,
 }
 
-/// Reports every stop to the callback.
+/// Reports every stop to the callback `visit`.
 pub(super) struct PathRecorder<'a> {
     visit: &'a mut dyn FnMut(Stop) -> bool,
     arrived: Arrival,
@@ -31,12 +31,13 @@ impl<'a> PathRecorder<'a> {
         &self.arrived.solution
     }
 
-    /// Stores the end of a line.
+    /// Stores the solution at t, the end of a line.
     pub fn arrive(&mut self, line: &Line<'_>, t: f64) {
         self.arrived = Arrival { solution: line.at(t), scales: line.scales.clone() };
     }
 
-    /// Reports the start of a line: the start of the path, an event, or both ends of a jump; false if cancelled.
+    /// Reports the stop at the start of a line: the start of the path, an event, or both ends of a jump. Returns false
+    /// if cancelled.
     pub fn emit(&mut self, t: f64, line: &Line<'_>) -> bool {
         let here = &self.arrived.solution;
         let begin = line.at(t);
@@ -57,7 +58,7 @@ impl<'a> PathRecorder<'a> {
             && (self.visit)(Stop { t, switched: &differing(&between, &begin.piece), solution: &begin })
     }
 
-    /// Reports the last stop: a solution on the last line, or the stored one.
+    /// Reports the last stop: `solution` if given, otherwise the stored one.
     pub fn end(&mut self, t: f64, solution: Option<&ContactSolution>, end: PathEnd) -> PathEnd {
         let solution = solution.unwrap_or(&self.arrived.solution);
         if (self.visit)(Stop { t, switched: &[], solution }) { end } else { PathEnd::Interrupted }
@@ -65,9 +66,7 @@ impl<'a> PathRecorder<'a> {
 }
 
 impl Arrival {
-    /// The contact state between the stored solution and the start of a line; `None` if both coincide.
-    ///
-    /// Points that stay apart or without force keep their piece.
+    /// The contact state during a jump from the stored solution to the start of a line; `None` if both coincide.
     fn jump_to(&self, begin: &ContactSolution, line: &Line<'_>) -> Option<Vec<u8>> {
         let largest = |a: f64, b: f64, size: f64| if size > 0.0 { a.abs().max(b.abs()) / size } else { 0.0 };
         let here = &self.solution;
@@ -77,7 +76,7 @@ impl Arrival {
         let jumps = |&i: &usize| presses(i).max(parts(i)) > tolerances::path::JUMP;
         differing(&here.piece, &begin.piece).iter().any(jumps).then(|| {
             let stays = |i: usize| here.piece[i] == begin.piece[i];
-            // Between both states a point is on the piece that contains both.
+            // During the jump a point is on the piece that contains both states.
             let is_on = |i: usize| {
                 let piece = line.points.piece(i, here.piece[i]);
                 if piece.holds() {

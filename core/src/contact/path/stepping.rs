@@ -1,4 +1,4 @@
-//! Path tracing from event to event on the sparse K.
+//! Path tracing from event to event, with a solver of fixed contact states.
 
 use super::line::{Breakpoint, Line};
 use super::load::{MOST_EVENTS, PathEnd};
@@ -8,24 +8,24 @@ use crate::contact::error::SolveError;
 use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 
-/// Largest number of switches of points that move in the wrong direction after an event.
+/// Largest number of exchanges of pieces after an event; each exchanges the points that leave their pieces.
 const ROUNDS: usize = 20;
 
-/// Largest number of extensions of a line without events.
+/// Largest number of times that a line without events is lengthened.
 const LENGTHENED: usize = 2;
 
 impl<'a> PathTracer<'a> {
-    /// Traces the path from `t`.
+    /// Traces the path from t on.
     pub(super) fn step_along(&mut self, mut t: f64, recorder: &mut PathRecorder) -> Result<PathEnd, SolveError> {
         let load = self.load;
         let mut pieces = recorder.here().piece.clone();
-        // Contact states without progress since the last event.
+        // Contact states of the lines since t last advanced.
         let mut spent: Vec<Vec<u8>> = Vec::new();
         for _ in 0..=MOST_EVENTS {
             let Some(mut line) = self.leaving(t, &pieces, recorder.here())? else {
                 return Ok(recorder.end(t, None, PathEnd::Unsolved));
             };
-            // A repeated contact state would cycle: rounding decides which points close.
+            // A repeated contact state is a cycle: rounding alone decides which points close.
             if spent.contains(&line.ends[0].piece) {
                 return Ok(recorder.end(t, None, PathEnd::Unsolved));
             }
@@ -67,10 +67,10 @@ impl<'a> PathTracer<'a> {
         Ok(PathEnd::TooMany)
     }
 
-    /// Extends a line without events until the added load moves the plate by a considerable part of the largest gap;
-    /// `None` if no event appears.
+    /// Lengthens a line without events until the added load moves the plate by a considerable part of the largest gap.
+    /// Returns the line on which an event appears, otherwise `None`.
     ///
-    /// With little load, or far from a support, the first step may be too short to detect that a gap closes.
+    /// Under little load, or far from a support, the first step may be too short to detect that a gap closes.
     fn until_it_counts(&mut self, line: &Line<'a>) -> Result<Option<Line<'a>>, SolveError> {
         let [t, mut far] = line.at;
         let gap = line.scales.travel.iter().fold(0.0, |most, &length| f64::max(most, length));
@@ -89,7 +89,8 @@ impl<'a> PathTracer<'a> {
         Ok(None)
     }
 
-    /// The line that starts at t; `pieces` is the first candidate of its contact state.
+    /// The line that starts at t; `pieces` is the first trial of its contact state. `None` if no contact state is
+    /// found.
     fn leaving(&mut self, t: f64, pieces: &[u8], here: &ContactSolution) -> Result<Option<Line<'a>>, SolveError> {
         let span = self.span(t);
         let mut set = pieces.to_vec();
@@ -121,7 +122,8 @@ impl<'a> PathTracer<'a> {
         Ok(None)
     }
 
-    /// The ends of pieces that points pass at the start of the line; `None` if some point is out of bounds there.
+    /// The ends of pieces that points pass directly after the start of the line; `None` if some point is out of bounds
+    /// there.
     fn wrong(&self, line: &Line<'_>) -> Option<Vec<Breakpoint>> {
         let mut wrong = Vec::new();
         for breakpoint in line.breakpoints() {
@@ -136,7 +138,7 @@ impl<'a> PathTracer<'a> {
         Some(wrong)
     }
 
-    /// The next t at which points reach ends of their pieces (infinite if none does), and these ends.
+    /// The next t at which points reach ends of their pieces (infinite without an event), and these ends.
     fn next_event(&self, line: &Line<'_>, from: f64) -> (f64, Vec<Breakpoint>) {
         let span = line.at[1] - line.at[0];
         let roots: Vec<(f64, Breakpoint)> = line

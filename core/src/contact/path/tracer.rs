@@ -1,4 +1,4 @@
-//! The path tracer: solves from line to line, with a callback.
+//! The path tracer: it solves on one line after another and calls the callbacks.
 
 use super::line::{Line, Scales, travel};
 use super::load::{PathEnd, PathLoad, Stop};
@@ -19,22 +19,22 @@ use crate::contact::tolerances;
 pub(super) struct PathTracer<'a> {
     pub problem: &'a ContactProblem,
     pub load: &'a PathLoad<'a>,
-    /// Solver of fixed contact states; keeps its last factor.
+    /// Solver of fixed contact states; it keeps its last factor.
     kkt: Box<dyn Kkt + 'a>,
     watch: &'a mut Watch<'a>,
-    /// Whether the callback cancelled.
+    /// Whether the callback cancelled the path.
     pub interrupted: bool,
     lines: usize,
 }
 
 impl<'a> PathTracer<'a> {
-    /// Calls the callback; false if cancelled.
+    /// Calls the callback; returns false if cancelled.
     pub fn goes_on(&mut self, now: Progress) -> bool {
         self.interrupted = self.interrupted || !(self.watch)(now);
         !self.interrupted
     }
 
-    /// The solution at one t, from a nearby one if given; `None` where there is none.
+    /// The solution at t, starting from a solution `near` it if given; `None` if there is no solution.
     pub fn solution(&mut self, t: f64, near: Option<&ContactSolution>) -> Result<Option<ContactSolution>, SolveError> {
         some(self.solved(t, near))
     }
@@ -45,7 +45,8 @@ impl<'a> PathTracer<'a> {
         problem.solve(&load, &Settings::default(), near, &mut |now| self.goes_on(now))
     }
 
-    /// The solution u₀ + t u₁ on a contact state; `None` if the state leaves the plate a free motion.
+    /// The line through the solutions on the contact state `pieces` at two t; `None` if the state leaves a rigid motion
+    /// free.
     pub fn line(
         &mut self,
         pieces: &[u8],
@@ -58,11 +59,11 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// The line on the contact state of a solution at the first of two t.
+    /// The line from the solution `from` at the first of two t, on its contact state.
     pub fn line_from(&mut self, from: ContactSolution, at: [f64; 2]) -> Result<Option<Line<'a>>, SolveError> {
         let Some(to) = self.solution_on(&from.piece, at, 1, Some(&from))? else { return Ok(None) };
         let loads = at.map(|t| self.load.at(t));
-        // Bounds from below, for a load that hardly acts on the points and for a plate that cannot deflect.
+        // Lower bounds, for a load that hardly acts on the points and for a plate that cannot deflect.
         let counts = |force: f64| match force {
             0.0 => self.problem.scale.largest(&loads[1]),
             force => force.max(tolerances::path::UNSEEN * self.size(at[0])),
@@ -78,7 +79,7 @@ impl<'a> PathTracer<'a> {
         Ok(Some(Line { points: &self.problem.points, at, ends, scales, deflection }))
     }
 
-    /// The solution with other pieces, if the changed points are at the common ends of their pieces.
+    /// The same solution with other `pieces`; `None` unless the changed points are at the common end of both pieces.
     pub fn standing_on(&self, solution: &ContactSolution, pieces: &[u8]) -> Option<ContactSolution> {
         let points = &self.problem.points;
         let scales = self.scales(largest(&solution.reaction), lengths(self.problem, solution));
@@ -101,13 +102,13 @@ impl<'a> PathTracer<'a> {
         Some(same)
     }
 
-    /// Sum of the magnitudes of both parts of the load.
+    /// Largest force of f₀ plus span(t) times the largest force of f₁.
     fn size(&self, t: f64) -> f64 {
         let [start, add] = self.parts();
         start + self.span(t) * add
     }
 
-    /// A step of t that changes the load by about its size; 1 without load.
+    /// A step of t that changes the load by about its size; 1 if the load is zero.
     pub fn span(&self, t: f64) -> f64 {
         let [start, add] = self.parts();
         let there = start / add;
@@ -120,13 +121,13 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// For a path from no load: unit of t in which the plate moves by about its least gap, as a power of two; 1 if that
-    /// is not far below 1.
+    /// Unit of t for a path that starts without load, as a power of two: the plate moves by about its least gap. It is
+    /// 1 if this t is not far below 1.
     fn unit(&mut self, rest: &ContactSolution) -> Result<f64, SolveError> {
         if self.parts()[0] != 0.0 {
             return Ok(1.0);
         }
-        // On settled bases, points in contact have gaps of rounding.
+        // Points in contact have gaps of rounding when bases of springs or held dofs have moved.
         let at_rest = self.problem.at_rest(self.load.held_value);
         let least = tolerances::path::SIGN * travel(&at_rest, rest);
         let gap = rest.gap.iter().copied().filter(|&gap| gap > least).fold(f64::INFINITY, f64::min);
@@ -136,7 +137,7 @@ impl<'a> PathTracer<'a> {
         let far = f64::min(1.0, 0.5 * self.load.end);
         let moved = match self.line(&rest.piece, [0.0, far], Some(rest))? {
             Some(line) => line.travel(0.0, far),
-            // The first motion of a plate without hold does not scale with its load; its bending does.
+            // Where a plate has a free motion, the first motion does not scale with the load, but its bending does.
             None => {
                 let Some(half) = self.solution(0.5 * far, Some(rest))? else { return Ok(1.0) };
                 let whole = self.solution(far, Some(&half))?;
@@ -152,8 +153,8 @@ impl<'a> PathTracer<'a> {
         [self.load.start, self.load.add].map(|load| self.problem.scale.largest(load))
     }
 
-    /// Reference sizes of the points: the reference force is the largest reaction, or for a soft spring its reference travel over its
-    /// compliance. Travel and reaction then have equal weight at a change of piece.
+    /// Reference sizes of the points. The reference force is `force`, or for a soft spring its reference travel divided
+    /// by its compliance. Travel and reaction then have equal weight at a change of piece.
     fn scales(&self, force: f64, travel: Vec<f64>) -> Scales {
         let of = |(i, length): (usize, &f64)| match self.problem.points.steepest(i).compliance() {
             compliance if *length > 0.0 => force.min(length / compliance),
@@ -162,7 +163,7 @@ impl<'a> PathTracer<'a> {
         Scales { force: travel.iter().enumerate().map(of).collect(), travel }
     }
 
-    /// The solution on a contact state at one end of a line.
+    /// The solution on a contact state at end 0 or 1 of a line.
     fn solution_on(
         &mut self,
         pieces: &[u8],
@@ -182,7 +183,7 @@ impl<'a> PathTracer<'a> {
         some(solve_on(problem, &mut **kkt, &load, pieces, start, least))
     }
 
-    /// Ends the path on its last line: at the requested t, or at `far`.
+    /// Ends the path on its last line: at the requested t if it is finite, otherwise at `far`.
     pub fn end_on(&self, line: &Line<'_>, far: f64, recorder: &mut PathRecorder) -> PathEnd {
         let (last, end) = match self.load.end.is_finite() {
             true => (self.load.end, PathEnd::Reached),
@@ -193,8 +194,8 @@ impl<'a> PathTracer<'a> {
 }
 
 impl ContactProblem {
-    /// Traces the path and calls `visit` at every stop; false ends the path. `watch` is called at every step of a solve
-    /// and may cancel.
+    /// Traces the path and calls `visit` at every stop; the path ends if it returns false. `watch` is called at every
+    /// step of a solve and may cancel.
     ///
     /// The first stop is the solution at t = 0; without one, `visit` is not called.
     pub fn path(
@@ -225,7 +226,7 @@ impl ContactProblem {
     }
 }
 
-/// The solution, if there is one and the solve was not cancelled.
+/// The solution; `None` if the solve found no solution or was cancelled.
 fn some(solved: Result<ContactSolution, SolveError>) -> Result<Option<ContactSolution>, SolveError> {
     match solved {
         Ok(solution) => Ok(Some(solution)),

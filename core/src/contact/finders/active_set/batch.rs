@@ -1,4 +1,4 @@
-//! Many loads at once: their solves with one shared factor are batched, so that it is read once for all.
+//! Many loads at once: solves with a shared factor are batched, so that the factor is read once for all of them.
 //!
 //! Each load iterates independently and in parallel, so that order and number of threads change no bit.
 
@@ -12,17 +12,17 @@ use crate::contact::problem::ContactProblem;
 use crate::contact::solution::ContactSolution;
 use rayon::prelude::*;
 
-/// Loads of one batch.
+/// Number of loads in one batch.
 const AT_ONCE: usize = LANES;
 
-/// A load of the batch: its number, its iteration, and the answer of the shared factor.
+/// A load of the batch: its index, its iteration, and the solution by the shared factor.
 struct UnderWay<'a> {
     number: usize,
     newton: Newton<'a>,
     answer: Option<Vec<f64>>,
 }
 
-/// Solves many loads (3n,), from the solution of another load if given. `watch` is called at intervals and cancels by
+/// Solves many loads (3n,), from the solution of another load if given. `watch` is called repeatedly and cancels by
 /// returning false.
 pub(in crate::contact) fn solve_together(
     problem: &ContactProblem,
@@ -57,8 +57,8 @@ pub(in crate::contact) fn solve_together(
         if !watch() {
             return Err(SolveError::Cancelled);
         }
-        // Each load iterates until it needs the shared factor, or ends. A load with a factor of its own iterates to the
-        // end.
+        // Each load iterates until it needs the shared factor, or ends. A load whose contact state was factored
+        // iterates to the end.
         let went = under_way.into_par_iter().map(|mut load| {
             let mut next = load.newton.go_on(load.answer.take(), &mut |_| true);
             while let Ok(Next::Settled) = next {

@@ -1,11 +1,11 @@
-//! Coarse-space correction: rigid motions of least energy of plates on soft supports, for the present bending.
+//! Coarse-space correction: plates on soft supports get the rigid motion of least energy, with their present bending.
 
 use super::iterate::NewtonIterate;
 use crate::contact::kkt::CoarseLoad;
 use crate::contact::rigid::eliminated;
 use crate::contact::tolerances;
 
-/// Largest number of steps.
+/// Largest number of Newton steps over rigid motions.
 const STEPS: usize = 100;
 
 impl NewtonIterate<'_> {
@@ -14,7 +14,7 @@ impl NewtonIterate<'_> {
         self.problem.points.force_at(i, self.kkt.series[i], self.augmented_travel[i]).1
     }
 
-    /// Where the supports are soft, minimises the energy over rigid motions; returns whether they are soft.
+    /// Minimises the energy over rigid motions if the supports are soft; returns whether they are soft.
     pub(super) fn coarse_correction(&mut self) -> bool {
         let Some(coarse_load) = self.coarse_load.take() else { return false };
         let softest = coarse_load.rigid_space.softest(|i| self.resistance(i), &self.problem.springs.stiffness);
@@ -54,7 +54,7 @@ impl NewtonIterate<'_> {
                 found = eliminated(matrix, resultant.clone());
             }
             let step = found.unknown;
-            // Plates that move together have no relative motion: the remainder of the sum is rounding.
+            // Where plates move together, their relative motion is zero, and the sum is rounding.
             let along = |arm: &[f64]| {
                 let terms = arm.iter().zip(&step).map(|(arm, step)| arm * step);
                 let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term: f64| (sum + term, size + term.abs()));

@@ -1,5 +1,5 @@
 //! Exact solutions on one contact state after another. All points beyond the bounds of their pieces are exchanged at
-//! once, while their number falls (Júdice & Pires 1994).
+//! once, as long as their number falls (Júdice & Pires 1994).
 
 use crate::contact::error::SolveError;
 use crate::contact::finders::feasibility::beyond_rounding;
@@ -11,8 +11,8 @@ use crate::contact::residual::least_length;
 use crate::contact::solution::{ContactSolution, Progress, Watch};
 use crate::contact::tolerances;
 
-/// Solves on the contact state of `start`, then on those that follow; `None` if the number of points beyond their
-/// pieces stops falling above zero.
+/// Solves on the contact state of `start`, then on the states that follow by exchange. `None` if the number of points
+/// beyond their pieces stops falling before it is zero.
 pub(super) fn exact_sets(
     problem: &ContactProblem,
     kkt: &mut Factored<'_>,

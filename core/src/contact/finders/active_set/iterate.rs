@@ -7,7 +7,7 @@ use crate::contact::solution::ContactSolution;
 use crate::contact::tolerances;
 use rayon::prelude::*;
 
-/// Points of one parallel chunk.
+/// Number of points in one parallel chunk.
 const PARALLEL: usize = 4096;
 
 /// Newton iterate.
@@ -17,14 +17,14 @@ pub(super) struct NewtonIterate<'a> {
     pub(super) kkt: Factored<'a>,
     pub(super) solution: ContactSolution,
     pub(super) multiplier: Vec<f64>,
-    /// Augmented travel s + σλ of each point.
+    /// Augmented travel s + σλ (m,) of each point.
     pub(super) augmented_travel: Vec<f64>,
     pub(super) residual: Residual,
-    /// Load on rigid motions, where springs and points alone hold the plate.
+    /// Resultants of the load; `None` if every plate has a held dof, or a point has a linear law.
     pub(super) coarse_load: Option<CoarseLoad<'a>>,
     /// Rounding of the internal forces; computed on demand after each evaluation of the residual.
     pub(super) rounding: Option<f64>,
-    /// Conjugate gradient steps of earlier solves with the same first factor.
+    /// Number of conjugate gradient steps of earlier solves with the same first factor.
     pub(super) spent: usize,
 }
 
@@ -53,12 +53,12 @@ impl NewtonIterate<'_> {
         (0..self.augmented_travel.len()).into_par_iter().with_min_len(PARALLEL).map(of).reduce(|| 0.0, f64::max)
     }
 
-    /// Moves along a direction to the least energy and updates the residual without evaluating it anew.
+    /// Moves along a direction to the least energy, and updates the residual by increments.
     pub(super) fn advance(&mut self, direction: &Direction, pieces: &[u8]) {
         let points = &self.problem.points;
         let mut change = points.change(&direction.nodal);
         if direction.is_free {
-            // Plates that move together have relative motions of rounding, which would end the step early.
+            // Where plates move together, their relative motions are rounding, which would end the step early.
             let size = |i: usize| points.row(i).map(|(dof, c)| (c * direction.nodal[dof]).abs()).sum::<f64>();
             let is_rounding = |i: &usize| change[*i].abs() <= tolerances::newton::FREE * size(*i);
             let none: Vec<usize> = (0..change.len()).filter(is_rounding).collect();
@@ -75,7 +75,7 @@ impl NewtonIterate<'_> {
             let (moved, old) = (length * change[i], *augmented_travel);
             *augmented_travel = old + moved;
             let series = self.kkt.series[i];
-            // A point that keeps its factored stiffness stays in balance to the last bit.
+            // If a point keeps its factored stiffness, its change of force leaves no rounding in the residual.
             let (piece, next) = (points.piece_at(i, series, old), points.piece_at(i, series, *augmented_travel));
             let increment = match piece == next {
                 true => points.piece(i, piece).in_series(series) * moved,
@@ -116,7 +116,7 @@ impl NewtonIterate<'_> {
         self.solution = solution;
     }
 
-    /// The solution with reactions, contact state and gaps.
+    /// The solution with reactions, pieces and gaps of the points.
     pub(super) fn ended(self) -> ContactSolution {
         let pieces = self.pieces();
         let (points, series) = (&self.problem.points, &self.kkt.series);
@@ -134,13 +134,13 @@ impl NewtonIterate<'_> {
         all
     }
 
-    /// Sets the penalty.
+    /// Sets the penalty and evaluates the residual anew.
     pub(super) fn set_penalty(&mut self, limit: f64) {
         self.kkt.set_penalty(limit);
         self.balance();
     }
 
-    /// Updates the multipliers to the present forces.
+    /// Sets the multipliers to the present forces.
     pub(super) fn renew_multipliers(&mut self) {
         let points = &self.problem.points;
         for i in 0..points.len() {

@@ -2,9 +2,9 @@
 //! Kunisch 2002), inside the method of multipliers (Rockafellar 1976) for rigid or nearly rigid supports.
 //!
 //! It cannot cycle: for given multipliers the energy is convex and continuously differentiable, each Newton direction
-//! is followed by a line search, and the multiplier updates are a proximal point iteration on the dual. Rigid points
-//! start with springs that bend the plate over many elements; the penalty grows from stage to stage. One factor
-//! preconditions every direction; a new one is made where the contact state has changed much.
+//! is followed by a line search, and the multiplier updates are a proximal point iteration on the dual. With the first
+//! penalty the plate bends over many elements; the penalty grows from stage to stage. One factor preconditions every
+//! direction; a new factor is made where the contact state has changed much.
 
 mod batch;
 mod coarse_correction;
@@ -66,7 +66,7 @@ pub(in crate::contact) fn by_active_set(
     Ok(ContactSolution { displacement, reaction, gap, corrections, ..solution })
 }
 
-/// Solves one load and factors its contact state, for warm starts; `None` where that state does not hold the plate.
+/// Solves one load and factors its contact state, for warm starts; `None` if that state leaves a rigid motion free.
 pub(in crate::contact) fn solved_and_factored(
     problem: &ContactProblem,
     augmentation: &Augmentation,

@@ -1,5 +1,5 @@
-//! The Newton iteration until the contact state settles. A step waits for the solve of its direction, so that many
-//! loads can batch their solves.
+//! The Newton iteration until the contact state settles. A step stops while it waits for the solve of its direction, so
+//! that solves of many loads can be batched.
 
 use super::iterate::NewtonIterate;
 use crate::cholesky::FactorError;
@@ -11,20 +11,20 @@ use crate::contact::tolerances;
 
 /// Largest number of Newton steps; overlapping circles on a rigid bed, one of 150,000 random plates, needed 732.
 const NEWTON: usize = 2000;
-/// Steps with a changing contact state after which directions are computed accurately.
+/// Number of steps with a changing contact state after which directions are computed accurately.
 const UNSETTLED: usize = 8;
-/// Number of successive steps with little reduction of the residual at which the iteration ends: the residual is
+/// Number of successive steps with little reduction of the residual after which the iteration ends: the residual is
 /// then rounding.
 const STALLS: usize = 3;
-/// Steps on an unchanged contact state without a new least residual that end the iteration.
+/// Number of steps on an unchanged contact state without a new least residual after which the iteration ends.
 const LASTING: usize = 12;
 
 /// How the iteration ended.
 pub(super) type End = Result<(), SolveError>;
 
-/// Request of the iteration.
+/// The next request of the iteration to its caller.
 pub(super) enum Next {
-    /// Asks for the displacements under nodal forces by the shared factor.
+    /// Needs the displacements under these nodal forces (3n,) by the shared factor.
     Solve(Vec<f64>),
     /// The contact state settled at the largest penalty: an exact solution may be sought.
     Settled,
@@ -34,10 +34,10 @@ pub(super) enum Next {
 /// The Newton method on one load.
 pub(super) struct Newton<'a> {
     pub(super) iterate: NewtonIterate<'a>,
-    /// Whether it started from another solution.
+    /// Whether the iteration started from another solution.
     started: bool,
     step: usize,
-    /// The contact state of the present step and of the one before.
+    /// Contact states (m,) of the present step and of the previous one.
     pieces: Vec<u8>,
     last: Vec<u8>,
     /// The conjugate gradient iteration for the present direction.
@@ -45,17 +45,17 @@ pub(super) struct Newton<'a> {
     /// Number of successive steps with little reduction of the residual.
     stalled: usize,
     since_settled: usize,
-    /// Whether the iteration restarted with the first penalty, since its start was too far away.
+    /// Whether the iteration restarted with the first penalty, since the start was too far from the solution.
     far: bool,
     before: f64,
-    /// Steps on an unchanged contact state since the least residual, and that residual.
+    /// Number of steps on an unchanged contact state since the least residual, and that residual.
     lasting: usize,
     lowest: f64,
-    /// Without load, a lower bound of the reference force.
+    /// Lower bound of the reference force if there is no load.
     least: f64,
     /// The last contact state that was offered for an exact solution.
     offered: Vec<u8>,
-    /// Whether it ended by stalling, so that its contact state may have a better solution.
+    /// Whether the iteration ended by stagnation, so that its contact state may have a better solution.
     pub(super) fell_short: bool,
 }
 
@@ -65,8 +65,8 @@ impl<'a> Newton<'a> {
         let pieces = if started { iterate.pieces() } else { iterate.problem.steepest_pieces() };
         let least = if iterate.load.iter().all(|&f| f == 0.0) {
             let problem = iterate.problem;
-            // The force that bends the plate by its distance from the points, the force that strains it, and the
-            // rounding of prescribed motions.
+            // The largest of: the force that bends the plate by its distance from the points, the force that strains
+            // it, and the rounding of prescribed motions.
             let off = problem.points.travel_from(&problem.points.shift, &iterate.solution.displacement);
             let off = off.iter().zip(iterate.pieces()).enumerate();
             let held = off.filter(|(i, (_, piece))| problem.points.piece(*i, *piece).holds());
@@ -96,7 +96,8 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Iterates with the answer of the shared factor, if one was asked for; without a shared factor, to the end.
+    /// Iterates until the shared factor is needed. `answer` is its solution if the last call returned [`Next::Solve`].
+    /// Without a shared factor, iterates to the end.
     pub(super) fn go_on(&mut self, mut answer: Option<Vec<f64>>, watch: &mut Watch<'_>) -> Result<Next, FactorError> {
         loop {
             let direction = match self.gradients.take() {
@@ -121,7 +122,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// The present displacements and reactions, on the contact state that was offered.
+    /// The present displacements and reactions on the contact state that is offered for an exact solution.
     pub(super) fn offer(&self) -> ContactSolution {
         let mut solution = ContactSolution { piece: self.offered.clone(), ..self.iterate.solution.clone() };
         solution.reaction = (0..self.offered.len()).map(|i| self.iterate.force(i)).collect();
@@ -145,7 +146,7 @@ impl<'a> Newton<'a> {
         end.and_then(|()| self.iterate.ended().require_finite())
     }
 
-    /// Starts a step and its direction, unless the residual is zero; returns the end if the iteration ends.
+    /// Starts a step and its direction, unless the residual is rounding. Returns `Some` if the iteration ends.
     fn begin_step(&mut self) -> Option<End> {
         self.step += 1;
         if self.step > NEWTON {
@@ -187,7 +188,7 @@ impl<'a> Newton<'a> {
         largest_force(self.iterate.problem, self.iterate.load, &[]).max(self.iterate.largest_force())
     }
 
-    /// Moves along the direction and tests for convergence; returns how to go on, unless by the next step.
+    /// Moves along the direction and tests for convergence. Returns `None` if the next step follows.
     fn end_step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> Option<Next> {
         self.iterate.advance(direction, &self.pieces);
         self.last = std::mem::replace(&mut self.pieces, self.iterate.pieces());
@@ -234,7 +235,7 @@ impl<'a> Newton<'a> {
         })
     }
 
-    /// The end at the largest penalty, if the iteration ends.
+    /// Tests for the end at the largest penalty; `None` if the iteration continues.
     fn settled(&mut self, worst: f64, force: f64, unchanged: bool) -> Option<End> {
         if worst <= tolerances::newton::SETTLED * force || worst <= self.iterate.rounding() {
             return Some(Ok(()));

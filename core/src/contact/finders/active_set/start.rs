@@ -13,7 +13,7 @@ use crate::contact::system::System;
 use crate::contact::tolerances;
 use std::sync::Arc;
 
-/// Makes the Newton method, on a factor that several loads may share.
+/// Makes the Newton iteration of a load. If `shares`, several loads use the same factor.
 pub(super) fn new_newton<'a>(
     problem: &'a ContactProblem,
     augmentation: &'a Augmentation,
@@ -32,7 +32,7 @@ pub(super) fn new_newton<'a>(
         solution.displacement.clone_from(&start.displacement);
         multiplier.copy_from_slice(&start.reaction);
         spent = start.spent;
-        // A factor that has the springs of these pieces is not made twice.
+        // A factor that already has the springs of these pieces is not made again.
         if !shares && spent >= BEFORE_A_FACTOR && !kkt.differing(&start.piece).is_empty() {
             kkt.refactor(&start.piece)?;
         }
