@@ -189,7 +189,7 @@ class Discretisation(Remade):
 
     @cached_property
     def off_areas(self) -> tuple[Bools, Bools]:
-        """Whether ``points`` (m + r,) and springs (s,) act at points or along lines, not on areas or footprints."""
+        """Masks of ``points`` (m + r,) and springs (s,) that act at points or on lines, not on areas or footprints."""
         off = np.array([support.on_nodes for support in self.model.support], np.bool_)
         return off[self.points.support], off[self.springs.support]
 

@@ -77,9 +77,9 @@ class Law:
 
     @cached_property
     def anchors(self) -> Floats:
-        """Travel and force (p, 2) of a reference point on each piece: its zero of force if it has one, else `corners`.
+        """Travel and force (p, 2) of a reference point on each piece: where the force is 0, else the first vertex.
 
-        Forces near zero keep their digits even if the vertex is distant.
+        The vertex is that of `corners`. Forces near zero keep their digits even if the vertex is distant.
 
         Examples
         --------
