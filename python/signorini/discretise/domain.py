@@ -44,7 +44,7 @@ SOFTEST = 1e-14
 
 The force of a softer support is below the rounding of the rigid supports' reactions."""
 RIGID = 1e12
-"""Relative stiffness KL⁴/(AD), with the total stiffness K, above which an elastic support counts as rigid."""
+"""Smallest relative stiffness KL⁴/(AD), with the total stiffness K, of an elastic support that counts as rigid."""
 _ROUNDING = 1e-9
 """Relative tolerance of all limits: coordinates and formulas are rounded."""
 _ALONG = 0.02

@@ -26,7 +26,7 @@ _NAMED = {"pi": math.pi, "e": math.e}
 
 
 _MAX_LINES = 200
-"""Steps of a floor or ceil that become lines: no mesh follows more."""
+"""Largest number of steps of a floor or ceil that become lines; no mesh follows more."""
 Box = tuple[float, float, float, float]
 
 
@@ -145,7 +145,8 @@ class Level:
     jumps: bool
     _tree: ast.expr = field(repr=False)
     _curves: tuple[Polynomial, ...] = field(repr=False)
-    """Polynomials with the zeros of the function, if there are any; for ``floor`` its argument."""
+    """Polynomials with the zeros of the function; for ``floor`` and ``ceil`` the argument. Empty if it is no
+    polynomial."""
     _whole: bool = field(repr=False)
 
     def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -176,7 +176,7 @@ def _scalar(
 
 
 def listed(length: int, form: str) -> Callable[[object], object]:
-    """Return a validator of a list of this length; messages describe the list by ``form``."""
+    """Return a validator of a list of ``length`` values; messages describe the list by ``form``."""
 
     def check(value: object) -> object:
         value = as_list(value)
@@ -311,7 +311,9 @@ Edges = Annotated[
 class OnPlate(Table):
     """Base class of tables that belong to one plate."""
 
-    plate: Text | None = Field(default=None, description="With several plates: the name of its plate in [plates].")
+    plate: Text | None = Field(
+        default=None, description="With several plates: name of the plate in [plates] to which this table belongs."
+    )
 
 
 class Named(Table):

@@ -19,14 +19,14 @@ from signorini.shapes.arrays import Bools, Floats
 _TOUCHING = 1e-12
 """Largest distance of sides that touch, relative to the size of the polygon."""
 _KINK = 0.1
-"""Smallest turn of an outline, in radians, at a corner; arcs meant to be smooth turn by less."""
+"""Smallest turn of an outline, in radians, that makes a corner; arcs meant to continue a side smoothly turn by less."""
 _SAME = 1e-6
-"""Relative tolerance for the area of a hole that touches its neighbour."""
+"""Tolerance for parts of a hole that overlap another hole or reach out of the region, relative to the hole's area."""
 
 
 @dataclass(frozen=True)
 class Rectangle(outlines.Straight):
-    """A rectangle along the axes, its outline included."""
+    """A rectangle along the axes; points on its outline are inside."""
 
     x0: float
     y0: float
@@ -58,14 +58,14 @@ class Rectangle(outlines.Straight):
         return (self.x0, self.y0, self.x1, self.y1)
 
     def contains(self, points: Floats) -> Bools:
-        """Whether each of the points (q, 2) is inside or on the outline."""
+        """Mask (q,) of the points (q, 2) inside or on the outline."""
         inside = (points >= (self.x0, self.y0)) & (points <= (self.x1, self.y1))
         return np.asarray(inside.all(axis=1))
 
 
 @dataclass(frozen=True)
 class Circle(outlines.Round):
-    """A disc, its outline included."""
+    """A disc; points on its outline are inside."""
 
     @property
     def area(self) -> float:
@@ -74,16 +74,16 @@ class Circle(outlines.Round):
 
     @property
     def loops(self) -> tuple[Floats, ...]:
-        """Points (k, 2) along every outline: the one there is, one a degree."""
+        """Points (k, 2) along the outline, one per degree, as a tuple of one array."""
         return (outlines.circle(self.center, self.radius, "").points(),)
 
     @property
     def corners(self) -> Floats:
-        """Corners (c, 2): none."""
+        """Corners (0, 2): a circle has none."""
         return np.zeros((0, 2))
 
     def contains(self, points: Floats) -> Bools:
-        """Whether each of the points (q, 2) is inside or on the outline."""
+        """Mask (q,) of the points (q, 2) inside or on the outline."""
         return np.asarray(np.hypot(*(points - self.center).T) <= self.radius)
 
 
@@ -91,7 +91,7 @@ class Circle(outlines.Round):
 class Polygon(outlines.Straight):
     """A simple polygon, convex or not, in either orientation.
 
-    One that crosses or touches itself is refused.
+    A polygon that crosses or touches itself is refused.
     """
 
     points: tuple[outlines.Point, ...]
@@ -117,18 +117,18 @@ class Polygon(outlines.Straight):
         return outlines.bounds_of(self.points)
 
     def contains(self, points: Floats) -> Bools:
-        """Whether each of the points (q, 2) is inside or on the outline."""
+        """Mask (q,) of the points (q, 2) inside or on the outline."""
         return inside(points, self.points)
 
 
 @dataclass(frozen=True)
 class Rounded(outlines.Straight):
-    """A simple region of straight sides and arcs, in either orientation; its sides are not named."""
+    """A simple region of straight sides and arcs, in either orientation; names of its sides are not used."""
 
     contour: outlines.Contour
 
     def __post_init__(self) -> None:
-        """Refuse arcs that go back as they came."""
+        """Refuse an outline without area, such as an arc and back along it."""
         if not self.area > 0.0:
             raise InputError("The polygon encloses nothing.")
 
@@ -142,12 +142,12 @@ class Rounded(outlines.Straight):
 
     @property
     def drawn(self) -> Floats:
-        """Points (k, 2) along the outline, of arcs one a degree."""
+        """Points (k, 2) along the outline; arcs have one point per degree."""
         return self.contour.points()
 
     @property
     def corners(self) -> Floats:
-        """Corners (c, 2), but not where an arc goes on as a side does."""
+        """Corners (c, 2), except where an arc continues the outline smoothly."""
         points, count = self.drawn, len(self.drawn)
         ahead = np.roll(points, -1, axis=0) - points
         turn = np.arctan2(ahead[:, 1], ahead[:, 0])
@@ -157,7 +157,7 @@ class Rounded(outlines.Straight):
 
     @property
     def tips(self) -> Floats:
-        """Corners, and points (t, 2) of arcs farthest along x and y."""
+        """Corners, and extreme points of arcs along x and y (t, 2)."""
         return np.concatenate([self.corners, *self._farthest])
 
     @cached_property
@@ -173,7 +173,10 @@ class Rounded(outlines.Straight):
         return outlines.bounds_of(np.concatenate([np.array(self.contour.corners), *self._farthest]).tolist())
 
     def contains(self, points: Floats) -> Bools:
-        """Whether each of the points (q, 2) is inside, by counting crossings; on the outline either answer may come."""
+        """Mask (q,) of the points (q, 2) inside, by counting crossings.
+
+        Points on the outline may count as inside or not.
+        """
         (x, y), count = points.T, np.zeros(len(points), np.int64)
         for (ax, ay), (bx, by) in self.outline.segments:
             level = (ay > y) != (by > y)
@@ -187,18 +190,18 @@ class Rounded(outlines.Straight):
 
     @cached_property
     def _farthest(self) -> list[Floats]:
-        """The extreme points along x and y of every arc, except its ends."""
+        """Extreme points along x and y of every arc, except its ends."""
         return [outlines.farthest(*arc) for arc in self._arcs]
 
     @cached_property
     def _arcs(self) -> list[tuple[Floats, float, float, float]]:
-        """Centre, radius, angle of the first end and angle turned through of every arc."""
+        """Centre, radius, angle of the first end, and angle swept, of every arc."""
         result = [outlines.arc_through(*map(tuple, arc)) for arc in self.outline.arcs.tolist()]
         return [arc for arc in result if arc is not None]
 
     @cached_property
     def _monotone(self) -> list[tuple[Floats, float, float, float, float]]:
-        """Parts of arcs that rise or fall: centre, radius, ordinates of their ends, and 1 right of the centre or −1."""
+        """Parts of arcs monotone in y: centre, radius, ordinates of the ends, and 1 right of the centre, −1 left."""
         result = []
         for (begin, _, end), (center, radius, start, sweep) in zip(self.outline.arcs, self._arcs, strict=True):
             low, high = sorted((start, start + sweep))
@@ -221,7 +224,7 @@ class Polyline(outlines.Straight):
 
     @property
     def sides(self) -> list[outlines.Side]:
-        """Each side in order: where it begins, None since it is straight, and where it ends."""
+        """Sides in order: first point, None for a straight side, last point."""
         return [(a, None, b) for a, b in pairwise(self.points)]
 
     @property
@@ -251,7 +254,7 @@ class Ring(outlines.Round):
 
     @property
     def sides(self) -> list[outlines.Side]:
-        """Its quarters in order: where each begins, a point that it is an arc through, and where it ends."""
+        """Quarters of the circle in order: first point, a point between, last point."""
         return outlines.circle(self.center, self.radius, "").sides
 
 
@@ -264,14 +267,14 @@ def _cross(a: Floats, b: Floats) -> Floats:
 
 
 def inside(points: Floats, corners: Floats | Sequence[outlines.Point]) -> Bools:
-    """Whether points (q, 2) are inside or on the polygon with corners (n, 2)."""
+    """Mask (q,) of the points (q, 2) inside or on the polygon with corners (n, 2)."""
     polygon = shapely.Polygon(corners)
     shapely.prepare(polygon)
     return np.asarray(shapely.intersects_xy(polygon, points))
 
 
 def _require_simple(segments: Floats) -> None:
-    """Refuse sides that meet anywhere but at the corner they share, and sides that fold back."""
+    """Refuse sides that meet except at a common corner, and sides that fold back."""
     count = len(segments)
     coincide = (segments[:, 0] == segments[:, 1]).all(axis=1)
     if coincide.any():
@@ -290,7 +293,7 @@ def _require_simple(segments: Floats) -> None:
 
 
 def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
-    """The first two segments of a line (k, 2, 2) that meet other than end to start, or None.
+    """Indices of the first two segments of a line (k, 2, 2) that meet, except end to start; None without such segments.
 
     A segment that folds back on its predecessor meets it. The first segment follows the last one of a closed line.
     """
@@ -305,7 +308,7 @@ def meeting(segments: Floats, closed: bool) -> tuple[int, int] | None:
         return piece, (piece + 1) % count
     sides = np.asarray(shapely.linestrings(segments))
     i, j = shapely.STRtree(sides).query(sides, "dwithin", _TOUCHING * size)
-    # Every pair once, without those that share a corner.
+    # Each pair once, except pairs with a common corner.
     apart = (j > i + 1) & ((i > 0) | (j < count - 1) | (not closed))
     return min(zip(i[apart].tolist(), j[apart].tolist(), strict=True), default=None)
 
@@ -317,16 +320,16 @@ def meet(one: Floats, other: Floats, within: float) -> bool:
 
 @dataclass(frozen=True)
 class Hollow(outlines.Drawn):
-    """A region without its holes.
+    """A region with holes.
 
-    Holes that are not within it, or overlap, are refused.
+    Holes that overlap, or reach out of the region, are refused.
     """
 
     around: Whole
     holes: tuple[Whole, ...]
 
     def __post_init__(self) -> None:
-        """Refuse holes that are not apart, or not within."""
+        """Refuse holes that overlap or reach out of the region."""
         (around,) = self.around.loops
         for number, hole in enumerate(self.holes):
             (own,) = hole.loops
@@ -346,7 +349,7 @@ class Hollow(outlines.Drawn):
 
     @cached_property
     def outline(self) -> outlines.Outline:
-        """The outline around and those of the holes."""
+        """Outer outline and outlines of the holes."""
         drawn = [part.outline for part in self.parts]
         return outlines.Outline(
             *(np.concatenate([getattr(one, of) for one in drawn]) for of in ("segments", "circles", "arcs"))
@@ -354,12 +357,12 @@ class Hollow(outlines.Drawn):
 
     @property
     def loops(self) -> tuple[Floats, ...]:
-        """Points (k, 2) along every outline, that around first."""
+        """Points (k, 2) along every outline, the outer one first."""
         return tuple(loop for part in self.parts for loop in part.loops)
 
     @property
     def corners(self) -> Floats:
-        """Corners (c, 2)."""
+        """Corners (c, 2) of the outer outline and of the holes."""
         return np.concatenate([part.corners for part in self.parts])
 
     @cached_property
@@ -373,7 +376,7 @@ class Hollow(outlines.Drawn):
         return self.around.bounds
 
     def contains(self, points: Floats) -> Bools:
-        """Whether each of the points (q, 2) is inside; on the outline of a hole either answer may come."""
+        """Mask (q,) of the points (q, 2) inside; points on the outline of a hole may count as inside or not."""
         inside = self.around.contains(points)
         for hole in self.holes:
             inside &= ~hole.contains(points)
@@ -384,7 +387,7 @@ Region: TypeAlias = Whole | Hollow
 
 
 def overlap(one: Floats, other: Floats) -> float:
-    """Area that two polygons, corners (n, 2) and (m, 2) in either sense, have in common."""
+    """Common area of two polygons with corners (n, 2) and (m, 2), in either orientation."""
     first, second = (
         shapely.make_valid(shapely.Polygon(corners), method="structure", keep_collapsed=False)
         for corners in (one, other)

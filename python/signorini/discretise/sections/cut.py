@@ -41,7 +41,7 @@ BESIDE = 1e-6
 _BEYOND = 2.0
 """Length by which a line is continued beyond an end inside the plate, in diagonals of the largest element.
 
-Beyond the end, v becomes 0 within one diagonal."""
+v becomes 0 within one diagonal beyond the end."""
 _ORDER = 5
 """Number of Gauss points in each direction."""
 _AROUND = [0, 4, 1, 5, 2, 6, 3, 7]
