@@ -327,7 +327,7 @@ class Discretisation(Remade):
         return replace(self, contacts=contacts, tightening=tightening, plates=tuple(plates))
 
     def load(self, combination: Combination) -> CaseLoad:
-        """Sum of the combination's load cases times their factors."""
+        """Sum of the load cases of a combination times their factors."""
         made_by(combination, Combination, "Take one of model.effective_combinations.", "combination")
         total = self.no_load
         for case, factor in (combination.factors or {}).items():

@@ -61,10 +61,10 @@ _OF_SIDE, _OF_CIRCLE, _MOST = 8, 64, 1000
 
 
 class _Hold(NamedTuple):
-    """Displacements of supports in the rigid motions w = 1, (x − x₀)/L, (y − y₀)/L.
+    """Displacements of supports in the three rigid motions w = 1, (x − x₀)/L, (y − y₀)/L.
 
-    ``rigid`` (r, 3) are those of held dofs and rigid points; ``elastic`` (e, 3) those of springs and elastic points,
-    with ``stiffness`` (e,) and ``support`` (e,).
+    ``rigid`` (r, 3) are displacements of held dofs and rigid points. ``elastic`` (e, 3) are displacements of springs
+    and elastic points, with ``stiffness`` (e,) and index of the ``support`` (e,).
     """
 
     rigid: Floats
@@ -293,7 +293,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
             and (other in both or _covers(model, mesh, index, positions[support_of == other]))
             for other in np.unique(support_of[others]).tolist()
         ):
-            # w = g on all of the area: the plate does not turn there.
+            # w = g on the whole area, so that the plate does not turn at the support.
             continue
         others = others[_can_turn(model, mesh, held, every.pick(others), least)]
         for other in np.unique(support_of[others]).tolist():
@@ -332,9 +332,9 @@ def _against(model: Model, mesh: Mesh, floor: Support, positions: Floats, suppor
 
 
 def _can_turn(model: Model, mesh: Mesh, held: Held, points: ContactPoints, least: Floats) -> Bools:
-    """Whether the plate bends on both sides of points (k,).
+    """Whether the plate can bend on both sides of points (k,).
 
-    It does not within a rigid zone, at a corner of the plate, nor, for a line, on the plate's edge.
+    The plate cannot bend within a rigid zone or at its corner nor, along a line, at its edge.
     """
     spread = np.array([not support.on_nodes for support in model.support], np.bool_)[points.support]
     rows = points.rows
@@ -369,7 +369,7 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
         return
     positions = np.array([place for i in rigid for place in model.support[i].at or ()])
     same = mesh.near.place
-    # Many points may coincide; one point of each cell represents all.
+    # Many points may coincide: points are rounded to cells, and one point of each cell represents all.
     _, first = np.unique(np.round((positions - mesh.middle) / same), axis=0, return_index=True)
     first = np.sort(first)
     cells, reach = positions[first], float(least.max()) * np.array([-1.0, -1.0, 1.0, 1.0])

@@ -169,7 +169,7 @@ class Law:
         return np.where(candidate <= last, candidate, first)
 
     def flat_force(self, travel: ArrayLike) -> Floats:
-        """Force of the piece with slope 0 that contains each travel; infinite where the piece there has a slope.
+        """Force at each travel that lies on a piece with slope 0; infinite at a travel on a piece with another slope.
 
         Examples
         --------
@@ -209,7 +209,7 @@ LAWS = tuple(Law(ends=(0.0, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(ends=(slope, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(((0.0, 0.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 LAWS += tuple(Law(((-travel, -1.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
-"""Unit laws, each with slope 1 and rigid: one-sided, two-sided, one-sided with limit 1, two-sided with limit 1."""
+"""Unit laws, one-sided, two-sided, one-sided with limit 1, two-sided with limit 1; each with slope 1 and rigid."""
 
 
 def acts_both_ways(support: Support) -> bool:
@@ -375,7 +375,7 @@ class Graphs(NamedTuple):
 def graphs_of(
     support: Support, positions: Floats, weights: Floats, stiffest: Floats, slopes: Floats, place: Place
 ) -> list[Graphs]:
-    """Laws of a support's points (m,) at positions (m, 2): one, or one for each direction if a gap is between them.
+    """Laws of a support's points (m,) at positions (m, 2): one law, or two if there is a gap in both directions.
 
     ``weights`` (m,) are 1, lengths or areas, ``stiffest`` (m,) bounds the stiffness of springs. ``slopes`` (m,) are
     prescribed slopes, NaN for points on the deflection.
@@ -426,7 +426,7 @@ def slopes_at(support: Support, positions: Floats, place: Place = ()) -> Floats:
 
 
 def known_values(formula: Callable[..., Floats], positions: Floats) -> Floats:
-    """Values (q,) of a formula at positions (q, 2); NaN where it has no value, as it may off the support."""
+    """Values (q,) of a formula at positions (q, 2); NaN where the formula has no value."""
     try:
         return formula(*positions.T)
     except InputError:

@@ -273,7 +273,7 @@ def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrat
 
 
 def _turning(quadrature: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:
-    """Pressure, as a function of elements and positions, that is linear over a footprint and equals a couple."""
+    """Function of elements and positions: the pressure, linear over a footprint, whose resultant is a couple."""
     # Coordinates from the middle, relative to the footprint's size, balance the three equations.
     middle = quadrature.weights @ quadrature.positions / quadrature.total
     size = np.sqrt(quadrature.total)

@@ -311,18 +311,21 @@ class OutlinePoints:
 
 
 def outline_points(mesh: Mesh, plate: Plate, where: Where, covered: Bools) -> OutlinePoints:
-    """Points on an area's hull: its corners and those of elements on its outline; ``covered`` (ne,) are in it."""
+    """Points on an area's hull: corners of the area, and of elements on its outline.
+
+    ``covered`` (ne,) marks the elements in the area.
+    """
     size = float(np.sqrt(mesh.element_area[covered].mean()))
     corners, all_of_them = outline(mesh, plate, where), _candidates(mesh, where.region)
     candidates = _spread(all_of_them, _APART * size)
     if len(candidates) < _FOUR:
-        # An area within one or two elements: fewer points would hold one slope only, depending on their order.
+        # In an area within one or two elements, fewer points would hold one slope only, depending on their order.
         candidates = _spread(all_of_them, _APART * float(np.ptp(corners, axis=0).min()))
     return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.diameter], size, covered)
 
 
 def missing_corners(mesh: Mesh, plate: Plate, where: Where, covered: Bools, reached: Floats) -> OutlinePoints:
-    """Corners of an area's hull without a quadrature point, ``reached`` (q, 2), at them: tips without weight."""
+    """Sharp corners of an area's hull, with no quadrature point in ``reached`` (q, 2) at the corner."""
     corners = np.zeros((0, 2)) if where.region is None else _corners(where.region)
     corners = corners[_off_hull(outline(mesh, plate, where), corners) <= _ON_OUTLINE * mesh.diameter]
     near = mesh.near.place
@@ -337,7 +340,7 @@ def missing_corners(mesh: Mesh, plate: Plate, where: Where, covered: Bools, reac
 
 
 def _around(mesh: Mesh, points: Floats, size: float, covered: Bools) -> OutlinePoints:
-    """Points with the covered elements around them; points without such an element are left out."""
+    """Points, each with up to four covered elements around it; points without a covered element are left out."""
     around = np.concatenate([np.zeros((1, 2)), _NUDGE * size * np.column_stack([np.cos(_ROUND), np.sin(_ROUND)])])
     near = mesh.locate((points[:, None] + around).reshape(-1, 2)).elements.reshape(len(points), len(around))
     near = np.sort(np.where((near >= 0) & covered[near], near, -1), axis=1)[:, ::-1]

@@ -174,7 +174,7 @@ _COUNTS: tuple[Callable[[Discretisation], int], ...] = (
 
 
 def _offset(points: ContactPoints, first: int, supports: Ints) -> ContactPoints:
-    """Points of a plate with element and support indices of the joined arrays; its first element is ``first``."""
+    """Points of a plate with indices into the joined arrays, in which its elements begin at ``first``."""
     rows, further = points.rows, points.rows.further
     beyond = Further(further.owners, further.elements + first, further.coefficients)
     moved = Rows(rows.elements + first, rows.coefficients, beyond)

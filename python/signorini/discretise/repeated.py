@@ -62,7 +62,7 @@ def times(rows: csr_array, factor: Floats) -> csr_array:
 
 def parallel(rows: csr_array) -> tuple[Ints, Floats]:
     """Index (m,) of each row's direction, the same for parallel rows, and the signed norm (m,) along that direction."""
-    # Rows are parallel if their products with two random vectors are, up to the norm.
+    # Rows of unit length are parallel if their products with two random vectors are equal up to the sign.
     fields = np.random.default_rng(0).normal(size=(rows.shape[1], 2))
     length = lengths(rows)
     said = (rows @ fields) / length[:, None]

@@ -275,7 +275,7 @@ def _along_line(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
 
 
 def _on_area(plate: SupportedPlate, placed: Placed) -> _SupportPoints:
-    """Points of an area: Gauss points of an elastic one, element means and outline points of a nearly rigid one.
+    """Points of an area: Gauss points of an elastic area, element means and outline points of a nearly rigid area.
 
     One-sided areas have points on their outline.
     """

@@ -28,7 +28,7 @@ _SLIVER = 0.01
 
 A parabola over 45° of a circle has this error."""
 _ROUNDING = 1e-6
-"""The value of `_SLIVER` in elements with a narrow strip between zones: its area is not a rounding error."""
+"""Value used in place of `_SLIVER` in elements with a narrow strip between zones, whose area is no rounding."""
 _NARROW = 0.05
 """Largest width of a narrow strip, relative to the side of an element."""
 _BESIDE = 1e-6
@@ -201,7 +201,7 @@ class Zones:
 
     @property
     def unit_weights(self) -> Floats:
-        """Weight per volume of the materials of plate and zones; NaN for materials without it."""
+        """Weight per volume of the materials of plate and zones; NaN for materials without a unit weight."""
         materials = [self.model.material, *(zone.material or self.model.material for zone in self.model.zone)]
         return np.array([np.nan if material.unit_weight is None else material.unit_weight for material in materials])
 

@@ -196,7 +196,7 @@ def _numbers_schema(length: int) -> dict[str, Any]:
 
 
 def _points(value: object) -> object:
-    """Read one point as a list of one."""
+    """Read a single point as a list of one point."""
     value = as_list(value)
     if isinstance(value, list | tuple):
         if any(isinstance(as_list(item), list | tuple) for item in value):
@@ -238,7 +238,7 @@ def _unique_list(kind: type, form: str) -> BeforeValidator:
 
 
 def _as_tuple(value: object) -> object:
-    """Read a single value as a list of one."""
+    """Read a single value as a list of one value."""
     value = as_list(value)
     return value if isinstance(value, list | tuple) else [value]
 

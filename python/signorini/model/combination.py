@@ -384,7 +384,7 @@ class Product:
 
 @dataclass(frozen=True, eq=False)
 class Combinations(Sequence[Combination]):
-    """Combinations in the order of the input; generated ones take the position of their table."""
+    """Combinations in the order of the input; generated combinations stand at the position of their table."""
 
     products: tuple[Product | Listing, ...]
 

@@ -27,7 +27,7 @@ Divisions = Annotated[
 
 
 class Refinement(Located):
-    """Smaller elements at a place; away from it the element size grows gradually."""
+    """Smaller elements at a place; the element size grows gradually away from the place."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": one_of(Located.places)})
 
@@ -265,7 +265,7 @@ class DiscPlate(_RoundPlate):
 
     @property
     def outline(self) -> Contour:
-        """The rim; for a sector also its straight sides."""
+        """The rim; for a sector, the rim and the straight sides."""
         if self.sector == 360:
             return circle(self.center, self.radius, "rim")
         return sector(self.center, 0.0, self.radius, self.sector, ("start", "rim", "end", ""))
@@ -289,7 +289,7 @@ class AnnulusPlate(_RoundPlate):
 
     @property
     def outline(self) -> Contour:
-        """The outer circle; for a sector all its sides."""
+        """The outer circle; for a sector, all sides of the sector."""
         if self.sector == 360:
             return circle(self.center, self.outer, "outer")
         return sector(self.center, self.inner, self.outer, self.sector, ("start", "outer", "end", "inner"))

@@ -40,7 +40,7 @@ class Where:
 
     @property
     def shape(self) -> Curve | Region | None:
-        """The curve or the region."""
+        """The curve or the region; None for points and edges."""
         return self.curve if self.curve is not None else self.region
 
     @property

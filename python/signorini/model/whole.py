@@ -259,7 +259,7 @@ class Model(Table):
 
     @cached_property
     def provenance(self) -> Provenance:
-        """Input file with its SHA-256, and the input as JSON; those of the original model."""
+        """Input file with its SHA-256, and input as JSON, both of the original model."""
         original = self.original
         return Provenance.of(original.model_dump(exclude_unset=True), original.__dict__.get("_file"))
 

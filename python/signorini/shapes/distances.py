@@ -115,7 +115,7 @@ def edges_of(contours: Iterable[Contour], names: set[str]) -> dict[str, Targets]
 def depth(region: Region, points: Floats) -> Floats:
     """Distance of points (q, 2) from a region's outline, negative outside.
 
-    Outside a rectangle it is the distance from the line of the side that is farthest behind.
+    Outside a rectangle, the magnitude is the largest distance beyond the straight line of a side.
     """
     if isinstance(region, Hollow):
         deep = depth(region.around, points)

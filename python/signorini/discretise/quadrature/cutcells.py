@@ -197,7 +197,7 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool =
 
 
 def _along_circles(mesh: Mesh, elements: Ints, circles: Floats) -> tuple[Bools, Floats]:
-    """Mask of elements (k,) with a side along their circle (k, 3), on one side of it; areas between sides and arcs.
+    """Mask of elements (k,) with a side on their circle (k, 3), all inside or all outside; areas between side and arc.
 
     Each marked element has one area, the sum over its sides, positive within the circle.
     """
@@ -318,7 +318,7 @@ def _integrate(
 
 
 def _stations(pieces: Pieces, cells: _Cells, rule: tuple[Floats, Floats]) -> tuple[Floats, Floats, Floats, Floats]:
-    """A rule's points in x, their weights, and the bounds in y there, all (c, count)."""
+    """Points of a rule in x, their weights, and lower and upper bound in y at these points, all (c, count)."""
     node, weight = rule
     t, w = 0.5 + 0.5 * node, 0.5 * weight
     maps = np.stack([t, t**2, 1.0 - (1.0 - t) ** 2, t**2 * (3.0 - 2.0 * t)])

@@ -229,7 +229,7 @@ class _Followed:
 
 
 def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
-    """Elements (k,) that the continued line meets, at least in a node; whether it divides each; its pieces in them.
+    """Elements (k,) that the continued line meets, at least in a node; whether it divides each; pieces of the line.
 
     Curved sides count as straight between nodes.
     """
