@@ -301,7 +301,7 @@ class Cases(Mapping[str, CaseLoad]):
         self._mesh, self._sections = mesh, sections
 
     def __getitem__(self, case: str) -> CaseLoad:
-        """Return a case."""
+        """Return the load of a case."""
         if case in self._still:
             return self._still[case]
         load, travelled = self._places[case]

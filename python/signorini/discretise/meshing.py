@@ -105,7 +105,7 @@ def _require_sizes(model: Model, plate: OutlinedPlate) -> None:
 
 
 def to_follow(model: Model, where: str = "there", size: float | None = None) -> str:
-    """Advice on how to make the mesh follow a line that cuts elements: smaller ones ``where``, of ``size``."""
+    """Advice on how to make the mesh follow a line that cuts elements: smaller elements of ``size`` at ``where``."""
     if isinstance(model.plate, MeshPlate):
         return "Make the mesh with sides along it."
     if model.plate.element == "q8r" and model.divisions is not None:

@@ -24,7 +24,7 @@ _RADON = 3
 _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (2, 0), 6: (0, 1), 5: (1, 2), 7: (0, 1, 2)}
 """Corners at which the lines of a collapsed rule meet, by the sum of 1, 2 and 4 for each side on the outline."""
 _ROUNDINGS = 16.0
-"""Rounding of coordinates in the computation of an area, relative to machine epsilon times the coordinate."""
+"""Rounding of an outline's position, in machine epsilons times the largest coordinate."""
 
 
 def area_quadrature(
