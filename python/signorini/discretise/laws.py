@@ -77,9 +77,9 @@ class Law:
 
     @cached_property
     def anchors(self) -> Floats:
-        """Travel and force (p, 2) of a reference point on each piece: where the force is 0, else the first vertex.
+        """Travel and force (p, 2) of a reference point on each piece: where the force is 0, else its `corners`.
 
-        The vertex is that of `corners`. Forces near zero keep their digits even if the vertex is distant.
+        Forces near zero keep their digits even if the vertex is distant.
 
         Examples
         --------
