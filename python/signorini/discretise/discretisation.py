@@ -75,7 +75,7 @@ class Discretisation(Remade):
     probe_positions: Floats
     seconds: Mapping[str, float]
     plates: tuple[OfWhole, ...] = ()
-    """The plates whose arrays are joined here; empty for a model of one plate."""
+    """Plates whose arrays are joined in this discretisation; empty for a model of one plate."""
     tightening: tuple[float, ...] = ()
     """Factors (t,) of the rounds in which bolts are tightened, as `Model.round_factors` gives them."""
 
@@ -83,12 +83,12 @@ class Discretisation(Remade):
 
     @property
     def members(self) -> tuple[OfWhole, ...]:
-        """The plates with their indices into the arrays here; a single plate is its only member."""
+        """Plates with their indices into the joined arrays; a model of one plate is its own only member."""
         return self.plates or (OfWhole.alone(self),)
 
     @property
     def each(self) -> tuple[Discretisation, ...]:
-        """The discretisation of each plate; of a model of one plate, itself."""
+        """Discretisation of each plate; for a model of one plate, this discretisation."""
         return tuple(plate.own for plate in self.members)
 
     @property
@@ -98,20 +98,20 @@ class Discretisation(Remade):
 
     @cached_property
     def points(self) -> ContactPoints:
-        """The m contact points, followed by the r redundant ones."""
+        """The m contact points, followed by the r redundant points of ``repeated``."""
         return ContactPoints.join([self.contacts, self.repeated.points])
 
     @cached_property
     def parts(self) -> tuple[Parts, ...]:
-        """Held nodes, springs and ``points`` of each support."""
+        """Indices of the held nodes, springs and ``points`` of each support."""
         return parts_of(len(self.model.support), self.held.nodes, self.held.points, self.springs, self.points)
 
     def made(self) -> _core.Plate:
-        """The plate for the core; several plates share one table of elements."""
+        """Make the element data for the core; several plates share one table of elements."""
         return plate_of(self.mesh, self.zones, self.thickness, self.stress_nodes, self.held)
 
     def over_dofs(self, rows: Rows) -> csr_array:
-        """Rows as a sparse matrix G (m, 3n); columns of slave nodes are moved to their leaders."""
+        """G B (m, 3n): rows as a sparse matrix; dofs of slave nodes are expressed by those of their leaders."""
         return self.held.bodies.onto_leaders(rows.matrix(self.mesh.elements, self.dof_count))
 
     @cached_property
@@ -120,9 +120,10 @@ class Discretisation(Remade):
         return shared_by(self.model, self.mesh, self.held, self.points)
 
     def by_sign(self, reaction: Floats) -> Floats:
-        """Unique part of the reactions (m + r,) of groups in which some points push up and others down.
+        """Unique part of the reactions in groups of `shared` in which some points push up and others down.
 
-        The part is orthogonal to every redistribution within the group. Its sign decides which points carry it.
+        ``reaction`` (m + r,) is that of ``points``; the result is one entry for each point of such a group. It is
+        orthogonal to every redistribution within the group. Its sign decides which points carry it.
         """
         parts = [np.zeros(0)]
         for group in self.shared:
@@ -142,7 +143,10 @@ class Discretisation(Remade):
 
     @cached_property
     def share_weights(self) -> Floats:
-        """Weights (m + r,) of reactions in the least norm: 1 at points, else length or area relative to the plate's."""
+        """Weights (m + r,) of ``points`` in the least norm of reactions; A is the area of the plate.
+
+        The weight is 1 for a listed point, length/√A on a line, area/A on an area.
+        """
         dimension = np.array([{"at": 0, "area": 2}.get(support.place, 1) for support in self.model.support])
         size = np.sqrt(self.mesh.element_area.sum())
         return np.asarray(self.points.weights / size ** dimension[self.points.support])
@@ -151,7 +155,7 @@ class Discretisation(Remade):
     def held_together(self) -> tuple[frozenset[int], ...]:
         """Sets of supports that hold the same nodes.
 
-        Two lines that only share a corner node are no set: each carries half of the corner.
+        Two lines that share only a corner node make no set: each carries half of the corner's reaction.
         """
         nodes, holders = self.held.nodes, self.held.points.support
         _, first, count = np.unique(nodes, return_index=True, return_counts=True)
@@ -177,7 +181,7 @@ class Discretisation(Remade):
     def point_rows(self) -> csr_array:
         """Rows (m + r, 3n) of contact points, followed by those of redundant points.
 
-        In the free dofs a redundant row is a combination of the others; in held dofs it is independent.
+        Over the free dofs, a redundant row is a linear combination of the others; over held dofs, it need not be.
         """
         if not len(self.repeated.points):
             return self.contact_rows
@@ -185,7 +189,7 @@ class Discretisation(Remade):
 
     @cached_property
     def off_areas(self) -> tuple[Bools, Bools]:
-        """Whether ``points`` (m + r,) and springs (s,) act at points or along lines, not on areas or footprints."""
+        """Masks of ``points`` (m + r,) and springs (s,) that act at points or on lines, not on areas or footprints."""
         off = np.array([support.on_nodes for support in self.model.support], np.bool_)
         return off[self.points.support], off[self.springs.support]
 
@@ -195,10 +199,10 @@ class Discretisation(Remade):
         return self.over_dofs(self.springs.rows)
 
     def spring_forces(self, hi: Floats, lo: Floats, base: Floats | None = None) -> Floats:
-        """Upward forces −k (row·u − base) (..., s) of springs at displacements u (..., 3n).
+        """Upward forces −k (row·u − base) (..., s) of springs at displacements u = hi + lo (..., 3n).
 
-        ``base`` (s,) replaces that of the model.
-        Products are summed in extended precision: travels of stiff springs are as small as the rounding of u.
+        ``base`` (s,) replaces ``springs.distance``. Products are summed in extended precision: travels of stiff springs
+        are as small as the rounding of u.
         """
         springs = self.springs
         if hi.ndim > 1:
@@ -207,10 +211,10 @@ class Discretisation(Remade):
         return -springs.stiffness * self.plate.openings(*springs.rows.arrays, at_rest, hi, lo)
 
     def through(self, load: CaseLoad, hi: Floats, lo: Floats, reaction: Floats, pull: Floats) -> Floats:
-        """Moment, twist and shear (3s,) of each section and, as means, of each station of a strip.
+        """Moment, twist and shear (3s,) of each section, followed by their means at each station of a strip.
 
-        They are those of a load with displacements u = hi + lo (3n,), reactions (m + r,) of ``points`` and upward
-        forces of springs ``pull`` (k,).
+        The plate is in equilibrium under ``load`` with displacements u = hi + lo (3n,), reactions (m + r,) of
+        ``points`` and upward forces ``pull`` (k,) of springs.
         """
         if not len(self.sections.per):
             return np.zeros(0)
@@ -221,7 +225,7 @@ class Discretisation(Remade):
 
     @cached_property
     def cut_lengths(self) -> Floats:
-        """Lengths (s,) on the plate of sections, followed by those of stations of strips."""
+        """Lengths (s,) of the parts of sections, then of stations of strips, that are on the plate."""
         result: dict[tuple[str, int], Floats] = {}
         for plate in self.members:
             first = len(plate.own.model.section)
@@ -233,13 +237,13 @@ class Discretisation(Remade):
 
     @cached_property
     def _reactions_through(self) -> tuple[csr_array, csr_array]:
-        """Section forces per unit reaction of ``points`` (3s, m + r) and of springs (3s, k)."""
+        """Moment, twist and shear of sections per unit reaction: of ``points`` (3s, m + r), of springs (3s, k)."""
         at_sections = self.sections.of_supports
         return at_sections(self.model.support, self.points), at_sections(self.model.support, self.springs)
 
     @cached_property
     def rigid_motions(self) -> Floats:
-        """Rigid-body modes R (3n, 3p) of p plates: w = 1, w = x − x0, w = y − y0 about the middle (x0, y0)."""
+        """Rigid-body modes R (3n, 3p) of p plates: w = 1, x − x0, y − y0, where (x0, y0) is `middle`."""
         motions, members = self.held.rigid_motions(self.mesh.points, self.middle), self.members
         result = np.zeros((len(motions), 3 * len(members)))
         for number, plate in enumerate(members):
@@ -248,7 +252,7 @@ class Discretisation(Remade):
 
     @cached_property
     def scaled_motions(self) -> Floats:
-        """Rigid-body modes (3n, 3p) with rotations divided by the plate's size: all deflections are of order one."""
+        """Rigid-body modes (3n, 3p) with rotations divided by the mesh size L: all deflections are of order one."""
         return np.asarray(self.rigid_motions / self.sizes)
 
     @property
@@ -265,7 +269,7 @@ class Discretisation(Remade):
         return result.reshape(len(linear), 3 * len(firsts))
 
     def moved(self, hi: Floats, lo: Floats, motions: Floats) -> tuple[Floats, Floats]:
-        """Displacements u = hi + lo (3n,) plus rigid motions (3p,): w and two slopes about the middle of each plate."""
+        """Displacements u = hi + lo (3n,) plus rigid motions (3p,): w and two slopes about `middle` for each plate."""
         x, y = self.middle.tolist()
         moved = [
             part.own.plate.moved(hi[part.dofs], lo[part.dofs], (x, y), (w, tx, ty))
@@ -275,7 +279,7 @@ class Discretisation(Remade):
 
     @cached_property
     def probe_sides(self) -> Sides:
-        """Probes in every element that contains them: values may jump between elements."""
+        """Location of every probe in each element that contains it: values may jump between elements."""
         return self.stress_nodes.sides(self.probe_positions, self.probes)
 
     @cached_property
@@ -288,7 +292,7 @@ class Discretisation(Remade):
 
     @cached_property
     def probe_thickness(self) -> Floats:
-        """Thickness at probes (q,); NaN where the section is given by its stiffness, and where the thickness jumps."""
+        """Thickness (q,) at probes; NaN where the section is given by its stiffness, and where the thickness jumps."""
         return self.probe_sides.alike(self.stress_nodes.at(self.probe_sides, self.node_thickness))
 
     @property
@@ -304,11 +308,11 @@ class Discretisation(Remade):
         return CaseLoad.none(self.mesh.node_count, len(self.mesh.elements))
 
     def load_of(self, case: str) -> CaseLoad:
-        """A load case; the zero load if the case acts only on other plates."""
+        """Load of a case; zero if the case acts only on other plates."""
         return self.cases[case] if case in self.cases else replace(self.no_load, acting=frozenset([case]))
 
     def tightened(self, contacts: ContactPoints, tightening: tuple[float, ...]) -> Discretisation:
-        """Replace the contact points by those of tightened bolts; ``tightening`` (t,) are the factors of the rounds."""
+        """Copy with the tightened bolts of ``contacts``; ``tightening`` (t,) are the factors of the rounds."""
         plates = []
         for plate in self.plates:
             contacts_of_plate, changed = plate.own.contacts, contacts.pick(plate.points[: len(plate.own.contacts)])
@@ -323,7 +327,7 @@ class Discretisation(Remade):
         return replace(self, contacts=contacts, tightening=tightening, plates=tuple(plates))
 
     def load(self, combination: Combination) -> CaseLoad:
-        """Sum of the cases times their factors."""
+        """Sum of the load cases of a combination times their factors."""
         made_by(combination, Combination, "Take one of model.effective_combinations.", "combination")
         total = self.no_load
         for case, factor in (combination.factors or {}).items():
@@ -332,7 +336,7 @@ class Discretisation(Remade):
 
 
 def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
-    """Mesh a plate, or take the mesh, and turn its supports and loads into arrays."""
+    """Discretise one plate: mesh it, unless a mesh is given, and turn its supports and loads into arrays."""
     begun = time.perf_counter()
     mesh, model, moved = mesh_of(model, mesh)
     meshed = time.perf_counter()
@@ -340,7 +344,7 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
     placements = placed(model, mesh, problems)
     supports = [each for each in placements if each.support.between is None]
     loaded = loaded_sides(model, mesh, problems)
-    # Other problems are reported even if the thickness is wrong.
+    # The thickness is a placeholder: other problems are reported even if the thickness is wrong.
     thickness, zones = Thickness(*np.full((2, 1, 1), mesh.size)), Zones.of(model, mesh, problems)
     bodies = Bodies.of(mesh, zones, problems)
     held = hold(mesh, supports, bodies, problems)
@@ -398,7 +402,7 @@ def discretise_plate(model: Model, mesh: Mesh | None = None) -> Discretisation:
 
 
 def plate_of(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: StressNodes, held: Held) -> _core.Plate:
-    """Element data of one plate, or of all plates, for the core."""
+    """Element data for the core, of one plate or of all plates."""
     plates, others = zones.rigidities[0], None
     if len(zones.rigidities) > 1:
         units = np.array([rigidity.for_core for rigidity in zones.rigidities[1:]])
@@ -423,13 +427,14 @@ def plate_of(mesh: Mesh, zones: Zones, thickness: Thickness, stress_nodes: Stres
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OfWhole(Remade):
-    """One of several plates: ``own``, its discretisation, and the indices of its arrays among the joined ones.
+    """One plate of a model with several: its discretisation ``own``, and indices into the joined arrays of all plates.
 
-    ``nodes``, ``elements``, ``stress_nodes`` (s,), ``springs`` and ``points`` (m + r,) are indices into the joined
-    arrays; ``numbers`` gives, for each key, the indices of its supports, loads and so on in the whole model.
-    ``beneath`` maps an own support between plates to the other plate's first node and the matrix (n, n') that
-    interpolates that plate's deflections at own nodes. ``upon`` are the own supports through which other plates rest on
-    this one.
+    These indices are ``nodes``, ``elements``, ``stress_nodes`` (s,), ``springs`` and ``points`` (m + r,). ``numbers``
+    maps each key, such as "load", to the indices of the plate's loads in the whole model.
+
+    ``beneath`` has an entry for each area support of this plate against another plate: the first node of the other
+    plate, and the matrix (n, n') that interpolates its deflections at this plate's nodes. ``upon`` are indices of the
+    supports through which other plates rest on this plate.
     """
 
     name: str
@@ -445,7 +450,7 @@ class OfWhole(Remade):
 
     @classmethod
     def alone(cls, plate: Discretisation) -> OfWhole:
-        """A single plate as its own only member."""
+        """The only member of a model of one plate."""
         model = plate.model
         return cls(
             "",
@@ -461,7 +466,10 @@ class OfWhole(Remade):
         )
 
     def deflections_beneath(self, deflection: Floats) -> dict[int, Floats]:
-        """Deflections (n,) of the plates beneath at own nodes, by own support, from those of all plates (N,)."""
+        """Deflections (n,) of the other plate at this plate's nodes for each support in ``beneath``.
+
+        ``deflection`` (N,) is that of all plates.
+        """
         return {
             number: matrix @ deflection[first : first + matrix.shape[1]]
             for number, (first, matrix) in self.beneath.items()
@@ -469,5 +477,5 @@ class OfWhole(Remade):
 
     @property
     def dofs(self) -> slice:
-        """Indices of its dofs among all."""
+        """Indices of this plate's dofs in the joined arrays."""
         return slice(3 * self.nodes.start, 3 * self.nodes.stop)

@@ -31,38 +31,40 @@ LONGEST = 1000.0
 
 The stiffness across exceeds that along by the fourth power of the ratio; at 1000, four of sixteen digits remain."""
 THICKEST = 10.0
-"""Largest thickness relative to the plate's width: beyond it, bending across is below rounding beside shear."""
+"""Largest thickness relative to the plate's width. In a thicker plate, bending across is lost in rounding beside
+shear."""
 FLOATING = 1e-10
-"""Least relative stiffness λL⁴/D of elastic supports that alone hold the plate, whose rigid motions have no strain."""
+"""Least relative stiffness λL⁴/D of elastic supports if no rigid support holds any rigid motion of the plate."""
 THIN = 1e-19
-"""The same bound relative to (L/h)²·L²/A: rounding of the shear stiffness strains the plate. Found by experiment."""
+"""Least λL⁴/D relative to (L/h)²·L²/A: rounding of the shear stiffness strains the plate. Found by experiment."""
 TURNING = 1e-6
-"""The same bound where rigid supports hold some rigid motions: rounding strains the plate in the remaining ones."""
+"""Least λL⁴/D if rigid supports hold some rigid motions: rounding strains the plate in the remaining ones."""
 SOFTEST = 1e-14
-"""Least relative stiffness KL⁴/(AD) of a whole elastic support beside rigid ones that hold the plate.
+"""Least relative stiffness KL⁴/(AD) of an elastic support, K in total, if rigid supports hold the plate.
 
 The force of a softer support is below the rounding of the rigid supports' reactions."""
 RIGID = 1e12
-"""Smallest relative stiffness KL⁴/(AD) of a whole support that counts as rigid."""
+"""Smallest relative stiffness KL⁴/(AD), with the total stiffness K, of an elastic support that counts as rigid."""
 _ROUNDING = 1e-9
 """Relative tolerance of all limits: coordinates and formulas are rounded."""
 _ALONG = 0.02
 """Largest slope (about 1°) of the distance between two lines that count as parallel.
 
-Lines that meet or cross at a larger angle share a point. They pry no more than parallel lines at the least distance."""
+Lines that meet or cross at a larger angle share a point. Their reactions are no larger than those of parallel lines at
+the least distance."""
 _AROUND = 64
 """Number of directions in which the plate is searched around a point."""
 _HALF_AT_POINT, _HALF_ON_LINE = 0.375, 0.625
-"""Parts of a full turn: a plate's corner covers less than the first (135°), its edge less than the second."""
+"""Fractions of a full turn: a plate's corner covers less than the first (135°), its edge less than the second."""
 _OF_SIDE, _OF_CIRCLE, _MOST = 8, 64, 1000
-"""Least number of pieces of a line's side, least number of a circle, and about the largest number of either."""
+"""Least number of pieces into which a side is divided, the same for a circle, and about the largest number for both."""
 
 
 class _Hold(NamedTuple):
-    """Displacements of supports in the rigid motions w = 1, (x − x₀)/L, (y − y₀)/L.
+    """Displacements of supports in the three rigid motions w = 1, (x − x₀)/L, (y − y₀)/L.
 
-    ``rigid`` (r, 3) are those of held dofs and rigid points; ``elastic`` (e, 3) those of springs and elastic points,
-    with ``stiffness`` (e,) and ``support`` (e,).
+    ``rigid`` (r, 3) are displacements of held dofs and rigid points. ``elastic`` (e, 3) are displacements of springs
+    and elastic points, with ``stiffness`` (e,) and index of the ``support`` (e,).
     """
 
     rigid: Floats
@@ -110,7 +112,7 @@ def require_domain(
     for error in _opposed(model, mesh, held, contacts, least):
         with problems.collected():
             raise error
-    # Supports of one plate are compared with each other, and those between the same two plates.
+    # Supports are compared if they hold the same plate, or the same two plates against each other.
     for between in dict.fromkeys(model.support[index].between for index in sorted(rigid)):
         same_plates = [index for index in sorted(rigid) if model.support[index].between == between]
         for error in _too_near(model, mesh, same_plates, least):
@@ -174,7 +176,7 @@ def _hold(mesh: Mesh, held: Held, springs: ContactPoints, contacts: ContactPoint
 
 
 def _require_no_softer(model: Model, total: Floats) -> None:
-    """Refuse elastic supports that are too soft to carry a load, by their KL⁴/(AD)."""
+    """Refuse elastic supports that are too soft to carry a load; ``total`` is KL⁴/(AD) of each support."""
     for i in np.flatnonzero((total > 0.0) & (total < (1.0 - _ROUNDING) * SOFTEST)).tolist():
         raise InputError(
             f"{model.support[i].name} is as soft as a bed under all of the plate with kL⁴/D = {total[i]:.2g}; it must "
@@ -185,8 +187,8 @@ def _require_no_softer(model: Model, total: Floats) -> None:
 
 
 def _require_stiff_enough(model: Model, mesh: Mesh, bending: float, thinnest: float, hold: _Hold, free: Floats) -> None:
-    """Refuse elastic supports on which the plate would float, by the least λ of motions (3, d) that they alone hold."""
-    # A mechanism has a message of its own.
+    """Refuse elastic supports that alone hold the rigid motions ``free`` (3, d) if the least λ of these is small."""
+    # Mechanisms are reported with another message.
     if null_space(np.concatenate([hold.rigid, hold.elastic])).shape[1]:
         return
     # λ = Σ k w² / ∫ w² is the modulus of a bed under the whole plate with the same stiffness against the motion w.
@@ -232,7 +234,7 @@ class _Rigid:
     covers: Region | None = None
 
     def has(self, positions: Floats) -> Bools:
-        """Which positions (q, 2) are within its area."""
+        """Mask of positions (q, 2) within the support's area."""
         return np.zeros(len(positions), np.bool_) if self.covers is None else self.covers.contains(positions)
 
 
@@ -291,7 +293,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
             and (other in both or _covers(model, mesh, index, positions[support_of == other]))
             for other in np.unique(support_of[others]).tolist()
         ):
-            # w = g on all of the area: the plate does not turn there.
+            # w = g on the whole area, so that the plate does not turn at the support.
             continue
         others = others[_can_turn(model, mesh, held, every.pick(others), least)]
         for other in np.unique(support_of[others]).tolist():
@@ -309,7 +311,7 @@ def _opposed(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints, leas
 
 
 def _covers(model: Model, mesh: Mesh, index: int, positions: Floats) -> bool:
-    """Whether a support, by number, is an area that covers positions (q, 2)."""
+    """Whether the support with a given index is an area that covers all positions (q, 2)."""
     region = model.support[index].where.region
     if model.support[index].area is None or region is None:
         return model.support[index].area is not None
@@ -317,7 +319,7 @@ def _covers(model: Model, mesh: Mesh, index: int, positions: Floats) -> bool:
 
 
 def _against(model: Model, mesh: Mesh, floor: Support, positions: Floats, support_of: Ints) -> Bools:
-    """Which points (q,) at positions (q, 2), of supports (q,), are on an area; points of areas must be inside it."""
+    """Mask of points (q,) that lie on the area ``floor`` and can act against it; points of areas must be inside it."""
     may = np.array([support.between == floor.between for support in model.support], np.bool_)
     # A line that holds its slope carries a moment by itself.
     may &= [support.at is not None or "slope" not in support.fixed for support in model.support]
@@ -330,9 +332,9 @@ def _against(model: Model, mesh: Mesh, floor: Support, positions: Floats, suppor
 
 
 def _can_turn(model: Model, mesh: Mesh, held: Held, points: ContactPoints, least: Floats) -> Bools:
-    """Whether the plate bends on both sides of points (k,).
+    """Whether the plate can bend on both sides of points (k,).
 
-    It does not within a rigid zone, at a corner of the plate, nor, for a line, on the plate's edge.
+    The plate cannot bend within a rigid zone or at its corner nor, along a line, at its edge.
     """
     spread = np.array([not support.on_nodes for support in model.support], np.bool_)[points.support]
     rows = points.rows
@@ -367,7 +369,7 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
         return
     positions = np.array([place for i in rigid for place in model.support[i].at or ()])
     same = mesh.near.place
-    # Many points may coincide; one point of each cell represents all.
+    # Many points may coincide: points are rounded to cells, and one point of each cell represents all.
     _, first = np.unique(np.round((positions - mesh.middle) / same), axis=0, return_index=True)
     first = np.sort(first)
     cells, reach = positions[first], float(least.max()) * np.array([-1.0, -1.0, 1.0, 1.0])
@@ -386,7 +388,7 @@ def _points(model: Model, mesh: Mesh, rigid: Sequence[int], least: Floats) -> It
 
 
 def _limit(mesh: Mesh, positions: Floats, least: Floats) -> Floats:
-    """Least distance (q,) at positions (q, 2); 0 off the plate."""
+    """Least distance (q,) between rigid supports at positions (q, 2); 0 off the plate."""
     if (least == least[0]).all():
         return np.full(len(positions), least[0])
     where = mesh.locate(positions)
@@ -422,7 +424,7 @@ def _reached(support: Support, boxes: Floats) -> list[int]:
 
 
 def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterator[tuple[Floats, bool]]:
-    """Yield positions (q, 2) of points and line ends with False, then positions along each line with True."""
+    """Yield positions (q, 2) with False for points and line ends, then positions along each line with True."""
     if support.at is not None:
         yield np.array(support.at), False
     if support.where.shape is None:
@@ -444,12 +446,12 @@ def _looked_at(support: Support, beside: Targets | Sides, most: float) -> Iterat
 def _nearest(
     mesh: Mesh, support: Support, positions: Floats, along: bool, other: _Rigid, least: Floats
 ) -> tuple[Floats, float, float] | None:
-    """Position nearest to another support, too near and outside it; its distance, and the least distance there."""
+    """Position nearest to another support, if outside it but too near; its distance, and the least one allowed."""
     feet, apart = other.targets.nearest(positions)
     rounding = max(mesh.near.place, other.targets.off_arcs if isinstance(other.targets, Sides) else 0.0)
     near = (apart > rounding) & (apart < least.max())
     if along:
-        # Only where the distance hardly changes to both neighbours: parallel lines.
+        # Lines are parallel where the distance hardly changes between neighbouring positions.
         change = np.abs(np.diff(np.minimum(apart, 2.0 * float(least.max()))))
         flat = change <= _ALONG * np.hypot(*np.diff(positions, axis=0).T)
         near &= np.append(flat, True) & np.insert(flat, 0, True)

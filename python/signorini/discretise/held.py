@@ -1,4 +1,4 @@
-"""Dofs that supports hold at nodes, frames in which one slope is held alone, and rigid zones as bodies."""
+"""Dofs that supports hold at nodes, nodal axes along which a single slope is held, and rigid zones as bodies."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Bodies:
 
     @classmethod
     def of(cls, mesh: Mesh, zones: Zones, problems: Problems) -> Self:
-        """Join the nodes of rigid zones; zones that share a node are one body. Elements cut by a zone are problems."""
+        """Join the nodes of rigid zones; zones that share a node are one body. Elements cut by a zone are reported."""
         numbers = [number for number, zone in enumerate(zones.model.zone) if zone.rigid]
         for number in numbers:
             with problems.collected():
@@ -260,7 +260,10 @@ def sides_that_hold_turns(model: Model, mesh: Mesh) -> Ints:
 
 
 def held_at(placed: Placed, nodes: Ints, bodies: Bodies) -> Bools:
-    """Whether the points of a support at nodes (k,), −1 between nodes, are held dofs; slaves have no own dofs."""
+    """Mask (k,) of a support's points that are held dofs; ``nodes`` (k,) is −1 between nodes.
+
+    Slave nodes have no dofs of their own.
+    """
     support = placed.support
     at_dofs = (nodes >= 0) & ~bodies.inside[nodes] & (support.between is None)
     straight, compliant, tightened = np.array([not can_let_go(support), support.is_elastic, support.is_bolt])
@@ -268,7 +271,7 @@ def held_at(placed: Placed, nodes: Ints, bodies: Bodies) -> Bools:
 
 
 def _collect(mesh: Mesh, bodies: Bodies, placed: Placed, slopes: _Slopes) -> Iterator[Floats]:
-    """Yield deflections, as in `_settle`, and add slopes that a support holds at nodes of its line or its points."""
+    """Yield tables of deflections, as in `_settle`; add to ``slopes`` those that a support holds at nodes."""
     support, tangents = placed.support, dict[int, list[tuple[float, float]]]()
     nodes = placed.nodes if placed.sides is None else edge_nodes(mesh, placed.sides)[0]
     (numbers,) = np.nonzero(held_at(placed, nodes, bodies))
@@ -276,7 +279,7 @@ def _collect(mesh: Mesh, bodies: Bodies, placed: Placed, slopes: _Slopes) -> Ite
         return
     nodes = nodes[numbers]
     if placed.sides is None and "slope" in support.fixed:
-        # The normals of these two directions are both axes.
+        # The normals of these two tangents are the x and y axes.
         tangents = {node: [(0.0, 1.0), (-1.0, 0.0)] for node in nodes.tolist()}
     elif placed.sides is not None and support.holds_rotation:
         along, at = tangents_at_nodes(mesh, placed.sides), set(nodes.tolist())

@@ -1,4 +1,4 @@
-"""Laws of contact points, force over travel; and the laws of supports: no other module reads their keys for these."""
+"""Laws of contact points (force over travel) and of supports; no other module reads the keys of a support's law."""
 
 from __future__ import annotations
 
@@ -72,12 +72,12 @@ class Law:
 
     @cached_property
     def corners(self) -> Floats:
-        """First vertex (p, 2) of every piece; for the first piece, its last vertex."""
+        """Vertex (travel, force) at which each piece begins (p, 2); for the first piece, that at which it ends."""
         return np.array(self.vertices[:1] if self.straight else [self.vertices[0], *self.vertices])
 
     @cached_property
     def anchors(self) -> Floats:
-        """Travel and force (p, 2) of a reference point on each piece: its zero of force if it has one, else `corners`.
+        """Travel and force (p, 2) of a reference point on each piece: where the force is 0, else its `corners`.
 
         Forces near zero keep their digits even if the vertex is distant.
 
@@ -115,7 +115,7 @@ class Law:
 
     @cached_property
     def straight(self) -> bool:
-        """Whether the law is one line: the point neither lets go nor yields."""
+        """Whether the law is one straight line: the point neither opens nor yields."""
         return len(self.vertices) == 1 and self.ends[0] == self.ends[1]
 
     @property
@@ -155,9 +155,9 @@ class Law:
         return np.asarray(self.anchors[piece, 1] + self.slopes[piece] * (travels - self.anchors[piece, 0]))
 
     def pieces_at(self, force: Floats, tolerance: Floats, flat: bool = True) -> Ints:
-        """Pieces (..., k) that contain forces (..., k) within a tolerance (..., k).
+        """Index (..., k) of the piece that contains each force (..., k) within a tolerance (..., k).
 
-        Where several pieces do, choose one with slope 0 if ``flat``, else one with a slope.
+        If several pieces do, a piece with slope 0 is chosen if ``flat``, else one with another slope.
         """
         if self.straight:
             return np.zeros(force.shape, np.int64)
@@ -169,7 +169,7 @@ class Law:
         return np.where(candidate <= last, candidate, first)
 
     def flat_force(self, travel: ArrayLike) -> Floats:
-        """Force of the piece with slope 0 that contains each travel; infinite where the piece there has a slope.
+        """Force at each travel that lies on a piece with slope 0; infinite at a travel on a piece with another slope.
 
         Examples
         --------
@@ -209,7 +209,7 @@ LAWS = tuple(Law(ends=(0.0, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(ends=(slope, slope)) for slope in (1.0, np.inf))
 LAWS += tuple(Law(((0.0, 0.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
 LAWS += tuple(Law(((-travel, -1.0), (travel, 1.0)), (0.0, 0.0)) for travel in (1.0, 0.0))
-"""Unit laws, each with slope 1 and rigid: one-sided, two-sided, one-sided with limit 1, two-sided with limit 1."""
+"""Unit laws, one-sided, two-sided, one-sided with limit 1, two-sided with limit 1; each with slope 1 and rigid."""
 
 
 def acts_both_ways(support: Support) -> bool:
@@ -244,7 +244,7 @@ def partition(straight: Bools, compliant: Bools, at_dofs: Bools, tightened: Bool
     """Divide points (m,) into held dofs, springs and contact points: three masks.
 
     A straight law makes a spring where it is compliant, C > 0, and a held dof where it is rigid at a dof of the plate.
-    All other points are contact points, and so are those of ``tightened`` bolts, whose distances change.
+    All other points are contact points, and so are those of ``tightened`` bolts, whose ``distance`` changes.
     """
     linear = straight & ~tightened
     held, springs = linear & ~compliant & at_dofs, linear & compliant
@@ -252,7 +252,7 @@ def partition(straight: Bools, compliant: Bools, at_dofs: Bools, tightened: Bool
 
 
 def is_unyielding(support: Support) -> bool:
-    """Whether a support on the deflection is rigid without a limit."""
+    """Whether a support holds the deflection rigidly, without a limit of its force."""
     return support.is_rigid and not support.can_yield
 
 
@@ -262,7 +262,7 @@ def field_of(support: Support) -> Field | None:
 
 
 def on_soil(support: Support, positions: Floats, place: Place = ()) -> Bools:
-    """Whether a support acts at positions (q, 2) on it: a table of stiffness may give 0 there."""
+    """Mask (q,) of positions (q, 2) on a support at which it acts: a table of stiffness may give 0 there."""
     field = field_of(support)
     if field is None:
         return np.ones(len(positions), np.bool_)
@@ -278,13 +278,13 @@ def stiffness_place(support: Support, place: Place) -> Place:
 
 
 def constant_stiffness(support: Support) -> float | None:
-    """Stiffness of a support if it is one number, and no law."""
+    """Stiffness of a support if it is a constant; None if it varies, or if a law gives it."""
     stiffness = support.stiffness
     return stiffness.value if isinstance(stiffness, Expression) and stiffness.is_constant else None
 
 
 def orders_at(support: Support, numbers: Ints) -> Ints | None:
-    """Order (k,) in which bolts with given numbers are tightened by their preload; None without a preload."""
+    """Place (k,) in the order of tightening of the bolts with given numbers; None if the support has no preload."""
     return None if support.preload is None else np.broadcast_to(support.order or 1, support.point_count)[numbers]
 
 
@@ -342,7 +342,7 @@ def modulus_at(support: Support, positions: Floats, place: Place) -> Floats | No
 
 
 def levels_of(support: Support, positions: Floats, place: Place) -> tuple[Floats, Floats]:
-    """Deflections (q,) at positions (q, 2) at which a support begins to push the plate up, and to hold it down."""
+    """Deflections (q,) at which a support begins to push the plate up, and to hold it down, at positions (q, 2)."""
     gap = support.gap(*positions.T, at_least=0.0, place=(*place, "gap"))
     settlement = settlement_at(support, positions, place)
     return settlement + gap, settlement - gap
@@ -375,7 +375,7 @@ class Graphs(NamedTuple):
 def graphs_of(
     support: Support, positions: Floats, weights: Floats, stiffest: Floats, slopes: Floats, place: Place
 ) -> list[Graphs]:
-    """Laws of a support's points (m,) at positions (m, 2), one for each direction in which it acts after a gap.
+    """Laws of a support's points (m,) at positions (m, 2): one law, or two if there is a gap in both directions.
 
     ``weights`` (m,) are 1, lengths or areas, ``stiffest`` (m,) bounds the stiffness of springs. ``slopes`` (m,) are
     prescribed slopes, NaN for points on the deflection.
@@ -426,7 +426,7 @@ def slopes_at(support: Support, positions: Floats, place: Place = ()) -> Floats:
 
 
 def known_values(formula: Callable[..., Floats], positions: Floats) -> Floats:
-    """Values (q,) of a formula, NaN where it has none: it need have one only where the support acts."""
+    """Values (q,) of a formula at positions (q, 2); NaN where the formula has no value."""
     try:
         return formula(*positions.T)
     except InputError:
@@ -438,9 +438,9 @@ def known_values(formula: Callable[..., Floats], positions: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class SupportLaw:
-    """Law of a support over a field of deflections, pressures positive up; NaN where a formula has no value.
+    """Law that maps a field of deflections to pressures of a support, positive up; NaN where a formula has no value.
 
-    Free travel ends where the support begins to act or, with ``to_limit``, where it yields.
+    The free travel ends where the support begins to act or, with ``to_limit``, where it yields.
     """
 
     support: Support
@@ -448,12 +448,12 @@ class SupportLaw:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Least and largest pressure without a limit."""
+        """Least and largest pressure that the support's direction allows, without regard to its limit."""
         return {"down": (0.0, np.inf), "up": (-np.inf, 0.0), "both": (-np.inf, np.inf)}[self.support.direction]
 
     @property
     def has_curve_of_yielding(self) -> bool:
-        """Whether the part that yields has a curve as its border: limit and stiffness do not jump."""
+        """Whether a curve bounds the part of the support that yields: limit and stiffness do not jump."""
         law, jumps = self.support.law, _jumps(self.support.limit, self.support.modulus)
         return self.support.is_elastic and not jumps and (law is None or law[0][0] >= 0.0)
 
@@ -463,7 +463,7 @@ class SupportLaw:
         return settlement, gap + self._travel_at_limit(positions) if self.to_limit else gap
 
     def overlap(self, deflection: Floats, travel: tuple[Floats, Floats]) -> Floats:
-        """Travel (..., q) beyond the free travel; where negative, the gap."""
+        """Travel beyond the free travel, (..., q); if negative, its magnitude is the gap."""
         down, up = _beyond(deflection, travel)
         return {"down": down, "up": up}.get(self.support.direction, np.maximum(down, up))
 
@@ -501,7 +501,7 @@ class SupportLaw:
 
 
 def _beyond(deflection: Floats, travel: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    """Travel (..., q) down and up beyond settlement and free travel (q,)."""
+    """Travels (..., q) beyond the free travel g: w − s − g downwards and s − w − g upwards, with the settlement s."""
     settlement, gap = travel
     moved = deflection - settlement
     return moved - gap, -moved - gap

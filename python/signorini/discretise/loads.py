@@ -32,7 +32,7 @@ CANCELLED = 16 * float(np.finfo(float).eps)
 _BALANCED = 1e-12
 """Tolerance for a zero resultant, relative to the sum of magnitudes."""
 _NOTHING = 1e-9
-"""Tolerance for a wheel's print on the plate, relative to its area."""
+"""Largest part of a wheel's print off the plate that counts as rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class CaseLoad:
         return cls(nodal, np.zeros(3), couples, weighing, np.zeros(()), acting, tuple(plates))
 
     def on(self, plate: int) -> CaseLoad:
-        """The load on one of several plates; of a single plate, itself."""
+        """Load on the plate with a given index; for a model of one plate, this load."""
         return self.plates[plate] if self.plates else self
 
     @property
@@ -126,7 +126,7 @@ def case_loads(
     sides: Mapping[int, Ints | None],
     problems: Problems,
 ) -> dict[str, CaseLoad]:
-    """Load cases by name; ``sides`` are those of `loaded_sides`, and loads without an entry are left out."""
+    """Load cases by name; ``sides`` is the result of `loaded_sides`. Loads without an entry in it are left out."""
     model = zones.model
     cases: dict[str, CaseLoad] = {}
     motions = held.rigid_motions(mesh.points, mesh.middle) / [1.0, mesh.size, mesh.size]
@@ -137,7 +137,7 @@ def case_loads(
             onto = Onto(mesh, sections)
             result = _weighed(motions, _load(zones, onto, plate, footprints, load, sides_of_load, ("load", index)))
             cases[load.case] = cases[load.case] + result if load.case in cases else result
-    # Bolts are tightened by `analysis.tightening`: the case of a preload has a factor and a zero load.
+    # The case of a preload has a zero load; `analysis.tightening` reads its factor.
     cases |= {case: CaseLoad.none(mesh.node_count, len(mesh.elements)) for case in model.preload_cases}
     return {case: replace(_weighed(motions, load), acting=frozenset([case])) for case, load in cases.items()}
 
@@ -214,7 +214,7 @@ class Onto:
 
     @property
     def load(self) -> CaseLoad:
-        """The sum."""
+        """Sum of the loads that were added."""
         return CaseLoad(self._nodal, np.zeros(3), self._couples, self._nodal, self.through)
 
     def push(self, forces: Quadrature) -> None:
@@ -223,13 +223,13 @@ class Onto:
         self.through += self._sections.of_points(forces)
 
     def draw(self, along: Callable[[Levels], Quadrature]) -> None:
-        """Add forces along a line; ``along`` gives its quadrature, divided where levels change sign."""
+        """Add forces along a line; ``along`` maps levels to a quadrature that is divided where they change sign."""
         whole = along(())
         self._add(whole)
         self.through += self._sections.of_line(whole, along)
 
     def spread(self, quadrature: Quadrature, spread: Spread) -> None:
-        """Add a pressure, integrated at points."""
+        """Add a pressure; ``quadrature`` integrates it over its region."""
         forces = quadrature.times(spread.pressure(quadrature.elements, quadrature.positions))
         self._add(forces)
         self.through += self._sections.of_spread(forces, spread)
@@ -273,7 +273,7 @@ def _over_plate(zones: Zones, mesh: Mesh, order: int, levels: Levels) -> Quadrat
 
 
 def _turning(quadrature: Quadrature, couple: tuple[float, float]) -> Callable[[Ints, Floats], Floats]:
-    """The pressure that varies linearly over a footprint and whose resultant is a couple."""
+    """Function of elements and positions: the pressure, linear over a footprint, whose resultant is a couple."""
     # Coordinates from the middle, relative to the footprint's size, balance the three equations.
     middle = quadrature.weights @ quadrature.positions / quadrature.total
     size = np.sqrt(quadrature.total)
@@ -301,7 +301,7 @@ class Cases(Mapping[str, CaseLoad]):
         self._mesh, self._sections = mesh, sections
 
     def __getitem__(self, case: str) -> CaseLoad:
-        """Return a case."""
+        """Return the load of a case."""
         if case in self._still:
             return self._still[case]
         load, travelled = self._places[case]

@@ -49,7 +49,7 @@ _AROUND = 12
 _LEAST = 0.125
 """Least size of local refinement at borders, relative to the element size."""
 _LEAST_BESIDE_LINES = 0.25
-"""The same at lines, where smaller elements would be many."""
+"""Least size of local refinement at lines, relative to the element size; smaller elements would be too many."""
 _FOLLOWED = 0.55 * _LEAST_BESIDE_LINES
 """Least distance of a line from other geometry, relative to the element size, at which the mesh can follow it."""
 _SHARP = 0.42
@@ -105,7 +105,7 @@ def _require_sizes(model: Model, plate: OutlinedPlate) -> None:
 
 
 def to_follow(model: Model, where: str = "there", size: float | None = None) -> str:
-    """Advice on how to make the mesh follow a line that cuts elements: smaller elements, of a size, somewhere."""
+    """Advice on how to make the mesh follow a line that cuts elements: smaller elements of ``size`` at ``where``."""
     if isinstance(model.plate, MeshPlate):
         return "Make the mesh with sides along it."
     if model.plate.element == "q8r" and model.divisions is not None:
@@ -129,7 +129,7 @@ def sharp_corner(region: Region) -> Floats | None:
 
 
 def room_beside(model: Model, region: Region) -> float | None:
-    """Least distance of a region's sides from other lines that rows of elements follow; None without rows."""
+    """Least distance of a region's sides from other lines that rows of elements follow; None if there are no rows."""
     if not isinstance(model.plate, RectanglePlate) or model.divisions is None:
         return None
     (x, y), (a, b) = model.plate.origin, model.plate.size
@@ -157,7 +157,7 @@ def _read(model: Model, plate: MeshPlate, mesh: Mesh | None) -> tuple[Mesh, Mode
         raise InputError(str(error), place) from None
     require_memory(len(mesh.elements), place)
     _require_element(plate, mesh)
-    # To mitc9 a quadrilateral with a collapsed side is its triangle.
+    # mitc9 treats a quadrilateral with a collapsed side as a triangle.
     return mesh if plate.element == "q8r" else mesh.with_triangles(), _at_nodes(model, points)
 
 
@@ -281,7 +281,7 @@ def _edges(where: Where, plate: OutlinedPlate) -> list[Floats]:
 
 
 def _marks(shape: Region | Curve) -> Floats:
-    """Points (k, 2) by which a shape differs from its mirror images."""
+    """Points (k, 2) of a shape, enough to distinguish it from its mirror images."""
     segments, circles, arcs = shape.outline.segments, shape.outline.circles, shape.outline.arcs
     across = circles[:, None, :2] + circles[:, 2:, None] * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
     return np.concatenate([segments.mean(axis=1), *(part.reshape(-1, 2) for part in (segments, across, arcs))])
@@ -339,7 +339,7 @@ def _spread(low: float, high: float, step: float) -> Floats:
 
 
 def _rings(model: Model, size: float) -> tuple[Ring, ...]:
-    """Distinct circles along which supports and loads act, except circles small beside elements."""
+    """Distinct circles along which supports and loads act, except circles that are small compared with elements."""
     rings = [item.where.curve for item in supports_and_loads(model)]
     return tuple(dict.fromkeys(ring for ring in rings if isinstance(ring, Ring) and mesh_follows(ring, size)))
 
@@ -354,7 +354,7 @@ def _acted_on(model: Model) -> list[Region | Curve]:
 
 
 def _refined_beside(model: Model) -> list[Region | Curve]:
-    """Geometry that small elements follow: lines of supports and loads, areas and footprints of supports."""
+    """Geometry at which elements are refined: lines of supports and loads, areas and footprints of supports."""
     lines = [load.where.curve for load in model.load]
     of_supports = [shape for support in model.support for shape in support.where.shapes]
     return [*of_supports, *(line for line in lines if line is not None)]
@@ -368,7 +368,7 @@ def _radii(model: Model, center: Point, outer: float) -> list[float]:
 
 
 def _steps(model: Model, box: Box) -> Iterator[tuple[Drawing, Box]]:
-    """Yield curves along which expressions jump and a mesh may follow, each with the box that contains it."""
+    """Yield curves along which expressions jump, for the mesh to follow, each with the box that contains it."""
     items: list[tuple[Acting | Zone | None, PointFieldScalar | None]] = [(None, model.plate.thickness)]
     items += [(zone, zone.thickness) for zone in model.zone]
     for support in model.support:

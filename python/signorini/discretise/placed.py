@@ -196,7 +196,7 @@ def _at_one_place(mesh: Mesh, sampled: LineQuadrature, taken: Floats) -> tuple[L
     """Move points within tolerance of a node, or of a point in ``taken`` (k, 2), exactly onto it; return the nodes too.
 
     Two-sided points at one place then have equal rows. Nearly equal rows would be independent by rounding. One-sided
-    points need no such care, since either may let go.
+    points need no such care, since each may open.
     """
     nodes = mesh.nodes_at(sampled.positions)
     positions = np.where((nodes >= 0)[:, None], mesh.points[nodes], sampled.positions)

@@ -49,7 +49,7 @@ _ON_OUTLINE = 1e-4
 _APART = 0.25
 """Least distance of points on an outline, relative to the element's size."""
 _FOUR = 4
-"""Least number of points on a hull: they hold both slopes alike, on a circle and on a rectangle."""
+"""Least number of points on a hull: four points hold both slopes equally, on a circle and on a rectangle."""
 _NUDGE = 1e-4
 """Distance, relative to the element's size, at which elements around a point are searched."""
 _WITH_FOOTPRINTS = ("support", "load", "contact")
@@ -92,7 +92,7 @@ def located(
 
 
 def points_in_holes(mesh: Mesh, points: Floats) -> Bools:
-    """Whether points (q, 2) are in a hole of the plate."""
+    """Mask of points (q, 2) in a hole of the plate."""
     result = np.zeros(len(points), np.bool_)
     for hole in mesh.holes:
         result |= inside(points, hole)
@@ -116,7 +116,7 @@ def edge_sides(mesh: Mesh, names: tuple[str, ...], place: Place) -> Ints:
 
 
 def mesh_edges(mesh: Mesh, plate: Plate, where: Where, place: Place) -> Ints | None:
-    """Element sides (k, 3) along edges, a line or a circle; None if the mesh does not follow it."""
+    """Element sides (k, 3) along edges, a line or a circle; None if the mesh does not follow the line or circle."""
     if where.edges:
         return edge_sides(mesh, where.edges, place)
     along = where.curve
@@ -128,9 +128,9 @@ def mesh_edges(mesh: Mesh, plate: Plate, where: Where, place: Place) -> Ints | N
 
 
 def sides_beside(mesh: Mesh, where: Where, followed: Ints | None) -> Ints:
-    """Sides (k, 3) across which a line load makes shears jump: those that follow it, else those that it half covers.
+    """Sides (k, 3) across which a line load makes shears jump: ``followed``, else the sides that the line covers.
 
-    A line that ends beside a node is not followed, but shears jump across the sides that it covers.
+    A mesh does not follow a line that ends beside a node, but shears jump across the sides that the line covers.
     """
     if followed is not None:
         return followed
@@ -258,9 +258,9 @@ def quadratic_tangents(mesh: Mesh, triples: Ints) -> Floats:
 
 
 def outline(mesh: Mesh, plate: Plate, where: Where) -> Floats:
-    """Corners (k, 2) of the convex hull of a support's or load's geometry, in order; circles by their points.
+    """Corners (k, 2) of the convex hull of a support's or load's geometry, in order; listed points as they are.
 
-    Geometry is that of the input, independent of the mesh, unless the plate is itself a mesh.
+    Circles are polygons. Geometry is that of the input, independent of the mesh, unless the plate is itself a mesh.
     """
     if where.points:
         return np.array(where.points, dtype=np.float64)
@@ -311,18 +311,21 @@ class OutlinePoints:
 
 
 def outline_points(mesh: Mesh, plate: Plate, where: Where, covered: Bools) -> OutlinePoints:
-    """Points of an area's outline on its hull: its own corners and those of the elements (ne,) that it covers."""
+    """Points on an area's hull: corners of the area, and of elements on its outline.
+
+    ``covered`` (ne,) marks the elements in the area.
+    """
     size = float(np.sqrt(mesh.element_area[covered].mean()))
     corners, all_of_them = outline(mesh, plate, where), _candidates(mesh, where.region)
     candidates = _spread(all_of_them, _APART * size)
     if len(candidates) < _FOUR:
-        # An area within one or two elements: fewer points would hold one slope only, depending on their order.
+        # In an area within one or two elements, fewer points would hold one slope only, depending on their order.
         candidates = _spread(all_of_them, _APART * float(np.ptp(corners, axis=0).min()))
     return _around(mesh, candidates[_off_hull(corners, candidates) <= _ON_OUTLINE * mesh.diameter], size, covered)
 
 
 def missing_corners(mesh: Mesh, plate: Plate, where: Where, covered: Bools, reached: Floats) -> OutlinePoints:
-    """Corners of an area's hull without a point in ``reached`` (q, 2): tips, where the quadrature has no weight."""
+    """Sharp corners of an area's hull, with no quadrature point in ``reached`` (q, 2) at the corner."""
     corners = np.zeros((0, 2)) if where.region is None else _corners(where.region)
     corners = corners[_off_hull(outline(mesh, plate, where), corners) <= _ON_OUTLINE * mesh.diameter]
     near = mesh.near.place
@@ -337,7 +340,7 @@ def missing_corners(mesh: Mesh, plate: Plate, where: Where, covered: Bools, reac
 
 
 def _around(mesh: Mesh, points: Floats, size: float, covered: Bools) -> OutlinePoints:
-    """Points with the covered elements around them; points without such an element are left out."""
+    """Points, each with up to four covered elements around it; points without a covered element are left out."""
     around = np.concatenate([np.zeros((1, 2)), _NUDGE * size * np.column_stack([np.cos(_ROUND), np.sin(_ROUND)])])
     near = mesh.locate((points[:, None] + around).reshape(-1, 2)).elements.reshape(len(points), len(around))
     near = np.sort(np.where((near >= 0) & covered[near], near, -1), axis=1)[:, ::-1]

@@ -33,7 +33,7 @@ from signorini.model.parts import Part
 
 
 def discretise(model: Model, mesh: Mesh | None = None) -> Discretisation:
-    """Mesh the plate, or take the mesh, or mesh all plates, and turn supports and loads into arrays."""
+    """Discretise a model: mesh its plates, unless a mesh is given, and turn supports and loads into arrays."""
     made_by(model, Model, _advice(model), "model")
     if not model.plates:
         return discretise_plate(model, mesh)
@@ -61,7 +61,7 @@ def _advice(argument: object) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Joint:
-    """Contact points of a support between two plates: rows over both, with elements of the upper plate first.
+    """Contact points of a support between two plates; their rows are over both, with elements of the upper plate first.
 
     ``support``, ``upper`` and ``lower`` are indices in the whole model.
     """
@@ -72,7 +72,7 @@ class _Joint:
     points: ContactPoints
 
     def rows(self, first: Ints) -> tuple[Rows, Rows]:
-        """Rows over the upper and over the lower plate; ``first`` is the first element of each plate among all."""
+        """Rows over the upper and over the lower plate; ``first`` is the index of each plate's first element."""
         return self.points.rows.split(int(first[self.upper + 1] - first[self.upper]))
 
 
@@ -170,11 +170,11 @@ _COUNTS: tuple[Callable[[Discretisation], int], ...] = (
     lambda plate: len(plate.contacts),
     lambda plate: len(plate.repeated),
 )
-"""Numbers of nodes, elements, springs, contact points and redundant points of a plate."""
+"""Functions that count the nodes, elements, springs, contact points and redundant points of a plate."""
 
 
 def _offset(points: ContactPoints, first: int, supports: Ints) -> ContactPoints:
-    """Points of a plate with indices of the whole: its elements start at ``first``."""
+    """Points of a plate with indices into the joined arrays, in which its elements begin at ``first``."""
     rows, further = points.rows, points.rows.further
     beyond = Further(further.owners, further.elements + first, further.coefficients)
     moved = Rows(rows.elements + first, rows.coefficients, beyond)
@@ -186,7 +186,7 @@ def _offset_shared(points: ContactPoints, first: int) -> ContactPoints:
 
 
 def _over_both(joint: _Joint, first: Ints) -> ContactPoints:
-    """Contact points between two plates with element indices of the whole."""
+    """Contact points between two plates with element indices of the joined arrays."""
     points, (upper, lower) = joint.points, joint.rows(first)
     moved = Further(upper.further.owners, upper.further.elements + first[joint.upper], upper.further.coefficients)
     rows = Rows(upper.elements + first[joint.upper], upper.coefficients, moved)
@@ -274,14 +274,14 @@ def _plate_stiffness(each: Sequence[PlateStiffness]) -> PlateStiffness:
 
 
 class CasesOfPlates(Cases):
-    """Load cases by name, on all plates."""
+    """Load cases of several plates, by name."""
 
     def __init__(self, each: Sequence[Discretisation]) -> None:
         self._each = each
         self._names = tuple(dict.fromkeys(case for plate in each for case in plate.cases))
 
     def __getitem__(self, case: str) -> CaseLoad:
-        """Return a case."""
+        """Return the load of a case on all plates."""
         if case not in self._names:
             raise KeyError(case)
         return CaseLoad.join([plate.load_of(case) for plate in self._each])
@@ -307,7 +307,7 @@ def _of_whole(
     index: int,
     whole: Discretisation,
 ) -> OfWhole:
-    """Plate with a given index: its contacts with other plates become its own supports; indices into joined arrays."""
+    """Member ``index`` of the joined plates; contacts with other plates become supports of this plate alone."""
     plate, numbers = each[index], parts[index].numbers["support"]
     nodes, elements, springs, contacts, redundant = (np.cumsum([0, *map(count, each)]) for count in _COUNTS)
     tables, places = [plate.contacts], [np.arange(contacts[index], contacts[index + 1])]
@@ -352,7 +352,7 @@ def _of_whole(
 
 
 def _deflection_at(mesh: Mesh, other: Mesh) -> csr_array:
-    """Matrix (n, n') that interpolates another plate's deflections (n',) at own nodes (n,); 0 off the other plate."""
+    """Matrix (n, n') that interpolates deflections (n',) of the other plate at this plate's nodes (n,); 0 off it."""
     where = other.locate(mesh.points)
     (inside,) = np.nonzero(where.inside)
     values = other.shape_functions(where.elements[inside], where.xi[inside])

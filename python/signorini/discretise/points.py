@@ -69,7 +69,7 @@ class ContactPoints(Table, Brief):
         shared: Ints,
         numbers: Ints,
     ) -> Self:
-        """Points with given laws, not tightened."""
+        """Table of points with the laws ``graphs``; no bolt is tightened."""
         direction, distance, settlement, law, scale, unit, laws = graphs
         none, ways = np.zeros(len(rows)), np.full(len(rows), direction)
         of_law = distance, settlement, none, none, law, scale, unit, ways
@@ -136,7 +136,7 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def _pieces(self) -> tuple[Floats, Floats, Bools, Floats]:
-        """Slopes, forces at corners and whether first or last (laws, p) of pieces; ranges of forces (laws, p, 2)."""
+        """Slope, force at the corner, and whether first or last, of pieces (laws, p); ranges of force (laws, p, 2)."""
         shape = len(self.laws), max(len(law.slopes) for law in self.laws)
         slopes, forces, ends = np.full(shape, np.nan), np.zeros(shape), np.zeros(shape, np.bool_)
         ranges = np.zeros((*shape, 2))
@@ -163,9 +163,9 @@ class ContactPoints(Table, Brief):
         return backward, forward
 
     def pieces_at(self, reaction: Floats, tolerance: Floats | float, flat: bool = True) -> Pieces:
-        """Pieces (..., m) of the laws that contain the reactions (..., m) within a tolerance.
+        """Index (..., m) of the law's piece that contains each reaction (..., m) within a tolerance.
 
-        Where several pieces do, choose one with slope 0 if ``flat``, else one with a slope.
+        If several pieces do, a piece with slope 0 is chosen if ``flat``, else one with another slope.
         """
         result = np.zeros(reaction.shape, np.uint8)
         force, law_tolerance = reaction / self.scale, tolerance / self.scale
@@ -202,7 +202,7 @@ class ContactPoints(Table, Brief):
 
     @property
     def averaged(self) -> Bools:
-        """Whether points (m,) belong to areas that act on means of elements and at outline points."""
+        """Mask of points (m,) of areas that act on element means and at outline points."""
         return self.shared[:, 0] >= 0
 
 
@@ -210,9 +210,9 @@ class ContactPoints(Table, Brief):
 class Parts:
     """Indices of one support's nodes, springs and contact points.
 
-    ``nodes`` (h,) are nodes whose deflection it holds, ``springs`` (s,) its springs, except on slopes. ``rows`` (1, c)
-    or (2, c) are its contact points, except on slopes; with a gap in both directions, row 0 has the points that push
-    up, row 1 those that hold down. ``order`` (h + s + c,) sorts nodes, springs and contact points as in the input.
+    ``nodes`` (h,) are nodes at which it holds the deflection, ``springs`` (s,) its springs, except on slopes. ``rows``
+    (1, c) or (2, c) are its contact points, except on slopes; with a gap in both directions, row 0 has the points that
+    push up, row 1 those that hold down. ``order`` (h + s + c,) sorts nodes, springs and contact points as in the input.
     """
 
     nodes: Ints

@@ -20,7 +20,7 @@ def bolt_groups(
 ) -> list[tuple[int, Ints, Floats]]:
     """Return the groups of a round as (order, points (k,), forces (k,)); forces are positive.
 
-    A support with a preload has a group for each value of ``order``, and a [[tightening]] one for each of its sequence.
+    A support with a preload has a group for each value of ``order``; a [[tightening]], for each entry of ``sequence``.
     """
     (index,) = (number for number, support in enumerate(model.support) if support.name == bolt_round.support)
     support = model.support[index]
@@ -81,7 +81,7 @@ def _require_free(model: Model, index: int, numbers: Ints) -> None:
 
 
 def _factors(model: Model, bolt_round: Tightening, place: Place) -> Iterator[tuple[float, Place]]:
-    """Factors of the forces of a round, with the places where they stand."""
+    """Yield each factor of the forces of a round with its place in the input."""
     yield 1.0, place
     if bolt_round.case is not None:
         for number, combination in enumerate(model.combination):

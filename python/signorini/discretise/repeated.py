@@ -17,31 +17,31 @@ from signorini.mesh import Mesh
 from signorini.model import Model
 
 SAME = 1e-12
-"""Zero tolerance for parts of unit rows. Rounding is 1e-15; rows of two points 1e-9 of an element apart differ by
-1e-9."""
+"""Zero tolerance for entries of unit rows. Their rounding is 1e-15; rows of two points 1e-9 of an element apart differ
+by 1e-9."""
 _CLEAR = 1e-10
-"""Pivots of products of rows down to which these are independent beyond rounding."""
+"""Least pivot of G Gᵀ that shows rows G of unit length to be independent beyond rounding."""
 _MOST = 10_000
-"""Two-sided points between nodes; to tell which follow from others takes a dense matrix of them."""
+"""Largest number of rigid two-sided points between nodes: the search for dependent rows uses a dense matrix."""
 
 
 @dataclass(frozen=True, eq=False)
 class Followers:
-    """Rows (r,) that follow from others, each as a combination (r, g) of all rows but these."""
+    """Dependent rows (r,) of g rows: row i is the sum of ``combinations`` (r, g) times the independent rows."""
 
     rows: Ints
     combinations: csr_array
 
     @property
     def ties(self) -> csr_array:
-        """Independent combinations (r, g) of rows that are zero."""
+        """Independent combinations (r, g) of rows whose sum is zero."""
         count = len(self.rows)
         own = csr_array((np.ones(count), (np.arange(count), self.rows)), shape=self.combinations.shape)
         return csr_array(own - self.combinations)
 
 
 def within(rows: csr_array, dofs: Bools) -> csr_array:
-    """Rows where they are not rounding, and only on some dofs."""
+    """Rows restricted to the marked dofs; entries within rounding are removed."""
     rows = csr_array(rows, copy=True)
     rows.data[~dofs[rows.indices] | (np.abs(rows.data) <= SAME)] = 0.0
     rows.eliminate_zeros()
@@ -49,20 +49,20 @@ def within(rows: csr_array, dofs: Bools) -> csr_array:
 
 
 def lengths(rows: csr_array) -> Floats:
-    """Lengths (m,) of rows."""
+    """Euclidean norms (m,) of rows."""
     return np.asarray(np.sqrt(rows.multiply(rows).sum(axis=1)))
 
 
 def times(rows: csr_array, factor: Floats) -> csr_array:
-    """Rows times a number each (m,)."""
+    """Rows, each multiplied by its factor (m,)."""
     out = csr_array(rows, copy=True)
     out.data *= np.repeat(factor, np.diff(out.indptr))
     return out
 
 
 def parallel(rows: csr_array) -> tuple[Ints, Floats]:
-    """Number the directions (m,) of rows (m, n), and give their lengths along these, of either sign."""
-    # Two rows are parallel where they say the same of two fields that no row was made for.
+    """Index (m,) of each row's direction, the same for parallel rows, and the signed norm (m,) along that direction."""
+    # Rows of unit length are parallel if their products with two random vectors are equal up to the sign.
     fields = np.random.default_rng(0).normal(size=(rows.shape[1], 2))
     length = lengths(rows)
     said = (rows @ fields) / length[:, None]
@@ -76,7 +76,7 @@ def parallel(rows: csr_array) -> tuple[Ints, Floats]:
 
 
 def followers(rows: csr_array) -> Followers:
-    """Find rows (g, n), of length one, that follow from others: combinations of these leave only rounding of them.
+    """Find the rows among unit rows (g, n) that are linear combinations of others up to rounding.
 
     Examples
     --------
@@ -96,7 +96,7 @@ def followers(rows: csr_array) -> Followers:
     here = rows[some]
     products = csr_array(here @ here.T)
     if len(some) and not _clearly_independent(products):
-        # Importing scipy.linalg takes time, and most plates have no such rows.
+        # scipy.linalg takes time to import, and few plates have such rows.
         from scipy.linalg import qr, solve_triangular
 
         near = products.tocoo()
@@ -117,7 +117,7 @@ def followers(rows: csr_array) -> Followers:
 
 
 def _entangled(rows: csr_array) -> Ints:
-    """Rows that remain when those go, again and again, that have a dof to themselves."""
+    """Indices of the rows that remain after repeated removal of rows with a dof that no other row has."""
     pattern = csr_array((np.ones(rows.nnz), rows.indices, rows.indptr), shape=rows.shape)
     some = np.arange(rows.shape[0])
     while len(some):
@@ -131,7 +131,7 @@ def _entangled(rows: csr_array) -> Ints:
 
 
 def _clearly_independent(products: csr_array) -> bool:
-    """Whether no pivot of the rows' products is so small that rounding may have made it."""
+    """Whether rows are independent: every pivot of their products G Gᵀ is far above rounding."""
     from scipy.sparse.linalg import splu
 
     try:
@@ -144,9 +144,10 @@ def _clearly_independent(products: csr_array) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Repeated:
-    """Rigid two-sided points (r,) that follow from others, which carry the reactions of all in the equations.
+    """Redundant points (r,): rigid two-sided points whose rows depend on those of the contact points.
 
-    ``follows`` (r, m) has each row as a combination of the rows of contact points.
+    Only contact points have reactions in the equations. ``follows`` (r, m) gives each redundant row as a combination of
+    the rows of contact points.
     """
 
     points: ContactPoints
@@ -159,23 +160,24 @@ class Repeated:
 
 @dataclass(frozen=True, eq=False)
 class Shared:
-    """Points (p,) with reactions that are not unique; ``ways`` (p, k) is a basis of the changes with Gᵀλ = 0."""
+    """Points (p,) whose reactions are not unique; ``ways`` (p, k) is a basis of reactions λ with Gᵀλ = 0."""
 
     points: Ints
     ways: Floats
 
 
 def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) -> tuple[ContactPoints, Repeated]:
-    """Leave out points whose dofs are all held, and separate equations that depend on others.
+    """Return the contact points that can act, and the redundant points, whose equations depend on others.
 
-    Dependent slopes, and points of a line or area that depend on others of the same support, are left out: results do
-    not show their reactions. Rigid points at one place with different deflections are refused.
+    Points whose dofs are all held are left out. So are dependent slopes, and points of a line or area that depend on
+    others of the same support: results do not show their reactions. Rigid points at one place with different
+    deflections are refused.
     """
     contacts = contacts.pick(not_held(mesh, held, contacts))
     _require_agreement(mesh, held, contacts)
     _require_agreement_on_areas(model, mesh, held, contacts)
     rows = _over_dofs(mesh, held, contacts)
-    # Where every dof is held, no row depends on others.
+    # A row without free dofs depends on no other row.
     equations = np.flatnonzero(contacts.equations & _moves(rows, held))
     if len(equations) > _MOST:
         raise InputError(
@@ -197,7 +199,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
         raise contradiction(points.positions[row], mesh.size, others[0], points.support[row], float(beyond[first]))
     stay = np.ones(len(contacts), np.bool_)
     stay[equations[result.rows]] = False
-    # By unit rows; reactions go by the rows as they are.
+    # The combination is of unit rows; reactions refer to rows of the original length.
     follows = result.combinations.tocoo()
     which, of = follows.coords
     place = (np.cumsum(stay) - 1)[equations[of]]
@@ -210,7 +212,7 @@ def that_can_act(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) 
 
 
 def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> list[Shared]:
-    """Rigid points that can share their reactions, those that depend on each other together."""
+    """Groups of rigid points whose rows depend on each other, so that they can share their reactions."""
     rigid = np.flatnonzero((points.compliance == 0) & ~points.slope)
     rows = held.bodies.onto_leaders(points.rows[rigid].matrix(mesh.elements, len(held.dofs)))
     free = within(rows, ~held.dofs)
@@ -218,7 +220,7 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
     _, first = np.unique(group, return_index=True)
     ties = followers(times(free[first], 1.0 / scale[first])).ties
     tie, of = ties.nonzero()
-    # Groups, then ties, are the two sides of a graph.
+    # Groups of parallel rows and linear dependences (``ties``) are the two sides of a bipartite graph.
     label = components(len(first) + ties.shape[0], of.astype(np.int64), len(first) + tie.astype(np.int64))
     of_tie, label = label[len(first) :], label[: len(first)][group]
     order = np.argsort(label, kind="stable")
@@ -241,7 +243,7 @@ def _over_dofs(mesh: Mesh, held: Held, points: ContactPoints) -> csr_array:
 
 
 def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools:
-    """Whether results tell the reaction of a repeated point, or of another support that it may take some from."""
+    """Mask of redundant points whose reactions are shown: listed points, and those that depend on another support."""
     mine = repeated.points.support
     at_points = np.array([support.at is not None for support in model.support], np.bool_)[mine]
     owner, of = repeated.follows.nonzero()
@@ -251,12 +253,12 @@ def _is_told(model: Model, contacts: ContactPoints, repeated: Repeated) -> Bools
 
 
 def _moves(rows: csr_array, held: Held) -> Bools:
-    """Which rows (m,) have a part in dofs that are not held."""
+    """Mask of rows (m,) with an entry at a dof that is not held."""
     return np.asarray((abs(rows) > SAME) @ ~held.dofs)
 
 
 def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
-    """Which points (k,) act: not those whose every dof is held, unless they are compliant and pressed there."""
+    """Indices of the points (k,) that can act: those with a free dof, and compliant ones that held dofs press."""
     if not held.dofs.any():
         return np.arange(len(contacts))
     rows = _over_dofs(mesh, held, contacts)
@@ -272,14 +274,14 @@ def not_held(mesh: Mesh, held: Held, contacts: ContactPoints) -> Ints:
         raise contradiction(contacts.positions[first], mesh.size, by, contacts.support[first], float(beyond[first]))
     if not (fixed & pressed).any():
         return np.flatnonzero(~fixed)
-    # Points that are pressed keep their row of the opposite direction too.
+    # Where a point is pressed, the point of the opposite direction is kept too.
     spots = np.column_stack([contacts.support, contacts.slope, contacts.positions])
     _, spot = np.unique(spots, axis=0, return_inverse=True)
     return np.flatnonzero(~fixed | np.isin(spot, spot[fixed & pressed]))
 
 
 def _rounding(mesh: Mesh, held: Held, contacts: ContactPoints) -> Floats:
-    """By how much deflections, or slopes, at points (m,) may differ that are the same."""
+    """Tolerance (m,) for equal deflections, or slopes, at points."""
     by_length = np.where(contacts.slope, mesh.size, 1.0)
     at_nodes = np.abs(held.values.reshape(-1, 3) * [1.0, mesh.size, mesh.size]).max()
     rigid = contacts.compliance == 0
@@ -288,7 +290,7 @@ def _rounding(mesh: Mesh, held: Held, contacts: ContactPoints) -> Floats:
 
 
 def _require_agreement(mesh: Mesh, held: Held, contacts: ContactPoints) -> None:
-    """Refuse rigid points of which one asks for more deflection than another allows of the same row."""
+    """Refuse rigid points with parallel rows if one requires a larger deflection than another allows."""
     rigid = contacts.pick(contacts.compliance == 0)
     if not len(rigid):
         return
@@ -313,7 +315,7 @@ def _require_agreement(mesh: Mesh, held: Held, contacts: ContactPoints) -> None:
 
 
 def _require_agreement_on_areas(model: Model, mesh: Mesh, held: Held, contacts: ContactPoints) -> None:
-    """Refuse rigid points and lines within a rigid area that ask for another deflection there than the area does."""
+    """Refuse rigid points and lines on a rigid area that prescribe another deflection there than the area does."""
     on_nodes = np.array([support.on_nodes for support in model.support], np.bool_)
     rigid = contacts.pick((contacts.compliance == 0) & ~contacts.slope)
     points = ContactPoints.join([held.points, rigid.pick(on_nodes[rigid.support])])

@@ -22,7 +22,7 @@ RANK = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Further:
-    """Terms of rows in further elements: indices of rows ``owners`` (q,), ascending; coefficients (q, 24)."""
+    """Terms (q,) of rows in further elements: index of the row, ``owners``, ascending; coefficients (q, 24)."""
 
     owners: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     elements: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
@@ -45,7 +45,7 @@ class Rows:
         return len(self.elements)
 
     def __getitem__(self, which: npt.NDArray[np.generic]) -> Rows:
-        """Pick rows."""
+        """Select rows by a mask or by indices."""
         first_elements = self.elements[which], self.coefficients[which]
         further = self.further
         if not len(further.owners):
@@ -78,7 +78,7 @@ class Rows:
     def summed(cls, owners: Ints, elements: Ints, values: Floats, nodes: Ints) -> Rows:
         """Sum terms with coefficients ``values`` (k, 24) over elements (k,) into rows ``owners`` (k,).
 
-        Every row from 0 on has a term. ``nodes`` (ne, 8) are those of the mesh's elements.
+        Every row has at least one term. ``nodes`` (ne, 8) are those of the mesh's elements.
         """
         pairs, which = np.unique(np.column_stack([owners, elements]), axis=0, return_inverse=True)
         owner, element = pairs.T
@@ -94,7 +94,7 @@ class Rows:
         return cls(element[leads], coefficients[leads], Further(owner[~leads], element[~leads], coefficients[~leads]))
 
     def extended(self, others: Rows, first: int) -> Rows:
-        """Add the terms of as many other rows; their element indices are increased by ``first``."""
+        """Add the terms of ``others``, row by row; element indices of ``others`` are increased by ``first``."""
         of_first, further = self.further, others.further
         owners = np.concatenate([of_first.owners, np.arange(len(others)), further.owners])
         order = np.argsort(owners, kind="stable")
@@ -103,7 +103,7 @@ class Rows:
         return Rows(self.elements, self.coefficients, Further(owners[order], elements, coefficients))
 
     def split(self, first: int) -> tuple[Rows, Rows]:
-        """Invert `extended`: terms in elements below ``first``, and the others."""
+        """Invert `extended`: rows of the terms in elements below ``first``, and rows of the other terms."""
         further = self.further
         second = further.elements >= first
         of_first = Further(further.owners[~second], further.elements[~second], further.coefficients[~second])
@@ -114,7 +114,7 @@ class Rows:
 
     @property
     def arrays(self) -> tuple[Ints, Floats, Ints]:
-        """Elements (m + q,), coefficients (m + q, 24), and rows (q,) of the last q terms, as `_core` takes them."""
+        """Elements (m + q,), coefficients (m + q, 24), row indices (q,) of the last q terms, as `_core` takes them."""
         further = self.further
         if not len(further.owners):
             return self.elements, self.coefficients, further.owners
@@ -203,7 +203,7 @@ def interpolated(mesh: Mesh, frames: Floats | None, elements: Ints, xi: Floats, 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A table: its columns are fields of arrays or `Rows` of equal length; other fields hold for the whole table."""
+    """A table: fields that are arrays or `Rows` are columns of equal length; other fields hold for the whole table."""
 
     def __len__(self) -> int:
         """Count the rows."""

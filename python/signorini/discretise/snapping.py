@@ -21,7 +21,7 @@ from signorini.shapes.extent import Tolerances, diameter
 from signorini.shapes.outlines import Point
 
 _PASSES = 8
-"""Largest number of passes: targets move too, and the remaining distance converges quadratically."""
+"""Largest number of passes over all items. Each pass moves the targets too; the distances converge quadratically."""
 
 _Item: TypeAlias = Support | Zone | Load
 _Numbers = TypeVar("_Numbers", bound=tuple[float, ...])
@@ -31,8 +31,8 @@ class Snapped(NamedTuple):
     """A point, corner, circle or rectangle that was moved.
 
     ``what`` is its path in the input, such as ``support[2].line[1]``. ``begin`` and ``end`` are its coordinates before
-    and after: [x, y], for a circle [x, y, radius], for a rectangle [x0, y0, x1, y1]. ``onto`` is its target, an edge of
-    the plate or a path in the input.
+    and after the move: [x, y], for a circle [x, y, radius], for a rectangle [x0, y0, x1, y1]. ``onto`` names the
+    target: an edge of the plate or a path in the input.
     """
 
     what: str
@@ -54,8 +54,8 @@ def snapped(model: Model, mesh: Mesh | None = None) -> tuple[Model, tuple[Snappe
     """Move supports, zones and loads onto geometry nearer than ``mesh.snap``; return the model and the moves.
 
     The edges of the plate come first, then supports, zones and loads in the order of the input. A point or corner moves
-    onto a corner of an earlier item, else onto a side of any other item. A circle moves onto an earlier circle. The
-    largest distance is ``mesh.snap``; √2 times that into a corner of the plate. A line or an area that degenerates is
+    onto a corner of an earlier item, else onto a side of any other item. A circle moves onto an earlier circle. A move
+    is at most ``mesh.snap`` long, or √2 times that into a corner of the plate. A line or an area that degenerates is
     refused.
     """
     if not model.mesh.snap:
@@ -80,7 +80,7 @@ def snapped(model: Model, mesh: Mesh | None = None) -> tuple[Model, tuple[Snappe
 
 
 def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
-    """The edges of the plate as targets, by name, and the plate's diameter."""
+    """Edges of the plate as targets, one for each name, and the plate's diameter."""
     if not isinstance(model.plate, OutlinedPlate):
         assert mesh is not None  # a plate from a file
         nodes = mesh.points[mesh.boundary]
@@ -97,7 +97,7 @@ def _plate(model: Model, mesh: Mesh | None) -> tuple[list[_Target], float]:
 
 
 def _target(path: Place, item: _Item) -> _Target:
-    """Target of an item; items on edges have none beside the plate's."""
+    """Corners, sides and circles of an item; empty if it is on edges of the plate."""
     outline = item.where.outline
     corners = [
         *item.where.points,
@@ -108,7 +108,7 @@ def _target(path: Place, item: _Item) -> _Target:
 
 
 def _near(targets: Sequence[_Target], reach: float) -> list[tuple[Ints, Ints]]:
-    """Indices of the earlier and later targets that each item may reach, even if both move."""
+    """Indices of the earlier and of the later targets within reach of each item, even if both move."""
     drawn = [Targets.join([target.corners, target.sides]) for target in targets if isinstance(target.sides, Targets)]
     boxes = np.array([item.bounds if len(item.points) + len(item.arcs) else (np.inf,) * 4 for item in drawn])
     low, high = boxes[:, :2] - 4.0 * reach, boxes[:, 2:] + 4.0 * reach
@@ -121,9 +121,9 @@ def _near(targets: Sequence[_Target], reach: float) -> list[tuple[Ints, Ints]]:
 
 @dataclass(frozen=True, eq=False)
 class _Snapper:
-    """Moves one item, at most by ``reach``: onto the plate, onto earlier items (``before``), onto sides of later ones.
+    """Moves one item by at most ``reach``: onto the plate, earlier items (``before``), or sides of later ones.
 
-    Moves smaller than ``same`` are not recorded in ``moved``.
+    Later items are ``behind``. Moves up to ``same`` are not recorded in ``moved``.
     """
 
     reach: float
@@ -196,7 +196,7 @@ class _Snapper:
         return {"polygon": tuple(corners)} if corners else {}
 
     def _rectangle(self, path: Place, box: Box) -> Box:
-        """Move a rectangle, which remains one: the first of its two corners that moves a side decides."""
+        """Move a rectangle, which stays one: each side follows the first of its corners that changes its coordinate."""
         x0, y0, x1, y1 = box
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
         result = [self._corner(coordinates) for coordinates in corners]
@@ -213,7 +213,10 @@ class _Snapper:
         return Circle.model_construct(center=(x, y), radius=radius)
 
     def _ring(self, path: Place, ring: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Snap a circle to the nearest one of the plate or earlier items, by the largest distance of their points."""
+        """Snap a circle to the nearest circle of the plate or of earlier items.
+
+        The distance of two circles is that of their centres plus the difference of their radii.
+        """
         circles = [
             (circle, target.name) for target in (*self.plate, *self.before) for circle in target.circles.tolist()
         ]
@@ -232,7 +235,7 @@ class _Snapper:
         return end
 
     def _corner(self, point: Point) -> tuple[Point, str]:
-        """The corner, or else the foot on a side, that a point moves onto, and the target's name."""
+        """Corner, else nearest position on a side, that a point moves onto; and the target's name."""
         # A point near two edges of the plate moves into their corner.
         several = len(self._near(point, self.plate, "sides")) > 1
         corners = self._near(point, self.plate, "corners", math.sqrt(2.0) if several else 1.0)
@@ -243,7 +246,7 @@ class _Snapper:
         return place, name
 
     def _side(self, point: Point) -> tuple[Point, str]:
-        """The foot on a side that a point moves onto, and the target's name; the point itself if no side is near."""
+        """Nearest position on a side in reach, and its target's name; the point and "" if no side is in reach."""
         free = [target for target in self.behind if not self._near(point, [target], "corners")]
         edges, others = self._near(point, self.plate, "sides"), self._near(point, [*self.before, *free], "sides")
         if not (edges or others):
@@ -254,7 +257,7 @@ class _Snapper:
     def _near(
         self, point: Point, targets: Iterable[_Target], attribute: Literal["corners", "sides"], reaches: float = 1.0
     ) -> list[tuple[float, Point, str]]:
-        """Distance, nearest position and name of each target whose corners or sides are within reach of a point."""
+        """Distance, nearest position and name of each target with corners or sides in reach, times ``reaches``."""
         result = []
         for target in targets:
             (place,), (apart,) = getattr(target, attribute).nearest(np.array([point]))

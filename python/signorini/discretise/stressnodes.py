@@ -1,4 +1,4 @@
-"""Nodes of moments and shears; at a jump there is one node for each side."""
+"""Stress nodes, at which moments and shears are given; at a jump there is one node for each side."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from signorini.mesh.isoparametric import SIDES, real_sides
 from signorini.shapes import Region
 
 _BESIDE = 1e-3
-"""Distance of the point that gives the thickness beside an element side, relative to the way to the middle."""
+"""Distance from an element side at which the thickness beside it is taken, relative to that of the element's middle."""
 _INSIDE = 1e-6
-"""Distance of the point that gives the thickness at a node, relative to the way to the middle of the element."""
+"""Distance from a node at which its thickness is taken, relative to that of the element's middle."""
 _SAME = 1e-6
 """Smallest relative jump of the thickness that counts as a step; extrapolation of a smooth thickness has less error."""
 _ASIDE = 0.05
-"""Distance of the points that are tested against an area, relative to the way to the middle of the element."""
+"""Distance from an element side of points tested against an area, relative to that of the element's middle."""
 _STATIONS = np.array([0.25, 0.75])
-"""Positions along a side, from 0 to 1, at which both elements are compared: an outline across it differs at one."""
+"""Positions along a side, from 0 to 1, at which its two elements are compared; an outline across it differs at one."""
 _ALIKE = 1e-9
 """Relative tolerance for equal magnitudes on two sides of a jump: without it rounding would choose the side."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Points in each element that contains them: indices of points (k,), ascending, and locations."""
+    """Pairs (k,) of a point and an element that contains it: index of the point, ascending, and location."""
 
     point: Ints
     where: Location
 
     def larger(self, values: Floats) -> Floats:
-        """Value of largest magnitude (..., q, f) of each point, from the values (..., k, f) on every side.
+        """Value of largest magnitude (..., q, f) of each point, from the values (..., k, f) of its pairs.
 
         If two magnitudes are equal up to rounding, the positive value is taken.
         """
@@ -50,7 +50,7 @@ class Sides:
         return np.where(high >= -(1.0 - _ALIKE) * low, high, low)
 
     def alike(self, values: Floats) -> Floats:
-        """Thickness (q,) of each point from the thickness (k,) on every side; NaN where it jumps."""
+        """Thickness (q,) of each point from the thickness (k,) of its pairs; NaN where it jumps."""
         first = np.flatnonzero(np.diff(self.point, prepend=-1))
         high, low = (extreme.reduceat(values, first) for extreme in (np.maximum, np.minimum))
         return np.where(high - low <= _SAME * high, low, np.nan)
@@ -60,9 +60,10 @@ class Sides:
 class StressNodes(Remade):
     """Nodes of moments and shears: the n nodes of the mesh, followed by d further ones on jumps, s = n + d.
 
-    ``further`` (d,) is the mesh node of each further node: a mesh node on a jump has one stress node for each side.
-    ``around`` (k,) are the elements with such nodes, ``rows`` (k, 8) their stress nodes. Elements (ne,) in ``left_out``
-    are excluded from extremes and colour scales: rigid ones, and those of zones with ``extremes = false``.
+    A mesh node on a jump has one stress node for each side; ``further`` (d,) is the mesh node of each further node.
+    ``around`` (k,) are the elements with further nodes, ``rows`` (k, 8) the stress nodes of these elements. Elements
+    marked in ``left_out`` (ne,) are excluded from extremes and colour scales: rigid ones, and those of zones with
+    ``extremes = false``.
     """
 
     mesh: Mesh
@@ -113,12 +114,12 @@ class StressNodes(Remade):
         return values if len(values) == self.count else np.asarray(values[self.nodes])
 
     def at(self, sides: Sides, values: Floats) -> Floats:
-        """Interpolate values (s, ...) at stress nodes to points on every side of a jump: (k, ...)."""
+        """Interpolate values (s, ...) at stress nodes to the k pairs of a point and an element: (k, ...)."""
         shapes = self.mesh.shape_functions(sides.where.elements, sides.where.xi)
         return np.asarray(np.einsum("qi,qi...->q...", shapes, values[self.elements[sides.where.elements]]))
 
     def sides(self, positions: Floats, where: Location) -> Sides:
-        """Locate points (q, 2) on every side of a jump; ``where`` is one element of each."""
+        """Locate points (q, 2) in every element that contains them; ``where`` has one element of each point."""
         if not len(self.further):
             return Sides(np.arange(len(positions)), where)
         return Sides(*self.mesh.holding(positions))
@@ -127,10 +128,10 @@ class StressNodes(Remade):
 def stress_nodes_of(
     mesh: Mesh, zones: Zones, along: Iterable[Ints], areas: Sequence[Region], rigid: Bools
 ) -> StressNodes:
-    """Split nodes on jumps: elements around a node share a stress node if they meet in sides without a jump.
+    """Split nodes on jumps: elements around a node share a stress node if sides without a jump connect them.
 
     Moments and shears jump with the section, and at rigid elements (ne,). Shears jump along sides (k, 3) with a line
-    force, and along the outlines of rigid areas. Moments jump where such a support holds a slope.
+    force, and along the outlines of rigid areas. Moments jump along a line on which a support holds the slope.
     """
     nodes = replace(StressNodes.of_mesh(mesh), left_out=rigid | zones.without_extremes)
     on_lines = np.concatenate([np.zeros(0, np.int64), *(sides[:, 1] for sides in along)])
@@ -179,7 +180,7 @@ def _jumps(mesh: Mesh, zones: Zones, pairs: Ints) -> Bools:
 
 
 def _on_outline(mesh: Mesh, area: Region, pairs: Ints) -> Bools:
-    """Whether an area covers one of two elements only, at pairs of their common sides (k, 2)."""
+    """Whether an area covers only one of two elements, at pairs of their common sides (k, 2)."""
     elements = np.repeat(pairs.ravel() // 4, 2)
     begin, end = (np.repeat(ends, 2, axis=0) for ends in mesh.corners_of_sides(pairs.ravel() // 4, pairs.ravel() % 4))
     # The second element traverses the side in the opposite direction.
@@ -196,7 +197,7 @@ def _made(mesh: Mesh, zones: Zones, elements: Ints, xi: Floats) -> tuple[Floats,
 
 
 def _parted(stress_nodes: StressNodes, joined: Ints, nodes: Ints) -> StressNodes:
-    """Split nodes (j,) between elements that no common side without a jump (k, 2) joins."""
+    """Split nodes (j,): one stress node for each group of elements that sides without a jump, ``joined``, connect."""
     mesh = stress_nodes.mesh
     count = mesh.node_count
     on_jump = np.zeros(count, np.bool_)

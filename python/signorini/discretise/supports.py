@@ -1,4 +1,4 @@
-"""Points of supports with row and law, and their partition into springs and contact points."""
+"""Points of supports, each with its row and law; partition of the points into springs and contact points."""
 
 from __future__ import annotations
 
@@ -44,23 +44,24 @@ from signorini.mesh import Mesh
 from signorini.model import Plate, Support
 
 _GAUSS_RIGID = 2
-"""Number of points on each piece of a rigid line between nodes: no more than the free dofs there."""
+"""Number of points in each element on a rigid line that crosses elements: at most the number of free dofs there."""
 _ROW = 3
-"""Least number of elements in which a rigid line that cannot let go acts on element means.
+"""Least number of elements across which a rigid two-sided line acts on element means.
 
 Two points in each element of a row would lock the plate, with reactions determined by rounding. In fewer elements, the
 means would leave the plate free to turn."""
 _STIFF = 1e3
 """Least stiffness of a bed that acts on element means, relative to `PlateStiffness.in_waves`.
 
-More points would outnumber the free deflections of an element. The deflection that remains is that of the mesh."""
+Several points would outnumber the free deflections of an element. The deflection that remains beside the mean is part
+of the mesh error."""
 STIFFEST_SPRING = 1e8
 """Largest stiffness of a spring relative to the plate's stiffness in shear.
 
-A stiffer one changes no result in eight digits, and rounds K. A one-sided spring above it is rigid, since its force
-would be the rounding of penetrations."""
+A stiffer spring changes no result in eight digits, but increases rounding in K. If it is one-sided, it becomes rigid,
+since its force would be the rounding of penetrations."""
 _LEAST_PART = 0.1
-"""Least part of a support on which a field must give a stiffness; less suggests other units."""
+"""Least part of a support, by weight, on which a table must give a stiffness; less suggests wrong units."""
 _NONE = 1e-12
 """Largest coefficient of a row, relative to the sum 1 of shape functions, that counts as zero."""
 
@@ -70,7 +71,7 @@ _OFF = 0.02
 
 @dataclass(frozen=True, eq=False)
 class _SupportPoints(Table):
-    """Points of one support with their rows, before it is given a law.
+    """Points of one support with their rows, before they get the support's law.
 
     ``within`` (q, 2) are points inside the element, beside a jump, at which formulas are evaluated. ``slope`` (q,) are
     prescribed slopes, NaN where the rows are of the deflection. ``shared`` and ``numbers`` are as in `ContactPoints`.
@@ -88,7 +89,7 @@ class _SupportPoints(Table):
     def of(
         cls, rows: Rows, points: LineQuadrature, slope: Floats | float = np.nan, numbers: Ints | int = 0
     ) -> _SupportPoints:
-        """Take the rows of quadrature points."""
+        """Make the points from quadrature points and their rows."""
         count = len(rows)
         values = np.broadcast_to(slope, count), np.full((count, 4), -1), np.broadcast_to(numbers, count)
         return cls(rows, points.positions, points.within, points.weights, *values)
@@ -274,13 +275,13 @@ def _along_line(plate: SupportedPlate, placed: Placed) -> list[_SupportPoints]:
 
 
 def _on_area(plate: SupportedPlate, placed: Placed) -> _SupportPoints:
-    """Points of an area: Gauss points of an elastic one, element means and outline points of a nearly rigid one.
+    """Points of an area: Gauss points of an elastic area, element means and outline points of a nearly rigid area.
 
     One-sided areas have points on their outline.
     """
     support, place = placed.support, placed.place
     mesh, elastic, one_sided = plate.mesh, support.is_elastic, not acts_both_ways(support)
-    # Points on the outline have no free dofs where nodes hold the plate.
+    # Where a corner of an element is held, points on the outline would have no free dof.
     free_corners = np.asarray(~plate.held.dofs[3 * mesh.elements[:, :4]].any(axis=1))
     to_outline = free_corners if elastic and one_sided else None
     quadrature = in_area(
@@ -301,7 +302,7 @@ def _on_area(plate: SupportedPlate, placed: Placed) -> _SupportPoints:
 
 
 def _with_law(plate: SupportedPlate, placed: Placed, acting: _SupportPoints) -> list[ContactPoints]:
-    """Give points the law of their support; a support with a gap in both directions has a table for each."""
+    """Give points the law of their support: one table, or one for each direction if the support has a gap in both."""
     stiffest = STIFFEST_SPRING * plate.stiffness.in_shear[acting.rows.elements]
     positions = _places(placed.support, acting)
     graphs = graphs_of(placed.support, positions, acting.weights, stiffest, acting.slope, placed.place)
@@ -309,7 +310,7 @@ def _with_law(plate: SupportedPlate, placed: Placed, acting: _SupportPoints) -> 
 
 
 def _turning(plate: SupportedPlate, placed: Placed) -> list[ContactPoints]:
-    """Rotational springs on the slope normal to a line, or on both slopes at points; none without their stiffness."""
+    """Rotational springs on the slope normal to a line, or on both slopes at points; empty if the support has none."""
     mesh, support, place = plate.mesh, placed.support, (*placed.place, "rotational_stiffness")
     stiffness = support.rotational
     if not stiffness:
@@ -342,13 +343,13 @@ def _turning(plate: SupportedPlate, placed: Placed) -> list[ContactPoints]:
 
 
 def _points(placed: Placed, acting: _SupportPoints, graphs: Graphs) -> ContactPoints:
-    """Points of a support with given laws."""
+    """Table of a support's points with the laws ``graphs``."""
     where = ~np.isnan(acting.slope), acting.positions, acting.weights, np.full(len(acting), placed.index, np.int64)
     return ContactPoints.of(graphs, acting.rows, *where, acting.shared, acting.numbers)
 
 
 def _means(plate: SupportedPlate, through: _SupportPoints) -> _SupportPoints:
-    """Average the points of every element; see `places`."""
+    """Replace the points of each element by one, with the mean of their rows, positions and slopes by weight."""
     elements, inverse = np.unique(through.rows.elements, return_inverse=True)
     area = np.bincount(inverse, through.weights).astype(np.float64)
 
@@ -392,7 +393,7 @@ def _with(plate: SupportedPlate, placed: Placed, acting: _SupportPoints, result:
 
 
 def _once(mesh: Mesh, points: LineQuadrature) -> LineQuadrature:
-    """Points of a line each once, where its pieces share them."""
+    """Merge points that neighbouring pieces of a line share, and add their weights."""
     rounded = np.round(points.positions / mesh.near.place)
     _, first, point = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     weights = np.bincount(point.ravel(), points.weights).astype(np.float64)[point.ravel()]

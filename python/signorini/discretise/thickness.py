@@ -20,19 +20,21 @@ _RANGE = (1e-6, 1.0)
 """Least and largest thickness relative to the plate's size (docs/domain.md)."""
 
 _ORDER = 4
-"""Number of Gauss points in each direction on parts of a cut element: h³ of a linear thickness is exact."""
+"""Number of Gauss points in each direction on parts of a cut element: h³ of a linear thickness is integrated
+exactly."""
 
 _BESIDE = 2e-3
-"""Distance from a step, in reference coordinates, at which its two thicknesses are evaluated."""
+"""Distance from a step, in reference coordinates, at which the thicknesses on its two sides are evaluated."""
 
 _SHORT = 1e-3
-"""Smallest length of a piece of a step, relative to the element size, that has a direction."""
+"""Least length of a piece of a step, relative to the element size; shorter pieces have no reliable direction."""
 
 _SOFTEST = 1e-9
-"""Least rigidity across a step relative to that along it; smaller values are lost in rounding where it is oblique."""
+"""Least rigidity across a step, relative to that along it. Smaller values are lost in rounding if the step is
+oblique."""
 
 _SAME = 1e-9
-"""Smallest relative jump of the thickness that counts as a step; formulas may be continuous between branches."""
+"""Smallest relative jump of the thickness that counts as a step: branches of a formula may meet within rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +75,8 @@ class Thickness:
 class PlateStiffness:
     """Stiffness of the plate by element (ne,).
 
-    ``in_waves`` is pressure over deflection for waves two elements long, ``in_shear`` the shear rigidity, a force over
-    a length.
+    ``in_waves`` is the ratio of pressure to deflection in a wave two elements long. ``in_shear`` is the shear rigidity,
+    force per length.
     """
 
     in_waves: Floats
@@ -82,7 +84,7 @@ class PlateStiffness:
 
     @classmethod
     def of(cls, mesh: Mesh, zones: Zones, thickness: Floats) -> Self:
-        """Take the thickness (ne, p) at section points, or (1, 1)."""
+        """Compute the stiffness from the thickness (ne, p) at section points, or (1, 1) if it is constant."""
         h = np.broadcast_to(thickness.mean(axis=1), len(mesh.elements))
         number = zones.of_elements.rigidity
         unit = np.array([[rigidity.in_waves, rigidity.in_shear] for rigidity in zones.rigidities])[number]
@@ -125,7 +127,7 @@ def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
 
 
 def _crossing(zones: Zones, mesh: Mesh) -> tuple[list[Callable[[Floats], Floats]], Bools]:
-    """Levels at which the thickness may jump or a zone ends, and mask (levels, ne) of the elements they cross."""
+    """Functions that are zero where the thickness jumps or a zone ends; mask (functions, ne) of elements they cross."""
     parted, of_elements = zones.parted.any(axis=0), zones.of_elements.thickness
     sought: list[tuple[Sequence[Callable[[Floats], Floats]], Bools]] = []
     for formula in dict.fromkeys(zones.formulas):
@@ -150,7 +152,7 @@ def _evaluated(zones: Zones, mesh: Mesh, elements: Ints, points: Floats) -> tupl
 
 def _require_plate(zones: Zones, mesh: Mesh, thickness: Floats, formula_of: Ints, points: Floats) -> None:
     thinnest, thickest = _RANGE[0] * mesh.size, _RANGE[1] * mesh.size
-    # Away from the origin the plate's size is rounded.
+    # The tolerance is for the plate's size, which is rounded far from the origin.
     wrong = (thickness < (1.0 - _SAME) * thinnest) | (thickness > (1.0 + _SAME) * thickest)
     if wrong.any():
         first = int(np.argmax(wrong))
@@ -164,7 +166,7 @@ def _require_plate(zones: Zones, mesh: Mesh, thickness: Floats, formula_of: Ints
 
 @dataclass(frozen=True, eq=False)
 class _Fronts:
-    """Pieces (f,) of steps of the stiffness: element, unit normal (f, 2), and weight, length times jump."""
+    """Pieces (f,) of steps: element, unit normal (f, 2), and weight, which is length times jump of bending rigidity."""
 
     elements: Ints
     normals: Floats
@@ -190,7 +192,7 @@ def _jumps(zones: Zones, mesh: Mesh, cut: Cut) -> _Fronts:
     )
     bending = np.array([rigidity.in_waves for rigidity in zones.rigidities])
     sides = bending[rigidity_before] * thickness_before**3, bending[rigidity_after] * thickness_after**3
-    # A jump in shear or twist only has a direction, too.
+    # A jump that leaves the bending rigidity unchanged needs a positive weight, too.
     step = np.maximum(np.abs(sides[0] - sides[1]), _SAME * np.maximum(*sides))
     return _Fronts(elements[real], normals[real], (step * length)[real])
 
@@ -204,9 +206,9 @@ def _sections(
     inside: tuple[Floats, Ints],
     fronts: _Fronts,
 ) -> Floats:
-    """Rigidities (k, p, 9) of elements as laminates of strips along the step (docs/theory.md, section 4).
+    """Rigidities (k, p, 9) of k elements as laminates of strips along the step (docs/theory.md, section 4).
 
-    Each section point takes means over the quarters of the element that contain it; in triangles, over the whole.
+    Each section point takes means over the quarters of the element that contain it; in a triangle, over the element.
     """
     n = fronts.normals
     bent = np.column_stack([n**2, 2.0 * n.prod(axis=1)])
@@ -224,9 +226,10 @@ def _sections(
 def _quarter_means(
     mesh: Mesh, xi: Floats, elements: Ints, cut: Quadrature, thickness: Floats, number: Ints
 ) -> Callable[[int], Floats]:
-    """Mean of a power of the thickness over the quarters around each point (k, p, 2) of the elements.
+    """Return the function that maps an exponent n to means of hⁿ at section points ``xi`` (k, p, 2) of elements (k,).
 
-    The function returned maps the power to parts by material (materials, k, p), whose sum is the mean.
+    Means are over the element's quarters around each point. They are given by material, (materials, k, p); the sum over
+    materials is the mean.
     """
     in_elements = np.isin(cut.elements, elements)
     quarter = (cut.xi[in_elements] > 0.0) @ np.array([1, 2])
@@ -249,9 +252,9 @@ def _laminate(
 ) -> Floats:
     """Rigidities (k, p, d, d) of a laminate: the mean along the step, the harmonic mean across it.
 
-    ``means`` maps a power of the thickness to its means (m, k, p) by material. ``plates`` (m, d, d) are rigidities of
-    the materials at thickness 1, multiplied by the thickness to ``power``. ``strains`` (f, d) are strains across each
-    front, ``place`` (f,) the index of its element, ``weights`` (f,) its share of the element.
+    ``means`` maps an exponent n to the means (m, k, p) of hⁿ by material. ``plates`` (m, d, d) are rigidities of the
+    materials at h = 1, to be multiplied by h to ``power``. ``strains`` (f, d) are strains across each front, ``place``
+    (f,) the index of its element. ``weights`` (f,) sum to 1 over the fronts of an element.
     """
     along, part, inverse = means(power), means(0), means(-power)
     mean = np.einsum("mkp,mij->kpij", along, plates)

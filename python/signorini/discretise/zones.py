@@ -1,4 +1,4 @@
-"""Section of the plate at each place: its own thickness and stiffness, or those of zones."""
+"""Section (thickness and stiffness) at each position on the plate, as the plate or its zones prescribe it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SLIVER = 0.01
 
 A parabola over 45° of a circle has this error."""
 _ROUNDING = 1e-6
-"""The same in elements with a narrow strip between zones, which is no rounding."""
+"""Value used in place of `_SLIVER` in elements with a narrow strip between zones, whose area is no rounding."""
 _NARROW = 0.05
 """Largest width of a narrow strip, relative to the side of an element."""
 _BESIDE = 1e-6
@@ -118,10 +118,11 @@ class Rigidity:
 
 
 class SectionIndex(NamedTuple):
-    """Indices (q,) of the section at each point; 0 is the plate, i is zone i.
+    """Which of plate (0) and zones (1, 2, ...) determines the section at each point (q,).
 
-    ``thickness`` and ``material`` are where these come from, ``rigidity`` is an index into ``Zones.rigidities``.
-    ``section`` equals ``material``, or 1 + number of zones + i where the stiffness of i applies.
+    ``thickness`` and ``material`` are the parts that give thickness and material; ``rigidity`` is an index into
+    ``Zones.rigidities``. ``section`` equals ``material``, or 1 + number of zones + i where the stiffness of part i
+    applies.
     """
 
     thickness: Ints
@@ -134,11 +135,11 @@ class SectionIndex(NamedTuple):
 class Zones:
     """The zones of a model on a mesh.
 
-    ``inside`` (z, ne) marks the elements of each zone, by their middles where its border cuts them; ``parted`` (z, ne)
-    marks elements that the border cuts. ``rigidities`` (r,) are the distinct ones, that of the plate first; ``young``
-    (r,) their largest Young's moduli. ``equivalent`` (r,) is the thickness of a solid plate of equal stiffness where a
-    section is given by its stiffness, else NaN. ``number`` (2z + 2, z + 1) is the index of the rigidity for each
-    section (see `SectionIndex`) and the modifiers of each zone or of the plate.
+    ``inside`` (z, ne) marks the elements of each zone; an element that the border cuts counts by its middle. ``parted``
+    (z, ne) marks elements that the border cuts. ``rigidities`` (r,) are distinct, the plate's first; ``young`` (r,) is
+    the largest Young's modulus of each. ``equivalent`` (r,) is the thickness of a solid plate of equal stiffness where
+    a section is given by its stiffness, else NaN. ``number`` (2z + 2, z + 1) is the index of the rigidity, by section
+    (see `SectionIndex`) and by the part that gives the modifiers.
     """
 
     model: Model
@@ -151,7 +152,7 @@ class Zones:
 
     @classmethod
     def anywhere(cls, model: Model) -> Self:
-        """Take zones without a mesh, for `made_at`."""
+        """Zones of a model without a mesh, for `made_at` only."""
         nowhere = np.zeros((len(model.zone), 0), np.bool_)
         return cls(model, nowhere, nowhere, *_rigidities(model))
 
@@ -183,13 +184,13 @@ class Zones:
 
     @property
     def formulas(self) -> tuple[Expression, ...]:
-        """Thickness of the plate and of every zone; a zone without one has that of the plate."""
+        """Thickness of the plate and of every zone; a zone without a thickness has that of the plate."""
         plate = self.model.plate.thickness
         return (plate, *(plate if zone.thickness is None else zone.thickness for zone in self.model.zone))
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """Paths of the formulas in the input."""
+        """Paths of ``formulas`` in the input."""
         return (("plate", "thickness"), *(("zone", index, "thickness") for index in range(len(self.model.zone))))
 
     @property
@@ -200,7 +201,7 @@ class Zones:
 
     @property
     def unit_weights(self) -> Floats:
-        """Weight per volume of the materials of plate and zones; NaN for materials without it."""
+        """Weight per volume of the materials of plate and zones; NaN for materials without a unit weight."""
         materials = [self.model.material, *(zone.material or self.model.material for zone in self.model.zone)]
         return np.array([np.nan if material.unit_weight is None else material.unit_weight for material in materials])
 
@@ -235,7 +236,7 @@ class Zones:
         return self._made(np.array(inside, np.bool_).reshape(-1, len(points)))
 
     def thickness(self, section: SectionIndex, points: Floats) -> Floats:
-        """Evaluate the thickness (q,) for stiffness at points (q, 2)."""
+        """Evaluate the thickness (q,), to which the stiffness refers, at points (q, 2)."""
         return self.acting(section.rigidity, self.nominal(section.thickness, points))
 
     def solid(self, elements: Ints, points: Floats) -> Floats:
@@ -258,7 +259,7 @@ class Zones:
         return result
 
     def _in_strips(self, mesh: Mesh) -> Bools:
-        """Mask (ne,) of elements with a narrow strip beside a border, whose section differs from both sides."""
+        """Mask (ne,) of elements with a narrow strip along a border; its section differs from those on both sides."""
         result = np.zeros(len(mesh.elements), np.bool_)
         size = float(np.sqrt(mesh.element_area.max(initial=0.0)))
         near, wide = _BESIDE * mesh.size, _NARROW * size
@@ -324,7 +325,7 @@ class ZonesOfPlates(Zones):
 
     @property
     def of_elements(self) -> SectionIndex:
-        """Sections of the elements: section numbers are per plate, numbers of rigidities are global."""
+        """Sections of all elements: section numbers are those of each plate, rigidities are numbered over all."""
         first = np.cumsum([0, *(len(sections.rigidities) for sections in self.plates)])
         each = [sections.of_elements for sections in self.plates]
         each = [

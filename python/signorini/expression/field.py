@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from scipy.spatial import ConvexHull, Delaunay
 
 _ON_OUTLINE = 1e-9
-"""Distance, relative to the extent of the points, of a point on their hull and of collinear points."""
+"""Tolerance, relative to the extent of the points, for positions on their hull and for collinear points."""
 
 _Array = NDArray[np.float64]
 Outside = Literal["nearest", 0]
@@ -95,9 +95,9 @@ class Field:
         return self._table[:, :2].min(axis=0), self._table[:, :2].max(axis=0)
 
     def depth(self, positions: _Array) -> _Array:
-        """Signed distance (q,) of positions (q, 2) to the hull over its extent; positive inside, ∞ for functions.
+        """Signed distance (q,) of positions (q, 2) from the hull, relative to the extent of the points.
 
-        Points within rounding of the hull count as inside.
+        It is positive inside, also within rounding of the hull, and ∞ for a function.
         """
         if callable(self.given):
             return np.full(len(positions), np.inf)

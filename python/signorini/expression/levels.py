@@ -26,7 +26,7 @@ _NAMED = {"pi": math.pi, "e": math.e}
 
 
 _MAX_LINES = 200
-"""Steps of a floor or ceil that become lines: no mesh follows more."""
+"""Largest number of steps of a floor or ceil that become lines; no mesh follows more."""
 Box = tuple[float, float, float, float]
 
 
@@ -134,7 +134,7 @@ class Drawing:
         return tuple(r for x, y, r in self.circles if math.dist(center, (x, y)) <= 1e-9 * r)
 
     def __add__(self, other: Drawing) -> Drawing:
-        """Draw both."""
+        """Union of two drawings."""
         return Drawing(self.x_lines + other.x_lines, self.y_lines + other.y_lines, self.circles + other.circles)
 
 
@@ -145,7 +145,7 @@ class Level:
     jumps: bool
     _tree: ast.expr = field(repr=False)
     _curves: tuple[Polynomial, ...] = field(repr=False)
-    """Polynomials with the zeros of the function, if there are any; for ``floor`` its argument."""
+    """Polynomials with the zeros of the function, if there are any; for ``floor`` and ``ceil`` their argument."""
     _whole: bool = field(repr=False)
 
     def __call__(self, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from signorini.errors import InputError, point, unknown
 
 _MAX_LENGTH = 2000
-"""Characters of an expression."""
+"""Largest number of characters of an expression."""
 _MAX_DEPTH = 80
-"""Levels of a syntax tree: below Python's recursion limit."""
+"""Largest depth of a syntax tree, below Python's recursion limit."""
 _CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_+-*/().,<>=! ")
 
 _Array = NDArray[np.float64]
@@ -192,7 +192,7 @@ def _not_finite(node: ast.expr, values: list[Any], wrong: NDArray[np.bool_], x: 
 
 
 def first_point(mask: NDArray[np.bool_], x: _Array, y: _Array) -> str:
-    """Write the first point of a mask."""
+    """Text of the first point, x and y, that the mask marks."""
     return point((x[mask].flat[0], y[mask].flat[0]))
 
 

@@ -176,7 +176,7 @@ def _scalar(
 
 
 def listed(length: int, form: str) -> Callable[[object], object]:
-    """Return a validator of a list of this length; messages describe the list by ``form``."""
+    """Return a validator of a list of ``length`` values; messages describe the list by ``form``."""
 
     def check(value: object) -> object:
         value = as_list(value)
@@ -196,7 +196,7 @@ def _numbers_schema(length: int) -> dict[str, Any]:
 
 
 def _points(value: object) -> object:
-    """Read one point as a list of one."""
+    """Read a single point as a list of one point."""
     value = as_list(value)
     if isinstance(value, list | tuple):
         if any(isinstance(as_list(item), list | tuple) for item in value):
@@ -238,7 +238,7 @@ def _unique_list(kind: type, form: str) -> BeforeValidator:
 
 
 def _as_tuple(value: object) -> object:
-    """Read a single value as a list of one."""
+    """Read a single value as a list of one value."""
     value = as_list(value)
     return value if isinstance(value, list | tuple) else [value]
 
@@ -311,7 +311,9 @@ Edges = Annotated[
 class OnPlate(Table):
     """Base class of tables that belong to one plate."""
 
-    plate: Text | None = Field(default=None, description="With several plates: the name of its plate in [plates].")
+    plate: Text | None = Field(
+        default=None, description="With several plates: name of the plate in [plates] to which this table belongs."
+    )
 
 
 class Named(Table):

@@ -18,7 +18,7 @@ from signorini.model.csv_cells import number_in, read_cells
 from signorini.model.problems import as_list, describe
 
 _LARGEST_FILE = 200_000_000
-"""Bytes of a CSV file of factors; a million combinations of 40 cases."""
+"""Largest size in bytes of a CSV file of factors: a million combinations of 40 cases."""
 
 Value = TypeVar("Value")
 
@@ -315,7 +315,7 @@ class Combination(Named):
 
     @property
     def cases(self) -> dict[str, tuple[str | int, ...]]:
-        """The load cases of the table, each with the place where it first occurs."""
+        """Load cases of this table, each with the path of the key in which it first occurs."""
         places: dict[str, tuple[str | int, ...]] = {}
         tables: tuple[tuple[str, Any], ...] = (
             ("factors", self.factors),
@@ -341,12 +341,12 @@ class Combination(Named):
 
 
 Positions = Mapping[str, Sequence[str]]
-"""Load cases of the positions of each moving load, by the case of the moving load."""
+"""Map from the case of each moving load to the load cases of its positions."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One option of a slot of a product: a case with its factor, and the term of the name; empty: no case."""
+    """One option in a slot of `Product`: a case, its factor, and its term in the name; empty for no case."""
 
     term: str = ""
     case: str = ""
@@ -384,7 +384,7 @@ class Product:
 
 @dataclass(frozen=True, eq=False)
 class Combinations(Sequence[Combination]):
-    """Combinations in the order of the input; generated ones take the position of their table."""
+    """Combinations in the order of the input; generated combinations stand at the position of their table."""
 
     products: tuple[Product | Listing, ...]
 

@@ -18,7 +18,7 @@ from signorini.model.csv_cells import number_in, read_cells
 from signorini.model.problems import as_list, describe
 
 _LARGEST_FILE = 20_000_000
-"""Bytes of a CSV file of points; about a million points."""
+"""Largest size in bytes of a CSV file of points: about a million points."""
 
 
 def _read_points(value: object) -> Field:

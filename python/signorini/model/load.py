@@ -72,7 +72,7 @@ class Load(Acting):
         }
     )
 
-    case: Text = Field(default="load", min_length=1, description='The load case it belongs to; default "load".')
+    case: Text = Field(default="load", min_length=1, description='Load case to which the load belongs; default "load".')
     pressure: Scalar | None = Field(
         default=None, description="Force per area, positive down, on area (default all): a number or an expression."
     )

@@ -201,18 +201,21 @@ class Zone(OnPlate):
 
     area: AnyArea = Field(description="A table with one of rectangle, circle, polygon.")
     thickness: PositiveScalar | None = Field(
-        default=None, description="Thickness there: a number, or an expression in x and y; default the plate's."
+        default=None, description="Thickness of the zone: a number, or an expression in x and y; default the plate's."
     )
-    material: Material | None = Field(default=None, description="The material there; default the plate's.")
-    modifiers: Modifiers | None = Field(default=None, description="Stiffness factors there; they replace the plate's.")
+    material: Material | None = Field(default=None, description="Material of the zone; default the plate's.")
+    modifiers: Modifiers | None = Field(
+        default=None, description="Stiffness factors of the zone, in place of the plate's."
+    )
     stiffness: Stiffness | None = Field(
-        default=None, description="Stiffness of the section there; thickness is required with it, for the weight."
+        default=None, description="Stiffness of the zone's section; thickness is required as well, for the weight."
     )
     rigid: bool = Field(
         default=False, description="Whether the zone moves as one rigid body; it then has no thickness."
     )
     extremes: bool = Field(
-        default=True, description="Whether it counts in extremes of fields and in colour scales; rigid zones never do."
+        default=True,
+        description="Whether the zone counts in extremes and in colour scales; a rigid zone never does.",
     )
 
     @property

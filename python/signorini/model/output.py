@@ -31,7 +31,7 @@ from signorini.shapes.arrays import Floats
 from signorini.shapes.regions import meeting
 
 MAX_FULL_RESULTS = 12
-"""With ``combinations = "auto"``: combinations up to which each has a full result; more make a table."""
+"""Largest number of combinations with a full result each, if ``combinations = "auto"``; more make a table."""
 
 _FIELDS_OPTIONS = ("governing", "all", "none")
 
@@ -91,9 +91,10 @@ class Output(Table):
 
 
 _STRIP_STATIONS = 21
-"""Default stations of a strip: 20 steps include the supports, middles and quarter points of 1 to 5 equal spans."""
+"""Default number of stations of a strip: 20 steps include supports, middles and quarter points of 1 to 5 equal
+spans."""
 _SAME_END = 1e-5
-"""Distance of equal ends of a line, relative to its extent: input coordinates have more digits."""
+"""Largest distance of equal ends of a line, relative to its extent: input coordinates have more digits."""
 
 
 def _closed(line: tuple[Point, ...]) -> tuple[Point, ...]:
@@ -168,7 +169,7 @@ class Strip(OnPlate, Named):
 
 
 _PROFILE_STATIONS = 101
-"""Default stations of a profile: 100 steps include halves, quarters, fifths and tenths, and plot smoothly."""
+"""Default number of stations of a profile: 100 steps include halves, quarters, fifths and tenths, and plot smoothly."""
 
 
 class Profile(OnPlate, Named):

@@ -43,11 +43,11 @@ class Whole(Protocol):
 
     @property
     def mesh(self) -> MeshOptions:
-        """Mesh options of plates without their own."""
+        """Mesh options of plates that have none."""
 
     @property
     def material(self) -> Material:
-        """Material of plates without their own."""
+        """Material of plates that have none."""
 
     @property
     def support(self) -> tuple[Support, ...]:
@@ -92,7 +92,7 @@ class Part(Generic[M]):
         tables["support"] = tuple(_on_plate(whole, whole.support[i], self.name) for i in self.numbers["support"])
         replaced = {key: getattr(plate, key) for key in self._replaced}
         title = ", ".join(part for part in (whole.title, self.name) if part)
-        # Combinations are those of all plates: computed here, they are kept by the copy.
+        # The copy keeps the combinations of the whole model, which are computed here.
         _ = whole.effective_combinations
         return whole.varied(**tables, **replaced, plate=plate, plates={}, contact=(), title=title)
 

@@ -18,9 +18,9 @@ from signorini.shapes import Region, Whole
 from signorini.shapes.outlines import Contour, circle, straight
 
 MAX_CORNERS = 2000
-"""Corners of an outline, and holes of a plate; the check for crossing sides is quadratic in them."""
+"""Largest number of corners of an outline, and of holes of a plate; the check for crossing sides is quadratic in it."""
 _SAME_POINT = 1e-9
-"""Distance of equal points, relative to the outline's size: coordinates of arcs are rounded."""
+"""Largest distance of equal points, relative to the outline's size: coordinates of arcs are rounded."""
 
 
 class Arc(base.Table):
@@ -218,7 +218,7 @@ class Hole(Outline):
     """A hole: exactly one of rectangle, circle, polygon."""
 
     def contour(self, name: str) -> Contour:
-        """Return the outline with this name; sides are named as those of a plate ("hole 1 left", "hole 1 edge 2")."""
+        """Return the outline; its sides are named as those of a plate ("hole 1 left", "hole 1 edge 2")."""
         if self.rectangle is not None:
             x0, y0, x1, y1 = self.rectangle
             sides = [f"{name} {side}" for side in ("bottom", "right", "top", "left")]

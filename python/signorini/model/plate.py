@@ -27,11 +27,11 @@ Divisions = Annotated[
 
 
 class Refinement(Located):
-    """Smaller elements at a place; away from it the element size grows gradually."""
+    """Smaller elements at a place; the element size grows gradually away from the place."""
 
     model_config = ConfigDict(json_schema_extra={"oneOf": one_of(Located.places)})
 
-    size: base.Positive = Field(description="Element size there: largest side of an element.")
+    size: base.Positive = Field(description="Element size at the place: largest side of an element.")
 
     def _complaints(self) -> Iterator[base.Complaint]:
         yield from self._place_complaints("the place of the smaller elements")
@@ -82,10 +82,10 @@ class MeshOptions(base.Table):
 
 
 _DEFAULT_DIVISIONS = 20
-"""Elements along the longer side of a plate whose mesh options give no size."""
+"""Number of elements along the longer side of a plate whose mesh options give no size."""
 _SHAPES = "One of rectangle, disc, annulus, polygon, mesh."
 MAX_ASPECT_RATIO = 1000.0
-"""Largest length over width of a plate: the bending flexibilities differ by its fourth power, 1e12."""
+"""Largest length over width of a plate: bending flexibilities differ by the fourth power of the ratio, 1e12."""
 _MAX_OFFSET = 1e6
 """Largest distance of a plate from the origin, relative to its size: coordinates keep ten digits."""
 
@@ -242,7 +242,7 @@ class _RoundPlate(_PatternedPlate):
     center: base.Point = Field(default=(0.0, 0.0), description="Center [x, y]; default [0, 0].")
 
     def follows(self, border: Region | Curve) -> bool:
-        """Whether the regular mesh can follow it: a circle around the center, but no border of a zone."""
+        """Whether the regular mesh can follow ``border``: a circle around the center, but no border of a zone."""
         return isinstance(border, Ring) and bool(border.radii(self.center))
 
 
@@ -265,7 +265,7 @@ class DiscPlate(_RoundPlate):
 
     @property
     def outline(self) -> Contour:
-        """The rim; for a sector also its straight sides."""
+        """The rim; for a sector, the rim and the straight sides."""
         if self.sector == 360:
             return circle(self.center, self.radius, "rim")
         return sector(self.center, 0.0, self.radius, self.sector, ("start", "rim", "end", ""))
@@ -289,7 +289,7 @@ class AnnulusPlate(_RoundPlate):
 
     @property
     def outline(self) -> Contour:
-        """The outer circle; for a sector all its sides."""
+        """The outer circle; for a sector, all sides of the sector."""
         if self.sector == 360:
             return circle(self.center, self.outer, "outer")
         return sector(self.center, self.inner, self.outer, self.sector, ("start", "outer", "end", "inner"))

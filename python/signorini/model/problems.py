@@ -46,16 +46,16 @@ def as_list(value: Any) -> Any:
 
 
 _MAX_EXPLAINED = 1000
-"""Errors of pydantic that are converted; the message counts the others."""
+"""Largest number of pydantic's errors that are converted; the message counts the others."""
 
 LISTS = ("zone", "support", "contact", "load", "tightening", "combination", "moving", "probe", "section", "strip")
 """Tables in double brackets: [[zone]], [[support]], ..."""
 
 BRANCHES: dict[str, Mapping[str, type[BaseModel]]] = {}
-"""Tables of a key that is a tagged union, by the tag that pydantic puts into its error path. The modules that define
-the unions fill it."""
+"""Classes of each key that is a tagged union, by the tag in pydantic's error path. The modules that define the unions
+add them."""
 TOP: dict[str, tuple[type[BaseModel], ...]] = {}
-"""Keys of the whole model, each with its tables: for hints about a misplaced key."""
+"""Keys of the whole model, each with the classes of its table, for hints about a misplaced key."""
 
 
 _LIMITS = {

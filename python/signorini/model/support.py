@@ -144,14 +144,14 @@ class Support(Acting, base.Named):
     )
     resists: Annotated[Literal["down", "up", "both"] | None, BeforeValidator(_direction)] = Field(
         default=None,
-        description="Deflection that it resists: down (it only pushes up), up (it only holds down), both; default "
-        "both.",
+        description="Deflection that the support resists: down (it only pushes up), up (it only holds down), both; "
+        "default both.",
         json_schema_extra={"default": "both"},
     )
     gap: NonNegativePointScalar = Field(
         default=Expression(0.0),
-        description="Free travel before it acts, in each direction that it resists: a number, an expression, or a list "
-        "with one value per point; default 0.",
+        description="Free travel before the support acts, in each direction that it resists: a number, an expression, "
+        "or a list with one value per point; default 0.",
     )
     stiffness: PointFieldScalar | None = Field(
         default=None,
@@ -181,7 +181,7 @@ class Support(Acting, base.Named):
     )
     between: Between | None = Field(
         default=None,
-        description='["upper", "lower"]: the two plates that it connects; resists refers to the upper plate.',
+        description='["upper", "lower"]: the two plates that the support connects; resists refers to the upper plate.',
     )
     preload: PositivePointScalar | None = Field(
         default=None,
@@ -231,7 +231,7 @@ class Support(Acting, base.Named):
 
     @property
     def is_bolt(self) -> bool:
-        """Whether its points are tightened before other loads act."""
+        """Whether the points of the support are bolts, tightened before other loads act."""
         return self.preload is not None or self._tightened
 
     @property
@@ -271,7 +271,7 @@ class Support(Acting, base.Named):
 
     @property
     def prescribes_slopes(self) -> bool:
-        """Whether it prescribes values of the slopes that it holds."""
+        """Whether the support prescribes values of the slopes that it holds."""
         return self.rotation is not None
 
     @property
@@ -281,42 +281,42 @@ class Support(Acting, base.Named):
 
     @property
     def on_nodes(self) -> bool:
-        """Whether its reactions are nodal forces; those of an area or a footprint are distributed."""
+        """Whether the support's reactions are nodal forces; those of an area or a footprint are distributed."""
         return self.area is None and not self.has_footprint
 
     @property
     def holds_w(self) -> bool:
-        """Whether it acts on the deflection w, in one direction or both."""
+        """Whether the support acts on the deflection w, in one direction or both."""
         return self.resists is not None or "w" in self.fixed
 
     @property
     def along_line(self) -> bool:
-        """Whether it acts on the deflection w along an edge, a line or a circle."""
+        """Whether the support acts on the deflection w along an edge, a line or a circle."""
         return self.holds_w and self.place in ("edge", "line", "circle")
 
     @property
     def direction(self) -> Literal["down", "up", "both"]:
-        """Direction of the motions that it resists; both with ``fix``."""
+        """Direction of the motions that the support resists; both with ``fix``."""
         return self.resists or "both"
 
     @property
     def has_gap(self) -> bool:
-        """Whether its gap differs from 0, somewhere at least."""
+        """Whether the gap of the support differs from 0, somewhere at least."""
         return not _is_zero(self.gap)
 
     @property
     def resists_by_default(self) -> bool:
-        """Whether it resists both directions by default: neither ``fix`` nor ``resists`` is given."""
+        """Whether the support resists both directions by default: neither ``fix`` nor ``resists`` is given."""
         return self.resists == "both" and "resists" not in self.model_fields_set
 
     @property
     def is_elastic(self) -> bool:
-        """Whether it has a stiffness; a law with a vertical piece has none."""
+        """Whether the support has a stiffness; a law with a vertical piece has none."""
         return self.modulus is not None
 
     @property
     def is_rigid(self) -> bool:
-        """Whether it holds the deflection w without an elastic travel; it may have a limit."""
+        """Whether the support holds the deflection w without an elastic travel; it may have a limit."""
         return self.holds_w and not self.is_elastic
 
     @property
@@ -329,17 +329,17 @@ class Support(Acting, base.Named):
 
     @property
     def is_compliant(self) -> bool:
-        """Whether its travel grows with the force: it has a stiffness, or a law with an inclined piece."""
+        """Whether the travel grows with the force: there is a stiffness, or a law with an inclined piece."""
         return self.modulus is not None or any(s < t and f < g for (s, f), (t, g) in pairwise(self.law or ()))
 
     @property
     def has_pieces(self) -> bool:
-        """Whether its state includes the piece of a law: it has a law or a limit."""
+        """Whether the state of the support includes the piece of a law: it has a law or a limit."""
         return self.law is not None or self.limit is not None
 
     @property
     def can_yield(self) -> bool:
-        """Whether its reaction is bounded: it has a limit, or a law with a horizontal end."""
+        """Whether the reaction of the support is bounded: it has a limit, or a law with a horizontal end."""
         if self.law is None:
             return self.limit is not None
         return self.law[-1][1] == self.law[-2][1] or (self.law[0][0] < 0.0 and self.law[0][1] == self.law[1][1])
@@ -408,7 +408,7 @@ class Support(Acting, base.Named):
             yield (key,), f"{key} needs a preload; give a preload, or remove {key}."
 
     def bolt_complaints(self) -> Iterator[base.Complaint]:
-        """Yield the problems of tightening bolts at its points."""
+        """Yield the problems of tightening bolts at the points of the support."""
         place = ("preload",)
         if self.fix is not None:
             yield place, "a preload is not allowed with fix; use resists = up or both."
@@ -491,7 +491,7 @@ def _only_contact_keys(schema: dict[str, Any]) -> None:
 class Contact(Support):
     """Contact of an upper plate with a lower plate: a support between them that only pushes.
 
-    It takes a place (one of at, line, circle, area), gap, stiffness, limit or law.
+    A contact takes a place (one of at, line, circle, area), gap, stiffness, limit or law.
     """
 
     model_config = ConfigDict(json_schema_extra=_only_contact_keys)

@@ -20,8 +20,8 @@ PlaceKey = Literal["at", "edge", "line", "circle", "area"]
 
 FOOTPRINT = ("patch", "radius")
 _MIN_RADIUS = 0.5
-"""Smallest radius of a circle that the mesh follows, relative to the element size: at 12 elements around the circle
-these have half the size."""
+"""Smallest radius of a circle that the mesh follows, relative to the element size: each of 12 elements around the
+circle has about a quarter of this size."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Where:
 
     @property
     def shape(self) -> Curve | Region | None:
-        """The curve or the region."""
+        """The curve or the region; None for points and edges."""
         return self.curve if self.curve is not None else self.region
 
     @property
@@ -76,7 +76,7 @@ def one_of(keys: tuple[str, ...]) -> list[JsonValue]:
 
 
 class Located(base.Table):
-    """Base class of tables with a place: exactly one of the keys ``places``."""
+    """Base class of tables with a place, given by exactly one of the keys ``places``."""
 
     places: ClassVar[tuple[str, ...]] = ("at", "edge", "line", "circle", "area")
 
@@ -90,7 +90,7 @@ class Located(base.Table):
 
     @property
     def place(self) -> PlaceKey:
-        """The key of the place; a table without a place has the whole plate."""
+        """The key of the place; a table without a place acts on the whole plate."""
         keys: tuple[PlaceKey, ...] = ("at", "edge", "line", "circle")
         return next((key for key in keys if getattr(self, key) is not None), "area")
 

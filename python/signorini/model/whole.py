@@ -38,11 +38,11 @@ from signorini.model.tightening import Tightening
 from signorini.model.where import Acting, Located, mesh_follows, one_of
 
 _MAX_ELEMENTS = 10_000_000
-"""Elements of a regular mesh: more exceed any memory, and a count this large is a typing error."""
+"""Largest number of elements of a regular mesh: more exceed any memory; such a count is a typing error."""
 _MAX_COMBINATIONS = 1_000_000
-"""Combinations of a model."""
+"""Largest number of combinations of a model."""
 _MAX_POSITIONS = 2000
-"""Positions of all moving loads together; each is a load case."""
+"""Largest number of positions of all moving loads together; each position is a load case."""
 
 _COUNTED = ("support", "contact", "load", "combination", "zone")
 """Tables that ``repr(model)`` counts."""
@@ -119,7 +119,7 @@ def acts(tables: Mapping[str, Any]) -> bool:
 
 
 def _without_required_load(schema: dict[str, Any]) -> None:
-    """JSON Schema: exactly one of plate and plates; at least one action."""
+    """Require in the JSON Schema exactly one of plate and plates, and at least one load or other action."""
     del schema["required"]
     schema["oneOf"] = one_of(("plate", "plates"))
     schema["anyOf"] = one_of(("load", "moving", "support", "tightening"))
@@ -206,7 +206,7 @@ class Model(Table):
         return f"Model({', '.join([repr(self.title)] * bool(self.title) + counts)})"
 
     def to_toml(self) -> str:
-        """Write the model as TOML text, from which `signorini.loads` makes an equal model. File paths are unchanged.
+        """Write the model as TOML text, which `signorini.loads` reads as an equal model; file paths are unchanged.
 
         Raises
         ------
@@ -259,7 +259,7 @@ class Model(Table):
 
     @cached_property
     def provenance(self) -> Provenance:
-        """Input file with its SHA-256, and the input as JSON; those of the original model."""
+        """Input file with its SHA-256, and input as JSON, both of the original model."""
         original = self.original
         return Provenance.of(original.model_dump(exclude_unset=True), original.__dict__.get("_file"))
 
@@ -269,7 +269,7 @@ class Model(Table):
 
     @property
     def parts(self) -> tuple[Part[Model], ...]:
-        """The plates of a model of several plates, each with its tables; empty for one plate."""
+        """Each plate of a model of several plates, with its tables; empty for a model of one plate."""
         return parts_of(self)
 
     @property
@@ -293,7 +293,7 @@ class Model(Table):
         return (*preloaded, *self.tightening)
 
     def round_factors(self, factors: Mapping[str, float]) -> tuple[float, ...]:
-        """Factors (t,) of the bolt forces of all `rounds` in a combination with these factors; empty if all are 0."""
+        """Factors (t,) of the bolt forces of `rounds` in a combination with ``factors``; empty if all are 0."""
         of_rounds = tuple(1.0 if each.case is None else factors.get(each.case, 0.0) for each in self.rounds)
         return of_rounds if any(of_rounds) else ()
 
@@ -324,7 +324,7 @@ class Model(Table):
 
     @property
     def positions(self) -> Positions:
-        """Names of the load cases of the positions of each moving load, by the case of the moving load."""
+        """Map from the case of each moving load to the load cases of its positions."""
         return {moving.case: tuple(moving.positions) for moving in self.moving}
 
     @cached_property
@@ -575,8 +575,8 @@ def validate(data: Mapping[str, Any], *, source: str = "", line_of: Callable[[Pl
         The tables, with the keys of the input file.
     source : str
         Name of the input file, for messages.
-        line_of : callable, optional
-            Returns the line of the file for a path of keys and positions, counted from 0.
+    line_of : callable, optional
+        Returns the line of the file for a path of keys and positions, counted from 0.
 
     Returns
     -------

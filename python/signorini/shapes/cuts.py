@@ -1,4 +1,4 @@
-"""Lines that cut a plate: which side of one points are on, and the part of a region on its left."""
+"""Lines that cut a plate: the side of the line on which points are, and the part of a region on the left."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ from signorini.shapes.regions import Polyline, Region
 
 LEFT, RIGHT = -1, 1
 _APART = 1e-12
-"""Part of a segment within which two crossings are one."""
+"""Largest distance of two crossings that count as one, relative to the segment."""
 
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Where points are from a cut line.
+    """Positions of points (q,) relative to a cut line with p pieces.
 
-    ``piece`` (q,) is the nearest of its pieces, ``station`` (q,) how far along the straight line of this one they are.
-    ``shares`` (q, p) are 1 for it; of several as near, about a corner, each as much. ``off`` (q, p) is how far off the
-    straight lines of all pieces they are, positive to the right; ``side`` (q,) is LEFT, RIGHT, or 0 on the line.
+    ``piece`` (q,) is the nearest piece; ``station`` (q,) is the coordinate of the point along it. ``shares`` (q, p) is
+    1 for the nearest piece; pieces that are equally near, as at a corner, share the 1 equally. ``off`` (q, p) is the
+    distance from the straight line through each piece, positive to the right. ``side`` (q,) is LEFT, RIGHT, or 0 on the
+    line.
     """
 
     piece: Ints
@@ -34,10 +35,10 @@ class Near:
 
 
 class CutLine:
-    """A polyline that goes on beyond its ends, unless it closes: unless its last point is the first.
+    """A polyline that is continued beyond both ends, or that is closed: its last point is its first.
 
-    Points on the line may be ``touching`` from it. ``ways`` (2,) are the directions in which it goes on at its ends,
-    None straight; only what is left and right depends on these.
+    Points within a distance ``touching`` are on the line. ``ways`` (2,) are the directions of the continuation at the
+    ends, None for straight ones; only the side of a point depends on them.
     """
 
     def __init__(
@@ -50,7 +51,7 @@ class CutLine:
         self.lengths: Floats = np.hypot(*pieces.T)
         self.along: Floats = pieces / self.lengths[:, None]
         self.normals: Floats = np.column_stack([self.along[:, 1], -self.along[:, 0]])
-        """To the right."""
+        """Unit normals (p, 2) to the right of the pieces."""
         self._onward = [straight if way is None else way for way, straight in zip(ways, self._straight, strict=True)]
         self._whole = None if ways[0] is None and ways[1] is None else CutLine(self._extended(1.0), touching)
 
@@ -60,11 +61,11 @@ class CutLine:
 
     @property
     def ends(self) -> Floats:
-        """Its first and last point (2, 2)."""
+        """First and last point of the line (2, 2)."""
         return np.stack([self.begin[0], self.begin[-1] + self.lengths[-1] * self.along[-1]])
 
     def extended(self, by: float) -> Polyline:
-        """Lengthen it at both ends, by pieces of their own; not one that closes."""
+        """Polyline with a further piece of length ``by`` at both ends; without these if the line is closed."""
         return Polyline(tuple((float(x), float(y)) for x, y in self._extended(by)))
 
     def _extended(self, by: float) -> Floats:
@@ -75,7 +76,7 @@ class CutLine:
         return np.array(corners)
 
     def near(self, points: Floats) -> Near:
-        """Find where points (q, 2) are from it."""
+        """Compute the positions of points (q, 2) relative to the line."""
         offset = points[:, None] - self.begin
         station, off = (np.einsum("qkd,kd->qk", offset, way) for way in (self.along, self.normals))
         low, high = np.zeros(len(self.lengths)), self.lengths.copy()
@@ -87,7 +88,7 @@ class CutLine:
         shares = distance <= distance.min(axis=1)[:, None] + self.touching
         pick = np.arange(len(points)), piece
         beyond = station[pick] - on_piece[pick]
-        # The outer side of a corner is beyond both pieces, and beside neither.
+        # A point on the outer side of a corner is beyond both pieces, and beside neither.
         other = (piece + np.where(beyond > 0.0, 1, -1)) % len(self.lengths)
         both = self.normals[piece] + self.normals[other]
         corner = self.begin[piece] + on_piece[pick][:, None] * self.along[piece]
@@ -101,7 +102,10 @@ class CutLine:
 
 @dataclass(frozen=True, eq=False)
 class LeftOf:
-    """The part of a box on the left of a cut line, or of a region there whose outline may leave the box."""
+    """The part of a box on the left of a cut line; with ``region``, the part of this region on the left.
+
+    The outline of the region may leave the box.
+    """
 
     line: CutLine
     box: Box
@@ -109,7 +113,7 @@ class LeftOf:
 
     @property
     def outline(self) -> Outline:
-        """The line, as far as it may meet the box, and the region's outline."""
+        """Segments of the line that may meet the box, and the region's outline."""
         x0, y0, x1, y1 = self.box
         segments = self.line.extended(abs(x1 - x0) + abs(y1 - y0)).outline.segments
         if self.region is None:
@@ -120,7 +124,7 @@ class LeftOf:
 
     @property
     def area(self) -> float:
-        """That of the box, or of the region."""
+        """Area of the box, or of the region."""
         x0, y0, x1, y1 = self.box
         return (x1 - x0) * (y1 - y0) if self.region is None else self.region.area
 
@@ -130,13 +134,13 @@ class LeftOf:
         return self.box
 
     def contains(self, points: Floats) -> Bools:
-        """Whether each of the points (q, 2) is on the left, and in the region."""
+        """Mask (q,) of the points (q, 2) on the left and, if there is a region, in it."""
         left = self.line.near(points).side < 0
         return left if self.region is None else np.asarray(left & self.region.contains(points))
 
 
 Part: TypeAlias = Region | LeftOf
-"""A part of the plane that elements can be divided by."""
+"""A region, or the part of a box or region on the left of a line: elements can be divided by its outline."""
 
 
 def _divided(a: Floats, b: Floats, outline: Outline) -> Floats:

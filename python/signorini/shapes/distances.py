@@ -1,4 +1,4 @@
-"""Distances of points: from straight sides, from outlines with arcs, and how deep they are in a region."""
+"""Distances of points from straight sides and from outlines with arcs, and depths of points in a region."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def distances(points: Floats, begin: Floats, end: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """Points (c, 2), straight sides (k, 2, 2), and arcs (m, 5): x and y of the centre, radius, begin and turn.
+    """Points (c, 2), straight sides (k, 2, 2), and arcs (m, 5): centre x, y, radius, first angle, swept angle.
 
     Examples
     --------
@@ -45,7 +45,7 @@ class Targets:
         sides: Iterable[tuple[Point, Point]] = (),
         arcs: Iterable[Sequence[float]] = (),
     ) -> Targets:
-        """Gather them."""
+        """Make targets of points, sides and arcs."""
         shaped = ((points, (-1, 2)), (sides, (-1, 2, 2)), (arcs, (-1, 5)))
         return cls(*(np.array([*those], dtype=float).reshape(shape) for those, shape in shaped))
 
@@ -58,7 +58,7 @@ class Targets:
 
     @classmethod
     def on(cls, sides: Iterable[Side]) -> Targets:
-        """Gather sides, those that are straight and the arcs."""
+        """Make targets of sides, which are straight or arcs."""
         straight, arcs = list[tuple[Point, Point]](), list[tuple[float, ...]]()
         for begin, through, end in sides:
             arc = None if through is None else arc_through(begin, through, end)
@@ -70,19 +70,19 @@ class Targets:
 
     @classmethod
     def join(cls, several: Sequence[Targets]) -> Targets:
-        """Take several as one."""
+        """Concatenate targets."""
         none = cls.of()
         return cls(*(np.concatenate([getattr(one, key) for one in (none, *several)]) for key in vars(none)))
 
     @property
     def bounds(self) -> Box:
-        """A box xmin, ymin, xmax, ymax around them, and around the whole circles of arcs."""
+        """Bounding box xmin, ymin, xmax, ymax of points, sides and the full circles of arcs."""
         x, y, radius, _, _ = self.arcs.T
         whole = np.concatenate([np.column_stack([x - radius, y - radius]), np.column_stack([x + radius, y + radius])])
         return bounds_of(np.concatenate([self.points, self.sides.reshape(-1, 2), whole]).tolist())
 
     def nearest(self, at: Floats) -> tuple[Floats, Floats]:
-        """The nearest places (q, 2) of these to some (q, 2), and how far they are."""
+        """Positions (q, 2) on the targets nearest to positions ``at`` (q, 2), and distances (q,); ∞ without targets."""
         places = [np.broadcast_to(self.points, (len(at), *self.points.shape))]
         begin, along = self.sides[:, 0], self.sides[:, 1] - self.sides[:, 0]
         part = ((at[:, None] - begin) * along).sum(axis=2) / (along**2).sum(axis=1)
@@ -103,7 +103,7 @@ class Targets:
 
 
 def edges_of(contours: Iterable[Contour], names: set[str]) -> dict[str, Targets]:
-    """Some edges of contours, each with its sides."""
+    """Targets along the edges with given names, by name."""
     result = dict[str, list[Side]]()
     for contour in contours:
         for name, sides in contour.edges.items():
@@ -115,7 +115,7 @@ def edges_of(contours: Iterable[Contour], names: set[str]) -> dict[str, Targets]
 def depth(region: Region, points: Floats) -> Floats:
     """Distance of points (q, 2) from a region's outline, negative outside.
 
-    Outside a rectangle it is the distance from the farthest side's line.
+    Outside a rectangle, the magnitude is the largest distance beyond the straight line of a side.
     """
     if isinstance(region, Hollow):
         deep = depth(region.around, points)
@@ -128,7 +128,7 @@ def depth(region: Region, points: Floats) -> Floats:
     if isinstance(region, Circle):
         return np.asarray(region.radius - np.hypot(*(points - region.center).T))
     if isinstance(region, Rounded):
-        # Points one a degree miss an arc by 4e-5 of its radius.
+        # A polygon with one point per degree deviates from an arc by 4e-5 of its radius.
         return depth(Polygon(tuple((x, y) for x, y in region.drawn.tolist())), points)
     nearest = shapely.distance(shapely.LinearRing(region.points), shapely.points(points))
     return np.where(region.contains(points), nearest, -nearest)

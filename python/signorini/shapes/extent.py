@@ -1,4 +1,4 @@
-"""The convex hull and the diameter of points, and how near is the same on a plate."""
+"""Convex hull and diameter of points; tolerances for equal places on a plate."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import shapely
 from signorini.shapes.arrays import Floats
 
 _ON_LINE = 1e-12
-"""Distance of a point of the hull from its sides, relative to the size of the hull, up to which it is not a corner."""
+"""Largest distance of a hull point from a side, relative to the hull's size, at which the point is not a corner."""
 
 
 def hull(points: Floats) -> Floats:
@@ -32,16 +32,16 @@ def hull(points: Floats) -> Floats:
 
 
 def diameter(points: Floats) -> float:
-    """The largest distance between two of points (k, 2); rotation changes it by rounding only."""
+    """Largest distance between any two of the points (k, 2); a rotation changes it by rounding only."""
     corners = hull(points)
     return max(float(np.hypot(*(corners - one).T).max()) for one in corners)
 
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Lengths that tell places of a plate from each other.
+    """Tolerances for places on a plate with diameter ``extent``.
 
-    Its diameter, and its thickness at one place or some; 0 where no support is judged by it.
+    ``thickness`` is the plate's thickness, at one place or at several (q,); 0 if `apart` is not used.
     """
 
     extent: float
@@ -49,22 +49,22 @@ class Tolerances:
 
     @property
     def place(self) -> float:
-        """Two places nearer than this are one.
+        """Largest distance of two places that count as one.
 
-        Rows of nearer ones differ by less than their rounding: at 1e-9 two rigid points with a spring beside them
+        Rows of nearer points differ by less than their rounding: at 1e-9 two rigid points with a spring beside them
         changed deflections by 3 %.
         """
         return 1e-8 * self.extent
 
     @property
     def written(self) -> float:
-        """Relative tolerance for a place on an edge or circle: coordinates are written with six digits."""
+        """Tolerance for a place on an edge or circle: coordinates are written with six digits."""
         return 1e-6 * self.extent
 
     @property
     def apart(self) -> float | Floats:
         """Smallest distance of rigid supports at different places.
 
-        Reactions between two grow with the inverse of its square.
+        Reactions between two such supports grow with the inverse square of their distance.
         """
         return self.thickness / 10.0

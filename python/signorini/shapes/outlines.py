@@ -1,4 +1,4 @@
-"""Outlines of plates, regions and curves: straight sides, circles and arcs, and their requirements on a mesh."""
+"""Outlines of plates, regions and curves: straight sides, circles, arcs; grid lines that meshes need for them."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from signorini.shapes.arrays import Floats
 Point: TypeAlias = tuple[float, float]
 Box: TypeAlias = tuple[float, float, float, float]
 Side: TypeAlias = tuple[Point, Point | None, Point]
-"""Where a side begins, a point that it is an arc through or None, and where it ends."""
+"""First point, a point between on an arc or None for a straight side, last point."""
 
 
 @dataclass(frozen=True, eq=False)
 class Outline:
     """Segments (k, 2, 2), full circles (m, 3) as x, y, radius, and arcs that draw a region or curve.
 
-    Arcs (n, 3, 2) are their first ends, points that they pass, and their other ends.
+    Arcs (n, 3, 2) are first point, a point between, last point.
     """
 
     segments: Floats = field(default_factory=lambda: np.empty((0, 2, 2)))
@@ -32,7 +32,7 @@ class Outline:
 
     @cached_property
     def whole_circles(self) -> Floats:
-        """The circles, and those that the arcs are parts of."""
+        """Full circles (m + n, 3): ``circles``, followed by those of which ``arcs`` are parts."""
         (a, m, b) = self.arcs.transpose(1, 2, 0)
         u, v = m - a, b - a
         bend = 2.0 * (u[0] * v[1] - u[1] * v[0])
@@ -42,21 +42,21 @@ class Outline:
 
 
 class Drawn(ABC):
-    """Requirements of an outline on a mesh: its lines along the axes, and its circles."""
+    """Base class of shapes with an outline, for which a mesh needs grid lines along the axes, or circles."""
 
     @property
     @abstractmethod
     def outline(self) -> Outline:
-        """Its segments, circles and arcs."""
+        """Segments, circles and arcs of the shape."""
 
     @property
     def x_lines(self) -> tuple[float, ...]:
-        """Abscissae a rectangular mesh should have grid lines at."""
+        """Abscissae at which a rectangular mesh should have grid lines."""
         return self._lines(0)
 
     @property
     def y_lines(self) -> tuple[float, ...]:
-        """Ordinates a rectangular mesh should have grid lines at."""
+        """Ordinates at which a rectangular mesh should have grid lines."""
         return self._lines(1)
 
     def radii(self, center: Point) -> tuple[float, ...]:
@@ -79,7 +79,7 @@ class Straight(Drawn):
 
     @property
     def loops(self) -> tuple[Floats, ...]:
-        """Points (k, 2) along every outline."""
+        """Points (k, 2) along each outline."""
         return (self.drawn,)
 
     @property
@@ -97,7 +97,7 @@ class Round(Drawn):
 
     @property
     def outline(self) -> Outline:
-        """The circle itself."""
+        """Outline of one circle."""
         return Outline(circles=np.array([[*self.center, self.radius]]))
 
     @property
@@ -114,23 +114,23 @@ def closed(points: Sequence[Point]) -> Floats:
 
 
 def bounds_of(points: Sequence[Point]) -> Box:
-    """Bound points by xmin, ymin, xmax, ymax."""
+    """Bounding box xmin, ymin, xmax, ymax of points."""
     x, y = zip(*points, strict=True)
     return (min(x), min(y), max(x), max(y))
 
 
 _TURN = 360
-"""Points of a full circle: the arcs between them rise by 4e-5 of the radius over their chords."""
+"""Number of points on a full circle: its chords deviate from it by 4e-5 of the radius."""
 _FLAT = 1e-9
-"""Rise over chord of an arc that is drawn as a line."""
+"""Largest ratio of rise to chord of an arc that is drawn as a line."""
 
 
 @dataclass(frozen=True)
 class Contour:
     """A closed line: sides from each corner to the next, the last one to the first.
 
-    A corner that an arc leads from has a point of this arc in ``through``. Several sides may share a name, and all may
-    have one together.
+    ``through`` has a point of the arc that begins at each corner, None for a straight side. Several sides may share a
+    name of ``names``; ``whole``, unless empty, is a name of all sides together.
     """
 
     corners: tuple[Point, ...]
@@ -145,14 +145,14 @@ class Contour:
 
     @property
     def edges(self) -> dict[str, list[int]]:
-        """The sides of every name."""
+        """Indices of the sides with each name."""
         result: dict[str, list[int]] = {self.whole: list(range(len(self.names)))} if self.whole else {}
         for side, name in enumerate(self.names):
             result.setdefault(name, []).append(side)
         return result
 
     def points(self, name: str | None = None) -> Floats:
-        """Points (k, 2) along the sides of one name, or all: their corners, and of arcs one a degree."""
+        """Points (k, 2) along the sides with a name, or along all: corners, and one point per degree on arcs."""
         sides = self.sides
         chosen = sides if name is None else [sides[side] for side in self.edges[name]]
         result = [along_side(a, m, b) for a, m, b in chosen]
@@ -165,7 +165,7 @@ class Contour:
 
 
 def directions(degrees: Floats) -> Floats:
-    """Compute unit vectors (q, 2), exact at multiples of 90° and symmetric between them."""
+    """Unit vectors (q, 2) at angles (q,) from x, exact at multiples of 90° and symmetric between them."""
     quarter = np.round(degrees / 90.0)
     rest = np.radians(degrees - 90.0 * quarter)
     c, s = np.cos(rest), np.sin(rest)
@@ -179,15 +179,15 @@ def straight(corners: Sequence[Point], names: Sequence[str]) -> Contour:
 
 
 def circle(center: Point, radius: float, name: str) -> Contour:
-    """Draw a circle, whose sides are quarters of one name."""
+    """Draw a circle of four quarters with the same name."""
     (*corners, _), through = _arc(center, radius, 0.0, 360.0)
     return Contour(tuple(corners), through, (name,) * len(corners))
 
 
 def sector(center: Point, inner: float, outer: float, degrees: float, names: tuple[str, str, str, str]) -> Contour:
-    """Draw a sector from the x axis on; names are of its start, outer arc, end and inner arc.
+    """Draw a sector that begins on the x axis; ``names`` are those of its start, outer arc, end and inner arc.
 
-    With an inner radius of 0 it ends at the center.
+    With an inner radius of 0, start and end meet at the center.
     """
     start, rim, end, hub = names
     rims, rim_through = _arc(center, outer, 0.0, degrees)
@@ -198,7 +198,7 @@ def sector(center: Point, inner: float, outer: float, degrees: float, names: tup
 
 
 def _arc(center: Point, radius: float, start: float, end: float) -> tuple[tuple[Point, ...], tuple[Point, ...]]:
-    """Ends of the parts of an arc, at most quarters of a circle, and their middles."""
+    """Divide an arc into parts of at most 90°: ends of the parts, and a middle of each part."""
     count = max(1, math.ceil(abs(end - start) / 90.0))
     points = np.array(center) + radius * directions(np.linspace(start, end, 2 * count + 1))
     places = [(float(x), float(y)) for x, y in points]
@@ -206,19 +206,19 @@ def _arc(center: Point, radius: float, start: float, end: float) -> tuple[tuple[
 
 
 def along_side(a: Point, through: Point | None, b: Point) -> Floats:
-    """Points (k, 2) along a side from a on, of an arc one a degree, without b."""
+    """Points (k, 2) along a side from ``a`` on, without ``b``; an arc has one point per degree."""
     arc = None if through is None else arc_through(a, through, b)
     if arc is None:
         return np.array(a)[None]
     center, radius, start, sweep = arc
-    # Rounding makes no further point of a whole number of degrees.
+    # The tolerance avoids one more point for a whole number of degrees.
     count = max(1, math.ceil(_TURN * abs(sweep) / math.tau - 1e-6))
     turn = start + sweep * np.arange(1, count) / count
     return np.vstack([a, center + radius * np.column_stack([np.cos(turn), np.sin(turn)])])
 
 
 def arc_through(a: Point, through: Point, b: Point) -> tuple[Floats, float, float, float] | None:
-    """Centre, radius, angle of the first end and angle turned through of an arc; None where it is a line.
+    """Centre, radius, angle of the first end, and angle swept, of an arc; None if the arc is nearly straight.
 
     Examples
     --------
@@ -238,12 +238,12 @@ def arc_through(a: Point, through: Point, b: Point) -> tuple[Floats, float, floa
 
 
 def farthest(center: Floats, radius: float, start: float, sweep: float) -> Floats:
-    """Points (k, 2) of an arc, as `arc_through` gives it, that are farthest along x and y, but its ends."""
+    """Extreme points (k, 2) along x and y of an arc, given as by `arc_through`, except its ends."""
     quarters = np.arange(4) * (math.pi / 2)
     passed = ((quarters - start) * math.copysign(1.0, sweep)) % math.tau < abs(sweep)
     return np.asarray(center + radius * directions(np.degrees(quarters[passed])))
 
 
 def along_arc(a: Point, through: Point, b: Point) -> Floats:
-    """Points (k, 2) on an arc, one a degree, both its ends included."""
+    """Points (k, 2) on an arc, one per degree, both ends included."""
     return np.vstack([along_side(a, through, b), b])

@@ -17,26 +17,27 @@ _FINEST = 10
 class Tessellation:
     """Triangles that follow the shape functions of 8-node quadrilaterals and 6-node triangles.
 
-    Every element is cut by an even grid of the reference square, one side of it collapsed for a triangle, so all its
-    nodes are among the vertices. Vertices on a shared edge are one vertex, so contours cross it without a seam.
+    Each element is divided by a grid of the reference square with an even number of cells a side, so that its nodes are
+    vertices. For a triangle, one side of the square is collapsed. Elements share the vertices on a common edge, so that
+    contours cross the edge without a seam.
     """
 
     elements: NDArray[np.int64]
-    """The mesh (e, 8): corners counter-clockwise, then midsides; of triangles [a, b, c, c, ab, bc, c, ca]."""
+    """The mesh (e, 8): corners counter-clockwise, then midsides; a triangle is [a, b, c, c, ab, bc, c, ca]."""
     owners: NDArray[np.int64]
-    """One element (v,) that each vertex lies in."""
+    """An element (v,) that contains each vertex."""
     weights: NDArray[np.float64]
-    """The owner's shape functions (v, 8) at the vertex."""
+    """Shape functions (v, 8) of the owner at each vertex."""
     triangles: NDArray[np.int64]
     """Vertices (t, 3) of the triangles."""
     parents: NDArray[np.int64]
-    """The element (t,) that each triangle is a part of."""
+    """Element (t,) of which each triangle is a part."""
     edges: NDArray[np.int64]
-    """Vertices (k, d + 1) along each edge of the mesh, every edge once."""
+    """Vertices (k, d + 1) along each edge of the mesh; every edge occurs once."""
     midsides: NDArray[np.int64]
-    """The mesh's node (k,) in the middle of each edge."""
+    """Mesh node (k,) in the middle of each edge."""
     outer: NDArray[np.bool_]
-    """Whether (k,) one element only has the edge: the outline of the plate."""
+    """Mask (k,) of the edges that belong to one element only: the outline of the plate."""
 
     def interpolate(self, nodal: NDArray[np.float64]) -> NDArray[np.float64]:
         """Evaluate a nodal field, shape (n,) or (n, c), at the vertices."""
@@ -47,7 +48,8 @@ class Tessellation:
 def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tessellation:
     """Cut every element into ``divisions`` × ``divisions`` cells of two triangles.
 
-    An even number; by default finer for coarser meshes, so that a picture of any mesh is as smooth.
+    ``divisions`` is even; by default it is larger for coarser meshes, so that pictures of all meshes are equally
+    smooth.
     """
     count = len(elements)
     d = divisions or int(np.clip(2 * round(np.sqrt(_WANTED_CELLS / count) / 2), 2, _FINEST))
@@ -61,7 +63,7 @@ def tessellate(elements: NDArray[np.int64], divisions: int | None = None) -> Tes
 
     a, b, c, e = local[:-1, :-1].ravel(), local[:-1, 1:].ravel(), local[1:, 1:].ravel(), local[1:, :-1].ravel()
     cells = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, e])])
-    # A side that is one node is no edge, and cells beside it have lost one of their halves.
+    # A side collapsed to one node is no edge; cells beside it have only one triangle.
     real = (elements[:, :4] != np.roll(elements[:, :4], -1, axis=1)).ravel()
     midsides, edge, uses = np.unique(elements[:, 4:].ravel()[real], return_index=True, return_counts=True)
     owners, places = np.divmod(first, (d + 1) ** 2)
@@ -87,7 +89,7 @@ def grid_shapes(divisions: int) -> NDArray[np.float64]:
 
 
 def _names(elements: NDArray[np.int64], sides: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Give every grid point a number, points on a shared corner or edge the same."""
+    """Number all grid points; points on a common corner or edge have equal numbers."""
     count, d = len(elements), sides.shape[1] - 1
     nodes = int(elements.max()) + 1
     names = nodes * d + np.arange(count * (d + 1) ** 2).reshape(count, -1)

@@ -18,13 +18,13 @@ from signorini.shapes import Curve, Polyline, Region, Ring
 from signorini.shapes.cuts import Part
 
 _ON_PLATE = 1e-9
-"""Relative tolerance for an area or a length that lies on the plate."""
+"""Largest area or length off the plate, relative to the whole, that counts as rounding."""
 _RADON = 3
 """Largest order of Gauss's rule for which Radon's seven points are as accurate on a triangle."""
 _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (2, 0), 6: (0, 1), 5: (1, 2), 7: (0, 1, 2)}
 """Corners at which the lines of a collapsed rule meet, by the sum of 1, 2 and 4 for each side on the outline."""
 _ROUNDINGS = 16.0
-"""Rounding of coordinates in the computation of an area, relative to machine epsilon times the coordinate."""
+"""Rounding of an outline's position, in machine epsilons times the largest coordinate."""
 
 
 def area_quadrature(
@@ -42,7 +42,7 @@ def area_quadrature(
     elements that the outline cuts have more, see `cutcells`. Elements (ne,) in ``to_outline``, and cut elements, have
     Lobatto's rule of the same accuracy across their sides on the outline, so that points lie on it. The integrand jumps
     where ``levels`` change sign; a cut deviates from a curved jump by at most ``off``, relative to the element's side
-    (`stepped`). With ``follow``, element sides that approximate arcs of the outline replace these.
+    (`stepped`). With ``follow``, arcs of the outline are replaced by element sides that approximate them.
     """
     smooth = _smooth(mesh, region, order, to_outline, follow)
     if not levels:
@@ -122,8 +122,8 @@ def _by_rule(mesh: Mesh, elements: Ints, station: Floats, weight: Floats, triang
 def _on_triangle(order: int, sides: int, to_corners: bool) -> tuple[Floats, Floats]:
     """Points and weights on the triangle, exact at least to the degree 2·order − 2.
 
-    ``sides`` is the sum of 1, 2 and 4 for each side on the outline. These sides have points, with ``to_corners`` also
-    at their ends.
+    ``sides`` is the sum of 1, 2 and 4 for each side on the outline. There are points on these sides; with
+    ``to_corners``, also at their ends.
     """
     if sides == 0:
         return radon() if order <= _RADON else collapsed(TRIANGLE_CORNERS[:3], gauss(order), gauss(order))

@@ -1,4 +1,4 @@
-"""Where quadratic element sides cross straight segments and circles."""
+"""Intersections of quadratic element sides with straight segments and circles."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ZERO = 1e-12
 
 
 def roots(coefficients: Floats, tolerance: Floats) -> tuple[Ints, Floats]:
-    """Find roots (r,) on [−1, 1] of polynomials (k, d + 1), constant terms first; return also their polynomials (r,).
+    """Find roots (r,) on [−1, 1] of polynomials (k, d + 1), constant terms first; return their polynomials' indices.
 
     Between neighbouring roots of the derivative there is at most one root. Leading coefficients may vanish. Values up
     to the tolerance (k,) count as zero, so that double roots are found; a root may occur twice.
@@ -42,7 +42,7 @@ def _value(coefficients: Floats, t: Floats) -> Floats:
 
 
 def _bisect(coefficients: Floats, lower: Floats, upper: Floats) -> Floats:
-    """Bisect to the change of sign; without one, return the end with the smaller magnitude."""
+    """Bisect each interval to a change of sign; without a change, return the end where the magnitude is smaller."""
     start, stop = _value(coefficients, lower), _value(coefficients, upper)
     result = np.where(np.abs(stop) > np.abs(start), lower, upper)
     which, interval = np.nonzero((start < 0.0) != (stop < 0.0))
@@ -63,7 +63,7 @@ def quadratics(sides: Floats) -> Floats:
 
 
 def evaluate(curves: Floats, t: Floats) -> Floats:
-    """Compute positions (k, 2) on quadratics (k, 2, 3), one each."""
+    """Positions (k, 2) on quadratics (k, 2, 3) at parameters t (k,)."""
     return np.asarray(curves[..., 0] + t[:, None] * (curves[..., 1] + t[:, None] * curves[..., 2]))
 
 
@@ -113,7 +113,7 @@ def between_circles(circles: Floats, others: Floats) -> tuple[Ints, Floats]:
 
 
 def together(owner: Ints, others: Ints) -> tuple[Ints, Ints]:
-    """Pairs of entries (p,) of two tables, by index, that have the same owner."""
+    """Indices (p,) into two tables of all pairs of entries that have the same owner."""
     order = np.argsort(others, kind="stable")
     first, stop = (np.searchsorted(others[order], owner, side) for side in ("left", "right"))
     count = stop - first
@@ -122,7 +122,7 @@ def together(owner: Ints, others: Ints) -> tuple[Ints, Ints]:
 
 
 def touched(boxes: Floats, outline: Outline, margin: float) -> tuple[Ints, Ints, Ints, Ints]:
-    """Pairs (box, segment) of boxes (n, 4) and segments of an outline through them, then pairs (box, circle)."""
+    """Pairs (box, segment) of boxes (n, 4) and segments of an outline that meet, then pairs (box, circle)."""
     centre, half = 0.5 * (boxes[:, :2] + boxes[:, 2:]), 0.5 * (boxes[:, 2:] - boxes[:, :2]) + margin
     by_segment = []
     for a, b in outline.segments:

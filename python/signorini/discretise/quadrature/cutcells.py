@@ -130,7 +130,7 @@ class Pieces(Table):
 class Parts:
     """Elements in a region: ``whole`` (k,), and points (q, 2) with weights (q,) in cut elements (q,).
 
-    ``factors`` (k,) are the areas of whole elements between true arcs, relative to those between parabolas.
+    ``factors`` (k,) are areas of whole elements bounded by true arcs, relative to areas bounded by parabolas.
     """
 
     whole: Ints
@@ -142,7 +142,7 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class _Cells(Table):
-    """Cells of strips: cut element (c,), range in x (c, 2), curves below and above (c, 2), vertical tangents (c, 2)."""
+    """Cells: cut element (c,), range in x (c, 2), curves below and above (c, 2), vertical tangents at ends (c, 2)."""
 
     owner: Ints
     x: Floats
@@ -160,8 +160,8 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool =
     """Intersect a mesh with a region, whose outline may cut elements anywhere, or leave the mesh.
 
     ``rule`` is Gauss's, or Lobatto's with points on the outline; it has ``order`` points across a strip. With
-    ``follow``, element sides that approximate arcs of the outline replace these, so that slivers between both have no
-    points.
+    ``follow``, element sides replace the arcs of the outline that they approximate: slivers between side and arc have
+    no points.
     """
     x0, y0, x1, y1 = region.bounds
     boxes = mesh.boxes
@@ -197,9 +197,9 @@ def cut(mesh: Mesh, region: Part, order: int, rule: Rule = gauss, follow: bool =
 
 
 def _along_circles(mesh: Mesh, elements: Ints, circles: Floats) -> tuple[Bools, Floats]:
-    """Whether elements (k,) have sides along circles (k, 3) and lie on one side of them; areas between both.
+    """Mask of elements (k,) with a side on their circle (k, 3), all inside or all outside; areas between side and arc.
 
-    The areas between arcs and sides, one for each such element, are positive within the circle.
+    Each marked element has one area, the sum over its sides, positive within the circle.
     """
     off = np.hypot(*np.moveaxis(mesh.nodes[elements] - circles[:, None, :2], -1, 0)) - circles[:, 2:]
     on_circle, slack = np.abs(off) <= _ALONG * mesh.size, _ALONG * mesh.size
@@ -221,7 +221,7 @@ def _along_circles(mesh: Mesh, elements: Ints, circles: Floats) -> tuple[Bools, 
 def _pieces(
     sides: Floats, owners: tuple[Ints, Ints], segments: Floats, circles: Floats
 ) -> tuple[Pieces, tuple[Ints, Floats]]:
-    """Curves of every cut element with sides (c, 4, 3, 2), and the ends of strips: elements and x."""
+    """Curves of every cut element with sides (c, 4, 3, 2), and the ends of strips: element and x of each."""
     by_segment, by_circle = owners
     curves = quadratics(sides.reshape(-1, 3, 2))
     # A bend within rounding counts as straight.
@@ -318,7 +318,7 @@ def _integrate(
 
 
 def _stations(pieces: Pieces, cells: _Cells, rule: tuple[Floats, Floats]) -> tuple[Floats, Floats, Floats, Floats]:
-    """A rule's points in x, their weights, and the bounds in y there, all (c, count)."""
+    """Points of a rule in x, their weights, and lower and upper bound in y at these points, all (c, count)."""
     node, weight = rule
     t, w = 0.5 + 0.5 * node, 0.5 * weight
     maps = np.stack([t, t**2, 1.0 - (1.0 - t) ** 2, t**2 * (3.0 - 2.0 * t)])

@@ -57,13 +57,13 @@ class Segment:
         segment = np.stack([self.begin, self.end])[None]
         near, _, _, _ = touched(side_boxes(sides), Outline(segments=segment), _margin(sides))
         sides = sides[near]
-        # The crossing of a side with a line on which it lies is undefined: its ends are taken.
+        # The crossing of a side with a line on which it lies is undefined: the ends of the side are taken.
         along = self._holds(sides)
         _, points = with_segments(quadratics(sides[~along]), np.repeat(segment, int((~along).sum()), axis=0))
         return self.nearest(np.concatenate([points, sides[along][:, [0, 2]].reshape(-1, 2)]))
 
     def _holds(self, sides: Floats) -> Bools:
-        """Whether sides (k, 3, 2) lie on the line through both ends."""
+        """Mask of sides (k, 3, 2) that lie on the line through the segment's ends."""
         x, y = (self.end - self.begin) / self.length
         off = np.abs((sides - self.begin) @ np.array([-y, x])).max(axis=1, initial=0.0)
         return np.asarray(off <= _STRAIGHT * np.hypot(*(sides[:, 2] - sides[:, 0]).T) + _margin(sides))
@@ -119,9 +119,9 @@ Arc: TypeAlias = Segment | PartOfCircle
 
 
 def breaks(arc: Arc, sides: Floats, beside: Floats = _NONE) -> Floats:
-    """Increasing arc lengths at which sides (k, 3, 2) meet an arc, and feet of points (q, 2), with both ends.
+    """Increasing arc lengths of an arc's ends, its crossings with sides (k, 3, 2), and feet of points (q, 2).
 
-    A full circle begins and ends at the first of them.
+    A full circle begins and ends at the first crossing or foot.
     """
     s, least = np.sort(np.concatenate([arc.crossings(sides), arc.nearest(beside)])), _TOUCHED * arc.length
     if isinstance(arc, PartOfCircle) and arc.closed:

@@ -60,7 +60,7 @@ class LineQuadrature(Quadrature):
 
 @cache
 def gauss(count: int) -> tuple[Floats, Floats]:
-    """Gauss's rule (count,), exact to the degree 2·count − 1."""
+    """Points and weights (count,) of Gauss's rule, exact to the degree 2·count − 1."""
     points, weights = np.polynomial.legendre.leggauss(count)
     return np.asarray(points), np.asarray(weights)
 
@@ -92,7 +92,7 @@ def radon() -> tuple[Floats, Floats]:
 
 
 def collapsed(corners: Floats, along: tuple[Floats, Floats], across: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    """Points and weights of a collapsed rule on a triangle (3, 2): ``along`` lines from its first corner, ``across``.
+    """Points and weights on a triangle (3, 2): a rule ``along`` lines from its first corner, and one ``across``.
 
     Rules exact to the degree n are exact on the triangle to n − 1. Points of weight 0 are left out.
 

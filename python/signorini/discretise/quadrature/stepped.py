@@ -32,9 +32,10 @@ OFF = 1e-4
 _DEEPEST = 7
 """Largest number of subdivisions of an element."""
 INSIDE = 1.0 - 1e-6
-"""Position of sample points relative to the way from the middle to a side: steps along sides are not inside."""
+"""Position of the outermost sample points, relative to the distance from the middle to a side: not on the side
+itself."""
 _PARTED = 0.4863
-"""Position of subdivision, relative to the side of a part: off the middle, along which steps often run."""
+"""Position at which a side is divided, relative to its length: not the middle, along which steps often run."""
 _SEEN = 9
 """Number of sample points of an element in each direction; features smaller than an eighth of it may be missed."""
 _CHUNK = 200_000
@@ -176,13 +177,13 @@ def cut_by(
     owner, boxes = elements, np.where(mesh.triangles[elements, None], [0.0, 0, 1, 1], [-1.0, -1, 1, 1])
     crossing = np.ones((len(owner), len(levels)), dtype=bool)
     points: list[tuple[Ints, Floats, Floats]] = []
-    # Features smaller than the sampling give no pieces.
+    # Steps that the sampling misses have no pieces.
     fronts = [(np.zeros(0, np.int64), np.zeros((0, 2, 2)))]
     for depth in range(_DEEPEST + 1):
         if not len(owner):
             break
         changes, planes, bent = _planes(mesh, owner, boxes, levels, crossing, _SEEN if depth == 0 else 5)
-        # Parts of an element are crossed only by levels that cross the element: few of many.
+        # Only levels that cross an element can cross its parts.
         crossing = changes if depth == 0 else crossing
         ready = np.logical_or((bent <= 2.0 * off).all(axis=1), depth == _DEEPEST)
         if quarter:
@@ -221,9 +222,9 @@ def cut_by(
 def _planes(
     mesh: Mesh, owner: Ints, boxes: Floats, levels: Levels, crossing: Bools, count: int
 ) -> tuple[Bools, Floats, Floats]:
-    """Whether levels change sign in boxes (c, l); planes c₀ + c₁ξ + c₂η fitted to them (c, l, 3); their error (c, l).
+    """Fit planes c₀ + c₁ξ + c₂η to levels in boxes: sign change (c, l), planes (c, l, 3), largest error (c, l).
 
-    Only levels in the mask ``crossing`` (c, l) are evaluated.
+    The error is a distance in reference coordinates. Only levels in the mask ``crossing`` (c, l) are evaluated.
     """
     stations, shape = INSIDE * _square(count), (len(owner), len(levels))
     changes, planes, bent = np.zeros(shape, dtype=bool), np.zeros((*shape, 3)), np.zeros(shape)

@@ -1,4 +1,4 @@
-"""The forces through one line as sums over the elements that it meets.
+"""Moment, twist and shear through one line, as sums over the elements that the line meets.
 
 For the part of the plate on the left of the line, the principle of virtual work gives, for any displacement v,
 
@@ -10,8 +10,8 @@ v is a rigid motion in an element, its stresses do no work and the sum is exact,
 the line inside the plate v is not rigid: there the missing part of v on the line times the element's moments and shears
 is added.
 
-Behind a re-entrant corner, or a round hole that a line touches, the straight continuation of a line that has ended may
-meet the plate again. So a line that ends on an edge is continued in a direction that leads out of the plate.
+A line that ends on an edge is continued in a direction that leads out of the plate. Its straight continuation could
+meet the plate again beyond a re-entrant corner, or beyond a round hole that the line touches.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ BESIDE = 1e-6
 _BEYOND = 2.0
 """Length by which a line is continued beyond an end inside the plate, in diagonals of the largest element.
 
-v becomes 0 within one diagonal."""
+v becomes 0 within one diagonal beyond the end."""
 _ORDER = 5
 """Number of Gauss points in each direction."""
 _AROUND = [0, 4, 1, 5, 2, 6, 3, 7]
@@ -55,7 +55,7 @@ _TRIANGULAR = np.array([(i, j) for i in range(3) for j in range(3 - i)])
 
 
 def followed(mesh: Mesh, points: Sequence[Point]) -> tuple[CutLine, tuple[bool, bool]]:
-    """Return a line through points, continued out of the plate where it ends on an edge; whether each end is inside."""
+    """Return a line through points, continued out of the plate where it ends on an edge; and which ends are inside."""
     corners, touching = np.array(points, dtype=np.float64), mesh.near.place
     if len(points) > 2 and points[0] == points[-1]:
         return CutLine(corners, touching), (False, False)
@@ -126,8 +126,8 @@ class Cut:
 
     Moment, twist and shear are the sum of ``of_forces`` (k, 3, 24) times nodal forces of the elements, in nodal axes,
     and ``of_stress`` (k, p, 5, 3) times their moments and shears at Gauss points. ``motion`` (k, 3, 24) is v in
-    elements that the line divides, else 0. ``left`` is the quadrature of their parts on the left; its elements are
-    indices among the k.
+    elements that the line divides, else 0. ``left`` is the quadrature of the parts of divided elements on the left; its
+    elements are indices among the k.
     """
 
     line: CutLine
@@ -143,15 +143,16 @@ class Cut:
         return np.asarray(self.motion.any(axis=(1, 2)))
 
     def on_left(self, mesh: Mesh, region: Part | None, order: int, levels: Levels) -> Quadrature:
-        """Quadrature of a region's part on the left in divided elements, which are indices among the k."""
+        """Quadrature of a region's part on the left in divided elements, given by their indices among the k."""
         if region is None and not levels:
             return self.left
         return _on_left(mesh.part(self.elements), self.line, self.divided(), region, order, levels)
 
     def work(self, elements: Ints, rows: Floats, left: Floats) -> Floats:
-        """Contribution (q, 3) of downward forces with rows (q, 24) over elements (q,), indices among the k.
+        """Part (q, 3) of moment, twist and shear due to downward forces with rows (q, 24) over elements (q,).
 
-        ``left`` (q,) is the part of each force that acts on the left: a half for a force on the line.
+        Elements are indices among the k. ``left`` (q,) is the part of each force that acts on the left: a half for a
+        force on the line.
         """
         on_whole = (left == 0.5) & ~self.divided()[elements]
         weights = self.of_forces[elements] + left[:, None, None] * self.motion[elements]
@@ -168,7 +169,7 @@ class Cut:
 
 
 def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[Point]) -> Cut:
-    """Cut a plate, with elements of a kind, along a line through points."""
+    """Cut a plate along a line through points; ``kind`` is the name of its finite element."""
     line = _Followed(mesh, points)
     met, divided, pieces = _met(mesh, line)
     length = _length(line.line, pieces)
@@ -177,7 +178,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
     near = line.line.near(mesh.points[mesh.elements[met]].reshape(-1, 2))
     taken = line.taken(near).reshape(-1, 8)
     taken[_of_bodies_at_ends(mesh.elements[met], held, near.side.reshape(-1, 8), taken)] = 0.0
-    # An element inside which the line lies without a node beside it has v = 0; `_rest` adds the whole traction.
+    # An element that contains the line but no node beside it has v = 0: `_rest` adds the whole traction.
     of_line = (pieces.begin >= 0.0) & (pieces.end <= line.line.lengths[pieces.piece])
     kept = taken.any(axis=1) | np.isin(met, pieces.elements[of_line])
     elements, divided, taken = met[kept], divided[kept], taken[kept]
@@ -210,7 +211,7 @@ def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[
 
 
 class _Followed:
-    """A line on a plate: whether its ends lie inside, and its continuation beyond these."""
+    """A line on a plate; which of its ends lie inside the plate, and how far it is continued beyond these."""
 
     def __init__(self, mesh: Mesh, points: Sequence[Point]) -> None:
         self.line, self.inside = followed(mesh, points)
@@ -228,7 +229,7 @@ class _Followed:
 
 
 def _met(mesh: Mesh, followed: _Followed) -> tuple[Ints, Bools, _Pieces]:
-    """Elements (k,) that the continued line meets, at least in a node; whether it divides each; its pieces in them.
+    """Elements (k,) that the continued line meets, at least in a node; whether it divides each; pieces of the line.
 
     Curved sides count as straight between nodes.
     """
@@ -284,11 +285,11 @@ def _of_bodies_at_ends(nodes: Ints, held: Held, side: Ints, taken: Floats) -> Bo
 
 
 def _parts_of_forces(mesh: Mesh, line: CutLine, elements: Ints, divided: Bools, side: Ints, rigid: Bools) -> Floats:
-    """Factors (k, 8) of v with which nodal forces of the elements contribute; ``side`` (k, 8) is that of each node.
+    """Factors (k, 8) of v for the nodal forces of the elements; ``side`` (k, 8) is the side of each node.
 
-    In divided elements it is −1 at nodes on the left. In others only nodes on the line contribute: ½ for elements on
-    the left, −½ on the right. Along an edge of the plate, with elements on one side only, it is ±1. Nodes of a rigid
-    body, in equilibrium only as a whole, count as on the body's side.
+    In divided elements the factor is −1 at nodes on the left. In other elements it is 0 except at nodes on the line: ½
+    for elements on the left, −½ on the right. Along an edge of the plate, with elements on one side only, it is ±1.
+    Nodes of a rigid body, in equilibrium only as a whole, count as on the body's side.
     """
     nodes = mesh.elements[elements]
     centres = mesh.map(elements, mesh.inward(elements, np.zeros((len(elements), 2)), 0.0))
@@ -351,7 +352,10 @@ def _monomials(xi: Floats, degrees: Ints) -> Floats:
 def _rest(
     mesh: Mesh, plate: _core.Plate, kind: str, line: _Followed, elements: Ints, v: Floats, pieces: _Pieces
 ) -> Floats:
-    """Work (k, p, 5, 3) of unit stresses on the missing part of v on the line, which should be rigid up to its ends."""
+    """Work (k, p, 5, 3) of unit stresses on the part of v that is missing on the line.
+
+    On the line, v should be a rigid motion up to the ends.
+    """
     place, met = placed(elements, pieces.elements)
     node, weight = gauss(_ORDER)
     half = 0.5 * (pieces.end - pieces.begin)[met, None]
@@ -392,7 +396,7 @@ def _length(line: CutLine, pieces: _Pieces) -> float:
 
 
 def placed(elements: Ints, wanted: Ints) -> tuple[Ints, Ints]:
-    """Positions in ``elements`` (k,), ascending, of those of ``wanted`` (q,) that occur there; their indices in it."""
+    """Positions in ``elements`` (k,), ascending, of the entries of ``wanted`` (q,) in it; indices of these entries."""
     place = np.minimum(np.searchsorted(elements, wanted), len(elements) - 1)
     found = np.flatnonzero(elements[place] == wanted) if len(elements) else np.zeros(0, np.int64)
     return place[found], found

@@ -26,11 +26,11 @@ from signorini.shapes.cuts import Part
 from signorini.shapes.outlines import Point
 
 _FLAT = 1e-9
-"""Relative rank tolerance for the moments of an area in an element: a narrow one has no slope of pressure."""
+"""Relative rank tolerance for the moments of an area in an element; in a narrow area, the slope of pressure is 0."""
 _AT_SIDE = 1e-6
 """Tolerance for a point on a side, in reference coordinates."""
 _BESIDE = 1e-3
-"""Distance from a strip's middle line, relative to half its width, without plate: there the line is on an edge."""
+"""Distance from a strip's middle line, relative to half its width. No plate there means that the line is on an edge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +56,8 @@ class Spread:
 class Sections(Brief):
     """Lines (s,) across the plate: those of sections, followed by those of strips at their stations.
 
-    Moment, twist and shear of each are linear in nodal forces and stresses of ``elements`` (k,), in loads and in
-    reactions. ``frames`` are those of `Held`.
+    The section forces of a line are moment, twist and shear. They are linear in nodal forces and stresses of
+    ``elements`` (k,), in loads and in reactions. ``frames`` are those of `Held`.
     """
 
     mesh: Mesh
@@ -68,7 +68,7 @@ class Sections(Brief):
 
     @classmethod
     def of(cls, model: Model, mesh: Mesh, plate: _core.Plate, held: Held, problems: Problems) -> Sections:
-        """Cut the plate; errors of lines are collected in ``problems``."""
+        """Cut the plate along all lines of a model; errors of lines are collected in ``problems``."""
         lines: list[tuple[Sequence[Point], Place]] = [
             (section.line, ("section", i)) for i, section in enumerate(model.section)
         ]
@@ -97,7 +97,7 @@ class Sections(Brief):
         return np.unique(np.concatenate([np.zeros(0, np.int64), *(line.elements for line in self.cuts)]))
 
     def within(self, plate: _core.Plate, hi: Floats, lo: Floats, curvature: Floats, couples: Floats) -> Floats:
-        """Contribution (3s,) of nodal forces and stresses at displacements u = hi + lo."""
+        """Part (3s,) of the section forces due to nodal forces and stresses at displacements u = hi + lo."""
         if not self.cuts:
             return np.zeros(0)
         kx, ky, kxy = curvature.tolist()
@@ -105,12 +105,12 @@ class Sections(Brief):
         return np.asarray(self._of_forces @ forces.ravel() + self._of_stress @ stress.ravel())
 
     def of_points(self, forces: Quadrature) -> Floats:
-        """Contribution (3s,) of downward point forces, given as weights."""
+        """Part (3s,) of the section forces due to downward point forces, which are the weights."""
         met = forces.pick(self._met[forces.elements])
         return self.of_rows(met.elements, met.positions, _deflections(self.mesh, met))
 
     def of_rows(self, elements: Ints, positions: Floats, rows: Floats) -> Floats:
-        """Contribution (3s,) of forces or couples with rows (q, 24) at positions (q, 2) of elements (q,)."""
+        """Part (3s,) of the section forces due to forces or couples with rows (q, 24) at positions (q, 2)."""
 
         def part(line: Cut) -> Floats:
             place, indices = placed(line.elements, elements)
@@ -119,7 +119,10 @@ class Sections(Brief):
         return self._sum(elements, part)
 
     def of_line(self, whole: Quadrature, divided: Callable[[Levels], Quadrature]) -> Floats:
-        """Contribution (3s,) of forces along a line; ``divided`` gives the quadrature for levels that divide it."""
+        """Part (3s,) of the section forces due to forces along a line, with the quadrature ``whole``.
+
+        ``divided`` maps levels to the quadrature that is divided where they change sign.
+        """
         if not self._met[whole.elements].any():
             return np.zeros(3 * len(self.cuts))
         crossed = divided([line.level for line in self.cuts])
@@ -137,11 +140,11 @@ class Sections(Brief):
         return self._sum(whole.elements, part)
 
     def of_spread(self, forces: Quadrature, spread: Spread) -> Floats:
-        """Contribution (3s,) of a pressure; ``forces`` is the quadrature that gives its nodal forces."""
+        """Part (3s,) of the section forces due to a pressure; ``forces`` is the quadrature for its nodal forces."""
         return self._sum(forces.elements, lambda line: self._of_spread(line, forces, spread))
 
     def of_supports(self, supports: Sequence[Support], points: ContactPoints) -> csr_array:
-        """Contributions (3s, m) of unit reactions, up, of contact points or springs (m,)."""
+        """Section forces (3s, m) due to a unit upward reaction of each contact point or spring (m,)."""
         if not (self.cuts and len(points)):
             return csr_array((3 * len(self.cuts), len(points)))
         prints = {}
@@ -182,7 +185,7 @@ class Sections(Brief):
         return np.asarray(forces.weights[:, None] * rows.coefficients)
 
     def _sum(self, elements: Ints, part: Callable[[Cut], Floats]) -> Floats:
-        """Contributions (3s,) to all lines of forces in elements (q,)."""
+        """Section forces (3s,) of all lines due to forces in elements (q,); ``part`` computes those of one line."""
         if not self._met[elements].any():
             return np.zeros(3 * len(self.cuts))
         return np.concatenate([part(line) for line in self.cuts])
@@ -202,7 +205,7 @@ class Sections(Brief):
         return self._rows([np.moveaxis(line.of_stress, -1, 1) for line in self.cuts])
 
     def _rows(self, parts: Sequence[Floats]) -> csr_array:
-        """Sparse matrix (3s, k·n) of the blocks (k, 3, ...) that each line has in its elements."""
+        """Sparse matrix (3s, k·n) from element values to section forces; ``parts`` are blocks (k, 3, ...) by line."""
         width = int(np.prod(parts[0].shape[2:]))
         values = [part.reshape(len(part), 3, width) for part in parts]
         rows, columns = [], []
@@ -285,7 +288,10 @@ def _on_outline(mesh: Mesh, points: ContactPoints, rows: Ints) -> Bools:
 def _shares(
     cut: Cut, mesh: Mesh, support: Support, table: ContactPoints, rows_of_support: Ints
 ) -> Iterator[tuple[Ints, Floats]]:
-    """Yield contributions (k, 3) of the parts on the left of an area's unit reactions, spread over their elements."""
+    """Yield points (k,) and section forces (k, 3) due to the left parts of their unit reactions.
+
+    Reactions of an area are spread over their elements.
+    """
     covered = support.where.region
     left = cut.on_left(mesh, covered, GAUSS, ())
     whole = area_quadrature(mesh.part(cut.elements), covered, GAUSS)
@@ -305,7 +311,7 @@ def _shares(
 
 
 def _deflections(mesh: Mesh, forces: Quadrature) -> Floats:
-    """Rows (q, 24) of the deflection at points, times the forces that they weigh."""
+    """Rows (q, 24) of the deflection at points, times their weights, which are forces."""
     rows = np.zeros((len(forces), 24))
     rows[:, ::3] = forces.weights[:, None] * mesh.shape_functions(forces.elements, forces.xi)
     return rows
