@@ -40,11 +40,11 @@ def path(
     when: Sequence[str] = (),
     events: Literal["named", "all"] = "named",
 ) -> LoadPath:
-    """Follow start + t add from t = 0: states at samples of t, what supports do between them, where equilibrium ends.
+    """Follow the load start + t·add from t = 0: states at samples of t, events between them, the end of equilibrium.
 
-    Between samples the t of every named event is found: a point of a support at points opens or closes; a line or area
-    begins to open, has 75, 50 or 25 % of its true length or contact area, is all open, and the reverse as it closes.
-    What a support does and undoes between two samples is not seen.
+    Between samples the t of every named event is found. A point of a support opens or closes. A line or area begins to
+    open, has 75, 50 or 25 % of its length or area in contact, or is fully open; the same in reverse as it closes. An
+    event that is undone before the next sample is not found.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def path(
 
 
 def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int | list[float]:
-    """How many t are solved, or which, in rising order."""
+    """Number of samples, or the t to be solved in rising order."""
     if events == "all" and (steps is not None or at is not None):
         raise InputError('events="all" stops at every event; leave out steps and at.', place="events")
     if at is None:
@@ -156,7 +156,7 @@ def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int 
         raise InputError("both steps and at are given; give one of them.", place="at")
     if isinstance(at, str) or not isinstance(at, Iterable):
         raise InputError(f"found {at!r}; it must be a list of numbers greater than 0.", place="at")
-    # At t = 0 there is a stop anyway.
+    # t = 0 is always solved.
     result = sorted({_factor(t, "at") for t in at if t != 0})
     if not 1 <= len(result) <= _MOST_STEPS:
         raise InputError(f"found {len(result)} numbers beside 0; there must be 1 to {_MOST_STEPS}.", place="at")
@@ -164,7 +164,7 @@ def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int 
 
 
 def _factor(value: object, place: str) -> float:
-    """A t that can be asked for."""
+    """Validate a t: finite and greater than 0."""
     t = arguments.number(value, place)
     if not 0 < t < np.inf:
         raise InputError(f"found {t:g}; it must be a finite number greater than 0.", place=place)

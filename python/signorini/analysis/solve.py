@@ -1,4 +1,4 @@
-"""From a model to certified results, one for each combination."""
+"""Solve a model: a certified result for each of its combinations."""
 
 from __future__ import annotations
 
@@ -96,12 +96,12 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
 
 
 def _refining(watcher: Watcher, before: str, now: Progress) -> object:
-    """Show the progress on a finer mesh, with the accuracy of the mesh before."""
+    """Report progress on a finer mesh, with the accuracy of the previous mesh."""
     return watcher(replace(now, reached=before))
 
 
 def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None) -> Results:
-    """Solve a model on its mesh."""
+    """Solve a model on one mesh, without refinement."""
     begun = time.perf_counter()
     watcher(Progress(stage="mesh"))
     discretisation = discretise(model)
@@ -126,13 +126,13 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
     seconds = {name: discretisation.seconds[name] for name in ("mesh", "assemble")}
     seconds |= {"order": part["order"], "factor": part["factor"], "contact": part["condense"] + contact}
     seconds |= {"recover": recover, "total": time.perf_counter() - begun}
-    # Without a table the results are complete. Their factor is dropped, since callers may keep many results.
+    # Without a table the results are complete. The factor is dropped, since callers may keep many results.
     kept = problem if combined is not None else problem.without_factor()
     return Results(kept, results, seconds, _combined=combined)
 
 
 def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:
-    """The combinations of which every field is computed."""
+    """Yield the combinations for which every field is computed."""
     asked, combinations = model.output.fields, model.effective_combinations
     if combined is None or asked == "all":
         yield from combinations
