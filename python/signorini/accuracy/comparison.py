@@ -51,16 +51,16 @@ class Estimate(Brief):
     ----------
     result : Result
     widths : (n,) array
-        Of the numbers of ``result.catalogue``; NaN where there is none.
+        Half-widths of the numbers of ``result.catalogue``; NaN where unknown.
     plus_minus : mapping or None
-        The same by the keys deflection, fields, supports, probes, sections and strips of results.json, None in place
-        of a number that has none; None where no other mesh was solved.
+        Half-widths by the keys deflection, fields, supports, probes, sections and strips of results.json; None where
+        unknown. None as a whole if no other mesh was solved.
     elements : tuple of int
-        Sizes of the meshes that were compared, the finest first, its own among them.
+        Element counts of the compared meshes, finest first, including the mesh of ``result``.
     warnings : tuple of str
         Why half-widths are missing or wide, in sentences.
     plates : mapping of Estimate
-        Of several plates each.
+        Estimate of each of several plates, by name.
     """
 
     result: Result
@@ -90,13 +90,13 @@ class PathEstimate:
     Parameters
     ----------
     end : float or None
-        Half-width of the t at which it ends.
+        Half-width of the t at which the path ends.
     events : tuple of float or None
         Half-widths of the t of every named event.
     thresholds : tuple of float or None
-        Those of the t of every threshold.
+        Half-widths of the t of every threshold.
     elements, warnings
-        As those of an `Estimate`.
+        As in `Estimate`.
     """
 
     end: float | None

@@ -150,9 +150,9 @@ class Estimates(Brief, Mapping[str, Estimate]):
     ----------
     results : Results
     full : mapping of Estimate
-        Of every result that is in ``results.full``.
+        Estimate of every result in ``results.full``, by combination.
     of_table : EstimatedTable or None
-        Of combinations that are rows of a table.
+        Half-widths of a table, if the combinations are its rows.
     """
 
     results: Results
@@ -165,7 +165,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
         Raises
         ------
         UnknownNameError
-            Which is a KeyError too, if there is none.
+            If ``full`` has no such name; it is also a KeyError.
         """
         return self.full[key_of(name, self.full, "combination", "This mapping of estimates")]
 
@@ -206,16 +206,16 @@ class Estimates(Brief, Mapping[str, Estimate]):
         Parameters
         ----------
         column : str
-            One that has half-widths, such as "reaction:soil".
+            Name of a column with half-widths, such as "reaction:soil".
         row : int or str
-            The number of a combination, from 0, or its name.
+            Number of a combination, from 0, or its name.
 
         Raises
         ------
         UnknownNameError
-            Which is a KeyError too, if there is no such column or combination.
+            If there is no such column or combination; it is also a KeyError.
         InputError
-            If there are not as many combinations.
+            If the number is too large.
         """
         results = self.results
         by_column = results.combined.layout.catalogue.by_column
@@ -241,20 +241,20 @@ def estimate(results: LoadPath, progress: Watcher | None = None) -> PathEstimate
 def estimate(
     results: Results | Result | LoadPath, progress: Watcher | None = None
 ) -> Estimates | Estimate | PathEstimate:
-    """Solve the plate on other meshes, and say how far refining the mesh is expected to move every number.
+    """Solve the plate on other meshes, and estimate how far refining the mesh will move every number.
 
     Parameters
     ----------
     results : Results, Result or LoadPath
-        What `signorini.solve` or `signorini.path` has returned, or one of its results.
+        Return value of `signorini.solve` or `signorini.path`, or one of its results.
     progress : callable, optional
-        Called with a `Progress`; what it raises ends the estimate and reaches the caller.
+        Called with a `Progress`; an exception in it ends the estimate and reaches the caller.
 
     Returns
     -------
     Estimates, Estimate or PathEstimate
-        Without half-widths where no other mesh could be solved, as ``warnings`` then say, where there is no
-        equilibrium, and of reactions that were given.
+        Half-widths. They are missing if no other mesh could be solved, if there is no equilibrium, or if reactions
+        were given; ``warnings`` then give the reason.
 
     Examples
     --------

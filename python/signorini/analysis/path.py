@@ -50,37 +50,37 @@ def path(
     ----------
     model : Model
     start : str or None
-        Name of a load case or combination; of two with one name the case is meant. None begins without load.
+        Load at t = 0: name of a load case or, without such a case, of a combination; None for no load.
     add : str
-        Name of the load that grows.
+        Load that grows: name of a load case or combination.
     until : float, optional
-        The largest t wanted; by default the end of equilibrium or, where it does not end, the power of 2 after the
-        last named event; with ``at`` the largest of these.
+        Largest t; by default the largest in ``at`` or the end of equilibrium. If equilibrium does not end, the default
+        is the power of 2 after the last named event.
     progress : callable, optional
-        Called with a `Progress` as meshing and factoring begin and by every solve. What it raises ends the path, and
-        reaches the caller; but a KeyboardInterrupt after the state at t = 0 gives the path as far as it came.
+        Called with a `Progress` before meshing and factoring and in every solve. An exception in it ends the path and
+        reaches the caller; but after t = 0 a KeyboardInterrupt returns the path up to there.
     steps : int, optional
-        How many evenly spaced t are solved beside t = 0; by default 50.
+        Number of evenly spaced t > 0 that are solved; by default 50.
     at : sequence of float, optional
         The t to solve, in place of ``steps``.
     when : sequence of str
-        Thresholds to find, such as ``"bolts[1].reaction = -203e3"``: any result of a stop that has a name.
+        Thresholds to find: a named result of a stop and its value, such as ``"bolts[1].reaction = -203e3"``.
     events : {"named", "all"}
-        "all" follows every contact point from event to event instead, exactly, without half-widths.
+        "all" follows every contact point exactly from event to event, in place of samples; it gives no half-widths.
 
     Returns
     -------
     LoadPath
-        With "all" an `ExactPath`.
+        The states and events; an `ExactPath` if ``events`` is "all".
 
     Raises
     ------
     InputError
-        If the model says something that cannot be, or has no such case, combination or quantity.
+        If the model is contradictory, or has no such case, combination or quantity.
     NoEquilibriumError
         If the start has no equilibrium.
     NotCertifiedError
-        If the start was not solved.
+        If no method solves the start.
 
     Examples
     --------

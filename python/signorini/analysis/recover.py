@@ -49,22 +49,22 @@ def recover(problem: ContactProblem | RowProblem, load: str | ArrayLike, reactio
     ----------
     problem : ContactProblem or RowProblem
     load : str or (3n,) array_like
-        Name of a combination, or nodal forces and couples of one's own.
+        Name of a combination, or nodal forces and couples.
     reactions : (m,) or (m + r,) array_like
-        λ of the paper's (27) of every row of ``problem.G``: positive where it pushes the way it resists.
-        Those of two-sided rows may be NaN where they are not known, as by an LCP that has eliminated them.
+        λ of the paper's (27), for each row of ``problem.G``; positive in the direction that the support resists.
+        Two-sided rows that an LCP has eliminated may have NaN.
 
     Returns
     -------
     Result
-        Whose ``method`` is "given". Reactions of rows of one's own are among its loads.
+        Result with ``method`` "given". Reactions of rows added by the caller count as its loads.
 
     Raises
     ------
     InputError
         If shapes or numbers are wrong, or there is no combination of that name.
     NotCertifiedError
-        If these reactions are not the answer; it says what is wrong with them.
+        If these reactions are not the answer; the message gives the difference.
 
     Examples
     --------

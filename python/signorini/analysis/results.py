@@ -38,15 +38,15 @@ class Results(States[str], Mapping[str, Result]):
     ----------
     problem : ContactProblem
     full : mapping of Result
-        Results that are there already: of every combination or, where these are rows of a table, of those that
-        ``output.fields`` asks for.
+        Results computed so far: all combinations or, if these are rows of a table, those named in
+        ``output.fields``.
     seconds : mapping of float
     refinement : tuple of Refined
-        The meshes on the way to an accuracy that was asked for, this one last; else none.
+        Meshes of the refinement to ``mesh.accuracy``, the present one last; empty without it.
     estimates : mapping of Estimate
-        With an accuracy, half-widths of the results that are there; else none.
+        With ``mesh.accuracy``, half-widths of the results in ``full``; else none.
     accuracy_warning : str
-        Why it is not reached, and what it would take.
+        Why ``mesh.accuracy`` is not reached, and the elements and memory that it needs; empty if it is reached.
 
     Examples
     --------
@@ -81,7 +81,7 @@ class Results(States[str], Mapping[str, Result]):
         Raises
         ------
         UnknownNameError
-            Which is a KeyError too, if there is none of that name.
+            If there is no combination of that name; it is also a KeyError.
         NotCertifiedError
             If it is solved now and its answer fails its certificate.
         """
@@ -102,7 +102,7 @@ class Results(States[str], Mapping[str, Result]):
         Raises
         ------
         UnknownNameError
-            Which is a KeyError too, if there is none of that name.
+            If there is no combination of that name; it is also a KeyError.
         """
         return self._numbers[key_of(name, self._numbers, "combination", "This mapping of results")]
 
@@ -214,7 +214,7 @@ class Results(States[str], Mapping[str, Result]):
         Raises
         ------
         InputError
-            If it is of one of several plates.
+            If the result is that of one of several plates.
         """
         if any(one.between for one in result.model.support) and not result.plates:
             raise InputError("found the result of one of several plates; take that of all plates.", place="results")

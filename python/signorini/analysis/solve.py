@@ -28,19 +28,19 @@ from signorini.results.result import Result
 def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLike[str] | None = None) -> Results:
     """Solve a model for each of its combinations.
 
-    A combination whose load no reactions can balance gets a result with status "no_equilibrium", NaN for every number,
-    and the reason in ``message``; the others are solved.
+    If no reactions balance a combination, its result has status "no_equilibrium", NaN for every number, and the reason
+    in ``message``; the others are solved.
 
-    More than a few combinations, or where ``output.combinations`` is "table", are solved as rows of a table, without
-    their fields; these are computed for those that ``output.fields`` asks for, and for others when they are asked for.
+    Many combinations, or any number if ``output.combinations`` is "table", are solved as rows of a table, without
+    fields. Fields are computed for the combinations in ``output.fields``, and for others on access.
 
     Parameters
     ----------
     model : Model
     progress : callable, optional
-        Called with a `Progress` before meshing and factoring, as every combination begins, after every step of its
-        active set, and at the end of every mesh on the way to an accuracy. What it raises ends the solve and reaches
-        the caller.
+        Called with a `Progress` before meshing and factoring, at the start of every combination, after every step of
+        its active set, and at the end of every mesh of a refinement. An exception in it ends the solve and reaches the
+        caller.
     table : path-like, optional
         A Parquet file to write the table to, whole or not at all; docs/results.md describes its columns. Nothing is
         written where every combination has all results.
@@ -53,7 +53,7 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
     Raises
     ------
     InputError
-        If the model says something that cannot be, or the plate is a mechanism.
+        If the model is contradictory, or the plate is a mechanism.
     NoEquilibriumError
         If no combination has an equilibrium.
     NotCertifiedError

@@ -41,11 +41,11 @@ def tightened(problem: ContactProblem, combination: str) -> ContactProblem:
     Raises
     ------
     InputError
-        If there is none of that name.
+        If there is no combination of that name.
     NoEquilibriumError
         If no reactions balance the bolts while they are tightened.
     NotCertifiedError
-        If an answer on the way fails its certificate.
+        If the answer of a stage fails its certificate.
 
     Examples
     --------

@@ -19,7 +19,8 @@ from rich.text import Text
 from signorini.base.progress import Progress
 
 _FILE_WIDTH = 100_000
-"""Columns of an output that is not a terminal: each table row stays on one line, for programs that read it."""
+"""Width in characters of an output that is not a terminal: each table row stays on one line, for programs that read it.
+"""
 
 
 def stdout() -> Console:
@@ -91,7 +92,7 @@ def _console(stream: IO[str]) -> Console:
 
 
 _SPINNER_WIDTH = 4
-"""Columns of the spinner with its margins."""
+"""Width in characters of the spinner with its margins."""
 _LOG_INTERVAL = 60.0
 """Seconds between lines of a log: a run of hours gives a few pages."""
 
