@@ -221,8 +221,8 @@ def compared(
 
     Results, rows of tables and envelopes have the same rule: a half-width does not depend on the other results. Values
     (m, n, k) are in the order of the meshes, NaN where missing; probes are (q, 2). ``named`` are the singularities of
-    each load case, or of none, with the results (k,) in which they act. Only numbers for which a singularity is named
-    can be without limit.
+    the supports and of each load case, with masks (k,) of the results in which they act. Only numbers for which a
+    singularity is named can be without limit.
     """
     own, count = values[meshes.own], values.shape[2]
     mesh = meshes.every[meshes.own]

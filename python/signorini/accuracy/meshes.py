@@ -176,7 +176,7 @@ numbers at places that it does not refine."""
 _TWINS = 1.25
 """Memory for two meshes, one of half the element size of the other, relative to the memory for the finer one."""
 _SAME_SIZE, _AS_ALL = 0.8, 0.95
-"""Ratios of element sizes above which a band is joined to its neighbour, and above which a band is omitted."""
+"""Smallest ratios of element sizes: of neighbouring bands that are joined; to the rest, of a band that is omitted."""
 
 
 @dataclass(frozen=True)

@@ -281,7 +281,7 @@ def _unbalanced(
 
 
 def _superposed(of_case: Mapping[str, Floats], factors: Mapping[str, float], zero: Floats) -> Floats:
-    """Sum of factor times the vector of each case; ``zero`` without cases."""
+    """Sum of the cases' vectors times their factors; ``zero`` without cases."""
     return sum((factor * of_case[case] for case, factor in factors.items()), zero)
 
 

@@ -106,7 +106,7 @@ def _falls(path: LoadPath, one: Threshold) -> bool:
 
 
 def _same_events(sampler: Sampler, wanted: Sequence[tuple[Watch, float, bool]], span: float) -> list[float]:
-    """For each ``(watch, t, falls)`` the t of the same event on this mesh, near the given t; NaN where there is none.
+    """For each ``(watch, t, falls)`` the t of the same event on this mesh, near the given t; NaN if it does not occur.
 
     If ``falls``, the function becomes negative, as where a point opens; else it becomes positive.
     """

@@ -78,8 +78,8 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
 
 
 _LOST = 1e-6
-"""Relative error of the resultant of reactions above which a path ends; paths depend on smaller differences than single
-answers.
+"""Largest relative error of the resultant of reactions on a path, which depends on smaller differences than a single
+answer.
 """
 _TURNS = 1e-9
 """Relative tolerance: for the sign of a reaction, relative to the largest reaction; for simultaneous events, relative

@@ -60,7 +60,7 @@ class OtherMeshes:
     """Number of calls of `solved` that are expected."""
     _begun: float = field(default_factory=time.monotonic)
     _done: tuple[float, float] = (0.0, 0.0)
-    """Work done so far, as a multiple of one call on the own mesh, and the seconds that it took."""
+    """Completed work, as a multiple of one call on the own mesh, and the seconds that it took."""
     _problems: dict[str, ContactProblem] = field(default_factory=dict)
 
     def solved(self, solve: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
@@ -130,7 +130,7 @@ class OtherMeshes:
         return result
 
     def _left(self, total: float) -> float:
-        """Estimated seconds for the remaining work, from the speed so far; at first from the speed on the own mesh."""
+        """Estimated seconds for the remaining work, from the speed of completed work or, at first, on the own mesh."""
         done, spent = self._done
         each = spent / done if done else self.seconds / self.calls
         return max(0.0, each * (total - done) - (time.monotonic() - self._begun - spent))

@@ -89,7 +89,7 @@ class Results(States[str], Mapping[str, Result]):
         return self.full[name] if name in self.full else self._others[name]
 
     def __repr__(self) -> str:
-        """Name the first combinations; nothing is solved."""
+        """Name the first combinations, without solving any."""
         return f"Results({short(self._numbers)})"
 
     @cached_property

@@ -20,7 +20,7 @@ Line = Sequence[Text]
 
 _GAP = "   "
 _LONGEST_WORD = 32
-"""Number of characters above which a word may be divided."""
+"""Largest number of characters of a word that is never divided."""
 _GLUE = "\ue000"
 """Character that replaces a space at which a line must not break."""
 _UNBREAKABLE = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[±+−-]) (?=[\d?])|\[[^\[\]]{1,40}\]")
@@ -42,7 +42,7 @@ def say(console: Console, text: Cell, style: str = "") -> None:
 
 
 def say_checked(console: Console, elements: Sequence[int], asked: bool) -> None:
-    """Print what certificate and ± refer to; ``elements`` are the numbers of elements of the compared meshes."""
+    """Print the scope of the certificate and of ±; ``elements`` are the numbers of elements of the compared meshes."""
     say(console, f"The certificate checks the solution of this mesh. {compared(elements, asked)}")
 
 

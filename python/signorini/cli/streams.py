@@ -41,7 +41,7 @@ def flush() -> None:
 
 def discard(stream: IO[str]) -> None:
     """Discard all further output, including the buffer."""
-    # Streams of tests have no file descriptor.
+    # The streams of pytest have no file descriptor.
     with suppress(OSError, ValueError):
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, stream.fileno())

@@ -199,8 +199,8 @@ def pictured(results: Results, pictures: Pictures) -> Iterator[tuple[Result, str
 def unique_slugs(names: Iterable[str]) -> list[str]:
     """Convert names to distinct file names without suffix, of lower-case letters, digits, dots, dashes and plus signs.
 
-    A dash that does not join two words or numbers becomes "minus". No result is another one with the ending of a
-    picture.
+    A dash that does not join two words or numbers becomes "minus". No name equals
+    another one plus the ending of a picture.
 
     Examples
     --------

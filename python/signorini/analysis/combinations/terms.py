@@ -191,7 +191,7 @@ class Terms:
     """The terms (b,) of the sums: the plate without load, each load case, and a unit force at each contact point."""
 
     cases: tuple[str, ...]
-    """The load cases, in the order of the terms."""
+    """Names of the load cases, in the order of their terms."""
     shared: _core.CombinedCases
     """Condensed contact problem of all terms."""
     plates: tuple[PlateTerms, ...]
