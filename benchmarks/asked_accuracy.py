@@ -1,4 +1,4 @@
-"""A requested accuracy against the coarsest uniform mesh that reaches it: processor time and elements.
+"""Refinement to a requested accuracy, compared with the coarsest uniform mesh that reaches it: time and elements.
 
 python benchmarks/asked_accuracy.py [--accuracy 0.01] [--check]
 """
@@ -13,7 +13,7 @@ from signorini.accuracy.meshes import worst_of
 
 
 def timed(supports, **mesh):
-    """Seconds of the processor to results with half-widths, the results, and the largest half-width over its field."""
+    """Processor seconds of a solve with half-widths, its results, and the largest half-width relative to its field."""
     model = Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},

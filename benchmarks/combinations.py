@@ -1,7 +1,7 @@
 """Time of ten thousand load combinations of slab B, relative to the first: 12 load cases, reactions and 20 probes.
 
-Each figure is the time of a whole process, from the interpreter's start to results on disk. The two kinds of run
-alternate. Some random combinations are then solved by themselves and compared with their rows.
+Times are those of whole processes, from the interpreter's start to results on disk. Runs of all combinations and of the
+first alternate. Then some random combinations are solved by themselves and compared with their rows.
 
     python benchmarks/combinations.py [--elements 80] [--combinations 10000] [--side 4] [--repeat 3] [--pick 200]
     python benchmarks/combinations.py --pynite     ten combinations at 20×20 against PyNite (pip install PyNiteFEA)
@@ -20,21 +20,21 @@ from pathlib import Path
 import numpy as np
 
 SIDE = 4
-"""Points along a side of slab B."""
+"""Number of support points along a side of slab B."""
 
 CASES = 12
 SPRING = 1e11
-"""Stiffness of the springs that stand for rigid points in PyNite."""
+"""Stiffness of the springs in PyNite that replace rigid points."""
 
 
 def points(side):
-    """At nodes of 80×80 elements."""
+    """Positions of the support points, which are nodes of a mesh of 80×80 elements."""
     stations = (np.linspace(0.5, 9.5, side) * 8).round() / 8
     return [[float(x), float(y)] for y in stations for x in stations]
 
 
 def tables(elements, combinations, side=SIDE):
-    """Slab B with its weight, ten forces and a wind that lifts; factors at random."""
+    """Slab B with its weight, ten forces and uplift by wind; combinations with random factors."""
     random = np.random.default_rng(5)
     at = random.uniform(0.25, 9.75, (CASES - 2, 2)).round(2).tolist()
     forces = [{"case": f"Q{i}", "force": 100e3, "at": point} for i, point in enumerate(at)]
@@ -56,7 +56,7 @@ def tables(elements, combinations, side=SIDE):
 
 
 def on_soil(elements, combinations):
-    """Slab A with its weight, ten loaded patches, that at the corner among them, and a wind that lifts."""
+    """Slab A with its weight, ten loaded patches, one of them at the corner, and uplift by wind."""
     data = tables(elements, combinations)
     at = [[1.0, 1.0], *(np.clip(load["at"], 0.5, 9.5).tolist() for load in data["load"][2:-1])]
     patches = [{"area": {"rectangle": [x - 0.5, y - 0.5, x + 0.5, y + 0.5]}} for x, y in at]
@@ -69,14 +69,14 @@ def on_soil(elements, combinations):
 
 
 def separately(data, name):
-    """One of the combinations as a model of its own."""
+    """Model with one row of the table as its only combination."""
     (table,) = data["combination"]
     factors = dict(zip(table["columns"], table["rows"][name], strict=True))
     return data | {"combination": [{"name": name, "factors": factors}], "output": {}}
 
 
 def soil(elements, combinations, pick):
-    """All combinations in one solve against each in a solve of its own, model to result; and their differences.
+    """Compare the time of all combinations in one solve with the time of separate solves, and compare the results.
 
     All are in one process, after a first solve, so that the start of the interpreter is left out.
     """
@@ -118,7 +118,7 @@ def soil(elements, combinations, pick):
 
 
 def difference_on_soil(row, single):
-    """Largest difference of a row from its combination solved separately, over the largest value of its kind."""
+    """Largest difference of a row from the separate solve, relative to the largest value of its kind."""
     from signorini.results.quantities import LINEAR
 
     (support,) = single.supports
@@ -133,7 +133,7 @@ def difference_on_soil(row, single):
 
 
 def run(elements, combinations, side, path, first_alone):
-    """One process's work: every combination into a table, or the first one with all its results into memory."""
+    """Work of one process: solve all combinations into a table, or the first one with all its results."""
     from signorini import Model, solve
 
     data = tables(elements, combinations, side)
@@ -200,7 +200,7 @@ def measure(elements, combinations, side, repeat, pick):
 
 
 def pynite(elements, count):
-    """Ten combinations with PyNite: rectangular Mindlin plates, and springs under 16 nodes that only push."""
+    """Solve ten combinations with PyNite: rectangular Mindlin elements, and springs under 16 nodes that only push."""
     from Pynite import FEModel3D
 
     from signorini import Model, solve
@@ -219,7 +219,7 @@ def pynite(elements, count):
     model.meshes["slab"].generate()
     nodes = {(round(node.X, 6), round(node.Y, 6)): name for name, node in model.nodes.items()}
     for name in model.nodes:
-        # In-plane motions and drilling are not the question.
+        # In-plane displacements and drilling rotations are held.
         model.def_support(name, True, True, False, False, False, True)
     for x, y in points(SIDE):
         model.def_support_spring(nodes[x, y], "DZ", SPRING, "-")
@@ -251,7 +251,7 @@ def pynite(elements, count):
 
 
 def check():
-    """Every row of a coarse mesh's tables equals its combination solved by itself."""
+    """Check that every row of the table on a coarse mesh equals its combination solved by itself."""
     with tempfile.TemporaryDirectory() as place:
         path = Path(place, "combinations.parquet")
         run(20, 300, SIDE, path, first_alone=False)

@@ -1,17 +1,17 @@
-"""Time of contact over that of a linear solve of the same mesh.
+"""Time of contact relative to a linear solve on the same mesh.
 
-Four plates on one-sided supports, against the same supports two-sided, which is a linear problem:
+Four plates on one-sided supports are compared with the same supports two-sided, which is a linear problem:
 
 - slab A on soil; two-sided springs are part of the matrix;
 - the same slab on 100 rigid points; two-sided points are held dofs;
-- on 36 rigid footprints of a tenth of its sides, against two-sided points in their middles, since two-sided footprints
-  are contact rows too;
-- on a second slab on the soil, with an elastic layer between them.
+- the same slab on 36 rigid footprints of a tenth of its sides. They are compared with two-sided points in their
+  centers, since two-sided footprints are contact rows too;
+- the same slab on a second slab on soil, with an elastic layer between them.
 
-The runs alternate in one process; figures are medians, and ratios those of the medians.
+The runs alternate in one process. Times are medians, and ratios are ratios of medians.
 
-Then six plates on rigid areas, against soil on the same areas. The target is three times the time on soil, or three
-factorizations if that is more.
+Then six plates on rigid areas are compared with soil on the same areas. The target is three times the time on soil, or
+three factorizations if that is more.
 
 "core" is from the discretised model to displacements and reactions: equilibrium check of the supports, ordering,
 assembly, factorization, condensation, contact, refinement. "whole" is from the model to the certified result.
@@ -61,13 +61,13 @@ def on_a_slab(elements: int, resists: str) -> Model:
 
 
 ALIKE: dict[str, Callable[[int, str], Model]] = {"soil": on_soil, "100 points": on_points, "two slabs": on_a_slab}
-"""Those that are one problem while every point stays closed."""
+"""Plates for which the one-sided and the two-sided problem are equal while every point stays closed."""
 
 PLATES = ALIKE | {"36 footprints": on_footprints}
 
 
 SIZE, SOIL = [10, 10], 3e8
-"""Sides of the plates in m; stiffness of the soil in place of rigid areas in Pa/m."""
+"""Sides of the plates [m]; stiffness [Pa/m] of the soil that replaces rigid areas."""
 RIGID_TARGET, FACTORIZATIONS = 3.0, 3.0
 CORNER, HALF = {"rectangle": [0.5, 0.5, 1.5, 1.5]}, {"rectangle": [6, 0, 10, 10]}
 CURLED = {"curvature": [-3e-4, -3e-4, 0]}
@@ -146,7 +146,7 @@ def compare(name, elements, repeat):
             spent, answer = core_solve(plates[way])
             core[way].append(spent)
             whole[way].append(whole_solve(models[way])[0])
-    # The last answer is that of the one-sided supports.
+    # `answer` is the last one, on one-sided supports.
     points, opened = len(answer.closed), int((~answer.closed).sum())
     steps = f"{answer.iterations} Newton steps, {answer.pivots} pivots"
     print(f"{name}, {elements} × {elements}, {plates[CONTACT].dof_count} dofs, {points} points, {opened} open, {steps}")
@@ -160,7 +160,7 @@ def compare(name, elements, repeat):
 
 
 def compare_rigid(name, elements, repeat):
-    """Print the time on rigid areas over that on soil, and in factorizations."""
+    """Print the time on rigid areas, relative to soil and to one factorization."""
     plates = [discretise(rigid_example(name, elements, stiffness)) for stiffness in (None, SOIL)]
     rigid, soil = (statistics.median(core_solve(plate)[0] for _ in range(repeat)) for plate in plates)
     problem = contact_problem(plates[0])
@@ -188,7 +188,7 @@ def check_rigid(elements=12):
 
 
 def check():
-    """Compare under a uniform load, where all points stay closed and one-sided supports equal two-sided ones."""
+    """Compare one-sided with two-sided supports under a uniform load, where all points stay closed."""
     passed = True
     for name, plate in ALIKE.items():
         found = []

@@ -1,4 +1,4 @@
-"""Convergence on supports that only push: error against mesh size of every case of `tensionless.py`.
+"""Convergence on supports that only push: error over mesh size for every case of `tensionless.py`.
 
 python benchmarks/convergence.py             writes docs/convergence.png and prints the table of docs/validation.md
 python benchmarks/convergence.py --check     exits with 1 unless the third mesh of every case is within tolerance
@@ -15,7 +15,7 @@ from signorini import solve
 
 PICTURE = Path(__file__).parents[1] / "docs" / "convergence.png"
 TOLERANCE = 0.01
-"""Error of any figure on the third of a case's meshes."""
+"""Largest allowed error of a quantity on the third mesh of a case."""
 COLUMNS = 3
 
 
@@ -26,7 +26,7 @@ def errors(case: Case, n: int) -> dict[str, float]:
 
 
 def order(case: Case, name: str, found: np.ndarray) -> str:
-    """Order of convergence: the slope of a line through the errors that the reference can tell, if three or more."""
+    """Order of convergence: slope through the errors above the reference's precision; "–" with less than three."""
     telling = found > case.floor(name)
     if telling.sum() < 3:
         return "–"

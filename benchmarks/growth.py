@@ -1,8 +1,8 @@
-"""Growth of time and memory with the dofs: slab A on finer and finer meshes, from model to certified result.
+"""Growth of time and memory with the number of dofs: slab A on successive meshes, from model to certified result.
 
-Every mesh is solved in a process of its own, small ones several times over (the median counts). Memory is the
-process's peak after its first solve less that of the imports alone. Exponents are taken between successive meshes and
-over all; the floor of nested dissection in the plane is n^1.5 in time and n log n in memory.
+Every mesh is solved in its own process; small ones several times, with the median time. Memory is the peak of the
+process after its first solve, minus the memory of the imports. Exponents are computed between successive meshes and
+over all. Nested dissection in the plane has the exponents n^1.5 in time and n log n in memory.
 
     python benchmarks/growth.py [--elements 20 40 80 160 320]      640 has 3.7 million dofs and takes many GB
     python benchmarks/growth.py --check                            answers only, on two small meshes

@@ -1,7 +1,7 @@
-"""Coverage and width of half-widths: random plates against finer meshes.
+"""Coverage and size of half-widths: random plates, compared with finer meshes.
 
-The constants of signorini.accuracy.half_width were chosen on seeds from 0, 400000, 500000, 3100000 and 7200000; use
-others. docs/accuracy.md has the figures of the last two and of 8300000.
+The constants of signorini.accuracy.half_width were chosen on the seeds from 0, 400000, 500000, 3100000 and 7200000; use
+other seeds. docs/accuracy.md has the results for the seeds from 3100000, 7200000 and 8300000.
 
     python benchmarks/half_widths.py [--count 300] [--first 100000] [--along 8 24] [--seconds 3600] [--processes 2]
     python benchmarks/half_widths.py --check        a few plates, to test the script
@@ -35,7 +35,7 @@ def _late(number, frame):
 
 
 def one(seed, along):
-    """Numbers of a plate; None where it takes too long."""
+    """Numbers of a plate with half-widths and true changes; None if the plate takes too long."""
     # CPU time of this process, independent of the load of the machine.
     signal.signal(signal.SIGPROF, _late)
     signal.setitimer(signal.ITIMER_PROF, _TOO_LONG)

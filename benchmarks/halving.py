@@ -1,4 +1,4 @@
-"""Meshes of triangles, or of both, from meshes of quadrilaterals."""
+"""Meshes with triangles, made by dividing quadrilaterals."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from signorini.mesh import Mesh
 
 
 def halved(mesh, part=1.0, seed=1):
-    """Halve a part of a mesh's quadrilaterals, chosen at random, along one or the other diagonal."""
+    """Divide a fraction ``part`` of the quadrilaterals, chosen at random, along a random diagonal into triangles."""
     random = np.random.default_rng(seed)
     points, elements = list(mesh.points), []
     for element in mesh.elements:

@@ -1,14 +1,14 @@
 """Lemke's algorithm on plate problems, against QuantEcon's ``lcp_lemke``: ratio of times and accuracy of both.
 
 The problems are contact problems of a simply supported rectangular Kirchhoff plate, 1.3 by 1, whose compliance between
-the points of a grid is summed from Navier's double sine series, without finite elements. The load is a
-checkerboard of pressures with an eccentric patch on top, over m points of support that only push up, at gaps that
-vary from point to point. Each problem comes in its dual form (M the compliance, z the reaction) and in its
-stiffness form (M the inverse, z the remaining gap).
+the points of a grid is summed from Navier's double sine series, without finite elements. The load is a checkerboard of
+pressures with an eccentric patch on top, over m points of support that only push up, at gaps that vary from point to
+point. Each problem comes in its dual form (M the compliance, z the reaction) and in its stiffness form (M the inverse
+of the compliance, z the remaining gap).
 
-Both programs run in this process, one after the other, after QuantEcon has been compiled; times are medians. The
-error is the same for both and computed in extended precision from z alone: max_i |min(z_i / max z, w_i / t_i)| with
-w = Mz + q and t = |q| + |M||z|.
+Both programs run in this process, one after the other, after QuantEcon has been compiled; times are medians. The error
+is computed for both in extended precision, from z alone: max_i |min(z_i / max z, w_i / t_i)| with w = Mz + q and t =
+|q| + |M||z|.
 
     python benchmarks/lemke.py            # the table
     python benchmarks/lemke.py --check    # exits with 1 unless both are right and agree
@@ -37,14 +37,14 @@ TOLERANCE = 1e-8
 
 
 def sines(points: int, side: float) -> tuple[Array, Array]:
-    """Normalised sines at the inner points of an even grid, (points, MODES), and their wave numbers."""
+    """Normalised sine functions at the inner points of a uniform grid (points, MODES), and their wave numbers."""
     numbers = np.arange(1, MODES + 1) * np.pi / side
     at = side * np.arange(1, points + 1) / (points + 1)
     return np.sqrt(2 / side) * np.sin(np.outer(at, numbers)), numbers
 
 
 def plate(columns: int, rows: int) -> tuple[Array, Array]:
-    """Compliance P (m, m) and s (m,), deflection without supports less gap, of m = columns x rows points."""
+    """Compliance P (m, m) and s (m,) of m = columns × rows points; s is the unsupported deflection minus the gap."""
     (across, kx), (along, ky) = sines(columns, SIDES[0]), sines(rows, SIDES[1])
     shapes = np.einsum("im,jn->ijmn", across, along).reshape(columns * rows, MODES**2)
     compliance = shapes / np.add.outer(kx**2, ky**2).ravel() ** 2
@@ -61,14 +61,14 @@ def plate(columns: int, rows: int) -> tuple[Array, Array]:
 
 
 def error(matrix: Array, q: Array, z: Array) -> float:
-    """The scaled distance of z from complementarity."""
+    """Scaled complementarity error of z."""
     m, load, unknown = (np.asarray(a, dtype=np.longdouble) for a in (matrix, q, z))
     slack, size = m @ unknown + load, abs(m) @ abs(unknown) + abs(load)
     return float(abs(np.minimum(unknown / abs(unknown).max(), slack / size)).max())
 
 
 def median_seconds(run: Callable[[], object], repeats: int) -> float:
-    """The median time of a run."""
+    """Median time of several runs."""
     seconds = []
     for _ in range(repeats):
         start = time.perf_counter()
@@ -78,7 +78,7 @@ def median_seconds(run: Callable[[], object], repeats: int) -> float:
 
 
 def compare(name: str, matrix: Array, q: Array, repeats: int) -> bool:
-    """Print one row; whether both programs solve the problem and agree."""
+    """Print one row; return whether both programs solve the problem and agree."""
     ours, theirs = lemke(matrix, q), lcp_lemke(matrix, q)
     mine = median_seconds(lambda: lemke(matrix, q), repeats)
     peer = median_seconds(lambda: lcp_lemke(matrix, q), repeats)

@@ -1,8 +1,8 @@
 """One linear solve of a plate against MKL PARDISO on the same matrix: ratios of time and memory in one run.
 
-Time is order + analyse + factor + one solve. Memory is the growth of the process's peak from the state without
-matrix. Each solver runs in a process of its own, alternately. Signorini assembles the matrix front by front and never
-stores it; PARDISO reads it from a file, and its memory counts from the state before.
+Time is that of ordering, analysis, factorization and one solve. Memory is the growth of the process's peak, from the
+state before the matrix is made. Each solver runs in a process of its own, alternately. Signorini assembles the matrix
+front by front and never stores it. PARDISO reads it from a file, and its memory includes the matrix.
 
 The rate of the factor is compared with NumPy's matrix product in the same process: give both the same threads
 (RAYON_NUM_THREADS, OPENBLAS_NUM_THREADS). Flops are those of the pattern, without stored zeros; time includes the
@@ -14,30 +14,30 @@ Profile of the numeric factor, 160×160, one thread, a new process (0.80 s, 16.7
     21 %  zeroing of pages by the system               9 %  assembly of the matrix
     18 %  elimination of the fronts' own columns       4 %  storing L
 
-Large fronts run at 45 GFlop/s, faer's product at 49. Fronts of up to 90 rows, three quarters of all, take a fifth of
-the time at 2 to 3 GFlop/s. Ordering takes 0.015 s, analysis 0.035. On two threads the tree keeps both busy 90 % of
-the time.
+Large fronts run at 45 GFlop/s, faer's matrix product at 49. Fronts of up to 90 rows are three quarters of all fronts.
+They take a fifth of the time at 2 to 3 GFlop/s. Ordering takes 0.015 s, analysis 0.035. On two threads the tree keeps
+both busy 90 % of the time.
 
 At 400×400 (319.3M entries, 272 GFlop) one thread touches 754,000 pages, 624,000 of them for L. In a virtual machine a
-page costs 2 to 8 µs, 1.8 to 7.6 s for the same factor. Some 10 s of user time are 6.7 matrix products, 0.6
-triangular solves, 0.4 assembly, 0.2 each update matrices and analysis; storing L takes 0.5 more.
+page costs 2 to 8 µs, 1.8 to 7.6 s for the same factor. User time is about 10 s: matrix products 6.7, triangular solves
+0.6, assembly 0.4, update matrices 0.2, analysis 0.2, storing L 0.5.
 
 On a core of 85 GFlop/s with AVX-512 fronts of more than 1000 rows run at two thirds of that. Columns of L are pages
-apart, so a tile's rows are copied first (6 % of these products at 400×400, 10 % at 160×160). Tiles of 256 columns,
-192 rows, 512 columns of L deep run at 70 GFlop/s in these fronts, against 62 with 128 columns: 0.2 s of 4.7 at
-320×320. With all products at the library's best rate and the least pages, 160×160 and 400×400 would take 0.57 and 6.2
-s, or 0.34 and 0.51 of the product's rate. So half the rate at 160×160 and 0.6 at 400×400 are out of reach.
+apart, so a tile's rows are copied first (6 % of these products at 400×400, 10 % at 160×160). Tiles of 256 columns, 192
+rows, 512 columns of L deep run at 70 GFlop/s in these fronts, against 62 with 128 columns: 0.2 s of 4.7 at 320×320. If
+all products ran at the library's best rate with the fewest pages, 160×160 would take 0.57 s and 400×400 6.2 s. That is
+0.34 and 0.51 of the product's rate; half of it at 160×160 and 0.6 at 400×400 are out of reach.
 
-Element matrices take 0.01 s if elements are equal up to rounding, 0.11 s on one thread if all 25,600 differ, four at
-a time; one at a time took 0.15. The charge for zeros in the tree's cost may be 3 to 12 without effect. One right-hand
+Element matrices take 0.01 s if elements are equal up to rounding, 0.11 s on one thread if all 25,600 differ, four at a
+time; one at a time took 0.15. The charge for zeros in the tree's cost may be 3 to 12 without effect. One right-hand
 side reads L twice at 18-20 GB/s on two threads; a sum over as many numbers runs at 30.
 
-Tried without gain: fronts of up to 64 columns in registers (0.03 s less, but an ill-conditioned plate failed);
-register tiles of three vectors by four columns (spilled) and two by six; bending by arrays along each axis; diagonal
-blocks of update matrices as full squares or by 16 to 64 columns; populating pages ahead (1.5 to 1.9 µs in place of
-1.7 to 2.3); huge pages (7 to 9 µs per 4 kB where the host must find them; 5.2 to 5.7 s of system time in place of 1.8
-to 3.1); stacks and panels kept by each thread (735,000 pages in place of 754,000 at 400×400, 95,000 in place of
-84,000 at 160×160).
+Tried without gain: fronts of up to 64 columns in registers (0.03 s less, but an ill-conditioned plate failed); register
+tiles of three vectors by four columns (spilled) and two by six; bending by arrays along each axis; diagonal blocks of
+update matrices as full squares or by 16 to 64 columns; populating pages ahead (1.5 to 1.9 µs in place of 1.7 to 2.3);
+huge pages (7 to 9 µs per 4 kB where the host must find them; 5.2 to 5.7 s of system time in place of 1.8 to 3.1);
+stacks and panels kept by each thread (735,000 pages in place of 754,000 at 400×400, 95,000 in place of 84,000 at
+160×160).
 
     python benchmarks/linear_solve.py [--elements 160] [--repeat 5]     needs pypardiso
     python benchmarks/linear_solve.py --alone [--elements 160]          without it
@@ -98,7 +98,7 @@ def ours(elements, folder):
 
 
 def product_rate(order=2000, repeat=5):
-    """Flops a second of NumPy's matrix product, the best of several."""
+    """Flops per second of NumPy's matrix product, the best of several runs."""
     matrix = np.random.default_rng(0).random((order, order))
     seconds = []
     for _ in range(repeat):
@@ -139,7 +139,7 @@ def write_matrix(elements, folder):
 
 
 def check():
-    """Ours equals SuperLU on a small plate."""
+    """Check that this program's solution equals SuperLU's on a small plate."""
     from scipy.sparse.linalg import spsolve
 
     from signorini import contact_problem

@@ -1,8 +1,8 @@
 """Agreement of Lemke's algorithm and the active set, condensed and as a saddle-point system, on random plates.
 
 Rectangles and discs, thickness over span from 0.003 to 0.3, in metres or millimetres, newtons or meganewtons, on rigid
-and elastic points, lines, edges, circles and soil, with gaps and settlements, up to 400 contact points. Plate number n
-is always the same plate. Every answer must pass its certificate. Deflections are compared relative to the largest,
+and elastic points, lines, edges, circles and soil, with gaps and settlements, up to 400 contact points. A plate is
+determined by its number. Every answer must pass its certificate. Deflections are compared relative to the largest,
 reactions relative to the largest reaction; if the closed rigid supports are dependent, only deflections are compared;
 if the closed supports leave a rigid motion, not even these.
 
@@ -31,13 +31,13 @@ from signorini.equilibrium.imbalance import imbalance
 METHODS: tuple[Method, ...] = ("lemke", "active_set", "saddle")
 TOLERANCE = 1e-8
 MOST = 400
-"""Contact points of a plate at most."""
+"""Largest number of contact points of a plate."""
 
 Tables = dict[str, Any]
 
 
 class Compared(NamedTuple):
-    """One plate: by method how it ended, seconds, pivots and steps, and differences from the first certified answer."""
+    """One plate: by method the status, seconds, pivots and steps, and differences from the first certified answer."""
 
     plate: int
     points: int
@@ -48,14 +48,14 @@ class Compared(NamedTuple):
     reaction: dict[str, float]
 
     def agrees(self, method: str) -> bool:
-        """Whether a method's answer is certified and that of the others, or none of them finds an equilibrium."""
+        """Whether a method's answer is certified and equals the others, or no method finds an equilibrium."""
         if set(self.status.values()) == {"no_equilibrium"}:
             return True
         return self.status[method] == "certified" and max(self.deflection[method], self.reaction[method]) <= TOLERANCE
 
 
 def tables(plate: int) -> Tables:
-    """The model of a plate of that number, as the tables of an input file; the solver's method is not among them."""
+    """Model of a plate number as the tables of an input file, without the solver's method."""
     rng = np.random.default_rng([20, plate])
     while True:
         drawn = draw(rng)
@@ -160,7 +160,7 @@ def compare(plate: int) -> Compared:
 
 
 def unique(problem: ContactProblem, answer: Answer, length: float) -> tuple[bool, bool]:
-    """Whether deflections are unique (closed points leave no rigid motion), and reactions (independent points)."""
+    """Whether deflections are unique (closed points leave no rigid motion), and reactions (independent rows)."""
     found, reaction, gap = problem.discretisation, answer.reaction, answer.gap
     flat = found.contacts.flat_on(answer.piece)
     pressed = found.contacts.two_sided | (~flat & (np.abs(reaction) > 1e-7 * np.abs(reaction).max(initial=0.0)))

@@ -1,12 +1,12 @@
-"""Convergence of plates of many outlines, on quadrilaterals, triangles and both, to closed forms and another program.
+"""Convergence of plates of many outlines, on quadrilaterals and triangles, to closed forms and another program.
 
-Meshes are those of the program: quadrilaterals and a few triangles. "mixed" has half of the quadrilaterals, chosen at
-random, divided into triangles, "triangles" all of them. Sizes are halved from mesh to mesh.
+Meshes are those of the program: quadrilaterals and a few triangles. In "mixed" half of the quadrilaterals, chosen at
+random, are divided into triangles, in "triangles" all. The element size is halved from mesh to mesh.
 
 python benchmarks/outlines.py             prints the table of docs/validation.md
-python benchmarks/outlines.py --check     exits with 1 unless every figure of the finest meshes is within tolerance
+python benchmarks/outlines.py --check     exits with 1 unless every result on the finest meshes is within tolerance
 
-Other references are GetFEM's, with 256 elements along a side: `peers/getfem_outlines.py`.
+References without closed form are GetFEM's, with 256 elements along a side: `peers/getfem_outlines.py`.
 """
 
 import argparse
@@ -25,16 +25,16 @@ E, NU, PRESSURE = 1e7, 0.3, 1.0
 PARTS = {"quadrilaterals": 0.0, "mixed": 0.5, "triangles": 1.0}
 DEFLECTION, MOMENT = "deflection", "moment"
 TOLERANCES = {DEFLECTION: 2e-3, MOMENT: 1e-2}
-"""Errors of the finest meshes."""
+"""Largest allowed relative errors on the finest meshes."""
 
 
 GETFEM = {"L": 1.3009e-5, "hole": 2.2716e-5}
-"""Limits of `peers/getfem_outlines.py`; its three meshes lead there within some 2e-4."""
+"""Extrapolated deflections of `peers/getfem_outlines.py`, certain to about 2e-4."""
 
 
 @dataclass(frozen=True)
 class Outline:
-    """A plate with the deflection, and the larger moment, at a point of it, and three sizes of elements."""
+    """A plate with its exact deflection and larger moment at a point, and the element sizes of three meshes."""
 
     title: str
     reference: str
@@ -45,7 +45,7 @@ class Outline:
     sizes: tuple[float, float, float]
     nu: float = NU
     corners: tuple[tuple[float, float], ...] = ()
-    """Where moments have no limit: elements are an eighth of the size there."""
+    """Corners at which moments grow without limit; elements there have an eighth of the size."""
 
     def model(self, size: float) -> Model:
         return Model(
@@ -58,7 +58,7 @@ class Outline:
         )
 
     def errors(self, size: float, part: float) -> dict[str, float]:
-        """Relative errors on the mesh of a size, a part of its quadrilaterals halved."""
+        """Relative errors on a mesh of element ``size``, with a fraction ``part`` of its quadrilaterals divided."""
         model = self.model(size)
         mesh = halved(discretise(model).mesh, part)
         (combination,) = model.effective_combinations
@@ -88,7 +88,7 @@ def polygon(points: object, thickness: float, **given: object) -> dict[str, obje
 
 
 def arcs(places: np.ndarray) -> list[object]:
-    """Points of a polygon of arcs through every other of an even number of places."""
+    """Points of a closed polygon of arcs; every second place, of an even number, is the middle of an arc."""
     closed = [*places.tolist(), places[0].tolist()]
     return [closed[0], *({"through": m, "to": b} for m, b in zip(closed[1::2], closed[2::2], strict=True))]
 
@@ -98,7 +98,7 @@ def edges(count: int) -> list[str]:
 
 
 def triangle() -> Outline:
-    """Timoshenko and Woinowsky-Krieger 1959: qa⁴/972D and (1 + ν)qa²/54 at the centroid; qa²/27S from shear."""
+    """Simply supported (Timoshenko and Woinowsky-Krieger 1959): w = qa⁴/972D, m = (1 + ν)qa²/54, shear adds qa²/27S."""
     a, h = 3.0, 0.15
     turn = 0.4 + np.radians([0.0, 120.0, 240.0])
     corners = (2.0 * a / 3.0 * np.column_stack([np.cos(turn), np.sin(turn)])).tolist()
@@ -110,7 +110,7 @@ def triangle() -> Outline:
 
 
 def ellipse() -> Outline:
-    """Clamped and thin: w₀ = q/(D(24/a⁴ + 24/b⁴ + 16/a²b²)), w = w₀(1 − x²/a² − y²/b²)² (the same)."""
+    """Clamped and thin (the same book): w₀ = q/(D(24/a⁴ + 24/b⁴ + 16/a²b²)), w = w₀(1 − x²/a² − y²/b²)²."""
     a, b, h = 2.0, 1.2, 0.005
     turn = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
     points = arcs(np.column_stack([a * np.cos(turn), b * np.sin(turn)]))
@@ -123,7 +123,7 @@ def ellipse() -> Outline:
 
 
 def disc() -> Outline:
-    """Code_Aster SSLS101: (5 + ν)/(1 + ν) qR⁴/64D + qR²/4S, and (3 + ν) qR²/16, in the middle."""
+    """Code_Aster SSLS101, in the middle: w = (5 + ν)/(1 + ν) qR⁴/64D + qR²/4S, m = (3 + ν) qR²/16."""
     h = 0.1
     points = arcs(np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]))
     bending = (5.0 + NU) / (1.0 + NU) / 64.0 / rigidity(h)

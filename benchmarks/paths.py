@@ -1,15 +1,15 @@
-"""Cost of load paths over single solves, in CPU seconds on one thread, and their number of solves.
+"""Time of load paths relative to single solves, in CPU seconds on one thread, and their number of solves.
 
-- A strip of 400 x 1 elements on tensionless soil, weight and a growing line load until 60, with its half-widths, over
-  one solve of the same model with its half-widths (asked: at most 20). Likewise the base plate of examples/, whose
-  anchors come to pull, also on 96 x 64 elements.
-- Slab A, 10 m x 10 m under 2 kPa on tensionless soil, 160 x 160 elements and without half-widths, over one linear
-  solve: meshing, factoring and solving on two-sided soil (asked: at most 60). Its 500 kN near a corner
-  never tip it, however they grow: soil is under all of the slab, so under the resultant too. As a lifting force they
-  tip it about the far corner at t = 2/9; both are followed.
-- A raft on 2304 points that is overturned, by every contact point: events a second.
-- A cover bolted on a gasket one element wide: the pressure in bar at which half of it is open by its contact area,
-  and by counting its points, beside those of a mesh with half the size.
+- A strip of 400 x 1 elements on tensionless soil under its weight and a line load that grows to t = 60, relative to
+  one solve of the same model, both with half-widths (target: at most 20). Likewise the base plate of examples/, whose
+  anchors begin to pull, also on 96 x 64 elements.
+- Slab A, 10 m x 10 m under 2 kPa on tensionless soil, 160 x 160 elements, without half-widths. It is relative to one
+  linear solve: meshing, factoring and solving on two-sided soil (target: at most 60). Its 500 kN near a corner never
+  tip it, however they grow, since soil is under the resultant. As a lifting force they tip it about the far corner at
+  t = 2/9. Both paths are followed.
+- A raft on 2304 points that is overturned, following every contact point: events per second.
+- A cover bolted on a gasket one element wide: the pressure in bar at which half of the gasket is open, by contact area
+  and by number of points, also on a mesh of half the element size.
 
     python benchmarks/paths.py [--divisions 160]
     python benchmarks/paths.py --check        small meshes; fails if a path is wrong, not if it is slow
@@ -37,11 +37,11 @@ _SOIL = {"name": "soil", "area": "all", "stiffness": 30e6}
 _CONCRETE = {"E": 30e9, "nu": 0.2}
 _EXAMPLES = Path(__file__).parents[1] / "examples"
 _PART = 1e-4
-"""Tolerance for the closed part at its event, a multiple of a quarter."""
+"""Tolerance for the fraction in contact at its event, which is a multiple of a quarter."""
 
 
 def strip(along, **more):
-    """A strip on soil that a line load lifts off it."""
+    """Model of a strip on soil, lifted off by a growing line load."""
     return Model(
         material=_CONCRETE,
         plate={"shape": "rectangle", "size": [0.1 * along, 0.1], "thickness": 0.3},
@@ -111,7 +111,7 @@ def seconds_of(action):
 
 
 def faults(name, found, ending, limit=np.inf):
-    """Errors of a path: its end, the balance of its stops, the parts closed at its events."""
+    """Yield the errors of a path: its end, the balance at its stops, the fractions in contact at its events."""
     if (found.ending, found.limit) != (ending, limit) and not np.isclose(found.limit, limit, rtol=1e-9):
         yield f"{name}: ends with {found.ending}, limit {found.limit}, not {ending}, limit {limit}"
     if not found.certificate.passed:
@@ -136,7 +136,7 @@ def told(name, found):
 
 
 def with_half_widths(name, model, single, *given):
-    """A path with its half-widths, over one solve with them."""
+    """Print the time of a path with half-widths, relative to one solve with half-widths; yield errors of the path."""
     alone, _, _ = seconds_of(lambda: estimate(solve(single)))
     spent, found, own = seconds_of(lambda: path(model, *given))
     more, compared, others = seconds_of(lambda: estimate(found))
@@ -148,7 +148,7 @@ def with_half_widths(name, model, single, *given):
 
 
 def slab_a(divisions, pressure, ending, limit):
-    """A path of slab A over one linear solve."""
+    """Print the time of a path of slab A, relative to one linear solve."""
 
     def linear():
         problem = contact_problem(slab(_SOIL, divisions))
@@ -166,7 +166,7 @@ def slab_a(divisions, pressure, ending, limit):
 
 
 def every_point(divisions):
-    """An overturned raft, from event to event."""
+    """Follow an overturned raft from event to event; print events per second."""
     model = slab({**_SOIL, "resists": "down"}, divisions, -500e3)
     spent, found, _ = seconds_of(lambda: path(model, "G", "Q", events="all"))
     points, name = len(found.problem.gaps), f"every point of a raft, {divisions} x {divisions}"
@@ -183,7 +183,7 @@ def fewer_closed(stop):
 
 
 def half_open(sizes):
-    """The pressure at which half of a gasket is open, by its area and by its points."""
+    """Print the pressure at which half of a gasket is open, by area and by number of points."""
     for size in sizes:
         found = path(gasket(size), "bolts", "bar", when=["gasket.closed_part = 0.5"])
         (half,) = found.thresholds
@@ -205,7 +205,7 @@ def main():
     parser.add_argument("--check", action="store_true")
     given = parser.parse_args()
     small = [24, 16]
-    seconds_of(lambda: estimate(solve(base_plate(small, {"column": 1.0}))))  # reads modules
+    seconds_of(lambda: estimate(solve(base_plate(small, {"column": 1.0}))))  # imports modules
     along, divisions = (40, 20) if given.check else (400, given.divisions)
     grown = strip(along, combination=[{"name": "one", "factors": {"G": 1.0, "Q": 60.0}}])
     wrong = [*with_half_widths(f"strip, {along} x 1", strip(along), grown, "G", "Q", 60.0)]

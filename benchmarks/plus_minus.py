@@ -1,4 +1,4 @@
-"""Processor time of a solve with half-widths over that of the solve alone, in one run.
+"""Processor time of a solve with half-widths, relative to the solve alone.
 
 python benchmarks/plus_minus.py [--along 80 120] [--check]
 """
@@ -15,7 +15,7 @@ EDGES = [{"edge": ["left", "right", "bottom", "top"], "resists": "down"}]
 
 
 def seconds(supports, along):
-    """Time of a solve with the numbers that it writes, and of their half-widths, on all processors together."""
+    """Processor time of a solve with its results, and of their half-widths."""
     model = Model(
         material={"E": 30e9, "nu": 0.2},
         plate={"shape": "rectangle", "size": [10, 10], "thickness": 0.3},

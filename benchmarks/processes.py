@@ -1,4 +1,4 @@
-"""Runs of a benchmark in processes of their own, so that neither caches nor peaks of memory are shared."""
+"""Run each benchmark in its own process, so that runs share no caches or memory peaks."""
 
 from __future__ import annotations
 

@@ -1,15 +1,14 @@
 """Random small plates with limits, laws and gaps, against a quadratic program.
 
-The plates are those of methods_agree.py, with limits, laws, tables of stiffness, springs on slopes and preloads. On
-half of them lie one or two more plates, in contact, tied or bolted. Bolts must have their preloads after tightening,
-which the judge solves too. Straight laws must equal stiffnesses. Rigid areas that other rigid supports oppose are
-refused.
+The plates are those of methods_agree.py, with limits, laws, tables of stiffness, springs on slopes and preloads. One or
+two more plates lie on half of them, in contact, tied or bolted. Bolts must have their preloads after tightening.
+Straight laws must give the same deflections as stiffnesses. The program refuses rigid areas opposed by rigid supports.
 
-The judge shares K, G, f and the laws with the program, and no other code. It minimises the potential energy over all
-dofs and all pieces of the laws by Clarabel (Goulart & Chen 2024), and refines on the pieces that it finds. Deflections,
-and reactions where they are unique, agree to 1e-8 of the largest; both find an equilibrium or none. If the plate moves
-much farther than it bends, the rounding of K alone moves the judge's solution; plates with 1e-9 or more are counted
-apart.
+The quadratic program, the judge, uses K, G, f and the laws of the program, and no other code. It minimises the
+potential energy over all dofs and all pieces of the laws by Clarabel (Goulart & Chen 2024), and refines on the pieces
+that it finds. Deflections, and unique reactions, must agree to 1e-8 of the largest; both must find an equilibrium, or
+none. If a plate moves much farther than it bends, rounding of K alone changes the judge's solution. Plates with a
+change of 1e-9 or more are counted separately.
 
     python benchmarks/random_laws.py [--count 1000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_laws.py --show SEED
@@ -47,14 +46,14 @@ _BALANCED = 1e-9
 _STEADY = 1e-9
 """Largest relative effect of the rounding of K on the judge's solution: a tenth of the tolerance."""
 _PROVEN = 1e-12
-"""Residuals of a proof that there is no equilibrium: those of plates that move far are small too."""
+"""Tolerance of Clarabel's proof of infeasibility. It is tight, since plates that move far have small residuals too."""
 _SHARPER = 30
-"""Sets of pieces on which a solution is sharpened at most."""
+"""Largest number of sets of pieces on which a solution is refined."""
 Tables = dict[str, Any]
 
 
 def tables(seed: int) -> Tables:
-    """The model of a seed, as the tables of an input file."""
+    """Draw the model of a seed, as the tables of an input file."""
     rng = np.random.default_rng([26, seed])
     drawn = methods_agree.draw(rng)
     pressure = drawn["load"][0]["pressure"]
@@ -86,7 +85,7 @@ def tables(seed: int) -> Tables:
             support["stiffness"] = [[*at.tolist(), value] for at, value in zip(corners, values, strict=True)]
     for support in list(drawn["support"]):
         if "area" in support and rng.random() < 0.15:
-            # Rigid, and opposed by a support that holds down on it: refused.
+            # A rigid area that may be opposed by a support that holds down; the program refuses this.
             support.pop("stiffness", None)
             continue
         if "area" in support and rng.random() < 0.2:
@@ -103,14 +102,14 @@ def tables(seed: int) -> Tables:
             most = support.get("limit") or (support["law"][-1][1] if "law" in support else np.inf)
             support["preload"] = float(min(0.9 * most, pressure * span**2 * 10 ** rng.uniform(-2, 0)))
             support["order"] = int(rng.integers(1, 3))
-            # A gap is taken up, and a settlement comes after the preload.
+            # With a preload there is no gap, and a settlement would come after the preload.
             support.pop("gap", None)
             support.pop("settlement", None)
     return drawn
 
 
 def _stack(rng: np.random.Generator, drawn: Tables, sag: float, pressure: float) -> None:
-    """Lay one or two plates on the one that is drawn, and move some of its loads onto them."""
+    """Lay one or two plates on the drawn plate, and move some of its loads onto them."""
     plate, mesh = drawn.pop("plate"), drawn.pop("mesh")
     young, disc = drawn["material"]["E"], plate["shape"] == "disc"
     size = np.array(2 * [2 * plate["radius"]] if disc else plate["size"])
@@ -122,7 +121,7 @@ def _stack(rng: np.random.Generator, drawn: Tables, sag: float, pressure: float)
     for number in range(1, 2 + int(rng.random() < 0.3)):
         name, below = f"p{number}", f"p{number - 1}"
         part, thickness = rng.uniform(0.3, 0.6), plate["thickness"] * 10 ** rng.uniform(-0.5, 0.3)
-        # Within the disc, on which others lie in its middle.
+        # Rectangles near the middle also fit on a disc.
         at = low + size * (0.5 - 0.5 * part + 0.1 * rng.uniform(-1, 1, 2))
         rigidity = young * thickness**3 / 12
         drawn["plates"][name] = {
@@ -161,7 +160,7 @@ def _stack(rng: np.random.Generator, drawn: Tables, sag: float, pressure: float)
 
 
 def _straight(rng: np.random.Generator, support: Tables, travel: float) -> list[Tables]:
-    """Give a support a straight law in place of its stiffness; half of the time share it with another one."""
+    """Give a support a straight law in place of its stiffness; half of the time divide it between two supports."""
     stiffness, others = support.pop("stiffness"), []
     if not isinstance(stiffness, float):
         support["stiffness"] = stiffness
@@ -187,7 +186,7 @@ def with_stiffness(tables: Tables) -> Tables:
 
 
 def _law(rng: np.random.Generator, travel: float, force: float) -> list[list[float]]:
-    """Draw a rising law of a few pieces: perhaps without travel at first, with plateaus, perhaps yielding at last."""
+    """Draw a law of a few pieces: perhaps rigid at first, with plateaus, perhaps yielding at the end."""
     points = [[0.0, 0.0]]
     for piece in range(int(rng.integers(1, 5))):
         run, rise = (rng.random() >= 0.3, 1.0) if not piece else (1.0, rng.random() >= 0.3)
@@ -196,9 +195,9 @@ def _law(rng: np.random.Generator, travel: float, force: float) -> list[list[flo
 
 
 class Solution(NamedTuple):
-    """Displacements (3n,) and reactions (m,), and by how much of the largest the rounding of K moves them.
+    """Displacements (3n,), reactions (m,), and their relative change when K is rounded differently.
 
-    That is infinite where they are not those of the pieces that they are on.
+    The change is infinite if the solution is not on the pieces that were assumed.
     """
 
     displacement: np.ndarray
@@ -207,15 +206,16 @@ class Solution(NamedTuple):
 
     @property
     def is_exact(self) -> bool:
-        """Whether they say enough to judge others by."""
+        """Whether the solution is accurate enough to judge others."""
         return self.rounding <= _STEADY
 
 
 class Program:
-    """The least potential energy of a problem under a load (3n,), in units of its own stiffness and load.
+    """Minimise the potential energy of a problem under a load (3n,), scaled by its stiffness and load.
 
-    min ½ uᵀKu − fᵀu + Σ f y + k y²/2 over Gu − g = t₀ + Σ y, y within the length of a piece of the law: its force is f
-    where the piece begins, t₀ the travel at the first vertex. The multipliers are the reactions.
+    min ½ uᵀKu − fᵀu + Σ (F y + k y²/2) subject to Gu − g = t₀ + Σ y. Each y is the travel on a piece of a law, within
+    the length of the piece. F is the force at the start of the piece, k its slope, t₀ the travel at the first vertex.
+    The multipliers are the reactions.
     """
 
     def __init__(self, problem: ContactProblem, load: np.ndarray) -> None:
@@ -243,7 +243,7 @@ class Program:
         return np.array(law.vertices) * [travel, force], slopes * force / travel
 
     def solve(self) -> Solution | None:
-        """Solve it; None where no reactions balance the load."""
+        """Solve the program; None if no reactions balance the load."""
         n, m = self.K.shape[0], len(self.gap)
         columns, squares, linear, lengths, right = [], [], [], [], self.gap.copy()
         for i in range(m):
@@ -280,7 +280,7 @@ class Program:
         return self.sharpened(displacement, self.force * np.array(end.z[:m]) / self.size)
 
     def sharpened(self, displacement: np.ndarray, reaction: np.ndarray) -> Solution:
-        """Solve the equations on the pieces of a solution until the pieces are those of the new solution."""
+        """Solve the linear equations on the pieces of a solution, until the new solution has the same pieces."""
         u, r = displacement[self.free] / (self.force * self.dof), reaction * self.size / self.force
         every, before, rounding = [self.vertices(i) for i in range(len(r))], None, np.inf
         matrix, right, x = self.K, self.right, u
@@ -291,7 +291,7 @@ class Program:
             if pieces == before:
                 size = max(1.0, np.abs(r).max(initial=0.0))
                 left = np.abs(self.K @ u + self.G.T @ r - self.right).max() / size
-                # Imbalance of the rounded displacements.
+                # Imbalance caused by rounding of the displacements.
                 lost = np.finfo(float).eps * (abs(self.K) @ np.abs(u)).max() / size
                 if left <= max(_BALANCED, lost):
                     rounding = max(left, self._rounding(matrix, right, x, len(u)))
@@ -321,9 +321,9 @@ class Program:
         return Solution(displacement, self.force * r / self.size, rounding)
 
     def _rounding(self, matrix: csc_array, right: np.ndarray, x: np.ndarray, n: int) -> float:
-        """By how much of the largest another rounding of K moves its solution x: n dofs, then reactions.
+        """Relative change of the solution x (n dofs, then reactions) when K is rounded differently.
 
-        The entries of K, whose diagonal is one here, are sums of elements' entries of that size.
+        K is scaled to a unit diagonal; its entries are sums of element entries of that size.
         """
         noise = self.K.copy()
         noise.data = np.finfo(float).eps * np.random.default_rng(n).choice([-1.0, 1.0], len(noise.data))
@@ -340,7 +340,7 @@ class Program:
 
 
 def _loosely(problem: ContactProblem) -> list[str]:
-    """Difference of the program's bolt forces from the preloads before other loads act."""
+    """Compare the quadratic program's bolt forces before other loads act with the preloads."""
     bolts = problem.discretisation.contacts.preload
     program = Program(problem, np.zeros(len(problem.held)))
     solution = program.solve()
@@ -353,7 +353,7 @@ def _loosely(problem: ContactProblem) -> list[str]:
 
 
 def _otherwise(given: Tables, answer: Answer) -> list[str]:
-    """Whether the same supports by their stiffnesses give the same deflections."""
+    """Compare with the same supports given by stiffnesses; return an error if the deflections differ."""
     other = with_stiffness(given)
     if other == given or answer.not_unique:
         return []
@@ -368,7 +368,7 @@ def _otherwise(given: Tables, answer: Answer) -> list[str]:
 
 
 def draw(seed: int) -> tuple[Counter[str], list[str]]:
-    """Solve a plate as `signorini.solve` does, and its program."""
+    """Solve a plate as `signorini.solve` does and by the quadratic program; return outcome and errors."""
     given = tables(seed)
     try:
         problem = contact_problem(Model(**given))
@@ -398,7 +398,7 @@ def draw(seed: int) -> tuple[Counter[str], list[str]]:
     answer, outcome = tried.answer, Counter({"solved": 1, "by another method": int(len(tried.methods) > 1)})
     wrong = _otherwise(given, answer)
     if solution is None:
-        # A solution of all equations refutes the verdict.
+        # The quadratic program found no equilibrium; a solution of all equations refutes that.
         outcome["refuted"] = 1
         solution = program.sharpened(answer.hi + answer.lo, answer.reaction)
         if solution.rounding == np.inf:

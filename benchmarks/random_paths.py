@@ -2,24 +2,24 @@
 
 The models are those of tests/fuzz/path_models.py. Conditions on a path from event to event:
 
-- it is not given up while reactions at the mesh's contact points balance the load, by an independent linear program;
-- it ends where reactions cease to balance the load, or continues without limit like the direct solution far out;
+- it continues while reactions at the mesh's contact points balance the load, by an independent linear program;
+- it ends where reactions cease to balance the load, or continues without limit if a direct solution at large t exists;
 - inside every segment the direct solution by the other method, Lemke's algorithm or the active set, is certified and
   has the same deflections where these are unique;
-- at every event a point that opens or closes pressed before or presses after, or is apart;
-- where the plate moves at one t, deflections or reactions change, of points too;
+- at every event a point that opens or closes has a reaction before or after, or a gap;
+- where the plate jumps at one t, deflections, or reactions of supports or points, change;
 - between two stops the supports' reactions are linear, except for reactions of dependent supports;
-- it takes no more than some hundred steps a stop;
+- it takes at most a few hundred solver steps per stop;
 - at stops the direct solution has the same extremes of deflection where these are unique, and the supports' reactions
   add up to the load.
 
 Conditions on the sampled path of the same model:
 
-- it is not given up either, ends for the same reason, and if it continues without limit, not before the last named
-  event of the other; deflections and parts closed at its stops are those of the other path;
-- its events of points are events of the other path, except those undone between samples.
+- it continues as long and ends for the same reason as the exact path; if it continues without limit, it includes the
+  last named event of the exact path. Deflections and fractions in contact at its stops are those of the exact path;
+- its events of points are those of the exact path, except events undone between samples.
 
-A path of an extreme model may be given up, but not wrong.
+The path of an extreme model may stop early, but must not be wrong.
 
     python benchmarks/random_paths.py [--count 10000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_paths.py --show SEED
@@ -50,27 +50,27 @@ from signorini.discretise import discretise
 _FAR = 1e-4
 """Relative distance from the limit at which equilibrium must exist, or not."""
 _FAR_OUT = 1e8
-"""Multiple of the last t at which a path without more events is checked."""
+"""Factor on the last t; at this t a path without further events is checked."""
 _SAME = 1e-7
-"""Largest difference of deflections, over the largest."""
+"""Tolerance for equal deflections, relative to the largest."""
 _BALANCED = 1e-5
-"""Part of the load's force, or of the largest reaction, that reactions at a stop may miss."""
+"""Largest imbalance at a stop, relative to the load or the largest reaction."""
 _STAYS = 1e-9
 """Relative tolerance for equal values before and after a jump."""
 _SAMPLES = 12
 _NEAR = 1e-8
 """Tolerance for the t of an event, relative to the path's length."""
 _PART = 1e-6
-"""Tolerance for equal closed parts."""
+"""Tolerance for equal fractions in contact."""
 _MOST_FAULTS = 3
 _MOST_STEPS = 500
-"""Steps of solves, for each stop, that a path may take."""
+"""Largest number of solver steps per stop."""
 _MOST_SEGMENTS = 12
-"""Segments of a path that are compared with direct solutions."""
+"""Largest number of segments of a path that are compared with direct solutions."""
 
 
 def at_start(found, start):
-    """The load at t = 0."""
+    """Load at t = 0: none, case G, or G and Q."""
     return 0.0 * found.cases["G"] if start is None else found.cases["G"] + (start == "both") * found.cases["Q"]
 
 
@@ -95,7 +95,7 @@ def judged(seed):
     try:
         found = path(model, start, add, until, progress=steps.append, events="all")
     except InputError as error:
-        # One of them is the mean of an element.
+        # This includes a point that is the mean over an element.
         floats = "rest anywhere" in str(error)
         moves = any(words in str(error) for words in MOVES)
         on_mesh = (
@@ -119,7 +119,7 @@ def judged(seed):
 
 
 def alone(model, start):
-    """Whether the load at the beginning has a certified solution by itself."""
+    """Whether the load at t = 0 has a certified solution by itself."""
     factors = {"G": float(start is not None), "Q": float(start == "both")}
     tables = model.model_dump(exclude_unset=True) | {"combination": [{"name": "start", "factors": factors}]}
     try:
@@ -136,7 +136,7 @@ def faults(found, until, wild):
         yield f"stopped at {found.end:.9g}, limit {found.limit:.9g}"
     if not found.certificate.passed:
         yield f"certificate {found.certificate}"
-    # A plate that has fallen by more than its size may move twice at one t: its gaps have the rounding of the fall.
+    # If a plate has moved by more than its size, rounding of its gaps may split one jump into two.
     fallen = wild and max(abs(w) for stop in found.stops for w in (stop.largest, stop.smallest)) > plate.mesh.size
     twice = any(a == c for a, c in zip(times[:-2], times[2:], strict=True))
     if any(a > b for a, b in itertools.pairwise(times)) or (twice and not fallen):
@@ -170,7 +170,7 @@ def faults(found, until, wild):
 
 
 def faults_of_samples(sampled, found, wild):
-    """Differences of a sampled path from one that follows every contact point."""
+    """Yield the differences of a sampled path from the exact path ``found``."""
     if sampled.ending != found.ending and not wild and "stopped" not in (found.ending, sampled.ending):
         yield f"sampled: ends with {sampled.ending} at {sampled.end:.9g}, not {found.ending} at {found.end:.9g}"
     if sampled.ending == "stopped" != found.ending and not wild and not sampled.ends_with_the_mesh:
@@ -184,7 +184,7 @@ def faults_of_samples(sampled, found, wild):
 
 
 def other_stops(sampled, found):
-    """Stops of a sampled path at which the other one has other deflections or parts closed."""
+    """Yield the stops of a sampled path at which the exact path has other deflections or fractions in contact."""
     plate, (start, add) = found.problem.discretisation, found._loads
     stops = [stop for stop in sampled.stops if stop.t < found.limit * (1 - _FAR)]
     for stop in stops[:: max(1, len(stops) // _MOST_SEGMENTS)]:
@@ -203,7 +203,7 @@ def other_stops(sampled, found):
 
 
 def other_events(sampled, found):
-    """Events of points of supports at points that only one of two paths has."""
+    """Yield the events of point supports that only one of the two paths has."""
     names = [support.name for support in found.model.support if support.place == "at"]
     near = _NEAR * max(sampled.end, found.end if found.ending == "no_more_events" else 0.0)
     mine, others = (
@@ -213,7 +213,7 @@ def other_events(sampled, found):
     for one in mine:
         if not any(same_event(one, other) and abs(one.t - other.t) <= near for other in others):
             yield f"sampled: {one.support} {one.change} at {one.at} at t = {one.t:.9g}, which does not happen"
-    # Past the end the sampled path tries powers of 2.
+    # Beyond its end the sampled path has solved at powers of 2.
     times = np.append(np.linspace(0.0, sampled.end, _SAMPLES + 1), sampled.end * 2.0 ** np.arange(1, 200))
     for one in others:
         undone = any(
@@ -233,7 +233,7 @@ def same_event(one, other):
 
 
 def differences(found, t, wild, may_be_unsolved=False):
-    """Differences of the path at one t from the direct solution by another method."""
+    """Yield the differences of the path at t from the direct solution by another method."""
     plate, (start, add) = found.problem.discretisation, found._loads
     load = start + t * add
     try:
@@ -254,7 +254,7 @@ def differences(found, t, wild, may_be_unsolved=False):
 
 
 def bent(found, segment, wild):
-    """Reactions on the way along a segment that are not between those at its ends."""
+    """Yield reactions inside a segment that are not linear between its ends."""
     if wild or found.problem.discretisation.shared:
         return
     t = segment.begin.t + 0.37 * (segment.end.t - segment.begin.t)
@@ -271,7 +271,7 @@ def bent(found, segment, wild):
 
 
 def direct_solution(found, load):
-    """A certified answer of a load by itself, if possible by another method than the path's."""
+    """Certified direct answer of a load, if possible by another method than the path's; None without one."""
     problem = found.problem
     other = "active_set" if problem.method == "lemke" and len(problem.gaps) else "lemke"
     tried = answered(problem.by(other), load)
@@ -279,7 +279,7 @@ def direct_solution(found, load):
 
 
 def scale_of(plate, load, *deflections):
-    """The largest deflection, or a millionth of that by which the load scales on the plate."""
+    """Largest deflection, but at least 10⁻⁶ of F L²/(E h³/12)."""
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0)
     E, h, size = plate.model.young, plate.thickness.min(), plate.mesh.size
     least = 1e-6 * (forces + sum(couples) / size) * size**2 / (E * h**3 / 12)
@@ -287,7 +287,7 @@ def scale_of(plate, load, *deflections):
 
 
 def wrong_stops(found):
-    """Stops that differ from direct solutions, or whose reactions do not balance the load."""
+    """Yield stops that differ from direct solutions, or whose reactions do not balance the load."""
     plate, (start, add) = found.problem.discretisation, found._loads
     motions = plate.rigid_motions / [1.0, plate.mesh.size, plate.mesh.size]
     resultants = [part.nodal @ motions for part in (start, add)]
@@ -323,7 +323,7 @@ def pinned(found, answer):
 
 
 def idle(found):
-    """Events without effect: all points that switch neither press nor part before or after."""
+    """Yield events without effect: no switching point presses before or after, or is open."""
     pairs = list(itertools.pairwise(found.segments))
     for before, after in pairs[:: max(1, len(pairs) // _MOST_SEGMENTS)]:
         if before.jumps or after.jumps or not len(after.begin.points):
@@ -346,7 +346,7 @@ def idle(found):
 
 
 def still(found):
-    """Jumps without a change of deflection or of a point's force."""
+    """Yield jumps at which neither a deflection nor the force of a point changes."""
     for k, (before, after) in enumerate(itertools.pairwise(found.stops)):
         if before.t != after.t:
             continue

@@ -1,13 +1,13 @@
-"""Random small plates: each ends certified, or without an equilibrium, which a separate linear program confirms.
+"""Random small plates: each has a certified answer, or no equilibrium, as a separate linear program confirms.
 
-Most models are those of tests/fuzz/random_models.py. The judge shares no code with the program's own check. It
-assembles the balance of every combination from the places of the supports, held nodes and springs included, and the
-resultants of the loads, and asks scipy.optimize.linprog for reactions. A second program over the plate's deflections
-confirms verdicts that supports contradict each other.
+Most models are those of tests/fuzz/random_models.py. The judge shares no code with the program's own check. It writes
+the balance of every combination from the positions of supports, held nodes and springs, and the resultants of loads,
+and finds reactions by scipy.optimize.linprog. A second linear program over the plate's deflections confirms verdicts
+that supports contradict each other.
 
-Every fourth model is one of tests/fuzz/extreme_models.py with its own judge: closed forms, statics, finer meshes.
-Every eighth is one of tests/fuzz/twofold_models.py, which describe one plate twice. These may be refused, but not be
-wrong.
+Every fourth model is from tests/fuzz/extreme_models.py, with its own judge: a closed form, statics, or a finer mesh.
+Every eighth is from tests/fuzz/twofold_models.py, which describe one plate twice. The program may refuse these models,
+but must not be wrong.
 
     python benchmarks/random_plates.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
     python benchmarks/random_plates.py --show SEED
@@ -37,22 +37,23 @@ from signorini import InputError, NoEquilibriumError, NotCertifiedError, solve, 
 from signorini.discretise import discretise
 
 _NEAR = 1e-7
-"""Part of the load within which the judge calls equilibrium marginal, and either verdict right."""
+"""Imbalance, relative to the load, up to which equilibrium is marginal and either verdict is right."""
 _LOST = 1e-6
 """Tolerance for the balance of reactions, relative to loads and reactions; a certificate allows 1e-4."""
 _EXACT = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
-"""As exact as HiGHS can be: by default it takes an imbalance of 1e-7 for none."""
+"""Smallest tolerances of HiGHS; by default it accepts an imbalance of 1e-7."""
 MOVES = ("against this motion", "bends in some shapes without resistance")
 """Message for a plate that can move."""
 _EXTREME = 4
-"""Every n-th plate is an extreme one, every 2n-th is described twice."""
+"""Every 4th plate is extreme, every 8th is described twice."""
 
 
 def balance(found, nodal):
-    """Columns of the unit reactions' resultants, which of them may pull, and the load's resultants.
+    """Return the resultants of unit reactions as columns, a mask of reactions of either sign, and the load's
+    resultants.
 
-    Resultants are force and the moments over the plate's size about its middle, from positions alone; a slope's
-    reaction is a couple.
+    Resultants are the force, and moments about the middle divided by the plate's size. They are computed from positions
+    alone. The reaction of a held slope is a couple.
     """
     points, contacts, springs, held = found.mesh.points, found.contacts, found.springs, found.held
     middle, size = 0.5 * (points.min(axis=0) + points.max(axis=0)), np.ptp(points, axis=0).max()
@@ -75,15 +76,15 @@ def balance(found, nodal):
 
 
 def reactions_exist(found, nodal):
-    """Whether reactions balance the load: True, False, or None where rounding decides.
+    """Whether reactions balance the load: True, False, or None if rounding decides.
 
-    The load is given without curvatures: they have no resultant, but their couples would hide those of the others.
+    The load excludes curvatures: they have no resultant, but their couples would increase the reference size.
     """
     columns, both_ways, wanted = balance(found, nodal)
     total = np.abs(nodal[::3]).sum() + np.abs(nodal.reshape(-1, 3)[:, 1:]).sum() / found.mesh.size
     if total == 0.0:
         return True
-    # The least that is left unbalanced, in units of the load.
+    # Minimise the remaining imbalance, relative to the load.
     slack = np.hstack([np.eye(3), -np.eye(3)])
     count = columns.shape[1]
     bounds = [(None if both else 0, None) for both in both_ways] + [(0, None)] * 6
@@ -97,14 +98,14 @@ def reactions_exist(found, nodal):
 
 
 def deflection_exists(found):
-    """Whether some deflection agrees with every rigid support: True, False, or None where rounding decides."""
+    """Whether a deflection exists that satisfies every rigid support: True, False, or None if rounding decides."""
     contacts, held = found.contacts, found.held
     rigid = np.flatnonzero(contacts.compliance == 0)
     scale = max(np.abs(contacts.distance).max(initial=0.0), np.abs(held.values).max(initial=0.0))
     if scale == 0.0 or not len(rigid):
         return True
     rows = contacts.rows.matrix(found.mesh.elements, found.dof_count)[rigid]
-    # The least overlap, one for all: rows · u ≤ distance + overlap.
+    # Minimise one overlap common to all rows: rows · u ≤ distance + overlap.
     upper = bmat([[rows, -np.ones((len(rigid), 1))]])
     two = contacts.two_sided[rigid]
     both = upper if not two.any() else bmat([[upper], [bmat([[-rows[two], -np.ones((two.sum(), 1))]])]])
@@ -125,14 +126,14 @@ def judged(seed):
 
 
 def with_judge(seed):
-    """The model of a seed if it has its own judge."""
+    """Model of a seed with its own judge; None if a linear program judges it."""
     if seed % _EXTREME == _EXTREME - 1:
         return extreme_models.extreme(Random(seed))
     return twofold_models.twofold(Random(seed)) if seed % (2 * _EXTREME) == 1 else None
 
 
 def judged_by_its_own(model):
-    """The same of a model that brings its judge."""
+    """Outcome and errors of a model with its own judge."""
     try:
         result = extreme_models.solved(model.tables)
         wrong = model.judge(result)
@@ -147,9 +148,9 @@ def judged_by_its_own(model):
 
 
 def judged_ordinary(seed):
-    """The same of a model that a linear program judges."""
+    """Outcome and errors of a model that a linear program judges."""
     tables = random_models.model(Random(seed))
-    # Rows of a table keep no message each.
+    # Rows of a table would not store a message each.
     tables["output"] = {"combinations": "each"}
     try:
         model = validate(tables)
@@ -207,7 +208,7 @@ def lost(found, combination, result):
 
 
 def _certified_as_advised(tables, refusal):
-    """Whether advice of a refusal helps, one piece or all at once: another element, no settlements."""
+    """Whether following the advice in a refusal gives an answer: another element, or no settlements."""
     if "Rounding may be" not in refusal:
         return False
     advice = []

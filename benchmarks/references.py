@@ -1,8 +1,9 @@
-"""Coverage of known answers by ±, number by number: closed forms, series, and results of other programs.
+"""Check that ± covers the error of known answers: closed forms, series, and results of other programs.
 
-Each case has a coarse and a finer mesh: value, ±, reference, and whether they differ by more than ±. A number without a
-limit (a moment under a point force) has no ± and is named. Tests check all cases. Number.rounding is half a unit of a
-reference's last digit, or the difference of the reference from the plate as modelled, of finite thickness and extent.
+For each number the table has, on a coarse and a fine mesh, value, ±, reference, and whether the error exceeds ±. A
+number without limit (a moment under a point force) has no ± and is reported as singular. Tests check all cases.
+Number.rounding is half a unit of a reference's last digit, or the error of the reference for the modelled plate, which
+has finite thickness and extent.
 
     python benchmarks/references.py [--only WORDS] [--check]
 """
@@ -28,7 +29,7 @@ NU = 0.3
 
 @dataclass(frozen=True)
 class Number:
-    """A number of results.json by its path, its reference, and how far this may be from the modelled plate's."""
+    """A number of results.json: its path, its reference, and the error of the reference for the modelled plate."""
 
     name: str
     path: Path
@@ -38,7 +39,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Case:
-    """A plate with known answers, as its model on two meshes, the coarse one first."""
+    """A plate with known answers: its models on a coarse and a fine mesh."""
 
     title: str
     models: tuple[Callable[[], Model], Callable[[], Model]]
@@ -47,7 +48,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Row:
-    """The result of a number on a mesh."""
+    """A number on one mesh with its half-width."""
 
     case: str
     elements: int
@@ -138,7 +139,7 @@ def squares() -> list[Case]:
 
 
 def circles() -> list[Case]:
-    """Code_Aster SSLS101 and SSLS100, by rows and as a polygon of arcs."""
+    """Code_Aster SSLS101 and SSLS100, as a mapped disc and as a polygon of arcs."""
 
     def model(mesh: Mapping[str, object], fix: str, plate: Mapping[str, object], edges: list[str]) -> Model:
         return Model(
@@ -170,7 +171,7 @@ def arc(through: list[float], to: list[float]) -> dict[str, list[float]]:
 
 
 def polygon(points: Sequence[Any], thickness: float, material: Mapping[str, float], at: Any, supports: Any) -> Any:
-    """A model of a polygon under p = 1, by the size of its elements."""
+    """Return a function that makes the model of a polygon under p = 1 from the element size."""
     return lambda size: Model(
         material=material,
         plate={"shape": "polygon", "points": points, "thickness": thickness},
@@ -225,13 +226,13 @@ def closed_forms() -> list[Case]:
     moment = 8 * d * w * (1 / a**2 + NU / b**2) / 2
     clamped = [{"edge": [f"edge {i}" for i in range(1, 33)], "fix": "clamped"}]
     ellipse = polygon(points, h, {"E": young, "nu": NU}, [0, 0], clamped)
-    # 32 arcs, thickness 0.005.
+    # The reference's error: the outline is 32 arcs, and the thickness is 0.005.
     numbers = [Number("deflection", W, w, 1e-4 * w), Number("moment", MX, moment, 1e-4 * moment)]
     return [*found, Case("Clamped ellipse", both(ellipse, 0.3, 0.15), numbers)]
 
 
 def tensionless_cases() -> list[Case]:
-    """The cases of `tensionless`, in the numbers of results.json."""
+    """The cases of `tensionless`, as numbers of results.json."""
     area, pressed = support(0, "contact_area"), support(0, "max_pressure")
     strip = [
         Number("contact area", area, 0.5 * sqrt(2) * pi),
@@ -243,7 +244,7 @@ def tensionless_cases() -> list[Case]:
         r, w, rim = (case.exact[name] for name in ("contact radius", "deflection", "rim uplift"))
         numbers = [
             Number("contact area", area, pi * r**2, 2 * pi * r * 5e-7),
-            # Thin plates' under a point force: that of h = 0.01 goes on growing.
+            # The reference is of a thin plate; with h = 0.01 the deflection under a point force grows without limit.
             Number("deflection under the force", W, w, 2e-3 * w),
             Number("deflection of the rim", probe(1, "deflection"), -rim, 5e-7),
         ]
@@ -304,7 +305,7 @@ def ssnl130_on_lines() -> Case:
 
 
 def slab_b() -> Case:
-    """16 rigid points that only push; MITC4 on 160 × 160 elements, since points have no limit."""
+    """16 rigid points that only push; the reference is MITC4 on 160 × 160 elements, as points have no limit."""
     rows_ = [333.96, 93.67, 0, 5.85, 93.67, 71.92, 7.92, 14.01, 0, 7.92, 21.46, 11.79, 5.85, 14.01, 11.79, 6.17]
 
     def model(n: int) -> Model:
@@ -339,7 +340,8 @@ def next_storey() -> list[Case]:
             probe=[{"at": [0, 0]}],
         )
 
-    # At R = 200 ℓ the contact is 5e-5 smaller; the point force of h = 0.01 adds to the thin plate's deflection.
+    # With R = 200 ℓ the contact radius is 5e-5 smaller. With h = 0.01 the point force adds to the thin plate's
+    # deflection.
     weitsman = [
         Number("contact area", support(0, "contact_area"), pi * 2.848918**2, 2 * pi * 2.85 * 6e-5),
         Number("deflection under the force", W, 0.1311657, 2e-3 * 0.1311657),
@@ -362,7 +364,7 @@ def next_storey() -> list[Case]:
         return 0.5250406303 * r * r * np.log(r) - 0.6286090479 * r * r + 0.01726640079 * np.log(r) + 1.046746304
 
     numbers = [Number("deflection at 0", W, -1.0)]
-    # Its finite thickness, h = 0.01.
+    # The reference's error: the modelled plate has the thickness 0.01.
     numbers += [
         Number(f"deflection at {r}", probe(i, "deflection"), -free(r), 2e-5) for i, r in ((1, 0.5), (2, 1), (3, 1.5))
     ]
@@ -373,7 +375,9 @@ def next_storey() -> list[Case]:
 
 
 def prop() -> Case:
-    """The paper's first example, a quarter of a clamped square that closes a gap at half of its load; by 32 × 32."""
+    """The paper's first example: a quarter of a clamped square that closes a gap at half of its load, on 32 × 32
+    elements.
+    """
 
     def model(n: int) -> Model:
         return Model(

@@ -1,12 +1,12 @@
-"""Random ribbons: long narrow thin plates on a few elements, against the closed form of the beam that they are.
+"""Random ribbons: long narrow thin plates on a few elements, compared with beams in closed form.
 
-Width over length from 1e-3 to 1, thickness over length from 1e-6 to 1e-2, both log-uniform; the short edges held, or
-supported from below only; a pressure, or a stress-free curvature. Without lateral contraction
-the plate on two such edges is a beam exactly; with nu = 0.3 it is one within a percent up to a tenth as wide as long.
-Double precision cannot tell bending from shear of the worst of them: an answer must be within 2 % or refused.
+Width over length is from 1e-3 to 1, thickness over length from 1e-6 to 1e-2, both log-uniform. The short edges are
+held, or supported from below only. The load is a pressure or a stress-free curvature. With nu = 0 the plate is exactly
+a beam; with nu = 0.3 it is a beam within a percent if its width is at most a tenth of its length. For the worst ribbons
+double precision cannot separate bending from shear: an answer must be within 2 %, or refused.
 
     python benchmarks/ribbons.py [--samples 700] [--seed 1]
-    python benchmarks/ribbons.py --check        40, and fails where one that is certified is wrong
+    python benchmarks/ribbons.py --check        40 samples; fails if a certified answer is wrong
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from signorini import Model, solve
 from signorini.errors import SignoriniError
 
 WRONG = 0.02
-"""Relative error at which a certified deflection fails, many times that of four quadratic elements along a beam."""
+"""Relative error above which a certified deflection is wrong, many times that of four quadratic beam elements."""
 
 
 def ribbon(seed, number):
-    """One ribbon as keywords of `Model`, and its deflection at the middle."""
+    """Keywords of `Model` for one ribbon, and the exact deflection at its middle."""
     rng = np.random.default_rng((seed, number))
     length = 10.0 ** rng.uniform(-1, 3)
     nu = float(rng.choice([0.0, 0.3]))
@@ -37,7 +37,7 @@ def ribbon(seed, number):
     if turned:
         edges["edge"] = ["bottom", "top"]
     size, divisions = [length, width], [int(rng.integers(4, 9)), int(rng.choice([1, 2, 4]))]
-    # A plate that bows off its edges is held by one-sided ones against a pressure only.
+    # Under a curvature a plate would lift off one-sided edges; so these have a pressure only.
     curved = edges.get("fix") == "simple" and rng.random() < 0.3
     load = 10.0 ** rng.uniform(-3, 3)
     if curved:
@@ -74,7 +74,7 @@ def judged(seed, number):
 
 
 def main():
-    """Judge all samples; 1 if one that is certified is wrong."""
+    """Judge all samples; return 1 if a certified one is wrong."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--samples", type=int, default=700)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,15 +1,15 @@
-"""Search for numbers that grow without limit and are not named: random plates with points, on four meshes.
+"""Search for numbers that grow without limit but are not reported as singular: random plates with points.
 
-Each mesh has half the element size of the one before. Numbers that seem to grow on the last must grow on a fifth too.
-The numbers are those of results.json, and moments and shears where they are largest on the last mesh, away from all
-places that are named for them on the first, by two of its elements or `within`. Numbers that grow on all three steps,
-by the rule of signorini.accuracy.half_width, must be named. Two effects grow so and have a limit:
+Each of four meshes has half the element size of the previous one. Numbers that seem to grow must also grow on a fifth
+mesh. They are those of results.json, and the largest moments and shears on the finest mesh outside the reported
+singularities (farther than two elements of the coarsest mesh, and than `within`). Numbers that grow on all steps, by
+the rule of signorini.accuracy.half_width, must be reported. Two effects grow in the same way, but have a limit:
 
-- boundary layers of edges, steps of the thickness and ends of supports, on meshes that do not resolve them
-  (signorini.accuracy.layers): plates whose layer is that of a solid one thinner than elements of the last mesh but
-  one are left out;
-- all numbers of a plate on points, whose stiffness falls with the logarithm of the element size: then only the
-  largest moments and shears are judged, relative to the field's mean around them, which grows too.
+- boundary layers of edges, thickness steps and ends of supports on meshes that do not resolve them
+  (signorini.accuracy.layers). Plates are left out if a solid plate with an equally wide layer is thinner than the
+  elements of the second finest mesh;
+- all numbers of a plate on point supports, whose stiffness falls with the logarithm of the element size. Then only the
+  largest moments and shears are checked, relative to the field's mean around them, which grows too.
 
     python benchmarks/singular_numbers.py [--count 100] [--first 700000] [--along 8 12] [--seconds 3600]
     python benchmarks/singular_numbers.py --check        a few plates, to test the script
@@ -42,10 +42,10 @@ from signorini.accuracy.half_width import (
 )
 
 _FACTORS = (0.0625, 0.125, 0.25, 0.5, 1.0)
-"""Sizes of elements, the finest first; that is solved only where the others show growth."""
+"""Factors of element size, the finest first; the finest mesh is solved only if the others show growth."""
 _TOO_LONG = 60
 _FEW = (4, 5)
-"""Elements along a side of the plates that test the script."""
+"""Range of the number of elements along a side for plates that test the script."""
 
 
 class Late(BaseException):
@@ -57,7 +57,7 @@ def _late(number, frame):
 
 
 def unnamed(seed, along):
-    """Numbers of a plate that grow without a name; None if the seed gives no plate with an answer."""
+    """Numbers of a plate that grow without limit but are not reported as singular; None without an answer."""
     try:
         model = half_width_coverage.plate(seed, *along)
         if not acts_at_points(model):
@@ -81,7 +81,7 @@ def _solved(model, factor):
 
 
 def growing(results):
-    """Numbers without a name that grow on all steps between meshes, each of twice the size of the one before."""
+    """Unreported numbers that grow on all steps between meshes, each of twice the element size of the previous."""
     sizes = [side(result.mesh) for result in results]
     reach, own = 2.0 * sizes[-1], results[-1]
     numbers, largest = own.catalogue.numbers, sizes_of(own.numbers[:, None], own.catalogue.numbers, own.model, own.mesh)
@@ -112,14 +112,14 @@ def growing(results):
 
 
 def _thinnest(result):
-    """The least thickness of a solid plate with as wide a layer."""
+    """Smallest thickness of a solid plate with an equally wide boundary layer."""
     solid, rigidities, which = sections_at(result.model, result.mesh.points)
     widths = np.array([math.sqrt(10.0 * one.in_twist / np.linalg.eigvalsh(one.shear).max()) for one in rigidities])
     return (solid * widths[which]).min()
 
 
 def _away_from_named(results, kind, reach):
-    """Nodes of the last mesh, on all meshes, away from the places that are named on the first."""
+    """Nodes of the first mesh that are on all meshes and away from the singularities of the last mesh."""
     points = results[0].mesh.points
     far = np.all([result.mesh.locate(points).inside for result in results], axis=0)
     for one in results[-1].singular:

@@ -1,14 +1,14 @@
-"""Slab A on soil that only pushes, from model to certified result, against GetFEM: time and memory as ratios.
+"""Slab A on soil that only pushes, from model to certified result: time and memory relative to GetFEM.
 
-GetFEM solves 160 × 160 elements, MITC4 and Newton's method (`peers/getfem_slab.py`). We solve the coarsest mesh that
-meets the accuracy: settlement to 0.05 %, largest pressure to 0.1 %, the part in contact to 0.002. Every run
-is in a process of its own, alternately; times are medians and leave out imports. Memory is the process's
-peak, imports included. "Warm" is a second solve in the same process.
+GetFEM solves 160 × 160 elements, MITC4 and Newton's method (`peers/getfem_slab.py`). This program solves the coarsest
+mesh that meets the accuracy: settlement to 0.05 %, largest pressure to 0.1 %, fraction in contact to 0.002. Runs
+alternate, each in its own process. Times are medians without imports. Memory is the process's peak, including imports.
+"Warm" is a second solve in the same process.
 
     python benchmarks/slab_on_soil.py [--elements 40] [--peer-elements 160] [--repeat 5]
-    python benchmarks/slab_on_soil.py --check           answers only, and the peer's on 40 × 40 where it is installed
+    python benchmarks/slab_on_soil.py --check           answers only, and GetFEM's on 40 × 40 if it is installed
 
-GetFEM is Debian's python3-getfem; without it our own figures are shown.
+GetFEM is Debian's python3-getfem; without it only this program's results are shown.
 """
 
 import argparse
@@ -52,7 +52,7 @@ def ours(elements: int) -> dict[str, float]:
 
 
 def accurate(found: dict[str, float]) -> bool:
-    """Whether figures are as accurate as asked for."""
+    """Whether settlement, pressure and contact area meet the accuracy."""
     return (
         abs(found["settlement"] / CONVERGED["settlement"] - 1) <= 5e-4
         and abs(found["pressure"] / CONVERGED["pressure"] - 1) <= 1e-3
@@ -61,7 +61,7 @@ def accurate(found: dict[str, float]) -> bool:
 
 
 def peer_python() -> str | None:
-    """The Python that has GetFEM, if there is one."""
+    """Path of a Python with GetFEM; None without one."""
     for python in ("/usr/bin/python3", sys.executable):
         try:
             if subprocess.run([python, "-c", "import getfem"], capture_output=True).returncode == 0:
@@ -104,7 +104,7 @@ def compare(elements: int, peer_elements: int, repeat: int) -> None:
 
 
 def check() -> None:
-    """Ours is accurate, and GetFEM's on the same mesh is the same slab."""
+    """Check that this program's result is accurate, and that GetFEM's on the same mesh is close to it."""
     us = run(__file__, "--run", "--elements", 40)
     show("ours", 40, us)
     passed = accurate(us)

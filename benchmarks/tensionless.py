@@ -1,7 +1,7 @@
-"""Plates on supports that only push, with known answers: the models that tests and benchmarks share.
+"""Plates on supports that only push, with known answers, for tests and benchmarks.
 
-Each `Case` makes its model for a mesh of n elements along a side, reads the figures that its reference gives from a
-result, and has the reference. `slab_a` and `quarter_square` are base models of others.
+Each `Case` makes a model for a mesh of n elements along a side, reads quantities from its result, and has their
+reference values. `slab_a` and `quarter_square` are base models of other cases.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ class Case:
     Parameters
     ----------
     title, reference : str
-        What it is, and where the answer comes from.
+        Description of the plate, and source of the answer.
     model : function of n
-        The model on a mesh of n elements along its longer side, or half or a quarter of it.
+        Makes the model with n elements along the longer side, or along half or a quarter of it.
     figures : function of a Result
-        What is compared, by name.
+        Returns the compared quantities by name.
     exact : mapping
-        The reference's values of the same names.
+        Reference values, by the same names.
     rounding : mapping
-        Half a unit of the reference's last digit, by the same names; empty where it is a closed form.
+        Half a unit of the reference's last digit, by the same names; empty for a closed form.
     divisions : tuple of int
-        Meshes of the convergence picture, coarse to fine.
+        Values of n in the convergence picture, coarse to fine.
     """
 
     title: str
@@ -45,7 +45,7 @@ class Case:
     divisions: tuple[int, ...]
 
     def errors(self, result: Result) -> dict[str, float]:
-        """Relative error of every figure."""
+        """Relative error of every quantity."""
         return {name: abs(value / self.exact[name] - 1) for name, value in self.figures(result).items()}
 
     def floor(self, name: str) -> float:
@@ -80,7 +80,7 @@ def slab_a(n: int, method: str = "auto", resists: str = "down") -> Model:
 
 
 def slab_a_figures(result: Result) -> dict[str, float]:
-    """Settlement in m, part of the area in contact, largest pressure in Pa."""
+    """Settlement [m], fraction of the area in contact, largest pressure [Pa]."""
     return {
         "settlement": float(result.deflection.max()),
         "contact": area(result) / 100,
@@ -91,9 +91,10 @@ def slab_a_figures(result: Result) -> dict[str, float]:
 def quarter_square(
     support: Mapping[str, object], thickness: float, n: int, element: str = "mitc9", twist_held: bool = False
 ) -> Model:
-    """Unit square under p = 1, E = 1, ν = 0.3, as its quarter with n × n elements.
+    """Quarter of a unit square under p = 1, with E = 1, ν = 0.3 and n × n elements.
 
-    The plate's middle is the corner (0, 0), its edges are at x = 1/2 and y = 1/2. ``twist_held`` makes them hard.
+    The plate's middle is the corner (0, 0), and its edges are at x = 1/2 and y = 1/2. ``twist_held`` makes them hard
+    simple supports.
     """
     edges = {"edge": ["right", "top"]}
     return Model(
@@ -256,7 +257,7 @@ def base_plate() -> Case:
 
 
 def slab() -> Case:
-    """Slab A against our own finest mesh; the four digits on which other programs agree are the same."""
+    """Slab A, compared with this program's finest mesh; other programs agree with it to four digits."""
     exact = {"settlement": 4.228876e-3, "contact": 0.9170725, "pressure": 126.8663e3}
     rounding = {name: 2e-6 * value for name, value in exact.items()}
     return Case("Slab A", "our own 320 × 320", slab_a, slab_a_figures, exact, rounding, (10, 20, 40, 80, 160))

@@ -1,7 +1,7 @@
 """Plates of `outlines.py` that have no closed form, by GetFEM: MITC4 on squares, deflections at nodes.
 
-Runs under the Python that Debian's python3-getfem is installed for, and prints a line of JSON: deflections for a number
-of elements along a side of 2, and the limit of those of a quarter, half and all of them, as a geometric series.
+Runs under the Python of Debian's python3-getfem, and prints a line of JSON: the deflections with a given number of
+elements along a side of length 2, and their limit, extrapolated from a quarter, half and all of the elements.
 
     /usr/bin/python3 benchmarks/peers/getfem_outlines.py L 256
     /usr/bin/python3 benchmarks/peers/getfem_outlines.py hole 256
@@ -20,7 +20,7 @@ PLACES = {"L": [(0.5, 0.5), (1.5, 0.5)], "hole": [(0.5, 0.5), (0.75, 1.0)]}
 
 
 def inside(points, box):
-    """Which of points (2, q) are in a box."""
+    """Mask of the points (2, q) in a box."""
     x, y = points
     return (x >= box[0]) & (x <= box[2]) & (y >= box[1]) & (y <= box[3])
 
@@ -31,7 +31,7 @@ def solve(case, elements):
     centre = np.array([mesh.pts_from_cvid(c)[0].mean(axis=1) for c in mesh.cvid()])
     mesh.del_convex(mesh.cvid()[inside(centre.T, CUT[case])])
     faces = mesh.outer_faces()
-    # The hole's edges are free; elements at them are away from the outer ones.
+    # Edges of the hole are free; all points of the elements at them are in the inner box.
     free = [case == "hole" and inside(mesh.pts_from_cvid(c)[0], (0.5, 0.5, 1.5, 1.5)).all() for c in faces[0]]
     mesh.set_region(1, faces[:, ~np.array(free)])
 

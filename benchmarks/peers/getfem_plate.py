@@ -1,10 +1,10 @@
-"""A Mindlin plate of GetFEM on squares, for the peers beside this file."""
+"""A Mindlin plate of square elements in GetFEM, for the other scripts in this directory."""
 
 import getfem as gf
 
 
 def plate(mesh, young, poisson, thickness):
-    """A plate of MITC4 elements without loads and supports, the space of its deflection, and its quadrature."""
+    """Return a model of MITC4 elements without loads and supports, the space of its deflection, and the quadrature."""
     plane, slopes = gf.MeshFem(mesh, 1), gf.MeshFem(mesh, 2)
     for space in (plane, slopes):
         space.set_fem(gf.Fem("FEM_QK(2,1)"))
@@ -14,6 +14,6 @@ def plate(mesh, young, poisson, thickness):
     model.add_fem_variable("theta", slopes)
     for name, value in (("E", young), ("nu", poisson), ("thickness", thickness), ("kappa", 5 / 6)):
         model.add_initialized_data(name, [value])
-    # The last argument is GetFEM's MITC4.
+    # The last argument selects GetFEM's MITC4.
     model.add_Mindlin_Reissner_plate_brick(rule, rule, "w", "theta", "E", "nu", "thickness", "kappa", 2)
     return model, plane, rule

@@ -1,6 +1,6 @@
-"""Slab A by GetFEM: MITC4 plate on soil that only pushes, the soil's pressure a nonlinear term, Newton's method.
+"""Slab A by GetFEM: MITC4 plate on soil that only pushes, as a nonlinear term solved by Newton's method.
 
-Runs under the Python that Debian's python3-getfem is installed for, and prints a line of JSON.
+Runs under the Python of Debian's python3-getfem, and prints a line of JSON.
 
     /usr/bin/python3 benchmarks/peers/getfem_slab.py 160
 """
@@ -30,7 +30,7 @@ def solve(elements):
         model.add_initialized_data(name, [value])
     model.add_nonlinear_term(rule, "soil * pos_part(w) * Test_w")
     model.add_linear_term(rule, "-uniform * Test_w")
-    # The mesh follows the patch.
+    # The borders of the loaded patch are element edges.
     centre = np.array([mesh.pts_from_cvid(c)[0].mean(axis=1) for c in mesh.cvid()])
     under = mesh.cvid()[((centre > PATCH_ENDS[0]) & (centre < PATCH_ENDS[1])).all(axis=1)]
     mesh.set_region(1, np.vstack([under, np.full_like(under, -1)]))

@@ -171,7 +171,7 @@ def length(value: float, size: float = 0.0) -> str:
 
 
 def unknown(kind: str, name: str, allowed: Iterable[str], owner: str = "This model") -> str:
-    """Message for an unknown name: the known names, or the most similar of many, and a suggestion.
+    """Message for an unknown name: the known names or, if there are many, the most similar ones, and a suggestion.
 
     Examples
     --------

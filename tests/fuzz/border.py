@@ -1,9 +1,8 @@
-"""Calls across the border to Rust with arguments that are wrong: lengths, NaN, indices, strides, the same array twice,
-objects that another problem has made.
+"""Calls of Rust functions with invalid arguments: lengths, NaN, indices, strides, one array twice, others' objects.
 
     python tests/fuzz/border.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
 
-Whatever comes, a call answers or raises an ordinary exception; a panic is a failure.
+A call must return or raise an ordinary exception; a panic is a failure.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ _WHOLES = [-1, -(2**63), 2**63 - 1, 10**9, 0, 7, 8, 20, 21]
 
 
 def example(points: int = 2) -> tuple[ContactProblem, Discretisation]:
-    """A small problem with every kind of array: held slopes in frames, springs, one-sided and two-sided points."""
+    """A small problem whose arrays are of every kind: held slopes in frames, springs, one- and two-sided points."""
     problem = contact_problem(
         Model(
             material={"E": 1000.0, "nu": 0.3},
@@ -50,7 +49,7 @@ def example(points: int = 2) -> tuple[ContactProblem, Discretisation]:
 
 
 def made(problem: ContactProblem, found: Discretisation) -> list[Any]:
-    """Objects of a problem: core, plate, responses and lists of them, shared data of cases, solutions."""
+    """Objects of a problem: core, plate, responses and lists of responses, shared data of cases, solutions."""
     core, load, held = problem.core, found.cases["load"].nodal, found.held.values
     rest, points = _core.rest_response(core, held), _core.point_responses(core, 0, len(problem.gaps))
     cases = _core.load_responses(core, load[None])
@@ -69,13 +68,13 @@ def made(problem: ContactProblem, found: Discretisation) -> list[Any]:
 
 
 def strangers() -> list[Any]:
-    """Objects of problems of the same size, larger and smaller, and responses without displacements."""
+    """Objects of other problems of equal, larger and smaller size, and responses without displacements."""
     found = [thing for points in (2, 3, 1) for thing in made(*example(points))]
     return [*found, *([thing.at_points()] for thing in found if isinstance(thing, _core.Response))]
 
 
 def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable[..., Any], list[Any]]]:
-    """Every entry point with arguments that are right."""
+    """Every function of the core with valid arguments."""
     mesh, material, contacts, held = found.mesh, found.model.material, found.contacts, found.held
     u, load = np.linspace(0.0, 1.0, found.dof_count), found.cases["load"].nodal
     rows = contacts.rows
@@ -163,7 +162,7 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
 
 
 def spoilt(rng: Random, arguments: list[Any], others: list[Any]) -> list[Any]:
-    """The arguments with one to three of them wrong; some are of others' making."""
+    """Copy the arguments and make one to three of them wrong; some are taken from ``others``."""
     arguments = [argument.copy() if isinstance(argument, np.ndarray) else argument for argument in arguments]
     for _ in range(rng.choice([1, 1, 2, 3])):
         at = rng.randrange(len(arguments))
@@ -214,7 +213,7 @@ def _kind(rng: Random, array: np.ndarray) -> np.ndarray:
 
 
 def fault(seed: int, entries: list[tuple[Callable[..., Any], list[Any]]], others: list[Any]) -> str:
-    """Fault of one seed's call; empty if it has none."""
+    """Message if the call of a seed panics; empty if it does not."""
     rng = Random(seed)
     call, arguments = rng.choice(entries)
     try:
@@ -232,7 +231,7 @@ _entries = functools.cache(lambda: (calls(*example()), strangers()))
 
 
 def one(seed: int) -> tuple[Counter[str], list[str]]:
-    """Make one call: that it was made, and its fault."""
+    """Make the call of a seed; return the outcome and its faults."""
     found = fault(seed, *_entries())
     return Counter({"calls": 1}), [found] if found else []
 

@@ -1,4 +1,4 @@
-"""Command line of all fuzzers: many seeds in parallel, each with a time limit, by number or by time."""
+"""Command line of all fuzzers: runs many seeds in parallel, each with a time limit, up to a number or a total time."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from collections.abc import Callable
 from types import FrameType
 
 TOO_LONG = 120
-"""Seconds of the processor after which a seed hangs; the largest of these models takes a few."""
+"""Processor seconds after which a seed counts as hanging; the largest of these models takes a few."""
 
 _ASLEEP = 30 * TOO_LONG
-"""Seconds after which it hangs without using them, on a machine with much other work."""
+"""Seconds after which a seed counts as hanging although it used little processor time, on a busy machine."""
 
 _TOLD = 60
 """Seconds between two reports of progress."""
 
 _MOST_FAILURES = 30
-"""Failures after which no new seed starts: more would have a common reason."""
+"""Number of failures after which no new seed starts: more would have a common reason."""
 
 Draw = Callable[[int], tuple[Counter[str], list[str]]]
-"""From a seed to outcomes and faults."""
+"""Function that runs a seed and returns outcomes and faults."""
 
 
 class Hang(BaseException):
@@ -53,7 +53,7 @@ def _work(draw: Draw, seeds: multiprocessing.SimpleQueue, found: multiprocessing
 
 
 def run(draw: Draw, first: int, count: int, processes: int, seconds: float) -> int:
-    """Run a number of seeds, or as many as start in time; print failures at once; return their number."""
+    """Run ``count`` seeds, or as many as start within ``seconds``; print failures at once; return their number."""
     seeds, found = multiprocessing.SimpleQueue(), multiprocessing.SimpleQueue()
     workers = [multiprocessing.Process(target=_work, args=(draw, seeds, found), daemon=True) for _ in range(processes)]
     for worker in workers:
@@ -100,7 +100,7 @@ def run(draw: Draw, first: int, count: int, processes: int, seconds: float) -> i
 
 
 def main(says: str | None, draw: Draw, show: Callable[[int], None], count: int = 100_000, check: int = 100) -> int:
-    """Show one seed, or run many, as the command line asks; return 1 if any fails."""
+    """Show one seed, or run many, as the command line requests; return 1 if any fails."""
     parser = argparse.ArgumentParser(description=says, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=count)
     parser.add_argument("--first", type=int, default=0)

@@ -1,4 +1,4 @@
-"""Judges of refusals by the domain: whether rigid supports are at the place named, by samples of their geometry."""
+"""Check refusals of models outside the domain: whether rigid supports are where the message says."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ _NEAR = re.compile(
 )
 _SOFT = re.compile(r"alone holds the plate.* with kL⁴/D = (\S+); it must be (\S+) or more")
 _MOVED = 3e-4
-"""Tolerance for places, relative to the plate's extent: supports may have been moved; places have few digits."""
+"""Tolerance for positions, relative to the plate's size: supports may be snapped, and messages round."""
 _SAMPLES = 4000
-"""Places along each side of a curve."""
+"""Number of sample points along each side of a curve."""
 
 
 def words_of_the_door(error: InputError) -> bool:
-    """Whether all that a model is refused for is that it lies outside the domain."""
+    """Whether every problem of a refusal is that the model is outside the domain."""
     return all(_NEAR.search(part.message) or _SOFT.search(part.message) for part in error.parts)
 
 
 def wrongly_refused(model: Model, error: InputError) -> list[str]:
-    """Errors of a refusal by the domain."""
+    """Errors in a refusal of a model outside the domain."""
     wrong = []
     for part in error.parts:
         if (near := _NEAR.search(part.message)) is not None:
@@ -47,7 +47,7 @@ def wrongly_refused(model: Model, error: InputError) -> list[str]:
 
 
 def _are_near(model: Model, path: tuple[str | int, ...], at: Floats, distance: float) -> bool:
-    """Whether the support named is at a place, and another point or support so near to it."""
+    """Whether the named support is at a position, and another point or support within a distance of it."""
     drawn = [
         (index, samples)
         for index, support in enumerate(model.support)
@@ -70,7 +70,7 @@ def _extent(model: Model, least: float) -> float:
 
 
 def _samples(model: Model, support: Support) -> Iterator[Floats]:
-    """Places of a support, each point and each line by itself."""
+    """Sample points of a support, one array for each point and each line."""
     t = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
     if support.at is not None:
         yield from (np.array([at]) for at in support.at)

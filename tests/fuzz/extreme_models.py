@@ -1,7 +1,7 @@
 """Plates at the limits of the domain, each with a judge: a closed form, statics, or a second description.
 
-Ribbons, steps of thickness and of pressure, forces near the edge of a bed and on it, supports that coincide or hold the
-plate from both sides, loads in balance by themselves between stops, and stiffnesses from 1e-10 to 1e18 of the plate's.
+Ribbons, steps of thickness and of pressure, forces near or on the edge of a bed, supports that coincide or hold the
+plate from both sides, loads without resultant between stops, and stiffnesses from 1e-10 to 1e18 of the plate's.
 All are inside the domain of validity (docs/domain.md).
 A judge shares no code with the program: it knows the plate's exact answer, or compares two descriptions of one plate.
 """
@@ -25,25 +25,25 @@ from signorini.discretise import discretise
 Tables = dict[str, Any]
 Floats = npt.NDArray[np.float64]
 Judge = Callable[[Result | None], list[str]]
-"""Errors of a result; None if the program found no equilibrium."""
+"""Function that returns the errors of a result, which is None if the program found no equilibrium."""
 
 _STRIP = 2e-2
-"""Part of a strip's deflection that a mesh of at least four elements may be off."""
+"""Tolerance for a strip's deflection on at least four elements, relative."""
 _CUT = 6e-2
-"""The same where a step cuts an element: 3.8 % for a step to a seventh near an end, on eleven elements."""
+"""Tolerance if a thickness step cuts an element: 3.8 % occurs for a step to a seventh near an end, on 11 elements."""
 _PANEL = 4e-2
-"""The same of a slab with a thicker panel, beside a mesh three times as fine."""
+"""Tolerance for a slab with a thicker panel, compared with a mesh three times as fine."""
 _SAME = 1e-6
 """Tolerance for two descriptions of one plate, relative to the load or the deflection."""
 _RIGID, _SOFT = 1e8, 1e-6
-"""Stiffness over the plate's of supports as good as rigid, and of supports on which the plate is rigid."""
+"""Stiffness, relative to the plate's, of supports that are nearly rigid, and of supports on which the plate is."""
 _LIMIT = 1e-3
-"""Tolerance for such a support against its limit, relative to the deflection."""
+"""Tolerance for results on such supports, compared with the rigid limit, relative to the deflection."""
 _RANK = 1e-12
 """Relative tolerance for singular values of independent rows."""
 _CORRECTIONS = 4
 _STILL = 1e-6
-"""Part of F a²/D that is no deflection."""
+"""Deflection that counts as zero, relative to F a²/D."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Extreme:
     tables: Tables
     judge: Judge
     may_be_refused: bool = False
-    """Whether double precision may be too short for it."""
+    """Whether the program may refuse the model, since double precision may not suffice."""
 
 
 def extreme(rng: Random) -> Extreme:
@@ -68,7 +68,7 @@ def extreme(rng: Random) -> Extreme:
 
 
 def solved(tables: Tables) -> Result | None:
-    """Solve a model of one combination; None where it has no equilibrium."""
+    """Solve a model with one combination; None if it has no equilibrium."""
     try:
         return solve(validate(tables))["all"]
     except NoEquilibriumError:
@@ -96,16 +96,16 @@ def ribbon(rng: Random) -> Extreme:
 
 
 def _divisions(rng: Random, ratio: float) -> list[int]:
-    """Numbers of elements of a ribbon of a given aspect ratio, with elements of at most 1000 to 1."""
+    """Numbers of elements of a ribbon, whose elements have an aspect ratio of at most 1000."""
     along, across = rng.randint(4, 12), rng.randint(1, 6)
     return [along, max(1, min(across, int(1000.0 * along / ratio)))]
 
 
 def stepped_strip(rng: Random) -> Extreme:
-    """Draw a strip of two thicknesses under a pressure that may end, ν = 0: a beam of two parts."""
+    """Draw a strip of two thicknesses under a pressure on a part of it, ν = 0: a beam with a step."""
     length, young = rng.choice([10.0, 0.3]), 30e9
     divisions = rng.randint(10, 40)
-    # On a mesh line, or anywhere.
+    # The step and the end of the pressure are on a mesh line, or anywhere.
     step, stop = (
         rng.choice([rng.randint(1, divisions - 1) / divisions, rng.uniform(0.05, 0.95)]) * length for _ in "ab"
     )
@@ -135,7 +135,7 @@ def stepped_strip(rng: Random) -> Extreme:
 
 
 def _beam(length: float, thickness: Any, load: Any, young: float, at: list[float]) -> list[float]:
-    """Deflections of a beam on two supports whose thickness steps, under a pressure that begins somewhere."""
+    """Deflections at ``at`` of a stepped beam on two supports, under a pressure that begins at a given position."""
     step, left, right = thickness
     begin, pressure = load
     x = np.unique(np.concatenate([np.linspace(0, length, 20001), [step, begin]]))
@@ -152,7 +152,7 @@ def _beam(length: float, thickness: Any, load: Any, young: float, at: list[float
 
 
 def stepped_panel(rng: Random) -> Extreme:
-    """Draw a slab that is thicker or thinner within some outline; the judge is a mesh three times as fine."""
+    """Draw a slab with another thickness inside an outline; the judge is a mesh three times as fine."""
     size = [10.0, rng.choice([10.0, 6.0])]
     (x, y), r = [rng.uniform(0.35, 0.65) * s for s in size], rng.uniform(0.15, 0.3) * size[1]
     within = rng.choice(
@@ -185,7 +185,7 @@ def stepped_panel(rng: Random) -> Extreme:
 
 
 def near_the_edge(rng: Random) -> Extreme:
-    """Draw a bed under a part of a plate, and a single force within its outline or beside it."""
+    """Draw a bed under a part of a plate, and one force just inside or outside the bed's outline."""
     size = 10.0
     polygon = [[2.0, 2.0], [8.5, 3.0], [7.0, 8.0], [3.0, 7.0]]
     area, outline = rng.choice(
@@ -200,7 +200,7 @@ def near_the_edge(rng: Random) -> Extreme:
     one, other = corners[ends], corners[(ends + 1) % len(corners)]
     inward = np.array([one[1] - other[1], other[0] - one[0]]) / math.dist(one, other)
     beside = one + rng.uniform(0.1, 0.9) * (other - one)
-    # Outside the outline only where there is still plate.
+    # The force is outside the bed only if the plate extends there.
     distance = rng.choice([1.0, -1.0] if area != "all" else [1.0]) * 10 ** rng.uniform(-3, 0)
     at = (beside + distance * inward).tolist()
     held = distance > 0
@@ -227,10 +227,10 @@ def near_the_edge(rng: Random) -> Extreme:
 def on_the_edge(rng: Random) -> Extreme:
     """Draw a load whose resultant lies on the edge of a rigid bed, beside springs that hardly hold the plate.
 
-    All of them turn it by is rounding of the load, whatever the unit of length.
+    The plate turns by an amount that rounding of the load decides; it must not depend on the unit of length.
     """
     thickness, divisions = 10 ** rng.uniform(-2, 0), [rng.choice([2, 4, 6]), rng.choice([3, 8, 12])]
-    # Softer springs than these of the plate's D/a^4 are turned by the rounding of the load itself.
+    # On springs softer than this part of D/a⁴, rounding of the load would turn the plate.
     soft = 10 ** rng.uniform(-9, 0) * 3e10 * thickness**3 / 12 / 1e4
     bed_ends_at = rng.choice([5.0, 2.5])
 
@@ -250,7 +250,7 @@ def on_the_edge(rng: Random) -> Extreme:
         other = solved(in_units(unit))
         if result is None or other is None:
             return ["said to have no equilibrium"]
-        # They hold the plate by 1e-11 of the load, which is rounding of its reactions.
+        # The springs carry 1e-11 of the load, which is rounding of the bed's reactions.
         if any("as good as none" in warning for warning in result.warnings):
             return []
         return deflections(result, (other.deflection / unit).tolist(), _LIMIT, at=result.deflection.tolist())
@@ -259,7 +259,7 @@ def on_the_edge(rng: Random) -> Extreme:
 
 
 def coincident(rng: Random) -> Extreme:
-    """Draw supports that repeat each other; the judge says them in another order."""
+    """Draw supports that coincide; the judge lists them in another order."""
     corners = [[1.0, 1.0], [9.0, 1.0], [9.0, 9.0], [1.0, 9.0]]
     middle = [rng.uniform(2, 8), rng.uniform(2, 8)]
     ways = [{"resists": "down"}, {"resists": "both"}, {"resists": "down", "gap": 1e-5}]
@@ -287,14 +287,14 @@ def coincident(rng: Random) -> Extreme:
 
 
 def opposed(rng: Random) -> Extreme:
-    """Draw a plate on two-sided supports at crowded points, or on supports there from below and from above.
+    """Draw a plate on two-sided supports at crowded points, or on pairs of supports there from below and above.
 
-    The judge takes the points' rows for equations, or, along a circle, lists the supports in another order.
+    The judge solves with the points' rows as equations or, for a circle, lists the supports in another order.
     """
     at, apart = [rng.uniform(1, 9), rng.uniform(0.3, 1.0)], rng.choice([0.02, 0.05, 0.1, 0.2])
     thickness, crowd = rng.choice([0.03, 0.1]), list[list[float]]()
     for _ in range(rng.choice([4, 9, 12])):
-        # Some as near to each other as they may be.
+        # Points may be as close to each other as the domain allows.
         to = [x + rng.uniform(-apart, apart) for x in at]
         if all(math.dist(to, other) > 0.1 * thickness for other in crowd):
             crowd.append(to)
@@ -326,11 +326,11 @@ def opposed(rng: Random) -> Extreme:
             expected = None if other is None else other.deflection
         if result is None or expected is None:
             return ["a plate held both ways has an equilibrium"]
-        # A plate that its points hold where the load is stays where it was.
+        # If the points hold the plate at the load, its deflection is zero.
         least = _STILL * 1e-7 * 10.0**2 / (1e3 * tables["plate"]["thickness"] ** 3 / 12)
         return deflections(result, expected.tolist(), _SAME, least, at=result.deflection.tolist())
 
-    # In elements much larger than it a circle is two points.
+    # In an element much larger than a circle, the circle is represented by two points.
     return Extreme("opposed", tables, judge, may_be_refused="circle" in place)
 
 
@@ -358,7 +358,7 @@ def held_at_points(tables: Tables) -> Floats:
 
 
 def redundant(rng: Random) -> Extreme:
-    """Draw more rigid points and lines than a coarse mesh can tell apart, beside a held edge."""
+    """Draw more rigid points and lines than a coarse mesh can distinguish, beside a held edge."""
     wall = {
         "name": "wall",
         "edge": rng.choice(["bottom", ["bottom", "left"]]),
@@ -396,7 +396,7 @@ def redundant(rng: Random) -> Extreme:
 
 
 def self_balanced(rng: Random) -> Extreme:
-    """Draw a load that is its own balance on a plate between stops, free to rest anywhere between."""
+    """Draw a load without resultant on a plate between stops, which may rest anywhere between them."""
     stops = [{"name": "floor", "at": [[1, 1], [9, 1], [9, 9], [1, 9]], "resists": "down", "gap": rng.choice([0, 0.5])}]
     stops.append({"name": "ceiling", "at": [[5, 5], [1, 5]], "resists": "up", "gap": rng.choice([0.2, 0.5])})
     if rng.random() < 0.3:
@@ -428,7 +428,7 @@ def stiffness(rng: Random) -> Extreme:
             ({"area": "all"}, size**2),
         ]
     )
-    # A two-sided rigid bed holds the means of elements only.
+    # A two-sided rigid bed holds only the mean deflection of each element.
     one_way = "area" in place and ratio > _SOFT
     support = {"name": "bed", **place, "resists": rng.choice(["down"] if one_way else ["down", "down", "both"])}
     pressure = 1e-2 * own / size
@@ -451,7 +451,7 @@ def stiffness(rng: Random) -> Extreme:
         if ratio < _SOFT and result is not None:
             mean = 0.25 * sum(p.deflection for p in result.probe([(0, 0), (size, 0), (size, size), (0, size)]))
             sunk = load / (4.0 * ratio * own)
-            # The load is not quite in the middle: the mean of the corners is the middle's of a rigid plate.
+            # The load is not exactly central. The mean of the corners is the deflection of a rigid plate's middle.
             return wrong + close("deflection", mean, sunk, _LIMIT * sunk)
         return wrong if result is not None else ["no equilibrium for a force amid the supports"]
 
@@ -473,7 +473,9 @@ def _order(result: Result | None, tables: Tables, rng: Random, load: float) -> l
 def deflections(
     result: Result | None, expected: list[float], part: float, least: float = 0.0, at: list[float] | None = None
 ) -> list[str]:
-    """Compare deflections at the probes, or those given, with expected ones, by a part of the largest."""
+    """Compare deflections at the probes, or ``at``, with expected ones; ``part`` is the tolerance relative to the
+    largest.
+    """
     if result is None:
         return ["said to have no equilibrium"]
     found = [probe.deflection for probe in result.probes] if at is None else at

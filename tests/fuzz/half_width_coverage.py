@@ -1,4 +1,4 @@
-"""Do half-widths cover? A random plate against the same plate on a mesh finer than all that they come from."""
+"""Coverage of half-widths: a random plate, compared with a mesh finer than those of its half-widths."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from signorini.mesh.meshers import divided
 from signorini.results.result import Result
 
 _FINER = 3
-"""Times as many elements as the finest mesh that half-widths come from, at least."""
+"""Smallest ratio of element counts of the reference mesh and the finest mesh of the half-widths."""
 _ROUNDING = 1e-7
-"""Part of the largest number of its kind in a result that is no error of the mesh: fine meshes round more."""
+"""Change that counts as rounding, relative to the largest number of its kind: fine meshes have more rounding."""
 
 
 @dataclass(frozen=True)
 class Judged:
-    """A number, the half-width that it was given, None for no limit, and its true change."""
+    """A number, its half-width (None: no limit), and its true change on the reference mesh."""
 
     what: str
     kind: str
@@ -54,7 +54,7 @@ def plate(seed: int, least: int = 8, most: int = 16) -> Model:
     on = (at for at in drawn if random_models.on_plate(tables["plate"], at))
     tables["probe"] = [{"at": list(islice(on, 3))}]
     tables["output"] = {"combinations": "each"}
-    # Drawn last, so that the seed's other choices do not depend on it.
+    # This is drawn last, so that it does not affect the other choices of the seed.
     if others.random() < 0.2:
         _overlap(others, tables)
     return validate(tables)
@@ -104,7 +104,7 @@ def judged(seed: int, least: int = 8, most: int = 16) -> list[Judged]:
 
 
 def _finer(model: Model, count: int) -> tuple[Model, Mesh]:
-    """A mesh of a quarter of the size, or an eighth; where lines and arcs make elements as small, a divided one."""
+    """Model and mesh with a quarter or an eighth of the element size; if still too coarse, with elements divided."""
     for part in (0.25, 0.125):
         fine = model.model_copy(update={"mesh": model.plate.scaled(model.mesh, part, model.divisions)})
         mesh = discretise(fine).mesh

@@ -1,9 +1,9 @@
-"""Fuzz the command line with input files: each ends with an exit code and one message, and leaves whole files or none.
+"""Fuzz the command line with input files: a run ends with an exit code and one message, and writes all or no files.
 
     python tests/fuzz/inputs.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
     python tests/fuzz/inputs.py --show SEED     the input file of a seed, and its outcome
 
-Outcomes and failures are printed with their seeds; the exit code is 0 where there is no failure.
+Outcomes and failures are printed with their seeds; the exit code is 0 if there is no failure.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from signorini.cli import app
 COMMANDS = typer.main.get_command(app)
 NAME = "slab.toml"
 _SELDOM = 50
-"""Every n-th input draws its pictures, which take most of the time and do not depend on the outcome."""
+"""One of 50 inputs draws its pictures, which take most of the time and do not affect the outcome."""
 
 _PICTURES = (
     (signorini.plot.pictures, "check_picture"),
@@ -41,9 +41,9 @@ _PICTURES = (
 )
 _NO_PICTURES = {"solve": ("--pictures", "none")}
 _LEAVES = {"solve": ("slab-results", (0, 3)), "check": ("slab-check.png", (0, 3)), "path": ("slab-path", (0, 4))}
-"""Files that each command may leave beside the input, with their exit codes."""
+"""Files that each command may write beside the input, and the exit codes with which it does."""
 _CASES = ["load", "G", "Q", "all", "C0"]
-"""Load cases and combinations that the drawn models may have, to follow along a path."""
+"""Names of load cases and combinations of the drawn models, for load paths."""
 
 _PLACE = re.compile(rf"Error: (\S*{re.escape(NAME)}(:\d+)?: |--\w+: |({'|'.join(signorini.Model.model_fields)})\b)")
 
@@ -53,7 +53,7 @@ _IN_MESH = re.compile(r"Error: \S*plate\.(msh|inp|vtu|vtk|ply): ")
 def ended(
     content: bytes, command: str, directory: Path, pictures: bool, more: tuple[str, ...] = ()
 ) -> tuple[int, str, list[str]]:
-    """Run a command on an input file: its exit code, standard error, and everything wrong with how it ended."""
+    """Run a command on an input file; return its exit code, standard error, and a list of faults."""
     file, before = directory / NAME, {path.name for path in directory.iterdir()}
     file.write_bytes(content)
     drawn = {(home, name): getattr(home, name) for home, name in _PICTURES}
@@ -81,7 +81,7 @@ def ended(
 
 
 def _run(arguments: list[str]) -> tuple[int, str, BaseException | None]:
-    """Call the command line in this process: its exit code, standard error and exception."""
+    """Call the command line in this process; return its exit code, standard error and exception."""
     out, errors = (io.TextIOWrapper(io.BytesIO(), "utf-8") for _ in range(2))
     code, exception = 0, None
     with warnings.catch_warnings(), redirect_stdout(out), redirect_stderr(errors):
@@ -92,7 +92,7 @@ def _run(arguments: list[str]) -> tuple[int, str, BaseException | None]:
             code = end.code if isinstance(end.code, int) else int(end.code is not None)
         except campaign.Hang:
             raise
-        except BaseException as error:  # Whatever reaches the user is a fault.
+        except BaseException as error:  # Any exception that reaches the user is a fault.
             exception = error
     errors.seek(0)
     return code, errors.read(), exception
@@ -112,7 +112,7 @@ def _faults(code: int, errors: str, exception: BaseException | None):
         yield f"does not say that there is no equilibrium: {errors.strip()}"
     if "Traceback" in errors or "Warning:" in errors:
         yield f"not for users: {errors.strip()}"
-    # Combinations that are asked for one by one get a line each.
+    # Combinations listed one by one have a line each.
     if len(errors) > 20_000 or errors.count("\n") > 60:
         yield f"a message of {len(errors)} characters"
 
@@ -140,7 +140,7 @@ def one(seed: int) -> tuple[Counter[str], list[str]]:
     content = mutations.text(rng)
     command = rng.choice(["solve", "solve", "solve", "solve", "check", "path"])
     if command == "path" and b'"divisions"' not in content:
-        command = "solve"  # On a mesh as fine as the default a path over soil has thousands of events.
+        command = "solve"  # On the default mesh a path over soil has thousands of events.
     more = ("--add", rng.choice(_CASES), *rng.choice([(), ("--from", rng.choice(_CASES)), ("--until", "2")]))
     with tempfile.TemporaryDirectory() as directory:
         drawn = rng.randrange(_SELDOM) == 0

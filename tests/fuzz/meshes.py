@@ -1,4 +1,4 @@
-"""Fuzz the command line with mesh files: small plates in every format, a few bytes, numbers or lines of them wrong.
+"""Fuzz the command line with mesh files: small plates in every format, with a few wrong bytes, numbers or lines.
 
 python tests/fuzz/meshes.py [--count 100000] [--first 0] [--seconds 600] [--processes 2]
 python tests/fuzz/meshes.py --show SEED     the mesh file of a seed, and its outcome
@@ -47,7 +47,7 @@ _PIECES = [b"\xff\xfe", b"\0", b"$EndNodes\n", b"<", b">", b"*NODE\n", b"1 ", b"
 
 @functools.cache
 def written(kind: str, degrees: int = 0) -> bytes:
-    """A plate of four elements with the group ``wall``, as a file of a kind; or a strip bent by an angle."""
+    """A plate of four elements with the group ``wall`` as a file of a kind; or a strip bent by ``degrees``."""
     plate = rectangle((0.0, 0.0), (4.0, 4.0), (12, 1) if degrees else (2, 2))
     x, y = plate.points.T
     if degrees:

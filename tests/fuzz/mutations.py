@@ -1,4 +1,4 @@
-"""From a model's tables to the text of an input file with something wrong in it."""
+"""Text of an input file with errors, made from a model's tables."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ _KEYS = ["thicknes", "E", "at", "edge", "fix", "resists", "gap", "stiffness", "n
 _KEYS += ["größe", "file"]
 _LARGEST_DIVISION = 8
 _ASKED = 0.03
-"""Part of the inputs that ask for an accuracy: their meshes are refined."""
+"""Fraction of the inputs with mesh.accuracy, whose meshes are refined."""
 
 
 def text(rng: Random) -> bytes:
-    """Draw an input file: a model, up to four things wrong in its tables, and now and then in its text."""
+    """Draw an input file: a model with up to four errors in its tables, and sometimes errors in its text."""
     tables = model(rng)
     if rng.random() < _ASKED:
         tables["mesh"] = {key: value for key, value in tables["mesh"].items() if key != "error"} | {"accuracy": 0.5}
@@ -91,7 +91,7 @@ def _swap(rng: Random, tables: Tables) -> None:
 
 
 def _keep_small(tables: Tables) -> None:
-    """Avoid meshes that would take long: larger numbers are made far too large."""
+    """Avoid meshes that would take long: larger numbers of elements are made far too large, and so refused."""
     mesh = tables.get("mesh")
     mesh = mesh if isinstance(mesh, dict) else {}
     divisions = mesh.get("divisions")
@@ -108,7 +108,7 @@ def _keep_small(tables: Tables) -> None:
             if isinstance(asked.get("size"), int | float) and not 0 < longest / parts < asked["size"]:
                 asked["size"] = min(asked["size"], longest * 1e-9)
     if "refine" in mesh or tables.get("zone"):
-        # Half-widths take meshes many times as fine.
+        # Half-widths would need much finer meshes.
         mesh["error"] = False
 
 
@@ -139,7 +139,7 @@ def _insert(rng: Random, content: bytes) -> bytes:
 
 
 def toml(tables: Tables) -> str:
-    """Write tables as TOML; the lists of tables among them under double brackets."""
+    """Write tables as TOML; lists of tables get double brackets."""
     plain = {key: value for key, value in tables.items() if not _is_tables(value) and not isinstance(value, dict)}
     lines = [f"{_key(key)} = {_value(value)}" for key, value in plain.items()]
     for key, value in tables.items():

@@ -1,9 +1,9 @@
-"""Random models for load paths: a case that is there and one that grows.
+"""Random models for load paths, with a constant and a growing load case.
 
-They are those of random_models.py with loads of two cases. A tenth of them have a stop far away beside their supports,
-and some are round plates that meet a ring or a bed all around at nearly one t, in any unit of force. Half of them go to
-extremes: a load without a resultant, factors up to 1e8, supports that only a load far beyond any sense reaches, or a
-plate that rests on a rigid area under its weight.
+They are models of random_models.py with two cases. A tenth of them also have a stop far away. Some are round plates
+that touch a ring or a bed all around at nearly one t, in any unit of force. Half of them are extreme: a load without a
+resultant, factors up to 1e8, supports that only an absurdly large load reaches, or a plate that rests on a rigid area
+under its weight.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Question = tuple[Tables, str | None, str, float | None, bool]
 
 
 def drawn(seed: int) -> Question:
-    """A model with a case that is there and one that grows, how far, and whether any of it is extreme."""
+    """Draw a model with a constant and a growing load case, the largest t, and whether the model is extreme."""
     if (own := Random(f"round {seed}")).random() < 0.05:
         return _round(own), own.choice(["G", None]), "Q", None, False
     rng = Random(seed)
@@ -52,9 +52,9 @@ def _unlike(load: Tables) -> Tables:
 
 
 def _round(rng: Random) -> Tables:
-    """A round plate on its rim above a ring or a bed, which it meets all around at nearly one t."""
+    """A round plate held at its rim above a ring or a bed, which it touches all around at nearly one t."""
     gap, thickness = 10.0 ** rng.uniform(-5, -2), 10.0 ** rng.uniform(-2.5, -0.5)
-    # About the pressure that closes the gap, over t.
+    # The pressure closes the gap at about one t, which is random.
     pressure = 30e9 * thickness**3 * gap * 10.0 ** rng.uniform(-18, 9)
     sector = rng.choice([90, 180, 360])
     place = rng.choice([{"circle": {"radius": rng.uniform(0.1, 0.8)}}, {"area": "all"}])
@@ -74,18 +74,18 @@ def _round(rng: Random) -> Tables:
 
 
 def _far_stop(rng: Random, plate: Tables) -> Tables:
-    """A support that the plate never meets, and that must not hide the events of others."""
+    """A support that the plate never reaches; the events of others must still be found."""
     gap = random_models.extent(plate) * 10.0 ** rng.uniform(3, 9)
     return {"at": random_models.point(rng, plate), "resists": rng.choice(["up", "down"]), "gap": gap}
 
 
 def _rigidity(tables: Tables) -> float:
-    """E h³, of a plate that is given by its stiffness that of a stiff material."""
+    """Return E h³; without E, for a plate given by its stiffness, E is that of a stiff material."""
     return tables["material"].get("E", 1e10) * random_models.thickness_of(tables["plate"]) ** 3
 
 
 def _shift(rng: Random, tables: Tables) -> None:
-    """Makes the load that grows a force or couple at one point."""
+    """Replace the growing load by a force or couple at one point."""
     last = tables["load"][-1]
     size = random_models.extent(tables["plate"])
     at = random_models.point(rng, tables["plate"])
@@ -95,7 +95,7 @@ def _shift(rng: Random, tables: Tables) -> None:
 
 
 def _extreme(rng: Random, tables: Tables) -> None:
-    """Loads without a resultant, at any scale, and supports that are far away."""
+    """Add extremes: loads without a resultant, any factor, and supports that are far away."""
     plate, size = tables["plate"], random_models.extent(tables["plate"])
     factor = 10.0 ** rng.uniform(-8, 8) if rng.random() < 0.3 else 1.0
     kind = rng.choice(["curvature", "curvature", "forces", "any"])

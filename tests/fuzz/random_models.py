@@ -12,7 +12,7 @@ Tables = dict[str, Any]
 
 @dataclass(frozen=True)
 class _Scale:
-    """Reference length, force and point stiffness of the plate: it sags by a thousandth of its span."""
+    """Reference length, force and point stiffness of a plate: the force bends it by a thousandth of its span."""
 
     length: float
     force: float
@@ -20,7 +20,7 @@ class _Scale:
 
 
 def model(rng: Random) -> Tables:
-    """Draw a valid model: perhaps a mechanism, perhaps a load without equilibrium."""
+    """Draw a valid model; it may be a mechanism, or its load may have no equilibrium."""
     plate, mesh = _plate(rng)
     young, size = rng.choice([30e9, 1000.0, 2.1e5]), extent(plate)
     thickness = float(str(plate["thickness"]).partition("*")[0])
@@ -54,7 +54,7 @@ def model(rng: Random) -> Tables:
         _repeat(rng, tables["support"])
     if "combination" not in tables and rng.random() < 0.06:
         _balance(rng, tables, scale)
-    # Drawn last, so that the seed's other choices do not depend on it.
+    # This is drawn last, so that it does not affect the other choices of the seed.
     if rng.random() < 0.2:
         _step(rng, tables)
     if rng.random() < 0.5:
@@ -82,7 +82,7 @@ def model(rng: Random) -> Tables:
 
 
 def _other_areas(rng: Random, tables: Tables, size: float) -> None:
-    """Let areas have holes, arcs and two circles, and turn patches."""
+    """Replace areas by ones with holes, arcs or two circles, and rotate patches."""
     for item in (*tables["support"], *tables["load"]):
         if isinstance(item.get("area"), dict):
             item["area"] = any_area(rng, tables["plate"], size)
@@ -95,7 +95,7 @@ def any_area(rng: Random, plate: Tables, size: float) -> Tables:
     if rng.random() < 0.1:
         return area(rng, plate, size)
     (x, y), most = middle(rng, plate)
-    # Much smaller ones, and holes in them, would take most of the elements.
+    # Much smaller areas and holes would take most of the elements.
     r = most * rng.choice([0.9, 0.7, 0.5])
     circle = {"center": [x, y], "radius": r}
     a, b = 0.7 * r, 0.7 * r * rng.choice([1.0, 0.6])
@@ -119,7 +119,7 @@ def any_area(rng: Random, plate: Tables, size: float) -> Tables:
 
 
 def _sectioned(rng: Random, tables: Tables) -> None:
-    """Say the plate by the stiffness of its section: ribbed, hollow, sandwiched."""
+    """Describe the plate by the stiffness of its section: ribbed, hollow, sandwich."""
     plate, material = tables["plate"], tables["material"]
     plate["thickness"] = thickness_of(plate)
     plate["stiffness"] = _stiffness(rng, material, plate["thickness"])
@@ -128,7 +128,7 @@ def _sectioned(rng: Random, tables: Tables) -> None:
 
 
 def thickness_of(plate: Tables) -> float:
-    """The thickness, of a formula the number that it begins with."""
+    """Thickness of a plate; for a formula the number at its beginning."""
     return float(str(plate["thickness"]).partition("*")[0].strip("()"))
 
 
@@ -145,7 +145,7 @@ def _stiffness(rng: Random, material: Tables, thickness: float) -> Tables:
 
 
 def _zones(rng: Random, tables: Tables, size: float) -> None:
-    """Make parts of the plate otherwise, one perhaps over another."""
+    """Add zones with another thickness or material; they may overlap."""
     plate, material = tables["plate"], tables["material"]
     thickness, zones = thickness_of(plate), []
     for _ in range(rng.choice([1, 1, 2, 3])):
@@ -166,7 +166,7 @@ def _zones(rng: Random, tables: Tables, size: float) -> None:
 
 
 def cut(rng: Random, tables: Tables) -> None:
-    """Add sections from edge to edge, between two points or around one, and strips."""
+    """Add strips, and sections from edge to edge, between two points or around a point."""
     plate = tables["plate"]
     (x, y), room = middle(rng, plate)
     turn = rng.choice([0.0, math.pi / 2, rng.uniform(0.0, math.pi)])
@@ -186,7 +186,7 @@ def cut(rng: Random, tables: Tables) -> None:
         lines[1][-1] = [u + rng.choice([1e-16, 1e-10, 1e-7]) * room for u in around[0]]
     for item in (*tables["support"], *tables["load"]):
         if isinstance(item.get("at"), list) and isinstance(item["at"][0], list) and rng.random() < 0.3:
-            # Through a footprint, say.
+            # A section through the point or footprint of a load or support.
             u, v = item["at"][0]
             lines.append([[u - i * 0.3 * room * along[0], v - i * 0.3 * room * along[1]] for i in (1, -1)])
     chosen = rng.sample(lines, rng.randint(1, len(lines)))
@@ -198,7 +198,7 @@ def cut(rng: Random, tables: Tables) -> None:
 
 
 def _touch(rng: Random, tables: Tables) -> None:
-    """Stand the plate on rigid circles that touch an edge, or nearly so, or each other: the mesh leaves them there."""
+    """Add rigid circles that touch, or nearly touch, an edge or each other; the mesh does not move them."""
     plate = tables["plate"]
     if plate["shape"] != "rectangle":
         return
@@ -214,7 +214,7 @@ def _touch(rng: Random, tables: Tables) -> None:
 
 
 def _refine(rng: Random, tables: Tables, size: float) -> None:
-    """Ask for smaller elements at a place."""
+    """Refine the mesh at a place."""
     plate, mesh = tables["plate"], tables["mesh"]
     where = rng.choice(
         [
@@ -228,14 +228,14 @@ def _refine(rng: Random, tables: Tables, size: float) -> None:
     if len(where.get("line", [0, 1])) < 2:
         return
     if plate["shape"] != "rectangle" or plate.get("holes"):
-        # Its mesh has triangles then, which q8r has not.
+        # The refined mesh has triangles, which q8r does not support.
         plate.pop("element", None)
         mesh = {"size": mesh.get("size", 0.3 * size)}
     tables["mesh"] = {**mesh, "refine": [where | {"size": size * rng.choice([0.1, 0.05])}]}
 
 
 def _step(rng: Random, tables: Tables) -> None:
-    """Let a number of the plate, a load or a support jump along a line or a circle."""
+    """Let a value of the plate, a load or a support jump along a line or a circle."""
     plate = tables["plate"]
     items = [(plate, "thickness")] * 2
     items += [(load, key) for load in tables["load"] for key in ("pressure", "line_load") if key in load]
@@ -249,7 +249,7 @@ def _step(rng: Random, tables: Tables) -> None:
 
 
 def _turn(rng: Random, supports: list[Tables], size: float) -> None:
-    """Prescribe the slopes of supports that hold them: a wall that tips, a rim that bends; seldom not all the same."""
+    """Prescribe slopes of the supports that hold them, seldom different ones: a tilted wall, a bent rim."""
     slopes = [[1e-4, -2e-4], [1e-3, 0.0], [f"1e-4*x/{size}", f"1e-4*y/{size}"]]
     turned = rng.choice(slopes)
     for support in supports:
@@ -258,7 +258,7 @@ def _turn(rng: Random, supports: list[Tables], size: float) -> None:
 
 
 def _reshape(rng: Random, tables: Tables) -> None:
-    """Cut a hole into the plate, or a corner off a rectangle; edges are those of the new outline."""
+    """Cut a hole into the plate, or a corner off a rectangle; edges of the new outline replace the old ones."""
     plate = tables["plate"]
     if plate["shape"] == "rectangle" and rng.random() < 0.5:
         (x, y), (a, b) = plate.pop("origin", [0.0, 0.0]), plate.pop("size")
@@ -283,7 +283,7 @@ def _reshape(rng: Random, tables: Tables) -> None:
         ]
         if rng.random() < 0.2:
             tables["support"].append({"edge": ["hole 1"], "resists": rng.choice(["down", "both"])})
-    # Its mesh may have triangles, which q8r has not, and points that were on it may be off it.
+    # The mesh may have triangles, which q8r does not support, and points may now be off the plate.
     plate.pop("element", None)
     tables["mesh"] = {"size": extent(plate) * rng.choice([0.3, 0.2, 0.12])}
     for item in (*tables["support"], *tables["load"]):
@@ -294,14 +294,14 @@ def _reshape(rng: Random, tables: Tables) -> None:
 
 
 def _onto(rng: Random, plate: Tables, at: list[float]) -> list[float]:
-    """Draw a point that is on the plate if one is not."""
+    """Return a point, or a random point on the plate if it is off the plate."""
     while not on_plate(plate, at):
         at = point(rng, plate)
     return at
 
 
 def _spread(rng: Random, tables: Tables, size: float) -> None:
-    """Give forces and supports at points footprints, a bit farther inside; give a couple about the axes."""
+    """Give point forces and supports footprints, slightly further inside; give couples about both axes."""
     plate = tables["plate"]
     (x, y), _ = middle(rng, plate)
     for item in (*tables["support"], *tables["load"]):
@@ -319,7 +319,7 @@ def _spread(rng: Random, tables: Tables, size: float) -> None:
 
 
 def on_plate(plate: Tables, at: list[float]) -> bool:
-    """Whether a point is on the plate, off its holes; of arcs their chords count."""
+    """Whether a point is on the plate and not in a hole; arcs count as their chords."""
     (u, v), inside = at, True
     if plate["shape"] == "rectangle":
         (x, y), (a, b) = plate.get("origin", [0.0, 0.0]), plate["size"]
@@ -443,7 +443,7 @@ def _concentric(rng: Random, plate: Tables) -> Tables:
 
 
 def middle(rng: Random, plate: Tables) -> tuple[list[float], float]:
-    """Draw a point well inside the plate, and how far it is from its outline at least."""
+    """Draw a point well inside the plate; return it and a lower bound of its distance from the outline."""
     if plate["shape"] == "polygon":
         (x, x1), (y, y1) = _bounds(plate)
         return [0.7 * x + 0.3 * x1, 0.7 * y + 0.3 * y1], 0.2 * min(x1 - x, y1 - y)
@@ -467,7 +467,7 @@ def _circle(rng: Random, plate: Tables, size: float) -> Tables:
 
 
 def area(rng: Random, plate: Tables, size: float) -> Tables:
-    """Draw an area that is, mostly, well inside the plate."""
+    """Draw an area that is usually well inside the plate."""
     circle = _circle(rng, plate, size)
     (x, y), r = circle["center"], circle["radius"]
     a, b = 0.7 * r * rng.choice([1.0, rng.random()]), 0.7 * r
@@ -487,7 +487,7 @@ def _support(rng: Random, plate: Tables, scale: _Scale) -> Tables:
         fixes: list[Any] = ["simple", "clamped"]
         fixes += [] if "at" in place else ["hard", "symmetry", ["slope", "w"]]
         return {**place, "fix": rng.choice(fixes)}
-    # Per point, per length or per area.
+    # Stiffness of a point, per length or per area.
     per = stiffness / size ** (0 if "at" in place else 2 if "area" in place else 1)
     support = {**place, "resists": rng.choice(["down", "down", "down", "up", "both"])}
     for key, values in (
@@ -525,7 +525,7 @@ def _load(rng: Random, plate: Tables, scale: _Scale) -> Tables:
 
 
 def _repeat(rng: Random, supports: list[Tables]) -> None:
-    """Let supports stand where another does: the same again, or at one of its points, on either side."""
+    """Add a copy of a support, or of one of its points, on the same or the other side of the plate."""
     twin = dict(rng.choice(supports))
     if len(twin.get("at", [])) > 1 and rng.random() < 0.5:
         twin["at"] = [rng.choice(twin["at"])]
@@ -536,7 +536,7 @@ def _repeat(rng: Random, supports: list[Tables]) -> None:
 
 
 def _balance(rng: Random, tables: Tables, scale: _Scale) -> None:
-    """Load the plate by two couples without a resultant, between stops that it need not reach."""
+    """Load the plate by two opposite couples, between stops that it may not reach."""
     couple = scale.force * scale.length * rng.choice([0.01, 0.2])
     at, other = point(rng, tables["plate"]), point(rng, tables["plate"])
     tables["load"] = [{"moment": [couple, 0.0], "at": at}, {"moment": [-couple, 0.0], "at": other}]
@@ -547,7 +547,7 @@ def _balance(rng: Random, tables: Tables, scale: _Scale) -> None:
 
 
 def _generate(rng: Random, tables: Tables, scale: _Scale) -> None:
-    """Let one table stand for many combinations: rows, choices of cases, positions of a load that moves."""
+    """Replace the combinations by one table: rows, choices of cases, or positions of a moving load."""
     cases = sorted({load.get("case", "load") for load in tables["load"]})
     tables["combination"] = []
     if rng.random() < 0.5:

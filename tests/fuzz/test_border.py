@@ -1,4 +1,4 @@
-"""Wrong arrays at the border to Rust raise ordinary exceptions; a panic never crosses it."""
+"""Invalid arrays passed to Rust raise ordinary exceptions, never a panic."""
 
 import border
 import pytest

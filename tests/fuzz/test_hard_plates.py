@@ -1,4 +1,4 @@
-"""Random plates that once ended without an answer: rounding decided between supports nearly alike, or was all."""
+"""Random plates for which the program once had no answer, since rounding was decisive."""
 
 import json
 from pathlib import Path
@@ -13,7 +13,7 @@ PLATES = sorted((Path(__file__).parent / "hard_plates").glob("*.json"))
 
 
 NOT_YET = {"an_anchor_almost_between_two_props"}
-"""Inside the domain, but refused: no method's answer passes its certificate."""
+"""Plates inside the domain that are still refused, since no method's answer passes its certificate."""
 
 
 def _marked(path: Path):
@@ -29,7 +29,7 @@ def test_plates_that_rounding_made_hard_are_certified(path: Path) -> None:
 
 
 def test_where_points_follow_from_several_equations_what_is_shared_by_the_sign_is_what_these_have() -> None:
-    """Reactions of a load without a resultant missed 7 % of their size."""
+    """The sum of reactions to a load without resultant was once wrong by 7 % of their size."""
     tables = json.loads((Path(__file__).parent / "hard_plates" / "floors_and_columns_between.json").read_text())
     reactions = np.concatenate([support.reactions for support in solve(validate(tables))["all"].supports])
     assert abs(reactions.sum()) < 1e-12 * np.abs(reactions).sum()
@@ -37,7 +37,7 @@ def test_where_points_follow_from_several_equations_what_is_shared_by_the_sign_i
 
 @pytest.mark.parametrize("name", ["crowded_points_that_hold_both_ways"])
 def test_points_near_each_other_hold_the_plate_as_an_orthogonal_basis_of_what_they_leave_does(name: str) -> None:
-    """Rows within 1e-6 of following from others still say something: without them the plate sags by 2 % more."""
+    """Rows that are nearly dependent, within 1e-6, matter: without them the plate deflects 2 % more."""
     tables = json.loads((Path(__file__).parent / "hard_plates" / f"{name}.json").read_text())
     expected = held_at_points({**tables, "support": [{**tables["support"][0], "resists": "both"}]})
     found = solve(validate(tables))["all"].deflection
@@ -45,7 +45,7 @@ def test_points_near_each_other_hold_the_plate_as_an_orthogonal_basis_of_what_th
 
 
 def test_supports_on_both_sides_carry_what_one_that_holds_both_ways_does() -> None:
-    """By the sign: the floor carries pushing reactions, the hold-down pulling ones; two at one point share equally."""
+    """The floor has the pushing reactions, the hold-down the pulling ones; two equal supports share equally."""
     place = {"at": [[2.0, 2.0], [8.0, 2.0], [5.0, 5.0], [3.0, 8.0]], "settlement": "1e-4*x"}
     tables = {
         "material": {"E": 30e9, "nu": 0.2},
@@ -64,7 +64,7 @@ def test_supports_on_both_sides_carry_what_one_that_holds_both_ways_does() -> No
 
 
 def test_a_gap_both_ways_may_be_none_in_places() -> None:
-    """Each of its points has the reaction of a model with a very small gap there."""
+    """Points with zero gap have the reactions of a model with a very small gap there."""
 
     def supports(gap: str) -> list[SupportResult]:
         tables = {
@@ -87,7 +87,7 @@ def test_a_gap_both_ways_may_be_none_in_places() -> None:
 
 @pytest.mark.parametrize("method", ["lemke", "active_set"])
 def test_a_plate_that_cannot_deflect_touches_what_it_stands_on(method: str) -> None:
-    """Its gaps are rounding, whatever the deflection is."""
+    """The gaps of such a plate are rounding, whatever its deflection."""
     tables = {
         "material": {"E": 30e9, "nu": 0.0},
         "plate": {"shape": "rectangle", "size": [1.0, 0.5], "thickness": 0.2},
@@ -102,5 +102,5 @@ def test_a_plate_that_cannot_deflect_touches_what_it_stands_on(method: str) -> N
     }
     result = solve(validate(tables))["all"]
     assert len(result.not_unique) == 1 and "support 2, support 3" in str(result.not_unique[0])
-    # The least of all that balance the load, whatever the method came to.
+    # These are the least-norm reactions, whichever ones the method found.
     assert list(result.reactions.values()) == pytest.approx([-558.167551, 6878.873649, 3383.293901], rel=1e-8)

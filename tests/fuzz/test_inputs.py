@@ -1,4 +1,4 @@
-"""Fuzzed input files: some of the many, and every one that once found a fault."""
+"""A sample of fuzzed input files, and every input that once found a fault."""
 
 import subprocess
 import sys

@@ -1,8 +1,9 @@
 """Random plates with two equivalent descriptions, which have the same answer.
 
-Sections from either side, and strips of two halves; an area with holes and the areas of the holes; the stiffness of a
-solid section; a plate turned, mirrored and moved, every shape of it as a polygon; a wall that almost ends on an edge.
-Both share a mesh, so that they differ by rounding only.
+The pairs are: a section and its reverse; a strip and its halves; an area with holes and the holes, and the whole area;
+a solid section and its stiffness; a plate, and the same plate rotated, mirrored and moved, with every shape as a
+polygon; a wall on an edge, and one that almost ends there. Both have one mesh, so that their answers differ by rounding
+only.
 """
 
 from __future__ import annotations
@@ -24,19 +25,19 @@ from signorini.mesh import Mesh
 from signorini.shapes.outlines import Contour, along_side
 
 _ROUNDING = 1e-6
-"""Relative tolerance for the two, of the largest deflection or force."""
+"""Tolerance for the difference of the two answers, relative to the largest deflection or force."""
 _CURVED = 1e-4
-"""The same of parts of lines and areas that end inside elements that are no parallelograms, where no rule is exact."""
+"""Tolerance if parts of lines and areas end inside elements other than parallelograms, where integration is inexact."""
 _HARDLY = 1e-4
-"""Least reference deflection, relative to F L²/D of the load."""
+"""Smallest reference deflection, relative to F L²/D of the load."""
 _CUT = 5e-3
-"""The same where borders, jumps and springs cut coarse elements, which rules of their own integrate."""
+"""Tolerance if borders, jumps or springs cut coarse elements, where the integration rules differ."""
 _LAMINATED = 3e-2
-"""The same where borders of zones that are stiff one way run inside elements, which are laminates then."""
+"""Tolerance if borders of orthotropic zones cut elements, which are then laminates."""
 
 
 def twofold(rng: Random) -> Extreme:
-    """Draw a model, with a judge that says it otherwise."""
+    """Draw a model, with a judge that describes it differently."""
     tables = random_models.model(rng)
     for key in ("combination", "moving", "output", "solver"):
         tables.pop(key, None)
@@ -50,7 +51,7 @@ def twofold(rng: Random) -> Extreme:
 
 
 def answer(tables: Tables, mesh: Mesh | None = None) -> Result | None:
-    """Solve a model, on a mesh that may be given; None where it has no equilibrium."""
+    """Solve a model, on a given mesh or its own; None if it has no equilibrium."""
     model = validate(tables)
     (combination,) = model.effective_combinations
     try:
@@ -62,12 +63,12 @@ def answer(tables: Tables, mesh: Mesh | None = None) -> Result | None:
 def _compared(
     result: Result | None, tables: Tables, other: Tables, mesh: Mesh | None = None, part: float = _ROUNDING
 ) -> list[str]:
-    """Compare the probes' deflections and the reactions with those of a model that says the same."""
+    """Compare deflections at probes and reactions with those of an equivalent model ``other``."""
     twin = answer(other, mesh)
     solved, same = (one if one is not None and one.status == "solved" else None for one in (result, twin))
     if solved is None or same is None:
         return [] if solved is same else [f"an equilibrium said {'one way' if solved else 'the other way'} alone"]
-    # A support under the load prevents deflection; errors of the integrals of its parts then deflect the plate.
+    # If a support under the load prevents deflection, integration errors of its parts deflect the plate.
     found = discretise(validate(tables), solved.mesh)
     force = _force(found, solved)
     loaded = force * found.mesh.size**2 / (found.model.young * float(found.thickness.max()) ** 3 / 12)
@@ -90,7 +91,7 @@ def _force(found: Discretisation, result: Result) -> float:
 
 
 def both_sides(rng: Random, tables: Tables) -> Extreme:
-    """Sections from either side give the same moment and the opposite shear, and halves of strips their sum."""
+    """Check that reversed sections have the same moment and the opposite shear, and that halves of strips add up."""
     tables.pop("strip", None)
     while "strip" not in tables or "section" not in tables:
         random_models.cut(rng, tables)
@@ -111,7 +112,7 @@ def both_sides(rng: Random, tables: Tables) -> Extreme:
         count, curved = len(sections), _CUT if tables.get("zone") else _CURVED
         for given, there, back in zip(sections, result.sections[:count], result.sections[count:], strict=True):
             line = given["line"]
-            # Others, and corners, are right as the mesh is refined alone.
+            # Other sections, and corners, agree only in the limit of mesh refinement.
             through = len(line) == 2 and all(_on_outline(tables["plate"], end) for end in line)
             if through or line[0] == line[-1]:
                 wrong += close(f"shear of {there.name} back", back.shear, -there.shear, _ROUNDING * force)
@@ -135,7 +136,7 @@ def _on_outline(plate: Tables, at: list[float]) -> bool:
 
 
 def hollow(rng: Random, tables: Tables) -> Extreme:
-    """A load, and a bed, on an area with holes and on the holes are those on the whole."""
+    """Check that loads and beds on an area with holes and on the holes together equal those on the whole area."""
     plate, size = tables["plate"], random_models.extent(tables["plate"])
     area: Tables = {}
     while not area.get("holes") and "annulus" not in area:
@@ -167,7 +168,7 @@ def hollow(rng: Random, tables: Tables) -> Extreme:
 
 
 def solid(rng: Random, tables: Tables) -> Extreme:
-    """An isotropic plate is one of the stiffness that it has, along any axes."""
+    """Check that an isotropic plate equals one with its stiffness given, along any axes."""
     plate, material = tables["plate"], tables["material"]
     thickness = plate["thickness"] = random_models.thickness_of(plate)
     plate.pop("stiffness", None)
@@ -182,9 +183,9 @@ def solid(rng: Random, tables: Tables) -> Extreme:
 
 
 def turned(rng: Random, tables: Tables) -> Extreme:
-    """A plate turned, mirrored and moved, some as far as sites are from the origin of surveyors, bends as before.
+    """Check that a plate that is rotated, mirrored and moved, some by surveyors' coordinates, bends as before.
 
-    Every shape turned is a polygon.
+    Every rotated shape is a polygon.
     """
     tables["support"] = [support for support in tables["support"] if not _goes_by_frame(support)]
     quarter = any("modifiers" in one for one in (tables["plate"], *tables.get("zone", [])))
@@ -212,7 +213,7 @@ def turned(rng: Random, tables: Tables) -> Extreme:
 
 
 def rounded(rng: Random, tables: Tables) -> Extreme:
-    """A rigid wall that all but ends on an edge is snapped onto it, and a rigid point onto the wall."""
+    """Check that a rigid wall that nearly ends on an edge is snapped onto it, and a rigid point onto the wall."""
     plate = tables["plate"]
     if plate["shape"] != "rectangle" or "nodes" in repr(tables["support"]):
         return turned(rng, tables)
@@ -237,13 +238,13 @@ def rounded(rng: Random, tables: Tables) -> Extreme:
 
 
 def _goes_by_frame(support: Tables) -> bool:
-    """Whether its points depend on mesh and axes: points on circles, and in parts of cut elements."""
+    """Whether the points of a support depend on mesh and axes: on circles, and in parts of cut elements."""
     lets_go = support.get("resists") != "both" or "gap" in support
     return "circle" in support or ("area" in support and (lets_go or "stiffness" not in support))
 
 
 class Motion:
-    """A motion of the plane: it mirrors y where asked, turns by degrees and shifts."""
+    """A motion of the plane: mirror y (``mirror`` = -1), rotate by degrees, shift."""
 
     def __init__(self, degrees: float, mirror: float, shift: list[float]) -> None:
         """Store rotation, mirror and shift."""
@@ -252,7 +253,7 @@ class Motion:
         self.degrees, self.mirror, self.shift = degrees, mirror, shift
 
     def direction(self, v: Any) -> list[Any]:
-        """Turn and mirror a vector, of numbers or of formulas."""
+        """Rotate and mirror a vector of numbers or formulas."""
         x, y = v
         if isinstance(x, str) or isinstance(y, str):
             x, y = (f"({self.formula(part)})" for part in (x, y))
@@ -273,7 +274,7 @@ class Motion:
         return self.point(given) if not isinstance(given[0], list) else [self.points(one) for one in given]
 
     def formula(self, given: Any) -> Any:
-        """Say a number or a formula in the coordinates after the motion."""
+        """Rewrite a number or formula in the coordinates after the motion."""
         if not isinstance(given, str):
             return given
         (a, b), (c, s), m = self.shift, (self.cos, self.sin), self.mirror
@@ -281,7 +282,7 @@ class Motion:
         return re.sub(r"\b[xy]\b", lambda found: x if found[0] == "x" else y, given)
 
     def angle(self, degrees: float) -> float:
-        """The moved angle."""
+        """Angle after the motion."""
         return self.degrees + self.mirror * degrees
 
     def contour(self, drawn: Contour) -> list[Any]:
@@ -351,7 +352,7 @@ class Motion:
         for number, name in enumerate(outline.names, 1):
             names.setdefault(name, []).append(f"edge {number}")
         for number, hole in enumerate(holes, 1):
-            # That of an annulus has a name of its own.
+            # The hole of an annulus has its own name.
             names |= {name: [f"hole {number}"] for name in hole.edges}
             names |= {side: [f"hole {number} edge {i}"] for i, side in enumerate(hole.names, 1) if hole.whole}
         kept = ("thickness", "element", "modifiers", "stiffness")

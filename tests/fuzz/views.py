@@ -1,7 +1,7 @@
-"""Solve the same random plate in other units, moved, mirrored and turned by 90°: one mesh and one answer.
+"""Solve a random plate also in other units, moved, mirrored and rotated by 90°: mesh and answer must be the same.
 
 python tests/fuzz/views.py [--count 1000] [--first 0] [--seconds 600] [--processes 2]
-python tests/fuzz/views.py --show SEED     the model of a seed, and how it differs
+python tests/fuzz/views.py --show SEED     the model of a seed, and its differences in the views
 """
 
 from __future__ import annotations
@@ -31,28 +31,28 @@ Point = tuple[float, float]
 _SAME = 1e-9
 """Tolerance for nodes, relative to the plate's size: coordinates are rounded to 2⁻⁴⁰ of it."""
 _ALIKE = 1e-3
-"""Tolerance for a number on the same mesh, relative to the largest of its kind: elements that outlines cut are
-integrated in strips along y, and those that zones cut are laminates of strips of their own axes, to about 1e-4."""
+"""Tolerance for a number on the same mesh, relative to the largest of its kind. Elements cut by outlines are integrated
+in strips along y, and elements cut by zones are laminates; both are accurate to about 1e-4."""
 
 
 @dataclass(frozen=True)
 class View:
-    """View of a plate: axes, origin and unit of length."""
+    """Description of a plate in other axes, another origin and another unit of length."""
 
     axes: tuple[Point, Point] = ((1, 0), (0, 1))
     shift: Point = (0.0, 0.0)
     unit: float = 1.0
 
     def at(self, x: float, y: float) -> list[float]:
-        """A point as he sees it."""
+        """Coordinates of a point in the view."""
         return [self.unit * (u * x + v * y + s) for (u, v), s in zip(self.axes, self.shift, strict=True)]
 
     def box(self, x0: float, y0: float, x1: float, y1: float) -> list[float]:
-        """A rectangle along the axes by its least and largest coordinates."""
+        """Smallest and largest coordinates in the view of a rectangle parallel to the axes."""
         return [*map(min, *(ends := [self.at(x0, y0), self.at(x1, y1)])), *map(max, *ends)]
 
     def sides(self, a: Any, b: Any) -> list[Any]:
-        """Values of the first and the second axis of the view."""
+        """Order two values along x and y by the axes of the view."""
         return [a, b] if self.axes[0][0] else [b, a]
 
     def edge(self, name: str) -> str:
@@ -77,7 +77,7 @@ VIEWS = {
 
 
 def tables(rng: Random, view: View) -> Tables:
-    """Draw a plate with supports and loads in a view; the view draws no random numbers."""
+    """Draw a plate with supports and loads in a view; random choices do not depend on the view."""
     nice = rng.random() < 0.6
     width, height = rng.choice([(8.0, 8.0), (8.0, 6.0), (10.0, 4.0), (6.0, 9.0)])
 
@@ -161,7 +161,7 @@ def tables(rng: Random, view: View) -> Tables:
     mesh |= {"size": view.unit * size} if divisions is None or rng.random() < 0.5 else {"divisions": divisions}
     u, young, thickness = view.unit, 3e7, 0.2
     stiff = young * thickness**3 / 12
-    # Soil, so that no plate tips.
+    # Soil under the whole plate keeps it from tipping.
     supports: list[Tables] = [{"area": "all", "stiffness": stiff * 0.1 / u**3}]
     supports[0]["resists"] = rng.choice(["down", "both"])
     for _ in range(rng.randint(1, 4)):
@@ -194,7 +194,7 @@ def tables(rng: Random, view: View) -> Tables:
 
 @functools.cache
 def refused(seed: int) -> frozenset[tuple[str, int]] | None:
-    """Tables of a seed, as (key, index), that are not on the plate; None if the seed gives no plate."""
+    """Tables of a seed, as (key, index), that are off the plate; None if the seed gives no plate."""
     gone: frozenset[tuple[str, int]] = frozenset()
     while True:
         try:
@@ -225,9 +225,9 @@ def seen(seed: int, view: View) -> Model | None:
 
 
 def same_mesh(mesh: Mesh, other: Mesh, unit: float) -> bool:
-    """Whether a mesh, mirrored or turned, is another one in some unit: elements of the same nodes at the same places.
+    """Whether a mesh equals another in other units, mirrored or rotated: same elements, same node positions.
 
-    A plate that is symmetric with all its tables may have any of its mirror images.
+    If a plate is symmetric with all its tables, any mirror image counts as equal.
     """
     if (mesh.node_count, len(mesh.elements)) != (other.node_count, len(other.elements)):
         return False
@@ -273,7 +273,7 @@ def differing(seed: int, name: str, solved: bool) -> list[str]:
         return [] if one == two else [f"{name}: another outcome"]
     wrong = []
     for kind, values in one.items():
-        # A plate that hardly bends has moments of rounding.
+        # If a plate hardly bends, its moments are rounding.
         scale = max(
             np.abs(values).max(initial=0.0), 1e-3 * np.abs(one["reactions"]).max() * (kind in ("moments", "shears"))
         )
@@ -290,7 +290,7 @@ def _first(seed: int) -> dict[str, np.ndarray] | str:
 
 
 def one(seed: int) -> tuple[Counter[str], list[str]]:
-    """Mesh and solve the plate of a seed in every view: outcomes, and differences."""
+    """Mesh and solve the plate of a seed in every view; return outcomes and differences."""
     if refused(seed) is None:
         return Counter({"no plate": 1}), []
     wrong = [text for name in VIEWS for text in differing(seed, name, solved=True)]

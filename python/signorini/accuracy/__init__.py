@@ -1,1 +1,1 @@
-"""How far a mesh is from the plate: numbers on several meshes compared, and the mesh that is as near as asked."""
+"""Mesh error: comparison of numbers on several meshes, and refinement to a requested accuracy."""

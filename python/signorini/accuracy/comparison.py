@@ -1,4 +1,4 @@
-"""Results compared with those on other meshes: half-widths of numbers and places."""
+"""Comparison of results on several meshes: half-widths of numbers and of places."""
 
 from __future__ import annotations
 
@@ -45,22 +45,22 @@ from signorini.singularities.singularity import Singularity
 class Estimate(Brief):
     """Half-widths within which refining the mesh is expected to move the numbers of a result.
 
-    They are of the mesh, not of the equations.
+    They estimate the mesh error; the error of the solver is in the certificate.
 
     Parameters
     ----------
     result : Result
     widths : (n,) array
-        Of the numbers of ``result.catalogue``; NaN where there is none.
+        Half-widths of the numbers of ``result.catalogue``; NaN where unknown.
     plus_minus : mapping or None
-        The same by the keys deflection, fields, supports, probes, sections and strips of results.json, None in place
-        of a number that has none; None where no other mesh was solved.
+        Half-widths by the keys deflection, fields, supports, probes, sections and strips of results.json; None where
+        unknown. None as a whole if no other mesh was solved.
     elements : tuple of int
-        Sizes of the meshes that were compared, the finest first, its own among them.
+        Element counts of the compared meshes, finest first, including the mesh of ``result``.
     warnings : tuple of str
         Why half-widths are missing or wide, in sentences.
     plates : mapping of Estimate
-        Of several plates each.
+        Estimate of each of several plates, by name.
     """
 
     result: Result
@@ -71,11 +71,11 @@ class Estimate(Brief):
     plates: Mapping[str, Estimate] = field(default_factory=dict)
 
     def of(self, result: Result) -> Estimate:
-        """The estimate of a result: this one's, or of several plates one of them."""
+        """Return the estimate of a result: of this result, or of one of its plates."""
         return next((one for one in self.plates.values() if one.result is result), self)
 
     def to_dataframe(self) -> Any:
-        """Give the result's numbers as `Result.to_dataframe` does, with their half-widths as ``plus_minus``."""
+        """Return the table of `Result.to_dataframe` with the half-widths as column ``plus_minus``."""
         return self.result.to_dataframe().assign(plus_minus=self.widths)
 
     def _repr_html_(self) -> str:
@@ -90,13 +90,13 @@ class PathEstimate:
     Parameters
     ----------
     end : float or None
-        Half-width of the t at which it ends.
+        Half-width of the t at which the path ends.
     events : tuple of float or None
         Half-widths of the t of every named event.
     thresholds : tuple of float or None
-        Those of the t of every threshold.
+        Half-widths of the t of every threshold.
     elements, warnings
-        As those of an `Estimate`.
+        As in `Estimate`.
     """
 
     end: float | None
@@ -111,7 +111,7 @@ class PathEstimate:
         return cls(None, (None,) * events, (None,) * thresholds, (), warnings)
 
     def half_width(self, path: LoadPath, index: int) -> float | None:
-        """The widest half-width of the t of a stop that its events show, or of the end; None where one has none."""
+        """Largest half-width of t among the events at a stop or the path's end; None if an event has none."""
         ends = {len(path.stops) - 1: self.end, 0: 0.0}
         widths = [self.events[number] for number in path.events_at.get(index, ())]
         widths += [self.thresholds[number] for number in path.reached_at.get(index, ())]
@@ -120,7 +120,7 @@ class PathEstimate:
         return max(known) if known and len(known) == len(widths) else None
 
     def words(self, path: LoadPath, index: int) -> str:
-        """Write the t of a stop, to digits that keep the order, with its half-width."""
+        """Write the t of a stop with six digits and its half-width."""
         t = f"{path.stops[index].t:.6g}"
         if not self.elements:
             return t
@@ -129,7 +129,7 @@ class PathEstimate:
 
 
 def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
-    """Half-widths of every coordinate of edges of contact: the way to the edge on the other mesh, along each axis."""
+    """Half-widths of the coordinates of contact edges: distances to the edge on the other mesh, along x and y."""
     values: dict[Path, float | None] = {}
     for index, (mine, others) in enumerate(zip(result.supports, other.supports, strict=True)):
         edges = Targets.of(
@@ -144,7 +144,7 @@ def boundary_widths(result: Result, other: Result) -> dict[Path, float | None]:
 
 
 def places_of_extremes(result: Result, numbers: Mapping[Path, float | None]) -> dict[Path, float | None]:
-    """Half-widths of the places of extremes: how far nodes reach that may hold the extreme, within its half-width."""
+    """Half-widths of the positions of extremes: distance to the farthest node whose value may be the extreme."""
     values: dict[Path, float | None] = {}
     spacing, points = 0.5 * side(result.mesh), result.stress_nodes.points
     for name_of_field, ends in result.extremes.items():
@@ -165,7 +165,10 @@ _MOVED = 1e-8
 
 @dataclass(frozen=True)
 class Meshes:
-    """Meshes of one plate, the finest first; ``own`` is the one that half-widths are for. One may have failed."""
+    """Meshes of one plate, finest first; ``own`` is the index of the mesh that half-widths are for.
+
+    ``failed`` says that another mesh could not be solved.
+    """
 
     every: tuple[Mesh, ...]
     own: int
@@ -173,24 +176,24 @@ class Meshes:
 
     @classmethod
     def of(cls, own: Mesh, others: Sequence[Mesh], failed: bool = False) -> Meshes:
-        """Order meshes."""
+        """Sort meshes by their numbers of elements."""
         every = sorted([own, *others], key=lambda mesh: -len(mesh.elements))
         return cls(tuple(every), every.index(own), failed)
 
     def of_plate(self, plate: int) -> Meshes:
-        """Those of one of several plates; of one alone its own."""
+        """Return the meshes of one of several plates; for a single plate this object."""
         if not self.every[0].layers:
             return self
         return Meshes(tuple(mesh.layers[plate] for mesh in self.every), self.own, self.failed)
 
     @property
     def sizes(self) -> list[float]:
-        """Mean sides of their elements."""
+        """Mean element size of each mesh."""
         return [side(mesh) for mesh in self.every]
 
     @property
     def elements(self) -> tuple[int, ...]:
-        """How many elements they have."""
+        """Number of elements of each mesh."""
         return tuple(len(mesh.elements) for mesh in self.every)
 
     @property
@@ -199,9 +202,9 @@ class Meshes:
         return 2.0 * self.sizes[-1]
 
     def fastest(self, at_points: Bools | bool) -> Floats:
-        """Order of convergence that changes are trusted to show at most, of results that are made at points or not."""
+        """Largest order of convergence that is trusted, for results with or without forces at points."""
         if self.failed and len(self.every) == _FEWEST:
-            # Two meshes show no order, and the one that failed is missed.
+            # Two meshes do not show an order of convergence, and the third mesh failed.
             return np.full(np.shape(at_points), SLOWEST)
         return np.where(at_points, FASTEST_OF_POINTS, FASTEST)
 
@@ -218,8 +221,8 @@ def compared(
 
     Results, rows of tables and envelopes have the same rule: a half-width does not depend on the other results. Values
     (m, n, k) are in the order of the meshes, NaN where missing; probes are (q, 2). ``named`` are the singularities of
-    each load case, or of none, with the results (k,) in which they act. Only numbers for which a singularity is named
-    can be without limit.
+    the supports and of each load case, with masks (k,) of the results in which they act. Only numbers for which a
+    singularity is named can be without limit.
     """
     own, count = values[meshes.own], values.shape[2]
     mesh = meshes.every[meshes.own]
@@ -237,7 +240,7 @@ def compared(
     fringe &= np.array([one.quantity.name != "deflection" for one in numbers], np.bool_)[:, None]
     fastest = meshes.fastest(at_points)
     widths, growing = half_widths(values, meshes.sizes, meshes.own, fastest, changes, largest, limited, fringe)
-    # Peaks under the outline of a rigid area have none, but need not grow steadily on elements that hardly know it.
+    # Peak pressures at the outline of a rigid area have no limit, but need not grow steadily on coarse meshes.
     rigid = {one.source for singular, _ in named for one in singular if one.line and "pressure" in one.numbers}
     peaks = [
         one.home == "support" and one.quantity.kind == "pressure" and model.support[one.owner].name in rigid
@@ -273,9 +276,9 @@ def compare(result: Result, others: Sequence[Result], warning: str = "") -> Esti
     by_path |= boundary_widths(result, every[1] if meshes.own == 0 else every[0])
     by_path |= places_of_extremes(result, by_path)
     warnings = [warning] if warning else []
-    # The table of extremes names singularities beside extremes, with the remedy.
+    # Singularities of extremes are reported with the table of extremes.
     growing = [one for one, grows in zip(numbers, grow[:, 0].tolist(), strict=True) if grows and one.home != "field"]
-    # Contacts are named with the upper plate.
+    # A contact between plates is reported with the upper plate only.
     upon = {index for index, support in enumerate(result.supports) if support.upon}
     growing = [one for one in growing if not (one.path[0] == "supports" and one.owner in upon)]
     if growing:
@@ -322,7 +325,7 @@ def plates_of_extremes(values: Floats, own: Floats, widths: Floats) -> Ints:
 
 
 def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, int], values: Floats) -> None:
-    """Widen design moments at probes that are 0 on every mesh: by the reach of their moments beyond zero."""
+    """Widen design moments at probes that are 0 on every mesh, by the amount that their moments may exceed zero."""
     for row, one in enumerate(numbers):
         if one.home != "probe" or one.quantity.name not in DESIGN_MOMENTS:
             continue
@@ -335,5 +338,5 @@ def _widen_absent(widths: Floats, numbers: Sequence[Number], rows: Mapping[Key, 
 
 
 def known(width: float) -> float | None:
-    """None of NaN."""
+    """Return the half-width; None if it is NaN."""
     return None if math.isnan(width) else float(width)

@@ -1,4 +1,4 @@
-"""Half-widths of numbers on several meshes, and how large numbers of each kind are, by which these are judged."""
+"""Half-widths of numbers from several meshes, and the largest numbers of each kind as their references."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ force the deflection of a Mindlin plate converges with the logarithm of the mesh
 """
 
 SLOWEST = 0.2
-"""Least order that is assumed if changes do not shrink: the remaining error is seven times the last change."""
+"""Order assumed if changes do not shrink: the remaining error is then seven times the last change."""
 
 _OF_BEFORE, _OF_BEFORE_WHERE_COARSE = 0.25, 0.5
-"""Part of the change before it that the last one counts as at least: two meshes may agree by chance, on coarse ones
-where a finer one had to be asked all the more.
+"""Smallest last change that is assumed, relative to the change before it; the second for coarse meshes. Two meshes may
+agree by chance.
 """
 
 _GROWS = 0.85
@@ -39,7 +39,7 @@ _COUNTS = 0.02
 """Smallest change, relative to the largest value of the field, that counts as growth."""
 
 _ROUNDING = 1e-10
-"""Part of the largest of its kind that rounding may be."""
+"""Rounding error, relative to the largest number of the same kind."""
 
 
 def half_widths(
@@ -97,7 +97,7 @@ def half_widths(
 
 
 def unsettled(values: Floats, largest: Floats) -> Bools:
-    """Which numbers (...) of 2 or 3 meshes change by more than slow convergence would, not half as much as before."""
+    """Mask (...) of numbers (2 or 3, ...) whose change is noticeable, and at least half of the previous change."""
     change = np.abs(values[0] - values[1])
     settles = change < 0.5 * np.abs(values[1] - values[2]) if len(values) > 2 else np.zeros(change.shape, np.bool_)
     return np.asarray(~settles & (change > _COUNTS * largest))
@@ -107,22 +107,23 @@ def rounded(widths: Floats) -> Floats:
     """Round half-widths to three digits."""
     known = widths > 0
     power = np.floor(np.log10(widths, where=known, out=np.zeros_like(widths))) - 2
-    # Powers of ten up to 22 are exact, so that the written number has no further digits.
+    # Powers of ten up to 10²² are exact, so the result has three digits when it is written.
     up, down = 10.0 ** np.maximum(power, 0), 10.0 ** np.maximum(-power, 0)
     return np.where(known, np.rint(widths * down / up) / down * up, widths)
 
 
 _OF_VECTOR, _OF_POINTS = 0.25, 0.1
-"""Part of the largest change in a vector or of its extremes, and among the points of a support."""
+"""Smallest change that is assumed, relative to the largest change among the components of a vector, and among the
+points of a support.
+"""
 _BENT = 0.01
-"""Least size of every kind of number, relative to the size that fits the largest deflection or moment."""
+"""Smallest reference of each kind of number, relative to the value that fits the largest deflection or moment."""
 
 
 def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
-    """Least changes (n, k) of numbers, from the largest change among related numbers.
+    """Smallest assumed changes (n, k) of numbers, from the largest change among related numbers.
 
-    Components of a vector turn into each other, at a place and in their extremes. Points of one support share its
-    force.
+    Components of one vector are related, and so are the reactions of the points of one support.
     """
     groups: dict[tuple[object, ...], list[int]] = {}
     keys = [_group(one) for one in numbers]
@@ -131,7 +132,7 @@ def beside(numbers: Sequence[Number], changes: Floats) -> Floats:
     result, known = np.empty_like(changes), np.nan_to_num(changes)
     for key, members in groups.items():
         quantity = numbers[members[0]].quantity
-        # Principal and design moments are of all components.
+        # Principal and design moments depend on all components.
         vectors = {LINEAR[name].vector for name in quantity.parents if LINEAR[name].kind == quantity.kind}
         related = [place for vector in vectors for place in groups.get((*key[:2], vector), [])]
         result[members] = known[[*members, *related]].max(axis=0)
@@ -156,10 +157,10 @@ def acts_at_points(model: Model) -> bool:
 def may_grow(
     numbers: Sequence[Number], model: Model, probes: Floats, singular: Sequence[Singularity], reach: float
 ) -> Bools:
-    """Mask (n,) of numbers that a singularity within reach may make grow without limit.
+    """Mask (n,) of numbers that may grow without limit, since a singularity is within ``reach``.
 
-    Supports have singularities of their own, envelopes any. Where supports at points yield logarithmically, deflections
-    of the whole plate do. ``probes`` are (q, 2).
+    Numbers of a support are affected by its own singularities, envelopes by any singularity. Deflections grow
+    everywhere under a support with a logarithmic singularity of the deflection. ``probes`` are (q, 2).
     """
     supports = [support.name for support in model.support]
     result = np.zeros(len(numbers), np.bool_)
@@ -185,7 +186,7 @@ def away(points: Floats, singularity: Singularity) -> Floats:
 
 
 def largest_of(result: Result) -> Mapping[str, float]:
-    """The largest number of every kind: at the nodes, of reactions the sum of all, of areas the largest pressure."""
+    """Largest number of every kind: fields at nodes, the sum of all reactions, pressures of areas."""
     each = [_largest_of_plate(plate) for plate in result.members.values()]
     return {kind: max(of[kind] for of in each) for kind in each[0]}
 
@@ -218,11 +219,11 @@ def _largest_of_plate(result: Result) -> Mapping[str, float]:
 
 
 def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh) -> dict[str, Floats]:
-    """Largest number of every kind in k results (k,), from all their numbers (n, k).
+    """Largest number of every kind (k,) in k results, from all their numbers (n, k).
 
-    Only numbers of both results and rows count. Moments of a rigid motion, shears in uniform bending, and deflections
-    of a plate that cannot bend are rounding: hence every kind is at least a hundredth of the size that fits the others.
-    Gaps count as deflections by a hundredth.
+    Only numbers that both results and rows have are used. Each kind has at least a hundredth of the size that fits the
+    other kinds, since some kinds may be rounding alone: moments of a rigid motion, or shears in uniform bending. A
+    hundredth of the gaps counts as deflection.
     """
     points = {one.owner for one in numbers if one.home == "point"}
     none = np.zeros(values.shape[1])
@@ -248,9 +249,9 @@ def sizes_of(values: Floats, numbers: Sequence[Number], model: Model, mesh: Mesh
 
 
 def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[str, Floats]:
-    """Least size of reactions: a hundredth of the force that fits the plate's deflection or its largest moment.
+    """Smallest references: a hundredth of the forces that fit the plate's deflection or its largest moment.
 
-    Totals may cancel, and a plate may be bent without shears.
+    Sums of reactions may cancel, and a plate may be bent without shears.
     """
     span, (thickness, *_) = mesh.size, sections_at(model, mesh.points)
     rigidity = model.young * float(thickness.max()) ** 3 / 12
@@ -269,14 +270,14 @@ def _bent(model: Model, mesh: Mesh, deflection: Floats, moment: Floats) -> dict[
 
 
 def _stresses(model: Model, mesh: Mesh, sizes: Mapping[str, Floats | float]) -> dict[str, Floats]:
-    """Stresses that the largest moment and shear make where the plate is thinnest."""
+    """Stresses of the largest moment and shear at the thinnest part of the plate."""
     thickness = float(sections_at(model, mesh.points)[0].min())
     stress, shear = 6.0 * np.asarray(sizes["moment"]) / thickness**2, 1.5 * np.asarray(sizes["shear"]) / thickness
     return {"stress": stress, "shear_stress": shear}
 
 
 def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity], Ints]:
-    """The thickness (n,) by which the plate is stiff at points; all rigidities, and whose number (n,) each has."""
+    """Return stiffness thicknesses (n,) at points, all rigidities, and the index (n,) of each point's rigidity."""
     zones, nominal = Zones.anywhere(model), np.empty(len(points))
     made = zones.made_at(points)
     for number in np.unique(made.thickness):
@@ -286,7 +287,7 @@ def sections_at(model: Model, points: Floats) -> tuple[Floats, Sequence[Rigidity
 
 
 def named(numbers: Sequence[Number], model: Model, probes: Floats) -> str:
-    """Name numbers in words."""
+    """Name numbers in words, for warnings."""
     said: dict[str, list[str]] = {}
     for one in numbers:
         what = (one.quantity.words or one.quantity.name).partition(",")[0].replace("_", " ")

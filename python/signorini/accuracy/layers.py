@@ -26,22 +26,22 @@ from signorini.singularities.boundary import middles
 
 KINDS = frozenset(("deflection", "rotation", "moment", "stress", "reaction", "pressure", "per_length", "corner"))
 _SOFTER = 1.3
-"""By how many h/L edges soften a plate of thickness h and L = 4A/P: a square on simple edges by 0.86 in its deflection,
-a free strip by 1.26 in torsion (0.63 h over its width)."""
+"""Relative increase of deflections by the layer, divided by h/L with thickness h and L = 4·area/perimeter. Measured:
+0.86 for a simply supported square, 1.26 for a free strip in torsion (0.63 h over its width)."""
 _SEEN = 2.65
-"""Thickness over the element's side, times this, is the part of the layer that large elements know; measured on simple
-squares of h/a = 0.01 and 0.001, where `_left` is right to 0.03 for elements of 0.6 to 100 thicknesses."""
+"""Factor in x = 2.65 h/s with thickness h and element size s; elements resolve the part x tanh(1/x) of the layer. On
+simply supported squares with h/a = 0.01 and 0.001, `_left` is right to 0.03 for s = 0.6 h to 100 h."""
 _TWIST_SEEN = 30.0
-"""At edges 1 / (1 + 30 (δ/s)²) of the twist remains on elements of side s: measured on squares with two free edges to
-0.06, on elements of 0.7 to 50 thicknesses."""
+"""Elements of size s leave 1 / (1 + 30 (δ/s)²) of the twist at edges. On squares with two free edges this is right to
+0.06 for s = 0.7 h to 50 h."""
 _FADED = 12.0
-"""Width of the layer in δ: e⁻¹² of it remains there."""
+"""Largest distance from an edge, in δ, at which the layer counts: e⁻¹² of it remains there."""
 _PER_WIDTH = math.sqrt(10.0)
-"""Thickness over the layer's width of the plates on which this is measured, solid ones with κ = 5/6."""
+"""Ratio h/δ of solid plates with κ = 5/6, for which the constants above were measured."""
 _CHORDS = np.linspace(-1.0, 1.0, 9)
-"""Where sides are parted into straight ones: an arc rises little above these beside the layer."""
+"""Parameters at which curved element sides are divided into straight parts; an arc differs little from these."""
 _ON_EDGE = 1e-6
-"""Part of the plate's size within which a point is on its edge, and within which an edge runs along an axis."""
+"""Tolerances relative to the plate's size: for a point on the edge, and for an edge parallel to an axis."""
 
 
 def unseen_layer(model: Model, mesh: Mesh, sizes: Sequence[float]) -> float:
@@ -68,11 +68,11 @@ def unseen_at_edges(
     mesh: Mesh,
     finer: float,
 ) -> dict[Key, Floats]:
-    """How far moments and shears of k results may be from the plate's in the layer along edges, each (k,).
+    """Errors (k,) of moments and shears of k results, caused by the unresolved part of the layer along edges.
 
-    At probes by the twist and the shear that they have themselves; of the largest shear by the largest mxy where edges
-    run along the axes, else by the largest moment. ``numbers`` (k,) are those on the finest mesh, ``most`` (k,) the
-    largest moments; elements of the finest mesh have ``finer`` times the sides of this mesh, the plate's own.
+    Errors at probes follow from the twist and shear there. The error of the largest shear follows from the largest mxy
+    if the edges are parallel to the axes, else from the largest moment. ``numbers`` (k,) are those on the finest mesh;
+    ``most`` (k,) are the largest moments. ``finer`` is the element size of the finest mesh, relative to this mesh.
     """
     result, sides = dict[Key, Floats](), _sides(model, mesh)
     if not len(sides):
@@ -93,7 +93,7 @@ def unseen_at_edges(
     free = np.repeat(~np.isin(sides[:, 1], np.concatenate(lines)), parts)
 
     peaks = [np.abs(numbers[key]) for key in _ends("mxy") if key in numbers]
-    if peaks and np.abs(nx * ny).max() < _ON_EDGE:  # along the axes
+    if peaks and np.abs(nx * ny).max() < _ON_EDGE:  # the edges are parallel to the axes
         most = np.maximum(*peaks)
     for name, along in (("qx", ny), ("qy", nx)):
         part = float((np.abs(along) * unseen / width).max())
@@ -108,7 +108,7 @@ def unseen_at_edges(
             continue
         mx, my, mxy, qx, qy = (numbers["probe", number, name] for name in RESULTANTS)
         x, y, delta, left = np.stack([nx, ny, width, unseen * np.exp(-away / width)])[:, near, None]
-        # At the edge the value of a mesh is its whole error, since the exact value is zero.
+        # At the edge the exact value is zero, so the error is the whole value.
         on = away[near, None] <= _ON_EDGE * mesh.size
         twist = np.where(on, 1.0, left) * np.abs(x * y * (my - mx) + (x**2 - y**2) * mxy)
         across = np.where(on & free[near, None], 1.0, left) * np.abs(x * qx + y * qy)
@@ -140,12 +140,12 @@ def _ends(field: str) -> tuple[Key, Key]:
 
 
 def _sides(model: Model, mesh: Mesh) -> Ints:
-    """Sides (k, 3) of the boundary at which the plate may turn along them, and across."""
+    """Boundary sides (k, 3), as nodes, along which no support holds a slope or a twist."""
     return np.asarray(mesh.boundary[~np.isin(mesh.boundary[:, 1], sides_that_hold_turns(model, mesh)[:, 1])])
 
 
 def _chords(mesh: Mesh, sides: Ints) -> tuple[Floats, Floats]:
-    """Begin and end (p, 2) of the straight parts of sides, side after side."""
+    """Start and end points (p, 2) of the straight parts of sides (k, 3), in the order of the sides."""
     a, middle, b = (mesh.points[sides[:, at], None] for at in range(3))
     t = _CHORDS[:, None]
     places = middle + t * (0.5 * (b - a) + t * (0.5 * (a + b) - middle))
@@ -153,6 +153,6 @@ def _chords(mesh: Mesh, sides: Ints) -> tuple[Floats, Floats]:
 
 
 def _left(thickness: float, size: float) -> float:
-    """The part of the layer that elements of a size do not know."""
+    """Part of the layer that elements of a size do not resolve."""
     seen = _SEEN * thickness / size
     return 1.0 - seen * math.tanh(1.0 / seen)

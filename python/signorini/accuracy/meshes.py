@@ -1,4 +1,4 @@
-"""Which meshes a mesh is compared with, and which is next where an accuracy is asked for."""
+"""Choice of the meshes for comparison, and of the next mesh in refinement to a requested accuracy."""
 
 from __future__ import annotations
 
@@ -23,25 +23,27 @@ from signorini.shapes.distances import Targets, distances
 from signorini.shapes.outlines import Point
 
 _LEAST_ALONG, _LEAST = 16, 2500
-"""Least number of elements along a side, and in all, of meshes that are compared with coarser ones. Meshes of 1000
-elements compared with 250 and 64 cover 94 to 96 % of numbers, with finer ones 99 %."""
+"""Smallest numbers of elements, along a side and in total, of meshes that are compared with coarser ones. Half-widths
+of 1000 elements compared with 250 and 64 cover 94 to 96 % of true errors, with finer meshes 99 %."""
 
 _FEWEST_ALONG = 2
-"""Elements along the longer side that can be made larger."""
+"""Smallest number of elements along the longer side of a mesh that can be coarsened."""
 
 _CHEAP, _CHEAP_QUARTER = 10_000, 5_000
-"""Elements of meshes of half and of a quarter of the size that are affordable: both take a second or two."""
+"""Largest numbers of elements of affordable meshes of half and of a quarter of the element size: both take a second or
+two.
+"""
 
 
 _GROWTH = 1.3
-"""Power of the number of elements with which the time grows, about."""
+"""Exponent of the solution time as a function of the number of elements, approximate."""
 
 
 @dataclass(frozen=True)
 class OtherMesh:
-    """The same plate on another mesh.
+    """A model on another mesh, whose elements are ``factor`` times as large along a side.
 
-    Without a mesh of its own the model says all. Its elements are ``factor`` times as large along a side.
+    If ``mesh`` is None, the options of ``model`` give the mesh.
     """
 
     model: Model
@@ -51,14 +53,15 @@ class OtherMesh:
 
     @property
     def work(self) -> float:
-        """About how many times as long as the plate's own mesh it takes."""
+        """Estimated solution time, relative to that on the own mesh."""
         return math.pow(self.factor, -2.0 * _GROWTH)
 
 
 def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
-    """Yield pairs of meshes to compare with, the nearest one first in each; the best pair first.
+    """Yield tuples of meshes to compare with, the best tuple first.
 
-    A third one takes the place of a second one that cannot be solved, or is no other mesh.
+    The first two meshes of a tuple are compared. A third mesh replaces one that cannot be solved, or that differs too
+    little.
     """
     if model.plates:
         yield from _beside_plates(model, mesh)
@@ -66,22 +69,23 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     count, plate = len(mesh.elements), model.plate
     divisions = model.divisions
     if isinstance(plate, MeshPlate) or (divisions is None and mesh.spanning.any() and count <= _CHEAP):
-        # Where the outline alone says how large elements are, meshes of other sizes have the same ones.
+        # If the outline fixes the element size, other size options give the same mesh; so elements are divided.
         quarter = [_divided(model, mesh, 0.25)] if 16 * count <= _CHEAP else []
         larger = [] if isinstance(plate, MeshPlate) else [_scaled(model, mesh, 2.0)]
         cheap = 16 * count <= _CHEAP_QUARTER
         yield (_divided(model, mesh, 0.5), *(quarter + larger if cheap else larger + quarter))
     if isinstance(plate, MeshPlate):
         return
-    # Divisions do not tell of refined places.
+    # `divisions` do not include refined places, so then the size follows from the number of elements.
     along = math.isqrt(count) if divisions is None or model.mesh.refine else min(divisions)
-    # Meshes on the way to an accuracy are judged alike, by finer ones, or half-widths would grow where that ends.
+    # All meshes of a refinement to an accuracy are compared with finer ones. Otherwise half-widths would jump where
+    # comparison with coarser meshes begins.
     asked = model.mesh.accuracy is not None
     coarse = along < _LEAST_ALONG or count < _LEAST or asked
     if coarse and 16 * count <= _CHEAP_QUARTER:
         yield _scaled(model, mesh, 0.5), _scaled(model, mesh, 0.25)
     if coarse and (asked or 4 * count <= _CHEAP):
-        # Lines that the mesh follows may leave no larger elements.
+        # Lines that the mesh follows may rule out larger elements; a quarter of the size is then used.
         instead = [0.25] if 16 * count <= _CHEAP else []
         yield tuple(_scaled(model, mesh, factor) for factor in (0.5, *([2.0] if along > 1 else []), *instead))
     if along > 1:
@@ -89,12 +93,12 @@ def meshes_beside(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
     if not coarse and 4 * count <= _CHEAP:
         yield (_scaled(model, mesh, 0.5),)
     if 4 * count <= _CHEAP and (divisions is None or model.mesh.refine):
-        # Where refined places and small outlines say how large most elements are.
+        # Refined places or small outlines may fix the size of most elements; so elements are divided.
         yield (_divided(model, mesh, 0.5),)
 
 
 def _beside_plates(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
-    """The same of several plates, all of whose elements are as many times as large."""
+    """Yield the tuples of `meshes_beside` for several plates; the elements of all plates have one factor."""
     if any(isinstance(plate, MeshPlate) for plate in model.plates.values()):
         return
     count = len(mesh.elements)
@@ -107,15 +111,15 @@ def _beside_plates(model: Model, mesh: Mesh) -> Iterator[tuple[OtherMesh, ...]]:
 
 
 def _along(model: Model, count: int) -> int:
-    """Elements along the shorter side of a plate, for several plates of the one with the fewest, given their total."""
+    """Estimated number of elements along the shorter side of a plate; for several plates the smallest of these."""
     each = [part.model.divisions for part in model.parts]
     return min(math.isqrt(count // len(each)) if one is None else min(one) for one in each)
 
 
 def meshes_beside_path(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
-    """Meshes of twice and four times the size or, where both have the same rows, of half and a quarter.
+    """Return meshes of two and four times the element size or, if these two are equal, of a half and a quarter.
 
-    None of a mesh that is given, or of one element along a side.
+    The tuple is empty if the input gives the mesh, or if there is one element along a side.
     """
     count, rows = len(mesh.elements), None if model.plates or model.mesh.refine else model.divisions
     along = _along(model, count) if model.plates else math.isqrt(count) if rows is None else max(rows)
@@ -129,7 +133,7 @@ def meshes_beside_path(model: Model, mesh: Mesh) -> tuple[OtherMesh, ...]:
 
 
 def _rows(model: Model) -> list[object]:
-    """Numbers of elements in rows of every plate, or the mesh options of a plate without rows."""
+    """Divisions of every plate, or the mesh options of a plate without divisions."""
     each = [part.model for part in model.parts] if model.plates else [model]
     return [one.mesh if one.divisions is None or one.mesh.refine else one.divisions for one in each]
 
@@ -148,7 +152,7 @@ def _scaled(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
 
 
 def _divided(model: Model, mesh: Mesh, factor: float) -> OtherMesh:
-    """Every element in four, once or twice."""
+    """Return a mesh with every element divided into four, once or twice."""
     return OtherMesh(model, divided(mesh, round(math.log2(1 / factor))), f"{_WORDS[factor]}, divided", factor)
 
 
@@ -157,34 +161,36 @@ _TRIED, _GAINED, _TWICE = 3, 0.8, 2
 """Number of successive meshes that must together gain accuracy if they double the elements, and the factor of that
 gain."""
 ORDER = 1.5
-"""Order in the size of elements by which half-widths are expected to fall."""
+"""Expected order of convergence of half-widths in the element size."""
 _LEAST_STEP, _MOST, _MOST_AT_PLACES = 1.4, 2.5, 4.0
-"""By how much sides of elements shrink from one mesh to the next."""
+"""Smallest and largest factor by which elements shrink from one mesh to the next, over the whole plate; the last is the
+largest at single places.
+"""
 _GROWTH = 0.25
-"""Growth of sides per distance from small elements."""
+"""Growth of element size per distance from small elements."""
 _PARTS = 3.0
-"""Mean sides of elements that a line is parted into, to be refined each by its own elements."""
+"""Length of the parts into which a line is divided, in mean element sizes; each part has its own refinement."""
 _AIM = 0.5
 """Places are refined to this part of the accuracy, including places within it: a new mesh of an outline also moves
 numbers at places that it does not refine."""
 _TWINS = 1.25
-"""Memory for a mesh and for the one of half the size that it is compared with, over that for the latter."""
+"""Memory for two meshes, one of half the element size of the other, relative to the memory for the finer one."""
 _SAME_SIZE, _AS_ALL = 0.8, 0.95
-"""Largest ratios of sizes, to the neighbour and to all others, of bands that are joined."""
+"""Smallest ratios of element sizes: of neighbouring bands that are joined; to the rest, of a band that is omitted."""
 
 
 @dataclass(frozen=True)
 class Refined:
-    """A mesh on the way to an accuracy that was asked for."""
+    """One of the meshes of a refinement to a requested accuracy."""
 
     elements: int
     dofs: int
     worst: float
-    """The largest half-width over the largest value of its field."""
+    """Largest half-width, relative to the largest value of its field."""
     what: str
-    """Whose it is."""
+    """Name of the number with this half-width."""
     expected: int
-    """About how many elements it takes to reach the accuracy."""
+    """Estimated number of elements for the requested accuracy."""
 
     def said(self, asked: float) -> str:
         """Say the accuracy reached, and the elements and memory that the asked accuracy would take."""
@@ -194,7 +200,7 @@ class Refined:
 
 @dataclass(frozen=True)
 class _Wide:
-    """A number by its half-width over the largest value of its kind, and where it is."""
+    """A number, its result, and its half-width ``part`` relative to the largest value of its kind."""
 
     part: float
     result: Result
@@ -207,7 +213,7 @@ class _Wide:
 
     @property
     def place(self) -> tuple[Point, ...]:
-        """Point or line of the number; None for numbers of the whole plate."""
+        """Point or line of the number; empty for numbers of the whole plate."""
         model, one = self.result.model, self.number
         match one.home:
             case "probe" if one.quantity.kind not in ("deflection", "rotation"):
@@ -225,9 +231,10 @@ class _Wide:
 
 @dataclass(frozen=True)
 class _Piece:
-    """A point, or a straight part of a line, that numbers are at whose half-widths are larger than asked.
+    """A point or straight part of a line at which half-widths exceed the request.
 
-    ``size`` is the side of the elements there, ``part`` their largest half-width over its field.
+    ``size`` is the element size there. ``part`` is the largest half-width there, relative to the largest value of its
+    field.
     """
 
     ends: tuple[Point, ...]
@@ -235,7 +242,7 @@ class _Piece:
     part: float
 
     def smaller(self, asked: float, most: float) -> float:
-        """Element size expected to suffice, within the allowed reduction."""
+        """Element size that is expected to suffice, but at least ``size / most``."""
         return self.size / float(np.clip((self.part / (_AIM * asked)) ** (1 / ORDER), 1.0, most))
 
     def refinement(self, size: float) -> Refinement:
@@ -243,9 +250,9 @@ class _Piece:
 
 
 def worst_of(estimates: Mapping[str, Estimate], before: Sequence[Refined] = ()) -> Refined | None:
-    """The number that is farthest from the plate, over the largest of its field; None where there is no half-width.
+    """Return the mesh with its largest relative half-width; None if no number has a half-width.
 
-    ``before`` are the meshes on the way here.
+    ``before`` are the previous meshes of the refinement.
     """
     worst = max(_numbers(estimates), key=lambda number: number.part, default=None)
     if worst is None:
@@ -264,11 +271,10 @@ def worst_of(estimates: Mapping[str, Estimate], before: Sequence[Refined] = ()) 
 
 
 def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
-    """Every number that has a half-width, but extremes of fields: a probe says where a field is to be as near.
+    """Yield the numbers with half-widths that must be accurate.
 
-    So do reactions per length and concentrated forces, whose extremes are where they happen to be.
-
-    Stresses are as near as the moments and shears that they are of.
+    Extremes of fields, of reactions per length and of concentrated forces are excluded: probes say where a field must
+    be accurate. Stresses are excluded, since they are as accurate as moments and shears.
     """
     for estimate in estimates.values():
         result, largest = estimate.result, largest_of(estimate.result)
@@ -288,7 +294,7 @@ def _numbers(estimates: Mapping[str, Estimate]) -> Iterator[_Wide]:
 
 
 def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
-    """Which points are on a line that supports or loads the plate, where shears jump."""
+    """Mask of the points on a line that supports or loads the plate, where shears jump."""
     at, result = np.array(points).reshape(-1, 2), np.zeros(len(points), np.bool_)
     for item in supports_and_loads(model):
         if item.where.curve is not None:
@@ -297,7 +303,7 @@ def _on_lines(model: Model, mesh: Mesh, points: Sequence[Point]) -> Bools:
 
 
 def _rate(before: Sequence[Refined], count: int, worst: float) -> float:
-    """Observed order of the half-widths in the number of elements; the expected order if they have not fallen."""
+    """Observed order of convergence in the number of elements; at least the expected order."""
     least = 0.5 * ORDER
     if not before or not count > before[0].elements:
         return least
@@ -317,7 +323,7 @@ def _cost(elements: int) -> str:
 
 
 def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Refined]) -> tuple[Model | None, str]:
-    """Model with the next mesh; None without one, and the reason if the accuracy is not reached."""
+    """Return the model with the next mesh, or None; and, if the accuracy is not reached, the reason."""
     asked, plate, reached = model.mesh.accuracy, model.plate, steps[-1]
     assert asked is not None and not isinstance(plate, MeshPlate)
     if reached.worst <= asked:
@@ -349,7 +355,7 @@ def refined(model: Model, estimates: Mapping[str, Estimate], steps: Sequence[Ref
 
 
 def _at_places(model: Model, estimates: Mapping[str, Estimate], everywhere: bool) -> tuple[MeshOptions, int]:
-    """Mesh options with smaller elements at the places of numbers, and about how many elements they make.
+    """Mesh options with smaller elements at the places of inaccurate numbers, and the estimated number of elements.
 
     Numbers without a place refine the whole plate. So does ``everywhere``, if refinement at places did not help.
     """
@@ -367,7 +373,7 @@ def _at_places(model: Model, estimates: Mapping[str, Estimate], everywhere: bool
 
 
 def _too_wide(estimates: Mapping[str, Estimate], asked: float) -> tuple[float, list[_Piece]]:
-    """Largest half-width over its field among numbers without a place, and the places to refine."""
+    """Largest relative half-width of numbers without a place, and the points and lines to refine."""
     whole, parts = 0.0, dict[tuple[Point, ...], float]()
     for number in _numbers(estimates):
         if number.part > _AIM * asked:
@@ -393,7 +399,7 @@ def _too_wide(estimates: Mapping[str, Estimate], asked: float) -> tuple[float, l
 
 
 def _count(mesh: Mesh, shrinking: float, pieces: Sequence[_Piece], sizes: Sequence[float]) -> int:
-    """About how many elements there are if all are smaller by a factor, and at pieces of these sizes."""
+    """Estimated number of elements if all shrink by the factor ``shrinking``, and those at pieces to ``sizes``."""
     side = np.sqrt(mesh.element_area) / shrinking
     middles = mesh.points[mesh.elements[:, :4]].mean(axis=1)
     for piece, size in zip(pieces, sizes, strict=True):
@@ -411,7 +417,7 @@ def _graded(plate: RectanglePlate, solved: Sequence[Result], shrinking: float) -
     for axis, length in ((0, a), (1, b)):
         joints, bending = _bending(mesh, solved, axis)
         sides = np.diff(joints)
-        # The interpolation error h²m''/8 is to be equal in all elements, and smaller by the wanted gain.
+        # The interpolation error h²m''/8 shall be equal in all elements, and smaller by ``shrinking``².
         target = bending.max() / shrinking**2
         wanted = sides * np.sqrt(np.clip(target / np.maximum(bending, 1e-3 * target), 1 / _MOST**2, 1.0))
         counts.append(max(1, math.ceil(length / wanted.max() - 1e-9)))
@@ -422,9 +428,10 @@ def _graded(plate: RectanglePlate, solved: Sequence[Result], shrinking: float) -
 
 
 def _bending(mesh: Mesh, solved: Sequence[Result], axis: int) -> tuple[Floats, Floats]:
-    """Joints (k + 1,) of a rectangle's mesh along an axis, and the bending within each column (k,) or row.
+    """Grid coordinates (k + 1,) of a rectangle along an axis, and the curvature of moments in each column (k,).
 
-    The bending is the largest over several results, each relative to its own largest moment.
+    The curvature is h²|m''|/8, the deviation of a moment from linear within an element: a root mean square over the
+    column. It is the largest over several results, each relative to its largest moment.
     """
     corners = mesh.points[mesh.elements[:, :4]][..., axis]
     joints = np.unique(mesh.points[mesh.elements[:, :4].ravel(), axis])
@@ -445,7 +452,7 @@ def _bending(mesh: Mesh, solved: Sequence[Result], axis: int) -> tuple[Floats, F
 
 
 def _bands(joints: Floats, wanted: Floats, size: float) -> list[tuple[float, float, float]]:
-    """Join neighbouring columns of nearly one size; those as wide as all others need no band."""
+    """Bands (begin, end, size) of neighbouring columns with nearly one size, without bands of the overall ``size``."""
     result: list[tuple[float, float, float]] = []
     for low, high, side in zip(joints[:-1].tolist(), joints[1:].tolist(), wanted.tolist(), strict=True):
         if result and result[-1][1] == low and _SAME_SIZE < side / result[-1][2] < 1 / _SAME_SIZE:

@@ -1,4 +1,4 @@
-"""A model before it is solved: its size, its loads' resultants, whether its supports can balance them, its picture."""
+"""Check of a model before it is solved: number of elements, resultants of loads, equilibrium, and a picture."""
 
 from __future__ import annotations
 
@@ -34,28 +34,29 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Quality:
-    """The smallest angle at a corner of an element, its corner, and the share of the area in quadrilaterals."""
+    """Smallest angle [degrees] at a corner of an element, its corner, and the share of area in quadrilaterals."""
 
     angle: float
     corner: tuple[float, float]
     quadrilaterals: float
 
     def __str__(self) -> str:
-        """Say it."""
+        """Return the smallest angle and the share of quadrilaterals as a sentence."""
         return f"smallest angle {self.angle:.3g}°, {100 * self.quadrilaterals:.4g} % of the area in quadrilaterals"
 
     @classmethod
     def of(cls, mesh: Mesh) -> Self:
-        """Measure a mesh, by the straight lines between corners; angles in degrees."""
+        """Measure a mesh; angles are those between straight lines from corner to corner, in degrees."""
         at = mesh.nodes[:, :4]
         onward, back = np.roll(at, -1, axis=1) - at, np.roll(at, 1, axis=1) - at
-        # A triangle has its third corner twice, a degenerate quadrilateral its first; each has a side without length.
+        # A triangle repeats its third corner, and a degenerate quadrilateral its first. Either has a side of length
+        # zero.
         third, first = mesh.triangles, are_degenerate(mesh.elements)
         onward[third, 2], back[third, 3] = onward[third, 3], back[third, 2]
         onward[first, 0], back[first, 1] = onward[first, 1], back[first, 0]
         area = onward[..., 0] * back[..., 1] - onward[..., 1] * back[..., 0]
         angle = np.degrees(np.arctan2(area, (onward * back).sum(axis=-1))) % 360.0
-        # Rounding must not choose among right angles.
+        # Equal right angles differ by rounding; of rounded angles `argmin` takes the first.
         element, corner = np.unravel_index(np.argmin(angle.round(9)), angle.shape)
         x, y = at[element, corner].tolist()
         share = float(mesh.element_area[~third].sum() / mesh.element_area.sum())
@@ -64,32 +65,34 @@ class Quality:
 
 _FORMATS = (".png", ".svg", ".pdf")
 _HEAD = 1000
-"""Bytes of a picture within which its metadata are."""
+"""Number of bytes at the beginning of a picture's file in which its metadata are."""
 
 ASKED = 20
-"""Rows of a table of which the limit of equilibrium is asked, a linear program a case."""
+"""Number of rows of a table for which the limit of equilibrium is computed, by a linear program for each load case."""
 
 
 @dataclass(frozen=True)
 class Resultant:
-    """Resultant of the load of one combination, and its balance."""
+    """Resultant of the load of one combination, and whether reactions can balance it."""
 
     name: str
     force: float
-    """Sum of the forces, positive down."""
+    """Sum of the vertical forces, positive down."""
     at: tuple[float, float] | None
-    """The point at which that force alone would do the same to a rigid plate; None where the forces sum to zero."""
+    """Point (x, y) at which ``force`` alone has the same moments as the load; None where the forces sum to zero."""
     couple: tuple[float, float]
-    """Couples about the middle of the plate."""
+    """Moments of the load about the middle of the plate."""
     message: str
-    """Why no reactions balance it; empty where they do."""
+    """Reason why no reactions balance the load; empty if reactions can balance it."""
     brink: bool
     """Whether equilibrium is marginal: an arbitrarily small change of the load can end it. For rows of a table, this is
     computed for the first twenty. The limit is also computed for rows without equilibrium."""
     limit: tuple[str, float] | None
-    """The nearest limit of equilibrium: the case, and the factor on top of its own that reaches it alone."""
+    """Nearest limit of equilibrium: a load case, and the number by which its factor is multiplied to reach the limit,
+    with the other cases unchanged.
+    """
     axis: tuple[tuple[float, float], tuple[float, float]] | None
-    """Two points of the line about which the plate tips, if it does."""
+    """Two points of the axis about which the plate tips; None if it does not tip."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +104,7 @@ class Check:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings about the model and the resultants of loads, as sentences."""
+        """Sentences about questionable input and resultants of loads."""
         discretisation, model = self.discretisation, self.discretisation.model
         loads = () if model.tabulated else map(discretisation.load, model.effective_combinations)
         said = [*model_warnings(discretisation, self._acting), *idle_cases(model)]
@@ -110,12 +113,12 @@ class Check:
 
     @property
     def singular(self) -> tuple[Singularity, ...]:
-        """Where numbers have no limit as the mesh is refined, under the load cases that some combination takes."""
+        """Singularities under the load cases in use: places where numbers grow without limit as the mesh is refined."""
         return singularities(self.discretisation, self._acting)
 
     @property
     def _acting(self) -> Collection[str]:
-        """The load cases that some combination takes."""
+        """Names of the load cases that occur in at least one combination."""
         model = self.discretisation.model
         combinations = model.effective_combinations
         if model.tabulated:
@@ -124,19 +127,19 @@ class Check:
 
     @property
     def quality(self) -> str:
-        """How well the elements are shaped, in words."""
+        """Sentence with the smallest angle of an element and the share of quadrilaterals."""
         return str(Quality.of(self.discretisation.mesh))
 
     @property
     def balanced(self) -> bool:
-        """Whether every combination can be balanced."""
+        """Whether reactions can balance every combination."""
         return not any(resultant.message for resultant in self.resultants)
 
     def save_picture(self, path: str | os.PathLike[str], numbers: bool = False) -> list[Path]:
-        """Draw mesh, supports, loads, resultants and axes of tipping to a file.
+        """Draw mesh, supports, loads, resultants and tipping axes to a file.
 
-        The suffix gives the format. With ``numbers`` nodes are numbered from 1, as in ``reactions.csv``. Several plates
-        have a file each, see `pictures_of`. Returns the files.
+        The suffix gives the format. With ``numbers`` nodes are numbered from 1, as in ``reactions.csv``. Each of
+        several plates has its own file, see `pictures_of`. Returns the paths of the files.
         """
         # Only this method needs matplotlib.
         from signorini.plot.files import save
@@ -179,20 +182,20 @@ class Check:
 
 
 def pictures_of(model: Model, path: str | os.PathLike[str]) -> list[Path]:
-    """Name the file of a model's picture, or of several plates those of each, which end with the plate's name."""
+    """Paths of a model's pictures: ``path``, or for several plates one file each, which ends with the plate's name."""
     file = Path(path)
     return [file.with_name(f"{file.stem}-{name}{file.suffix}") for name in model.plates] or [file]
 
 
 def require_picture(path: str | os.PathLike[str]) -> None:
-    """Refuse a file whose suffix names no format of pictures."""
+    """Refuse a file whose suffix is not that of a picture format."""
     suffix = Path(path).suffix.lower()
     if suffix not in _FORMATS:
         raise InputError(f'found the suffix "{suffix}"; a picture ends in {", ".join(_FORMATS)}.', str(path))
 
 
 def require_free(path: str | os.PathLike[str]) -> None:
-    """Refuse a picture's name that a file has which is no picture of ours, by its metadata."""
+    """Refuse to overwrite a file, unless its metadata say that signorini drew it."""
     if not os.path.lexists(path):
         return
     try:
@@ -208,7 +211,7 @@ def require_free(path: str | os.PathLike[str]) -> None:
 
 
 def check(model: Model) -> Check:
-    """Mesh a model, place its supports and loads, and ask of every combination whether reactions can balance it.
+    """Mesh a model, place its supports and loads, and find out whether reactions can balance each combination.
 
     Examples
     --------
@@ -230,7 +233,7 @@ def check(model: Model) -> Check:
 
 
 def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterator[Resultant]:
-    """Resultants of many combinations, from those of their load cases."""
+    """Yield the resultants of many combinations, as sums of the resultants of load cases."""
     combinations = discretisation.model.effective_combinations
     used = combinations.cases
     weighing = {case: discretisation.cases[case].weighing for case in discretisation.cases if case in used}
@@ -251,7 +254,7 @@ def _resultants(discretisation: Discretisation, freedom: RigidFreedom) -> Iterat
 def _unbalanced(
     discretisation: Discretisation, freedom: RigidFreedom, weighing: Mapping[str, Floats]
 ) -> dict[int, Imbalance]:
-    """Causes of imbalance of the combinations after the first `ASKED`, by number.
+    """Causes of imbalance of the combinations after the first `ASKED`, by row number.
 
     Loads that reactions can balance are a convex set. A linear program over all points is solved only for a combination
     whose work on the free motions is outside the convex hull of the works of combinations known to be balanced.
@@ -278,12 +281,12 @@ def _unbalanced(
 
 
 def _superposed(of_case: Mapping[str, Floats], factors: Mapping[str, float], zero: Floats) -> Floats:
-    """Sum of factor times the vector of each case; ``zero`` without cases."""
+    """Sum of the cases' vectors times their factors; ``zero`` without cases."""
     return sum((factor * of_case[case] for case, factor in factors.items()), zero)
 
 
 def _sums(discretisation: Discretisation, nodal: Floats) -> Floats:
-    """Resultant of a load (3n,), and its moments about the middle, on all plates together."""
+    """Resultant (force, mx, my) of a nodal load (3n,) about the middle, summed over all plates."""
     return np.asarray((discretisation.rigid_motions.T @ nodal).reshape(-1, 3).sum(axis=0))
 
 

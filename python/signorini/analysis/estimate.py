@@ -1,4 +1,4 @@
-"""How far results and paths are from the plate's: the same plate solved on other meshes."""
+"""Estimate the mesh error of results and load paths by solving the plate on other meshes."""
 
 from __future__ import annotations
 
@@ -31,18 +31,20 @@ from signorini.results.path_events import Threshold
 from signorini.results.result import Result
 
 _NEAR = 0.02
-"""Part of the path's length about an event within which another mesh is first searched for it."""
+"""First distance from an event at which another mesh is searched for the same event, relative to the length of the
+path.
+"""
 _FARTHER = 4.0
-"""Ratio of such distances."""
+"""Ratio of successive search distances."""
 
 
 def estimate_asked(path: LoadPath, watcher: Watcher | None = None) -> PathEstimate | None:
-    """Estimate a path if its model asks for it and it can be."""
+    """Estimate a path if its model asks for it and the path can be estimated; else None."""
     return estimate_path(path, watching(watcher, "")) if path.model.estimated and _has_estimate(path) else None
 
 
 def _has_estimate(path: LoadPath) -> bool:
-    """Not one that follows every contact point, nor one that was cut short."""
+    """Whether a path can be estimated: it is sampled and was not interrupted."""
     return not (isinstance(path, ExactPath) or path.interrupted)
 
 
@@ -74,7 +76,7 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     values = np.array([next(t for mesh, t in of if mesh is one) for one in meshes.every])
     values[np.isinf(values)] = np.nan
     none = np.full(values.shape[1], np.nan)
-    # Two meshes that do the same while a third does not show no order.
+    # Where a third mesh has no such event, the agreement of two meshes does not show an order of convergence.
     alike = meshes.fastest(acts_at_points(path.model))
     fastest = np.where(np.isnan(values).any(axis=0), np.minimum(alike, FASTEST_OF_POINTS), alike)
     size = np.abs(values[meshes.own])
@@ -87,7 +89,8 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
     found_widths = [known(width) for width in rounded(widths).tolist()]
     of_asked = iter(found_widths[count:])
     of_thresholds = tuple(next(of_asked) if one.t else None for one in path.thresholds)
-    # The outlines of the supports tell where equilibrium ends; where supports have limits, the points of the mesh do.
+    # The end of equilibrium depends on the outlines of the supports or, where supports have limits, on the mesh's
+    # points.
     end = 0.0 if path.ending in ("no_equilibrium", "until") else None
     limited = path.problem.freedom.outline.limited
     if path.ending == "no_equilibrium" and limited and not widths[-1] <= LINEAR * path.limit:
@@ -97,15 +100,15 @@ def estimate_path(path: LoadPath, watcher: Watcher) -> PathEstimate:
 
 
 def _falls(path: LoadPath, one: Threshold) -> bool:
-    """Whether a quantity comes down to the value of a threshold."""
+    """Whether the quantity of a threshold falls to its value, and does not rise to it."""
     row = next(row for row, stop in enumerate(path.stops) if stop.t == one.t)
     return path.stops[row - 1].number(one.quantity) >= one.value
 
 
 def _same_events(sampler: Sampler, wanted: Sequence[tuple[Watch, float, bool]], span: float) -> list[float]:
-    """The t near those given at which functions change their signs likewise; NaN where they do not.
+    """For each ``(watch, t, falls)`` the t of the same event on this mesh, near the given t; NaN if it does not occur.
 
-    A function falls below zero, as where something opens, or comes up to it.
+    If ``falls``, the function becomes negative, as where a point opens; else it becomes positive.
     """
     state = sampler.state(0.0)
     result = [math.nan] * len(wanted)
@@ -120,7 +123,7 @@ def _same_events(sampler: Sampler, wanted: Sequence[tuple[Watch, float, bool]], 
 
 
 def _same_event(sampler: Sampler, near: State, watch: Watch, t: float, falls: bool, span: float) -> State:
-    """Search on the side of t where it must be, farther and farther off."""
+    """Search for the event on the side of t where it must be, at distances that grow fourfold."""
     end = sampler.path.end * (1 - AT_LIMIT)
     state = sampler.state(min(t, end), near)
     beyond = (sampler.value(state, watch) >= 0) != falls
@@ -147,9 +150,9 @@ class Estimates(Brief, Mapping[str, Estimate]):
     ----------
     results : Results
     full : mapping of Estimate
-        Of every result that is in ``results.full``.
+        Estimate of every result in ``results.full``, by combination.
     of_table : EstimatedTable or None
-        Of combinations that are rows of a table.
+        Half-widths of a table, if the combinations are its rows.
     """
 
     results: Results
@@ -157,12 +160,12 @@ class Estimates(Brief, Mapping[str, Estimate]):
     of_table: EstimatedTable | None
 
     def __getitem__(self, name: str) -> Estimate:
-        """Return the estimate of a combination that has all results.
+        """Return the estimate of a combination in ``full``.
 
         Raises
         ------
         UnknownNameError
-            Which is a KeyError too, if there is none.
+            If ``full`` has no such name; it is also a KeyError.
         """
         return self.full[key_of(name, self.full, "combination", "This mapping of estimates")]
 
@@ -176,7 +179,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
 
     @property
     def table(self) -> Mapping[str, Floats]:
-        """Half-widths of the columns of ``results.table``, by ``<column>:plus_minus``; none without other meshes."""
+        """Half-widths of the columns of ``results.table``, by ``<column>:plus_minus``; empty without other meshes."""
         if self.of_table is not None:
             return self.of_table.widths
         catalogue = self.results.combined.layout.catalogue
@@ -190,7 +193,7 @@ class Estimates(Brief, Mapping[str, Estimate]):
 
     @cached_property
     def _listed(self) -> Floats:
-        """Half-widths (k, n) of the numbers of the table, of combinations that all have an estimate."""
+        """Half-widths (k, n) of the n numbers of the table, where all k combinations have an estimate."""
         catalogue, rows = self.results.combined.layout.catalogue, []
         for name in self.results:
             by_path = self.full[name].result.catalogue.by_path
@@ -198,21 +201,21 @@ class Estimates(Brief, Mapping[str, Estimate]):
         return np.array(rows)
 
     def half_width(self, column: str, row: int | str) -> float | None:
-        """The half-width of a number of the table; None without.
+        """Return the half-width of a number of the table; None if it has none.
 
         Parameters
         ----------
         column : str
-            One that has half-widths, such as "reaction:soil".
+            Name of a column with half-widths, such as "reaction:soil".
         row : int or str
-            The number of a combination, from 0, or its name.
+            Number of a combination, from 0, or its name.
 
         Raises
         ------
         UnknownNameError
-            Which is a KeyError too, if there is no such column or combination.
+            If there is no such column or combination; it is also a KeyError.
         InputError
-            If there are not as many combinations.
+            If the number is too large.
         """
         results = self.results
         by_column = results.combined.layout.catalogue.by_column
@@ -238,20 +241,20 @@ def estimate(results: LoadPath, progress: Watcher | None = None) -> PathEstimate
 def estimate(
     results: Results | Result | LoadPath, progress: Watcher | None = None
 ) -> Estimates | Estimate | PathEstimate:
-    """Solve the plate on other meshes, and say how far refining the mesh is expected to move every number.
+    """Solve the plate on other meshes, and estimate how far refining the mesh will move every number.
 
     Parameters
     ----------
     results : Results, Result or LoadPath
-        What `signorini.solve` or `signorini.path` has returned, or one of its results.
+        Return value of `signorini.solve` or `signorini.path`, or one of its results.
     progress : callable, optional
-        Called with a `Progress`; what it raises ends the estimate and reaches the caller.
+        Called with a `Progress`; an exception in it ends the estimate and reaches the caller.
 
     Returns
     -------
     Estimates, Estimate or PathEstimate
-        Without half-widths where no other mesh could be solved, as ``warnings`` then say, where there is no
-        equilibrium, and of reactions that were given.
+        Half-widths. They are missing if no other mesh could be solved, if there is no equilibrium, or if reactions
+        were given; ``warnings`` then give the reason.
 
     Examples
     --------
@@ -281,7 +284,7 @@ def estimate(
 
 
 def estimates_of(results: Results, watcher: Watcher, table: str | os.PathLike[str] | None = None) -> Estimates:
-    """Estimate results; a table that `signorini.solve` has written gains the half-widths of its columns."""
+    """Estimate results; half-widths are added to the file ``table`` that `signorini.solve` has written."""
     calls = 1 if results.model.tabulated else max(1, len(results.full))
     meshes = OtherMeshes(results.model, results.discretisation.mesh, watcher, results.seconds["total"], calls)
     full = estimated(results, meshes) if results.estimates is None else results.estimates
@@ -290,12 +293,12 @@ def estimates_of(results: Results, watcher: Watcher, table: str | os.PathLike[st
 
 
 def estimated(results: Results, meshes: OtherMeshes) -> dict[str, Estimate]:
-    """Estimate every result that is there."""
+    """Return estimates of all results in ``results.full``, by combination."""
     return {name: _estimate(result, meshes) for name, result in results.full.items()}
 
 
 def _estimate(result: Result, meshes: OtherMeshes) -> Estimate:
-    """Compare a result with those on other meshes."""
+    """Solve the combination of a result on other meshes, and compare."""
     nothing, combination = np.full(len(result.catalogue), np.nan), result.combination
     if result.status != "solved" or combination is None:
         why = "there is no equilibrium." if result.status != "solved" else "the reactions were given."

@@ -1,4 +1,4 @@
-"""Load paths by following every contact point from event to event, judged and confirmed by direct solutions."""
+"""Exact load paths: every contact point is followed from event to event; direct solutions confirm the stops."""
 
 from __future__ import annotations
 
@@ -26,19 +26,21 @@ from signorini.results.path_stop import PathStop, Switched, path_stops
 _SAME = 1e-6
 """Relative tolerance for equal deflections, relative to the largest, and for equal work."""
 _MOVED = 1e-9
-"""Part of the magnitudes that a work is made of which the rounding of t brings where a plate moves on its own."""
+"""Rounding of t, relative to the load, where the plate moves freely: it changes the work by this part of the work's
+magnitude.
+"""
 _AT = 1e-12
-"""Rounding of the t of an event, over t: as much of the loads that are added is there where their sum vanishes."""
+"""Relative rounding error of t at an event. Where start and t·add cancel, this part of each remains as a load."""
 _SAMPLES = 11
-"""Parts of a path at whose ends it is compared with direct solutions."""
+"""Number of parts into which the stops are divided; direct solutions check the stop at each end of a part."""
 
 
 def confirmed(
     problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stops: Sequence[PathStop], watcher: Watcher
 ) -> int:
-    """How many stops, from the first, direct solutions confirm: at the first, the last and some between.
+    """Number of stops, from the first, that direct solutions confirm.
 
-    Where one says otherwise the first that does so is searched for by halving.
+    Up to 12 stops are checked. If one fails, halving finds the first stop that fails.
     """
     last, agreed = len(stops) - 1, -1
     for k in sorted({round(i * last / _SAMPLES) for i in range(_SAMPLES + 1)} if stops else ()):
@@ -76,18 +78,20 @@ def agrees(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], stop: Path
 
 
 _LOST = 1e-6
-"""Relative tolerance for the resultant of reactions: paths decide by smaller differences than single answers."""
+"""Largest relative error of the resultant of reactions on a path, which depends on smaller differences than a single
+answer.
+"""
 _TURNS = 1e-9
-"""Relative tolerance for the sign of a reaction, relative to the largest, and for simultaneous events, relative to a
-segment."""
+"""Relative tolerance: for the sign of a reaction, relative to the largest reaction; for simultaneous events, relative
+to the segment between two stops."""
 _AT_ONCE = 64
 _NUMBERS = 500_000
-"""Displacements of the stops that are judged together: arrays of 4 MB."""
+"""Largest number of stops that are certified together, and of dofs of all their displacements (arrays of 4 MB)."""
 
 
 @dataclass(eq=False)
 class PathJudge:
-    """Collects the answers of a path."""
+    """Collects and certifies the answers of a path."""
 
     problem: ContactProblem
     loads: tuple[CaseLoad, CaseLoad]
@@ -96,9 +100,9 @@ class PathJudge:
     certificates: list[Certificate] = field(default_factory=list)
     """Certificates of the judged answers, up to the first failure."""
     doubts: list[int] = field(default_factory=list)
-    """Numbers of stops up to the next of which more answers than one may be right."""
+    """Numbers of the stops after which, up to the next stop, the answer may not be unique."""
     first: Pieces | None = None
-    """(m,): pieces of the laws from t = 0 on."""
+    """(m,): pieces of the points' laws at t = 0 and until the first event."""
     _waiting: list[tuple[float, Ints, Answer]] = field(default_factory=list)
     _before: tuple[float, Answer] | None = None
     _last: tuple[float, Answer] | None = None
@@ -120,7 +124,7 @@ class PathJudge:
             self.judge()
 
     def _turns(self, t: float, answer: Answer) -> Iterator[tuple[float, Ints, Answer]]:
-        """Stops on the way to the answer at t at which supports share a reaction otherwise, since its sign changes."""
+        """Yield stops before the answer at t at which the reaction of a dependent support changes its sign."""
         discretisation = self.problem.discretisation
         if self._last is None or self._last[0] == t or not discretisation.shared:
             return
@@ -139,7 +143,7 @@ class PathJudge:
                 yield turn, np.zeros(0, np.int64), Answer.of(discretisation, solution)
 
     def judge(self) -> None:
-        """Judge those that wait."""
+        """Certify the answers that wait, and store them as stops."""
         if not self._waiting:
             return
         result, waiting, self._waiting = self.problem.discretisation, self._waiting, []
@@ -187,7 +191,7 @@ class PathJudge:
             raise NotCertifiedError
 
     def _doubtful(self, at: list[float], answers: list[Answer]) -> Bools:
-        """Whether the answer may not be unique between each t and the t before it (k,)."""
+        """Mask (k,): whether the answer may not be unique between each t and the previous t."""
         chain = [*([] if self._before is None else [self._before]), *zip(at, answers, strict=True)]
         doubts = np.zeros(len(chain), np.bool_)
         apart = [row for row in range(1, len(chain)) if chain[row - 1][0] < chain[row][0]]
@@ -200,7 +204,7 @@ class PathJudge:
         return doubts[len(chain) - len(at) :]
 
     def _least(self, t: float, load: CaseLoad, answer: Answer, before: Answer | None) -> Answer:
-        """The least of the answers at t that connect the previous answer to the next one."""
+        """Return the least-norm answer at t, held by the points that push just before or after t."""
 
         def elsewhere() -> Iterator[Floats]:
             if before is not None:
@@ -214,7 +218,7 @@ class PathJudge:
 def exact_path(
     problem: ContactProblem, path: PathLoads, until: float | None, asked: tuple[Threshold, ...], watcher: Watcher
 ) -> ExactPath:
-    """Follow every contact point."""
+    """Follow every contact point, by each method in turn until one succeeds."""
     discretisation = problem.discretisation
     traced: ExactPath | None = None
     for other_problem in posed_for_methods(problem):
@@ -234,7 +238,7 @@ def exact_path(
 def _trace(
     problem: ContactProblem, direct: ContactProblem, path: PathLoads, until: float | None, watcher: Watcher
 ) -> ExactPath | None:
-    """Follow the path by one method, as far as its answers are certified and confirmed; None if not at all."""
+    """Follow the path by one method, as far as answers are certified and confirmed; None if the start fails."""
     result, loads, limits = problem.discretisation, path.loads, path.limits
     judge, at = PathJudge(problem, loads), list[float]()
     method = WORDS[problem.method]

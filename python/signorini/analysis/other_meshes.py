@@ -1,4 +1,4 @@
-"""The plate on other meshes, each factored once, and half-widths of a table from the same table on these."""
+"""Solve the plate on other meshes, with one factorization each, and compute half-widths of a table by comparison."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ from signorini.singularities.singularity import Singularity
 
 _T = TypeVar("_T")
 _OTHERS = 2
-"""Meshes beside a plate's own that show how a number converges."""
+"""Number of other meshes with which a result is compared."""
 _OTHER = 0.5
-"""Smallest |log₂| of the ratio of element counts of two compared meshes; it is 2 at twice the element size."""
+"""Smallest |log₂(n₁/n₂)| of the element counts of two compared meshes; it is 2 at twice the element size."""
 
 
 class _SameMeshError(SignoriniError):
@@ -47,35 +47,35 @@ class _SameMeshError(SignoriniError):
 
 @dataclass(eq=False)
 class OtherMeshes:
-    """The same model on other meshes."""
+    """Solves a model on meshes other than its own."""
 
     model: Model
     mesh: Mesh
-    """The mesh that others are compared with."""
+    """The model's own mesh, with which other meshes are compared."""
     watcher: Watcher
     """Called with a `Progress`. An exception in it ends the solution and reaches the caller."""
     seconds: float = math.nan
-    """Seconds of the solution on the own mesh, over all calls of `solved`."""
+    """Seconds of the solution on the model's own mesh, for all calls of `solved` together."""
     calls: int = 1
-    """How often something is solved."""
+    """Number of calls of `solved` that are expected."""
     _begun: float = field(default_factory=time.monotonic)
     _done: tuple[float, float] = (0.0, 0.0)
-    """Work done, over that of one call on the mesh itself, and the seconds since the beginning then."""
+    """Completed work, as a multiple of one call on the own mesh, and the seconds that it took."""
     _problems: dict[str, ContactProblem] = field(default_factory=dict)
 
     def solved(self, solve: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
-        """Solve something on one or two other meshes, and say why where one fails."""
+        """Call ``solve`` on one or two other meshes; return its values, and the reason if there are less than two."""
         return self._first(meshes_beside(self.model, self.mesh), solve, "a finer mesh would take too long.")
 
     def solved_for_path(self, solve: Callable[[ContactProblem, Watcher], _T]) -> tuple[list[_T], str]:
-        """Solve something on one or two meshes that a path is compared with, and say why where one fails."""
+        """Call ``solve`` on one or two other meshes for a path, like `solved`."""
         pairs = [pair] if (pair := meshes_beside_path(self.model, self.mesh)) else []
         return self._first(pairs, solve, "this mesh cannot be coarsened.")
 
     def _first(
         self, pairs: Iterable[tuple[OtherMesh, ...]], solve: Callable[[ContactProblem, Watcher], _T], none: str
     ) -> tuple[list[_T], str]:
-        """Solve something on the first meshes of which one can be solved."""
+        """Call ``solve`` on the first pair of meshes of which at least one can be solved."""
         whys: list[str] = []
         failed: list[str] = []
         for pair in pairs:
@@ -103,9 +103,10 @@ class OtherMeshes:
         number: int,
         beside: Iterable[str] = (),
     ) -> _T:
-        """Solve something on another mesh, unless it is much like the plate's own or one of those beside it.
+        """Call ``solve`` on another mesh, unless another known mesh has about as many elements.
 
-        ``number`` counts the meshes of the run from 1, of which the plate's own is the first.
+        Known are the own mesh and those in ``beside``. ``number`` is the mesh's number in progress reports; the own
+        mesh is 1.
         """
         total = self.calls * sum(one.work for one in pair)
 
@@ -115,7 +116,7 @@ class OtherMeshes:
 
         if other.words not in self._problems:
             watch(Progress(stage="mesh"))
-            # The method that was asked for may be slow on a finer mesh; every certified answer is the same.
+            # The requested method may be slow on a finer mesh. Any method gives the same certified answer.
             solver = other.model.solver.model_copy(update={"method": "auto"})
             discretisation = discretise(other.model.varied(solver=solver), other.mesh)
             count, meshes = len(discretisation.mesh.elements), [self.mesh, *(self._problems[at].mesh for at in beside)]
@@ -129,14 +130,14 @@ class OtherMeshes:
         return result
 
     def _left(self, total: float) -> float:
-        """Seconds that are left, from those of the work that is done or, before any is, of the mesh itself."""
+        """Estimated seconds for the remaining work, from the speed of completed work or, at first, on the own mesh."""
         done, spent = self._done
         each = spent / done if done else self.seconds / self.calls
         return max(0.0, each * (total - done) - (time.monotonic() - self._begun - spent))
 
 
 def without(count: int, why: str) -> str:
-    """Say that half-widths come from less than the meshes that were to be compared, and why."""
+    """Warning that ``count`` other meshes (0 or 1) were compared, in place of two, and why."""
     what = (
         "No half-width (±) says how far the mesh is from the plate",
         "Half-widths (±) are widened, they come from one other mesh alone",
@@ -147,25 +148,25 @@ def without(count: int, why: str) -> str:
 
 ENDING = ":plus_minus"
 _TOGETHER = 4096
-"""Rows that are compared at once."""
+"""Number of rows that are compared at once."""
 
 
 @dataclass(frozen=True, eq=False)
 class EstimatedTable:
-    """The table on other meshes."""
+    """Half-widths of a table, from the same table on other meshes."""
 
     others: tuple[tuple[Combined, Mesh], ...]
-    """Empty where no other mesh could be solved."""
+    """Results and mesh of each other mesh; empty if none could be solved."""
     why: str
-    """Why that is; else empty."""
+    """Reason why meshes are missing; empty if two were solved."""
     widths: Mapping[str, Floats] = field(default_factory=dict)
-    """Half-widths (k,) of its columns, ``<column>:plus_minus``; none of a table that is in a file."""
+    """Half-widths (k,) of the columns, by ``<column>:plus_minus``; empty if the table is in a file."""
     picked: Mapping[tuple[str, int], float] = field(default_factory=dict)
-    """Half-widths of extremes in envelopes, by column and row, of a table in a file."""
+    """Half-widths of the extremes of envelopes, by column and row, if the table is in a file."""
 
     @classmethod
     def of(cls, results: Results, meshes: OtherMeshes, table: str | os.PathLike[str] | None) -> EstimatedTable:
-        """Solve on other meshes; a table in a file gains the half-widths of its columns."""
+        """Solve the table on other meshes and compare; half-widths are added to the columns of a table in a file."""
         files: list[Path] = []
 
         def solved(other: ContactProblem, watcher: Watcher) -> tuple[Combined, ContactProblem]:
@@ -203,7 +204,7 @@ class EstimatedTable:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Comparison of the rows of a table on several meshes."""
+    """Compares the rows of a table on several meshes."""
 
     discretisation: Discretisation
     layout: Layout
@@ -212,9 +213,9 @@ class _Rows:
     def widths(
         self, tables: Sequence[Mapping[str, Column]], combinations: Sequence[Combination]
     ) -> Mapping[str, Floats]:
-        """Half-widths (k,) of the columns, by their names with an ending; ``tables`` are in the order of the meshes.
+        """Half-widths (k,) of the columns, by ``<column>:plus_minus``; ``tables`` are in the order of the meshes.
 
-        NaN where a number has none, or a mesh no equilibrium.
+        They are NaN where a number has no half-width, or a mesh no equilibrium.
         """
         told = [one for one in self.layout.catalogue if one.quantity.kind != "count"]
         numbers: list[Number] = [one for one in told if all(one.column in table for table in tables)]
@@ -237,7 +238,7 @@ class _Rows:
         return {one.column + ENDING: width for one, width in zip(numbers, out, strict=True)}
 
     def _of_plate(self, plate: int, numbers: Sequence[Number]) -> tuple[Ints, list[Number]]:
-        """Return the places (k,) of one plate's numbers among ``numbers``, and the numbers by that plate's names."""
+        """Return indices (k,) in ``numbers`` of one plate's numbers, and these numbers by the plate's own names."""
         if not self.discretisation.plates:
             return np.arange(len(numbers)), list(numbers)
         own = [catalogue_of(one, self.layout.fields).in_tables for one in self.discretisation.each]
@@ -254,7 +255,7 @@ class _Rows:
     def _named(
         discretisation: Discretisation, combinations: Sequence[Combination]
     ) -> list[tuple[Sequence[Singularity], Bools]]:
-        """Singularities of the supports, and of every load case with the rows in which it acts."""
+        """Singularities of the supports, with a mask of all rows, and of each load case, with a mask of its rows."""
         acting = [one.acting for one in combinations]
         result: list[tuple[Sequence[Singularity], Bools]] = [
             (singularities_of(discretisation), np.ones(len(acting), np.bool_))
@@ -269,7 +270,7 @@ class _Rows:
 def _widen(
     table: Path, files: Sequence[Path], rows: _Rows, order: Sequence[int], combined: Combined
 ) -> Mapping[tuple[str, int], float]:
-    """Write half-widths into a table in a file; return those of extremes in envelopes."""
+    """Add columns of half-widths to a table in a file; return the half-widths of the extremes of envelopes."""
     # Only this function needs pyarrow.
     from signorini.formats.parquet import widen
 
@@ -291,7 +292,7 @@ def _widen(
 
 
 def _wanted(combined: Combined) -> Mapping[str, set[int]]:
-    """Rows of envelope extremes by column, and the rows of all bearings where one bearing governs."""
+    """Row numbers of envelope extremes, by column; for each bearing also the rows in which another bearing governs."""
     layout, result = combined.layout, dict[str, set[int]]()
     for envelope in (combined.envelope, *combined.groups.values()):
         of = envelope.values

@@ -40,47 +40,47 @@ def path(
     when: Sequence[str] = (),
     events: Literal["named", "all"] = "named",
 ) -> LoadPath:
-    """Follow start + t add from t = 0: states at samples of t, what supports do between them, where equilibrium ends.
+    """Follow the load start + t·add from t = 0: states at samples of t, events between them, the end of equilibrium.
 
-    Between samples the t of every named event is found: a point of a support at points opens or closes; a line or area
-    begins to open, has 75, 50 or 25 % of its true length or contact area, is all open, and the reverse as it closes.
-    What a support does and undoes between two samples is not seen.
+    Between samples the t of every named event is found. A point of a support opens or closes. A line or area begins to
+    open, has 75, 50 or 25 % of its length or area in contact, or is fully open; the same in reverse as it closes. An
+    event that is undone before the next sample is not found.
 
     Parameters
     ----------
     model : Model
     start : str or None
-        Name of a load case or combination; of two with one name the case is meant. None begins without load.
+        Load at t = 0: name of a load case or, without such a case, of a combination; None for no load.
     add : str
-        Name of the load that grows.
+        Load that grows: name of a load case or combination.
     until : float, optional
-        The largest t wanted; by default the end of equilibrium or, where it does not end, the power of 2 after the
-        last named event; with ``at`` the largest of these.
+        Largest t; by default the largest in ``at`` or the end of equilibrium. If equilibrium does not end, the default
+        is the power of 2 after the last named event.
     progress : callable, optional
-        Called with a `Progress` as meshing and factoring begin and by every solve. What it raises ends the path, and
-        reaches the caller; but a KeyboardInterrupt after the state at t = 0 gives the path as far as it came.
+        Called with a `Progress` before meshing and factoring and in every solve. An exception in it ends the path and
+        reaches the caller; but after t = 0 a KeyboardInterrupt returns the path up to there.
     steps : int, optional
-        How many evenly spaced t are solved beside t = 0; by default 50.
+        Number of evenly spaced t > 0 that are solved; by default 50.
     at : sequence of float, optional
         The t to solve, in place of ``steps``.
     when : sequence of str
-        Thresholds to find, such as ``"bolts[1].reaction = -203e3"``: any result of a stop that has a name.
+        Thresholds to find: a named result of a stop and its value, such as ``"bolts[1].reaction = -203e3"``.
     events : {"named", "all"}
-        "all" follows every contact point from event to event instead, exactly, without half-widths.
+        "all" follows every contact point exactly from event to event, in place of samples; it gives no half-widths.
 
     Returns
     -------
     LoadPath
-        With "all" an `ExactPath`.
+        The states and events; an `ExactPath` if ``events`` is "all".
 
     Raises
     ------
     InputError
-        If the model says something that cannot be, or has no such case, combination or quantity.
+        If the model is contradictory, or has no such case, combination or quantity.
     NoEquilibriumError
         If the start has no equilibrium.
     NotCertifiedError
-        If the start was not solved.
+        If no method solves the start.
 
     Examples
     --------
@@ -144,7 +144,7 @@ def path(
 
 
 def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int | list[float]:
-    """How many t are solved, or which, in rising order."""
+    """Number of samples, or the t to be solved in rising order."""
     if events == "all" and (steps is not None or at is not None):
         raise InputError('events="all" stops at every event; leave out steps and at.', place="events")
     if at is None:
@@ -156,7 +156,7 @@ def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int 
         raise InputError("both steps and at are given; give one of them.", place="at")
     if isinstance(at, str) or not isinstance(at, Iterable):
         raise InputError(f"found {at!r}; it must be a list of numbers greater than 0.", place="at")
-    # At t = 0 there is a stop anyway.
+    # t = 0 is always solved.
     result = sorted({_factor(t, "at") for t in at if t != 0})
     if not 1 <= len(result) <= _MOST_STEPS:
         raise InputError(f"found {len(result)} numbers beside 0; there must be 1 to {_MOST_STEPS}.", place="at")
@@ -164,7 +164,7 @@ def _samples(steps: int | None, at: Sequence[float] | None, events: str) -> int 
 
 
 def _factor(value: object, place: str) -> float:
-    """A t that can be asked for."""
+    """Validate a t: finite and greater than 0."""
     t = arguments.number(value, place)
     if not 0 < t < np.inf:
         raise InputError(f"found {t:g}; it must be a finite number greater than 0.", place=place)

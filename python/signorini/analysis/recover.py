@@ -1,4 +1,4 @@
-"""From reactions that somebody else found to a certified result."""
+"""Compute a certified result from given reactions."""
 
 from __future__ import annotations
 
@@ -27,44 +27,44 @@ if TYPE_CHECKING:
 _S = TypeVar("_S", Bools, Pieces)
 _T = TypeVar("_T")
 _ACCURATE = 1e-6
-"""Largest error of given reactions against those of their contact state, relative to the largest reaction or load: the
-remaining error of an iteration."""
+"""Largest error of given reactions, relative to the largest reaction or load. It allows for the error of an iterative
+solver."""
 _NONE = (1e-13, TOLERANCE)
-"""Reactions that count as zero, relative to the same size: first rounding of exact reactions, then the tolerance of the
-certificate.
+"""Reactions that count as zero, relative to the largest reaction or load. The first allows for rounding; the second,
+tried if the first fails, is the tolerance of the certificate.
 """
 _NOT = "These reactions are not the answer: "
 _OWN = "own load"
-"""Name of a load that is no combination."""
+"""Name of a load given as an array."""
 
 
 @checked
 def recover(problem: ContactProblem | RowProblem, load: str | ArrayLike, reactions: ArrayLike) -> Result:
-    """Certify reactions, however they were found, and recover the plate that they belong to.
+    """Certify given reactions, and compute the plate's displacements and results.
 
-    They say which points push; the plate is solved for on these, refined and certified. So reactions may miss by a
-    millionth of the largest of them, or of the largest nodal load; those of the result are exact to rounding.
+    Only the contact state is taken from the reactions: the plate is solved on it, refined and certified. So given
+    reactions may be wrong by 10⁻⁶ of the largest reaction or nodal load; those of the result are exact to rounding.
 
     Parameters
     ----------
     problem : ContactProblem or RowProblem
     load : str or (3n,) array_like
-        Name of a combination, or nodal forces and couples of one's own.
+        Name of a combination, or nodal forces and couples.
     reactions : (m,) or (m + r,) array_like
-        λ of the paper's (27) of every row of ``problem.G``: positive where it pushes the way it resists.
-        Those of two-sided rows may be NaN where they are not known, as by an LCP that has eliminated them.
+        λ of the paper's (27), for each row of ``problem.G``; positive in the direction that the support resists.
+        Two-sided rows that an LCP has eliminated may have NaN.
 
     Returns
     -------
     Result
-        Whose ``method`` is "given". Reactions of rows of one's own are among its loads.
+        Result with ``method`` "given". Reactions of rows added by the caller count as its loads.
 
     Raises
     ------
     InputError
         If shapes or numbers are wrong, or there is no combination of that name.
     NotCertifiedError
-        If these reactions are not the answer; it says what is wrong with them.
+        If these reactions are not the answer; the message gives the difference.
 
     Examples
     --------
@@ -109,7 +109,7 @@ def _load(discretisation: Discretisation, load: str | ArrayLike) -> tuple[str, C
 
 
 def _beside(load: CaseLoad, pushed: Floats) -> CaseLoad:
-    """Subtract the nodal forces of own rows (3n,) from a load."""
+    """Subtract the nodal forces (3n,) of the caller's rows from a load."""
     nodal = load.nodal - pushed
     return replace(load, nodal=nodal, weighing=nodal if load.all_weighs else load.weighing - pushed)
 
@@ -149,7 +149,7 @@ def _recover(problem: ContactProblem, name: str, load: CaseLoad, given: Floats) 
 
 
 def _first(on: Callable[[_S], _T], sets: Sequence[_S]) -> _T:
-    """Return the result for the first contact state that is certified."""
+    """Return the result of the first contact state in ``sets`` that is certified."""
     try:
         return on(sets[0])
     except NotCertifiedError:
@@ -166,7 +166,7 @@ def _row(problem: ContactProblem | RowProblem, row: int) -> str:
 def _require_same(
     problem: ContactProblem | RowProblem, given: Floats, result: Floats, unit: Floats, size: float
 ) -> None:
-    """Refuse reactions that are not those on their own contact set, in units in which they can be compared."""
+    """Refuse given reactions that differ from those computed on their contact state, both divided by ``unit``."""
     missed = np.nan_to_num(np.abs(given - result)) / unit
     if missed.max(initial=0.0) > _ACCURATE * size:
         at = int(np.argmax(missed))
@@ -179,7 +179,7 @@ def _require_same(
 def _of_rows(problem: RowProblem, name: str, load: CaseLoad, given: Floats) -> Result:
     matrix, s = problem.dual(load.nodal)
     count = len(problem.problem.gaps)
-    # Own rows have arbitrary units. Reactions are compared times the root of the diagonal of P.
+    # The caller's rows have arbitrary units. So reactions are compared after multiplication with √diag(P).
     unit = 1.0 / np.sqrt(np.diag(matrix))
     size = float(max(np.nanmax(np.abs(given) / unit, initial=0.0), np.abs(s * unit).max(initial=0.0)))
 
@@ -196,7 +196,7 @@ def _of_rows(problem: RowProblem, name: str, load: CaseLoad, given: Floats) -> R
 
 
 def _require_open(problem: RowProblem, result: Result, own: Floats) -> None:
-    """Refuse displacements that pass a row of one's own, or leave one that pushes."""
+    """Refuse displacements that violate a row of the caller, or with which a pushing row has a gap."""
     count, values = len(problem.problem.gaps), problem.problem.discretisation
     slopes = values.held.from_global(result.rotation)
     moved = np.column_stack([result.deflection, slopes]).ravel()

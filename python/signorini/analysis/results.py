@@ -26,7 +26,7 @@ from signorini.results.result import Result
 from signorini.results.rows import Column
 
 _KEPT = 12
-"""Results computed when they were asked for that are kept: each has every field at every node."""
+"""Largest number of results computed on access that are cached; each has every field at every node."""
 
 
 @checked
@@ -38,15 +38,15 @@ class Results(States[str], Mapping[str, Result]):
     ----------
     problem : ContactProblem
     full : mapping of Result
-        Results that are there already: of every combination or, where these are rows of a table, of those that
-        ``output.fields`` asks for.
+        Results computed so far: all combinations or, if these are rows of a table, those named in
+        ``output.fields``.
     seconds : mapping of float
     refinement : tuple of Refined
-        The meshes on the way to an accuracy that was asked for, this one last; else none.
+        Meshes of the refinement to ``mesh.accuracy``, the present one last; empty without it.
     estimates : mapping of Estimate
-        With an accuracy, half-widths of the results that are there; else none.
+        With ``mesh.accuracy``, half-widths of the results in ``full``; else none.
     accuracy_warning : str
-        Why it is not reached, and what it would take.
+        Why ``mesh.accuracy`` is not reached, and the elements and memory that it needs; empty if it is reached.
 
     Examples
     --------
@@ -81,7 +81,7 @@ class Results(States[str], Mapping[str, Result]):
         Raises
         ------
         UnknownNameError
-            Which is a KeyError too, if there is none of that name.
+            If there is no combination of that name; it is also a KeyError.
         NotCertifiedError
             If it is solved now and its answer fails its certificate.
         """
@@ -89,7 +89,7 @@ class Results(States[str], Mapping[str, Result]):
         return self.full[name] if name in self.full else self._others[name]
 
     def __repr__(self) -> str:
-        """Name the first combinations; none is solved for it."""
+        """Name the first combinations, without solving any."""
         return f"Results({short(self._numbers)})"
 
     @cached_property
@@ -102,7 +102,7 @@ class Results(States[str], Mapping[str, Result]):
         Raises
         ------
         UnknownNameError
-            Which is a KeyError too, if there is none of that name.
+            If there is no combination of that name; it is also a KeyError.
         """
         return self._numbers[key_of(name, self._numbers, "combination", "This mapping of results")]
 
@@ -142,12 +142,12 @@ class Results(States[str], Mapping[str, Result]):
 
     @property
     def governing(self) -> tuple[str, ...]:
-        """Combinations with an extreme of some field, reaction or section, of each group if there are any."""
+        """Names of combinations with an extreme of a field, reaction or section, group by group if there are groups."""
         return tuple(map(self.key, self.combined.governing))
 
     @cached_property
     def table(self) -> Mapping[str, Column]:
-        """Every column by name, with a row a combination; where these are many they are solved again for it."""
+        """Columns of the table by name, with one row per combination; many combinations are solved again for it."""
         return rows_of(self.combined, self._combine)
 
     def _combine(self, sink: Sink | None) -> Combined:
@@ -158,10 +158,10 @@ class Results(States[str], Mapping[str, Result]):
 
     @cached_property
     def limits(self) -> Mapping[str, tuple[str, float] | None]:
-        """Distance of each combination from the end of equilibrium: a case, and the factor on its own that leads there.
+        """Nearest limit of equilibrium by combination: a load case, and the factor on its load that reaches the limit.
 
-        None if no case has one (`signorini.equilibrium.imbalance.nearest_limit`). Rows of a table are computed on
-        access.
+        None if no case has a limit (`signorini.equilibrium.imbalance.nearest_limit`). For rows of a table the limit is
+        computed on access.
         """
         result, freedom = self.discretisation, self.problem.freedom
         limits = OnDemand(self._numbers, lambda name: nearest_limit(result, freedom, self._combination(name)))
@@ -169,16 +169,16 @@ class Results(States[str], Mapping[str, Result]):
 
     @property
     def unbalanced(self) -> Mapping[str, str]:
-        """Why combinations have no equilibrium, by name; of many the first."""
+        """Reasons why combinations have no equilibrium, by name, for the first 100."""
         return self.combined.unbalanced
 
     @property
     def unbalanced_count(self) -> int:
-        """How many combinations have no equilibrium."""
+        """Number of combinations without equilibrium."""
         return len(self) - self.combined.solved
 
     def to_dataframe(self) -> Any:
-        """Give ``table`` as a `pandas.DataFrame`, a row a combination; pandas must be installed.
+        """Return ``table`` as a `pandas.DataFrame` with one row per combination; pandas must be installed.
 
         Examples
         --------
@@ -196,25 +196,25 @@ class Results(States[str], Mapping[str, Result]):
         return dataframe(self.table, "combination")
 
     def to_xarray(self) -> Any:
-        """Give fields and reactions of all results in ``full`` as an `xarray.Dataset`; xarray must be installed.
+        """Return fields and reactions of all results in ``full`` as an `xarray.Dataset`; xarray must be installed.
 
-        Fields are by combination and node, reactions by combination and support.
+        Fields have dimensions combination and node, reactions combination and support.
         """
         return dataset(self.full)
 
     def to_pyvista(self) -> Any:
-        """Give all solved results in ``full`` as a `pyvista.MultiBlock` by combination; PyVista must be installed."""
+        """Return the solved results in ``full`` as a `pyvista.MultiBlock` by combination; PyVista must be installed."""
         blocks = {name: one.to_pyvista() for name, one in self.full.items() if one.status == "solved"}
         return package("pyvista").MultiBlock(blocks)
 
     @classmethod
     def alone(cls, result: Result) -> Self:
-        """The results that have this one alone, of one combination: the input is discretised again on its mesh.
+        """Make `Results` of one result alone; its model is discretised again on the same mesh.
 
         Raises
         ------
         InputError
-            If it is of one of several plates.
+            If the result is that of one of several plates.
         """
         if any(one.between for one in result.model.support) and not result.plates:
             raise InputError("found the result of one of several plates; take that of all plates.", place="results")
@@ -225,5 +225,5 @@ class Results(States[str], Mapping[str, Result]):
         return cls(unfactored(discretisation), {result.name: result}, {"total": result.seconds})
 
     def _repr_html_(self) -> str:
-        """Show the combinations in a notebook, of many those that have all results."""
+        """Show the results in ``full`` in a notebook."""
         return "".join(result._repr_html_() for result in self.full.values())

@@ -1,4 +1,4 @@
-"""Load paths by samples: certified states at given t, and between them named events and thresholds by root finding."""
+"""Sampled load paths: certified states at given t; root finding locates named events and thresholds between them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _AT_ROOT = 1e-7
 
 
 class Hit(NamedTuple):
-    """An event that was found."""
+    """An event or threshold that was found, and the state there."""
 
     watch: Watch
     state: State
@@ -34,7 +34,7 @@ class Hit(NamedTuple):
 
 @dataclass(eq=False)
 class SampledPath:
-    """Samples a path and stores the states that a path shows."""
+    """Solves samples of a path, and stores the stops to be shown."""
 
     sampler: Sampler
     stops: dict[float, PathStop] = field(default_factory=dict)
@@ -59,7 +59,8 @@ class SampledPath:
     def go_on(self, t: float, span: float, shown: bool) -> None:
         """Solve at t, and find the events since the last sample.
 
-        Points in contact without force have no side. So supports are watched as soon as the plate carries load.
+        Without load, points in contact have no force, so it is undefined which of them open. Hence events are sought
+        from the first loaded sample on.
         """
         before, sampler = self.last, self.sampler
         after = sampler.state(t, before)
@@ -96,7 +97,7 @@ class SampledPath:
             closed = float(np.mean(own > rest if hit.opening else own >= -rest))
             x, y = SupportPoints.of(result, index).positions[hit.watch.number % count].tolist()
             at = x, y
-            # The closed part after the event, free of the rounding at the stop.
+            # Use the part in contact after the event: rounding at the stop itself may count points wrongly.
             self.stops[state.t] = self.stops[state.t].with_part(index, closed, count)
         elif change in ("begins to open", "begins to close", "yields", "stops yielding"):
             at = first_place(result, index, state.answer, change)
@@ -113,7 +114,7 @@ class SampledPath:
         )
 
     def result(self, ending: Ending, interrupted: bool) -> LoadPath:
-        """Return the path."""
+        """Return the path with its stops and events in order of t."""
         sampler = self.sampler
         at = sorted(self.stops)
         rows = {t: row for row, t in enumerate(at)}
@@ -142,7 +143,7 @@ def sampled_path(
     try:
         length, ends = _end(sampler, until if isinstance(samples, int) else until or max(samples), whole.last)
         limited = ends == "no_equilibrium"
-        # At the limit itself no contact set holds the plate.
+        # At the limit of equilibrium the plate can move on every contact state, so the last sample is just before it.
         end = length * (1 - AT_LIMIT) if limited else length
         at = [length * k / samples for k in range(1, samples)] if isinstance(samples, int) else samples
         shown = {*(t for t in at if t < end), end}

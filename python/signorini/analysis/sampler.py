@@ -1,4 +1,4 @@
-"""Certified states along a load path: its loads, the roots of functions of the states, and its last event."""
+"""Certified states along a load path, roots of functions of these states, and the last named event."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ from signorini.results.path_stop import PathStop, Switched, path_stops
 from signorini.results.support_points import Scales
 
 _NAMED = 10_000
-"""Combinations among which a message looks for one that was meant."""
+"""Largest number of combinations that are searched for a similar name for an error message."""
 
 
 @dataclass(frozen=True, eq=False)
 class PathLoads:
-    """Start + t add on one mesh."""
+    """The load start + t·add on one mesh."""
 
     names: tuple[str | None, str]
     loads: tuple[CaseLoad, CaseLoad]
     """Load at t = 0 and load that grows."""
     limits: tuple[float, float]
-    """The largest t at which reactions on the supports' outlines balance the load, and at the points of the
-    mesh."""
+    """Largest t with equilibrium: for reactions anywhere on the supports' outlines, and for reactions at the points of
+    the mesh."""
 
     @classmethod
     def of(cls, problem: ContactProblem, start: str | None, add: str) -> PathLoads:
@@ -70,11 +70,11 @@ class PathLoads:
 
     @property
     def end(self) -> float:
-        """The smaller limit."""
+        """The smaller of the two ``limits``."""
         return float(np.fmin(*self.limits))
 
     def at(self, t: float) -> CaseLoad:
-        """The load at some t."""
+        """Return the load at t."""
         return self.loads[0] + t * self.loads[1]
 
 
@@ -95,16 +95,16 @@ def load_named(discretisation: Discretisation, name: str | None, argument: str) 
 
 @dataclass(eq=False)
 class State:
-    """A certified answer at some t, with its numbers."""
+    """Certified answer at t, its stop of the path, and margins of the supports."""
 
     t: float
     answer: Answer
     certificate: Certificate
     stop: PathStop
     margins: list[Floats]
-    """By support, in the order of the model."""
+    """Margins of each support, in the order of the model's supports."""
     own: bool
-    """Whether the problem's own method found it, so that it can begin with it again."""
+    """Whether the method of the problem found the answer, so that the method can start from it."""
 
 
 class Watch(NamedTuple):
@@ -117,7 +117,7 @@ class Watch(NamedTuple):
 
 @dataclass(eq=False)
 class Sampler:
-    """Solves a problem along its path, each time from the answer before."""
+    """Solves a problem at values of t, each time starting from a known state nearby."""
 
     problem: ContactProblem
     path: PathLoads
@@ -127,11 +127,11 @@ class Sampler:
     watched: tuple[bool, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        """See which supports can let go."""
+        """Find the supports that can open or yield."""
         self.watched = tuple(can_let_go(support) for support in self.problem.discretisation.model.support)
 
     def state(self, t: float, near: State | None = None) -> State:
-        """Solve at some t, from a state near it if there is one."""
+        """Solve at t; ``near`` is a state to start from, or None."""
         result, load, made_of = self.problem.discretisation, self.path.at(t), beside(self.path.loads, t)
         start = near.answer if near is not None and near.own and near.answer.solution is not None else None
 
@@ -145,7 +145,7 @@ class Sampler:
                 f"The contact problem at t = {t:g} has no answer that could be certified. {uncertain(result)}"
             )
         if self.scales is None or (near is not None and near.t == 0 and not self.path.loads[0].nodal.any()):
-            # Without load there are no other states to compare with.
+            # A start without load has no scales; they are taken from the first loaded state.
             self.scales = Scales.of(answer)
         (stop,) = path_stops(result, [t], [load], [np.zeros(0, np.int64)], [Switched()], [answer])
         of_supports = [
@@ -156,7 +156,7 @@ class Sampler:
         return State(t, answer, certificate, stop, of_supports, own)
 
     def value(self, state: State, watch: Watch) -> float:
-        """The function of a watch."""
+        """Value of the function of a watch at a state."""
         if watch.support is not None:
             return float(state.margins[watch.support][watch.number])
         threshold = self.asked[watch.number]
@@ -170,7 +170,7 @@ class Sampler:
         return support.area is None or watch.number not in range(1, len(LEVELS) - 1)
 
     def changed(self, before: State, after: State) -> list[Watch]:
-        """Which functions have another sign at the end of a stretch than at its beginning."""
+        """Watches whose functions have different signs at the two states."""
         result = [
             Watch(index, int(number))
             for index, (one, other) in enumerate(zip(before.margins, after.margins, strict=True))
@@ -187,14 +187,15 @@ LINEAR, SMOOTH = 1e-9, 1e-6
 """Tolerance of the t of an event, relative to the length of the path: for functions that are linear in t between
 events, and for contact areas and pressures."""
 _MOST_STEPS = 100
-"""Solves for one event; halving alone takes 30."""
+"""Largest number of solves for one event; bisection alone takes 30."""
 
 
 def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span: float) -> State:
-    """The state at which the sign of a function changes first from a t on, among known states, which gain those solved.
+    """State at the first sign change of a function after t = ``begin``, within the tolerance.
 
-    Secants of the two states nearest on one side, which are exact on one contact set, within a bracket that is
-    halved where they do not lead on.
+    ``known`` are states in rising t that bracket the sign change; solved states are added. Secants are used, through
+    two states on one side, where they are exact while the contact state is constant. If they converge slowly, the
+    bracket is halved.
     """
     signs = [sampler.value(state, watch) >= 0 for state in known]
     row = next(row for row, state in enumerate(known) if state.t >= begin and signs[row] != signs[row + 1])
@@ -209,7 +210,7 @@ def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span:
         for end, value, other in ((low, at_low, below), (high, at_high, above)):
             if other is None or other.t == end.t:
                 continue
-            # The slope can differ on both sides of a root: forces on one side, gaps on the other.
+            # The slope can differ on both sides of a root: the function is a force on one side, a gap on the other.
             slope = min(abs(at_high - at_low) / width, abs(value - sampler.value(other, watch)) / abs(end.t - other.t))
             if abs(value) <= slope * tolerance:
                 return end
@@ -230,7 +231,7 @@ def root(sampler: Sampler, watch: Watch, known: list[State], begin: float, span:
 
 
 def _guess(sampler: Sampler, watch: Watch, states: tuple[State | None, State, State, State | None]) -> float:
-    """Where lines through two states each come to zero within the bracket: of one contact set before others."""
+    """Zero of a line through two states, within the bracket; states with one contact state are preferred."""
     below, low, high, above = states
     guesses = []
     for one, other in ((low, high), (below, low), (high, above)):
@@ -267,7 +268,7 @@ def last_change(sampler: Sampler, begin: State) -> float:
     if not changes or changes[-1] > 1 or len(states) == 2:
         return states[changes[-1] if changes else 1].t
     first, above = states[1:3]
-    # Down to t = 0 the pieces hold, or an event is passed.
+    # Search backward until the pieces are unchanged down to t = 0, or an event lies between.
     while (line := kept(sampler, first, above)) is None or line[0] > 0:
         before = sampler.state(0.5 * _power_beyond(min(line[0] if line else first.t, 0.75 * first.t)), first)
         if sampler.changed(before, first):
@@ -290,11 +291,11 @@ def kept(sampler: Sampler, one: State, other: State) -> tuple[float, float] | No
     apart = may & (np.maximum(np.abs(first.gap), np.abs(second.gap)) > length)
     if (pressed & (apart | (np.minimum(*within) < -force))).any():
         return None
-    # The change of a gap that is much larger than the opening is rounding.
+    # A gap whose change is much larger than the gap itself has changed by rounding alone.
     opening = -(result.contact_rows @ moved)
     presses_otherwise = (np.abs(change) > least_change) | (contacts.compliance * np.abs(change) > least_way)
     begin, end = 0.0, math.inf
-    # At a limit that pushes, the distance is the travel.
+    # At a limit that pushes, the gap opens in the opposite direction.
     beyond = np.where(first.reaction > 0.0, -opening, opening)
     ends = pressed & presses_otherwise
     for counts, value, rate in (
@@ -320,5 +321,5 @@ def _nothing(
 
 
 def _power_beyond(t: float) -> float:
-    """The least power of 2 that is larger."""
+    """Smallest power of 2 that is larger than t."""
     return math.ldexp(1.0, math.frexp(t)[1])

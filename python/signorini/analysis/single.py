@@ -1,4 +1,4 @@
-"""Combinations solved: one by itself, several side by side, all as rows of a table."""
+"""Solve combinations: one by itself, several side by side, or all as rows of a table."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ from signorini.results.rows import Column, together
 def solve_one(problem: ContactProblem, combination: Combination, progress: Watcher | None = None) -> Result:
     """Solve one combination by itself.
 
-    An answer that fails its certificate is refused by `NotCertifiedError`.
+    Raises `NotCertifiedError` if the answer fails its certificate.
     """
     made_by(problem, ContactProblem, "Make one with signorini.contact_problem(model).", "problem")
     return timed(problem, combination, watching(progress, "progress"))[0]
 
 
 def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -> tuple[Result, float]:
-    """One combination, and the seconds its contact problem took."""
+    """Result of one combination, and the seconds that its contact problem took."""
     discretisation = problem.discretisation
     load = discretisation.load(combination)
 
@@ -57,7 +57,7 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
     tried = answered(problem, load, steps_of(combination.name, watcher))
     spent = time.perf_counter() - begun
     if tried.contradiction:
-        # Reactions that balance the load exist, so it is the gaps that cannot be (docs/theory.md, section 5).
+        # Some reactions balance the load, so the gaps contradict each other (docs/theory.md, section 5).
         return unsolved_result(discretisation, combination, CONTRADICTION), spent
     if tried.certificate is None:
         raise NotCertifiedError(
@@ -71,9 +71,9 @@ def timed(problem: ContactProblem, combination: Combination, watcher: Watcher) -
 
 _MOST = 64
 _MOST_NUMBERS = 4_000_000
-"""Combinations, and numbers of theirs, that are in memory at once."""
+"""Largest number of combinations in one batch, and of numbers stored for them."""
 _FEWEST = 8
-"""Combinations for which the factor is read together."""
+"""Smallest number of combinations in one batch; it shares each pass through the factor."""
 
 
 def solve_several(
@@ -109,7 +109,7 @@ def _solve(
     discretisation = problem.discretisation
 
     def surely_balanced(load: CaseLoad) -> bool:
-        """Whether it does no work in any motion that the supports allow, so that reactions balance it."""
+        """Whether the load does no work on any motion that the supports allow, so that reactions balance it."""
         if rays is None:
             return imbalance(discretisation, problem.freedom, load.weighing) is None
         work = work_of(discretisation, problem.freedom, load.weighing) if problem.freedom.count else np.zeros(0)
@@ -139,7 +139,7 @@ def _solve(
 
 
 def mean_load(discretisation: Discretisation) -> Floats:
-    """The mean of all combinations (3n,), whatever their order."""
+    """Mean nodal load (3n,) of all combinations; it does not depend on their order."""
     combinations = discretisation.model.effective_combinations
     factors: dict[str, list[float]] = {}
     for combination in combinations:
@@ -150,11 +150,11 @@ def mean_load(discretisation: Discretisation) -> Floats:
 
 
 _REASONS = 5
-"""Combinations without equilibrium that a message names where none has one."""
+"""Largest number of combinations without equilibrium that a message names if no combination has one."""
 
 
 def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = None) -> Combined:
-    """Solve every combination as a row."""
+    """Solve every combination as a row of a table."""
 
     def show(step: int, changing: int, residual: float) -> None:
         watcher(Progress("the mean", step, changing, residual, method=WORDS[problem.method]))
@@ -175,7 +175,7 @@ def solve_rows(problem: ContactProblem, watcher: Watcher, sink: Sink | None = No
 
 
 def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathLike[str] | None) -> Combined:
-    """Solve every combination as a row, written to the table if there is one."""
+    """Solve every combination as a row of a table, and write the rows to the file ``table`` unless it is None."""
     if table is None:
         return _any_solved(solve_rows(problem, watcher))
     # Only this function needs pyarrow.
@@ -191,7 +191,7 @@ def solve_table(problem: ContactProblem, watcher: Watcher, table: str | os.PathL
 
 
 def _any_solved(combined: Combined) -> Combined:
-    """Refuse combinations of which none has an equilibrium."""
+    """Return the combinations; raise an error if none of them has an equilibrium."""
     if not combined.solved:
         reasons = "\n".join(f"{name}: {message}" for name, message in list(combined.unbalanced.items())[:_REASONS])
         raise NoEquilibriumError(
@@ -201,7 +201,7 @@ def _any_solved(combined: Combined) -> Combined:
 
 
 def rows_of(combined: Combined, again: Callable[[Sink], object]) -> Mapping[str, Column]:
-    """The columns of all rows; where they were too many to be kept they are solved again."""
+    """Return the columns of all rows; if they were too large to be stored, ``again`` solves them again."""
     if combined.rows is not None:
         return combined.rows
     blocks = list[list[tuple[str, Column]]]()

@@ -1,4 +1,4 @@
-"""From a model to certified results, one for each combination."""
+"""Solve a model: a certified result for each of its combinations."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ from signorini.results.result import Result
 def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLike[str] | None = None) -> Results:
     """Solve a model for each of its combinations.
 
-    A combination whose load no reactions can balance gets a result with status "no_equilibrium", NaN for every number,
-    and the reason in ``message``; the others are solved.
+    If no reactions balance a combination, its result has status "no_equilibrium", NaN for every number, and the reason
+    in ``message``; the others are solved.
 
-    More than a few combinations, or where ``output.combinations`` is "table", are solved as rows of a table, without
-    their fields; these are computed for those that ``output.fields`` asks for, and for others when they are asked for.
+    Many combinations, or any number if ``output.combinations`` is "table", are solved as rows of a table, without
+    fields. Fields are computed for the combinations in ``output.fields``, and for others on access.
 
     Parameters
     ----------
     model : Model
     progress : callable, optional
-        Called with a `Progress` before meshing and factoring, as every combination begins, after every step of its
-        active set, and at the end of every mesh on the way to an accuracy. What it raises ends the solve and reaches
-        the caller.
+        Called with a `Progress` before meshing and factoring, at the start of every combination, after every step of
+        its active set, and at the end of every mesh of a refinement. An exception in it ends the solve and reaches the
+        caller.
     table : path-like, optional
         A Parquet file to write the table to, whole or not at all; docs/results.md describes its columns. Nothing is
         written where every combination has all results.
@@ -53,7 +53,7 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
     Raises
     ------
     InputError
-        If the model says something that cannot be, or the plate is a mechanism.
+        If the model is contradictory, or the plate is a mechanism.
     NoEquilibriumError
         If no combination has an equilibrium.
     NotCertifiedError
@@ -96,12 +96,12 @@ def solve(model: Model, progress: Watcher | None = None, table: str | os.PathLik
 
 
 def _refining(watcher: Watcher, before: str, now: Progress) -> object:
-    """Show the progress on a finer mesh, with the accuracy of the mesh before."""
+    """Report progress on a finer mesh, with the accuracy of the previous mesh."""
     return watcher(replace(now, reached=before))
 
 
 def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None) -> Results:
-    """Solve a model on its mesh."""
+    """Solve a model on one mesh, without refinement."""
     begun = time.perf_counter()
     watcher(Progress(stage="mesh"))
     discretisation = discretise(model)
@@ -126,13 +126,13 @@ def _solved(model: Model, watcher: Watcher, table: str | os.PathLike[str] | None
     seconds = {name: discretisation.seconds[name] for name in ("mesh", "assemble")}
     seconds |= {"order": part["order"], "factor": part["factor"], "contact": part["condense"] + contact}
     seconds |= {"recover": recover, "total": time.perf_counter() - begun}
-    # Without a table the results are complete. Their factor is dropped, since callers may keep many results.
+    # Without a table the results are complete. The factor is dropped, since callers may keep many results.
     kept = problem if combined is not None else problem.without_factor()
     return Results(kept, results, seconds, _combined=combined)
 
 
 def _with_all_results(model: Model, combined: Combined | None) -> Iterator[Combination]:
-    """The combinations of which every field is computed."""
+    """Yield the combinations for which every field is computed."""
     asked, combinations = model.output.fields, model.effective_combinations
     if combined is None or asked == "all":
         yield from combinations

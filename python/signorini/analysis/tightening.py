@@ -1,8 +1,8 @@
-"""Preloaded bolts, tightened and locked before other loads act: a settlement of each, found by solving.
+"""Bolts that are preloaded before other loads act: each preload becomes a settlement of the bolt.
 
-While a group of bolts is tightened, these bolts are forces on the plate. Bolts that were tightened before hold by their
-graphs. All other bolts are hand-tight: their force is 0. Then the graphs of the group are moved, so that each bolt
-has its force at the travel that it has. Nothing else knows of preloads: loads act on the moved graphs.
+Bolts are tightened in stages, each with a group of bolts. In its stage a group exerts its preload forces on the plate.
+Bolts tightened earlier follow their force–travel graphs; later bolts have no force. After the stage the graphs of the
+group are moved, so that each bolt has its preload at its present travel. Other modules see only moved graphs.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError
 
 @checked
 def tightened(problem: ContactProblem, combination: str) -> ContactProblem:
-    """Tighten the bolts of a combination: the problem that its load is then solved on.
+    """Tighten the bolts of a combination; return the problem on which the load of the combination is solved.
 
-    It shares the factor, and differs in its `gaps` alone. Without preloads it is the same problem.
+    The returned problem shares the factor and has other `gaps`. Without preloads it is the same problem.
 
     Parameters
     ----------
@@ -41,11 +41,11 @@ def tightened(problem: ContactProblem, combination: str) -> ContactProblem:
     Raises
     ------
     InputError
-        If there is none of that name.
+        If there is no combination of that name.
     NoEquilibriumError
         If no reactions balance the bolts while they are tightened.
     NotCertifiedError
-        If an answer on the way fails its certificate.
+        If the answer of a stage fails its certificate.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def tightened(problem: ContactProblem, combination: str) -> ContactProblem:
 
 
 def tightened_by(problem: ContactProblem, factors: Mapping[str, float], watcher: Watcher) -> ContactProblem:
-    """Tighten the bolts by factors of cases; the same bolts by the same factors once on a mesh."""
+    """Tighten the bolts, with preloads multiplied by factors of cases; equal factors on one mesh are computed once."""
     wanted = problem.discretisation.model.round_factors(factors)
     if wanted == problem.discretisation.tightening:
         return problem
@@ -91,7 +91,7 @@ def tightened_by(problem: ContactProblem, factors: Mapping[str, float], watcher:
 
 @kept
 def _done(discretisation: Discretisation) -> dict[tuple[float, ...], Discretisation]:
-    """Discretisations with their bolts tightened, by the factors of the rounds."""
+    """Cache of discretisations with tightened bolts, by the factors of the preloads."""
     return {}
 
 
@@ -111,14 +111,14 @@ def loosened(discretisation: Discretisation, tightening: tuple[float, ...]) -> s
 
 @dataclass(frozen=True, eq=False)
 class _Stage:
-    """Bolts that are tightened together: ``force`` (m,) are their reactions, ``there`` (m,) marks other points."""
+    """Bolts tightened together; ``force`` (m,): their reactions; ``there`` (m,): other supports and earlier bolts."""
 
     names: tuple[str, ...]
     force: Floats
     there: Bools
 
     def posed(self, base: Discretisation, distance: Floats) -> tuple[Discretisation, CaseLoad]:
-        """The plate without these bolts and later ones, its points at distances (m,); and their force on it."""
+        """Discretisation without these and later bolts, with gaps ``distance`` (m,), and the preloads as a load."""
         there = np.flatnonzero(self.there)
         contacts = replace(base.contacts, distance=distance).pick(there)
         repeated = replace(base.repeated, follows=base.repeated.follows[:, there])
@@ -137,7 +137,7 @@ class _Stage:
 
 
 def _stages(base: Discretisation, tightening: tuple[float, ...]) -> list[_Stage]:
-    """The stages of tightening, in their order: preloads by their order, then the groups of every table."""
+    """Return the stages in order: preloads of supports by their order, then the groups of each tightening table."""
     contacts, model, count = base.contacts, base.model, len(base.contacts)
     force = defaultdict[tuple[int, int], Floats](lambda: np.zeros(count))
     names = defaultdict[tuple[int, int], list[str]](list)
@@ -177,7 +177,7 @@ def _tighten(base: Discretisation, tightening: tuple[float, ...], watcher: Watch
             raise NotCertifiedError(refusal(stage.what, result, load, tried.answer, tried.certificate))
         if any(later.there.tobytes() == present for later in stages[number:]):
             factored[present] = problem
-        # After the last stage the graphs of bolts that no round tightens begin at the travel of the plate.
+        # After the last stage, bolts without a preload get a graph that starts at the present travel.
         now = np.flatnonzero(~stage.there if number == len(stages) else stage.force)
         points, force = contacts.pick(now), stage.force[now]
         preload[stage.there], preload[now] = tried.answer.reaction, force
@@ -196,7 +196,7 @@ def _tighten(base: Discretisation, tightening: tuple[float, ...], watcher: Watch
 
 
 def _first_travel(points: ContactPoints, force: Floats) -> Floats:
-    """The travel (k,) at which points first have a force (k,)."""
+    """Travel (k,) of least magnitude at which points have the force (k,)."""
     result = np.zeros(len(points))
     for law, at in points.by_law:
         low, high = law.travels(force[at] / points.scale[at])

@@ -9,10 +9,11 @@ Ints = npt.NDArray[np.int64]
 
 
 def components(count: int, start: Ints, end: Ints) -> Ints:
-    """Component numbers (count,) of the nodes of a graph with edges ``start``–``end`` (k,), by their first nodes.
+    """Component number (count,) of each node of a graph with edges ``start``–``end`` (k,).
 
-    Every node takes the lowest number of its neighbours, and then the number of that node, until no number changes.
-    `scipy.sparse.csgraph` gives the same, but its import takes longer.
+    Components are numbered in the order of their first nodes. Every node takes the lowest number of its neighbours, and
+    then the number of that node, until no number changes. `scipy.sparse.csgraph` gives the same, but its import takes
+    longer.
 
     Examples
     --------

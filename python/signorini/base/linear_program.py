@@ -48,7 +48,7 @@ def minimise_with_prices(
     bounds: tuple[_Floats | float, _Floats | float],
     tolerance: float = _FEASIBLE,
 ) -> tuple[_Floats, _Floats] | None:
-    """The x of `minimise`, and the dual values (m,) of the rows: derivatives of the cost by the bounds."""
+    """Return the x of `minimise`, and the dual values (m,) of the rows: derivatives of the cost by the row bounds."""
     import highspy
 
     class Quiet(highspy.Highs):

@@ -55,7 +55,7 @@ def needed_by_points(points: int) -> float:
 
 
 def fits(bytes_needed: float) -> bool:
-    """Whether this much memory is free."""
+    """Whether ``bytes_needed`` bytes of memory are free."""
     return bytes_needed <= available()
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 ROUNDING = 1e-10
-"""Relative tolerance for a displayed zero, relative to the largest number of its kind; certificates allow a
-hundredfold."""
+"""Relative tolerance for a displayed zero, relative to the largest number of its kind. Certificates tolerate a hundred
+times as much."""
 
 
 _LEAST = 4

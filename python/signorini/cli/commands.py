@@ -25,7 +25,7 @@ from signorini.errors import InputError, NoEquilibriumError, NotCertifiedError, 
 from signorini_command import ASKED
 
 _MAX_REASONS = 20
-"""Combinations without equilibrium whose reason is printed."""
+"""Largest number of combinations without equilibrium whose reason is printed."""
 _BEFORE_LIMIT = 0.999
 """Suggested end of a path, relative to the limit of equilibrium."""
 _OPTIONS = {
@@ -130,7 +130,7 @@ def solve(
         from signorini.output.writing import write_results
 
         if threads is not None:
-            # Read when the threads of Rust start, at their first use.
+            # Rust reads this variable when its threads start, at their first use.
             os.environ["RAYON_NUM_THREADS"] = str(threads)
         model = _loaded(file, no_error)
         directory = output if output is not None else file.with_name(f"{file.stem}-results")

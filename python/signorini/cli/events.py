@@ -14,9 +14,9 @@ from signorini.results.load_path import LoadPath
 
 _UNSETTLED = f"{UNKNOWN}: on the next mesh the event does not occur, or at a very different t"
 _MAX_EVENTS = 40
-"""Events that are printed; of more, the first and the last 20."""
+"""Largest number of events that are all printed; of more, the first and the last 20."""
 _MAX_INTERVALS = 3
-"""Intervals of t with a non-unique solution that are printed."""
+"""Largest number of intervals of t with a non-unique solution that are printed."""
 _MAX_COLUMNS = 6
 """Largest number of supports with columns of reactions; those of more supports are in path.csv only."""
 

@@ -42,7 +42,7 @@ Widths = Mapping[str, Any] | None
 """Half-widths of an envelope, as in results.json; None without half-widths."""
 
 _MAX_NAMED = 5
-"""Combinations without equilibrium that are named; the others are in the files."""
+"""Largest number of combinations without equilibrium that are named; the others are in the files."""
 _MAX_PROBES = 6
 """Largest number of probes whose extremes are listed, eight rows each."""
 _MAX_LISTED, _MAX_COMBINATIONS = 40, 40

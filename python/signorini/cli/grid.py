@@ -20,13 +20,13 @@ Line = Sequence[Text]
 
 _GAP = "   "
 _LONGEST_WORD = 32
-"""Characters; longer words may be divided."""
+"""Largest number of characters of a word that is never divided."""
 _GLUE = "\ue000"
-"""Replaces a space at which a line must not break."""
+"""Character that replaces a space at which a line must not break."""
 _UNBREAKABLE = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=[±+−-]) (?=[\d?])|\[[^\[\]]{1,40}\]")
-"""The space between a number and its unit or sign; a point [x, y]; the unit of a title."""
+"""Pattern of the space between a number and its unit or sign, of a point [x, y], and of the unit of a title."""
 _WORD_PART = re.compile(r"[^+:;,/_|]*[+:;,/_|]|[^+:;,/_|]+")
-"""A part of a word with the separator after it."""
+"""Pattern of a part of a word with the separator after it."""
 _PAGE = 120
 """Largest width of a transposed table, in characters, also in a file."""
 _MIN_TEXT, _MIN_OPTIONAL = 16, 24
@@ -42,7 +42,7 @@ def say(console: Console, text: Cell, style: str = "") -> None:
 
 
 def say_checked(console: Console, elements: Sequence[int], asked: bool) -> None:
-    """Print the scope of the certificate and of ±; ``elements`` are the the elements of the compared meshes."""
+    """Print the scope of the certificate and of ±; ``elements`` are the numbers of elements of the compared meshes."""
     say(console, f"The certificate checks the solution of this mesh. {compared(elements, asked)}")
 
 
@@ -220,7 +220,7 @@ UNSETTLED = f"{UNKNOWN}: does not converge with the mesh; it is near a place lis
 def cell(
     value: float, widths: Mapping[str, Any] | None, path: Sequence[str | int], largest: float = 0.0, digits: int = 6
 ) -> str:
-    """Write a number with its half-width, if there are half-widths; ``path`` is its place in them."""
+    """Write a number with its half-width, if there are half-widths; ``path`` gives its keys in ``widths``."""
     if widths is None:
         return number(value, largest, digits)
     width: Any = widths

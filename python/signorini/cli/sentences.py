@@ -30,15 +30,15 @@ from signorini.singularities.singularity import Singularity
 _SAME_POINT = 1e-9
 """Distance of equal points, relative to the plate's size: far above rounding."""
 _MAX_CORNERS = 6
-"""Lifted corners that are listed."""
+"""Largest number of lifted corners that are listed."""
 SEVERAL = 3
 """Smallest number of combinations with a summary in place of the tables of each."""
 _SHORT_NAME, _EXAMINED = 12, 1000
 """Largest length of a name without a number, in characters; number of names examined."""
 MAX_KINDS = 6
-"""Kinds of singularities that are listed."""
+"""Largest number of kinds of singularities that are listed."""
 _PLACES = re.compile(r" at \[.*")
-"""The places in the description of a singularity."""
+"""Pattern of the places in the description of a singularity."""
 
 
 class Labels:
@@ -188,11 +188,15 @@ def _holds(result: Result, support: Support, values: SupportResult, points: Floa
 _WIDE = 0.5
 """Largest half-width, relative to its number, that is not reported."""
 _NEAR = 4.0
-"""Distance from a singularity, in element sizes, within which values depend on the mesh: 2 elements of double size."""
+"""Distance from a singularity, in element sizes, within which values depend on the mesh. It is two elements of the
+compared mesh of double size.
+"""
 _MINOR = 0.25
 """Largest half-width, relative to the largest moment or shear of any direction, that is not reported."""
 _STRIP = 1e-3
-"""Width ℓ of a strip, relative to the plate's size: moments p ℓ² and shears p ℓ under the mean pressure p are zero."""
+"""Width ℓ of a strip, relative to the plate's size. Moments up to p ℓ² and shears up to p ℓ under the mean pressure p
+count as zero.
+"""
 
 
 def too_wide(results: Results, estimates: Estimates | None) -> Iterator[str]:

@@ -19,7 +19,8 @@ from rich.text import Text
 from signorini.base.progress import Progress
 
 _FILE_WIDTH = 100_000
-"""Columns of an output that is not a terminal: each table row stays on one line, for programs that read it."""
+"""Width in characters of an output that is not a terminal: each table row stays on one line, for programs that read it.
+"""
 
 
 def stdout() -> Console:
@@ -40,7 +41,7 @@ def flush() -> None:
 
 def discard(stream: IO[str]) -> None:
     """Discard all further output, including the buffer."""
-    # Streams of tests have no file descriptor.
+    # The streams of pytest have no file descriptor.
     with suppress(OSError, ValueError):
         null = os.open(os.devnull, os.O_WRONLY)
         os.dup2(null, stream.fileno())
@@ -91,7 +92,7 @@ def _console(stream: IO[str]) -> Console:
 
 
 _SPINNER_WIDTH = 4
-"""Columns of the spinner with its margins."""
+"""Width in characters of the spinner with its margins."""
 _LOG_INTERVAL = 60.0
 """Seconds between lines of a log: a run of hours gives a few pages."""
 

@@ -1,4 +1,4 @@
-"""Print results or a check on the terminal: the tables of each combination, for several a summary."""
+"""Print results or a check on the terminal: tables of each combination, or a summary of several."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ Widths = Mapping[str, Any] | None
 """Half-widths as in results.json; None without half-widths."""
 _PLAIN = {"down": "^", "up": "v", "both": "<>", "fixed": "=", "elastic": "~"}
 _MAX_POINTS = 20
-"""Points of supports whose reactions are listed; of more, those with the largest."""
+"""Largest number of points whose reactions are listed; of more, those with the largest reactions."""
 _MAX_OPEN = 8
 """Largest number of open points that are listed if not all points are; more are only counted."""
 _MAX_WARNINGS = 20
-"""Warnings, and snapped shapes, that are listed."""
+"""Largest number of warnings, and of snapped shapes, that are listed."""
 
 
 def print_results(console: Console, results: Results, estimates: Estimates | None) -> None:
@@ -322,7 +322,7 @@ def _print_lines(console: Console, result: Result, widths: Widths, largest: Mapp
 
 
 def _print_points(console: Console, result: Result, widths: Widths, largest: Mapping[str, float]) -> None:
-    """Print reactions of point supports; of many, those with the largest."""
+    """Print reactions of point supports; of many points, those with the largest reactions."""
     supports, units, size = result.supports, result.model.units, result.mesh.size
     every = [(i, k) for i, values in enumerate(supports) if values.place == "at" for k in range(len(values.reactions))]
     if not every:

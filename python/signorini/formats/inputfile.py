@@ -23,9 +23,9 @@ from signorini.model import MeshPlate, Model, validate
 from signorini.model.problems import LISTS
 
 _LARGEST_FILE = 4_000_000
-"""Bytes of an input file; larger data belong into CSV files."""
+"""Largest size of an input file in bytes; larger data belong in CSV files."""
 _MAX_KEY_PARTS = 16
-"""Parts of a dotted key: the memory of tomllib grows with their square; the model needs 4."""
+"""Largest number of parts of a dotted key: the memory of tomllib grows with its square; the model needs 4."""
 
 
 @checked

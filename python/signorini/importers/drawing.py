@@ -24,13 +24,13 @@ GAP = 1e-3
 _WALL = 3.0
 """Smallest length over width of a rectangle that is a wall."""
 _MAX_PLACES = 3
-"""Points that a message lists."""
+"""Largest number of points that a message lists."""
 _FINE = math.radians(4)
 """Largest turn [rad] of a chord in place of an arc."""
 _FINER = math.radians(0.2)
 """Largest turn [rad] of a chord in the test whether a point is inside: within 2e-6 of the radius."""
 _ON_PLATE = 1e-6
-"""Distance [m] from the plate that is rounding: the digits of the input file."""
+"""Distance [m] from the plate that counts as rounding: the last digit of the input file."""
 _PASSES = 8
 """Largest number of moves onto the plate; at a corner each edge needs a move."""
 
@@ -43,7 +43,7 @@ _UNIT_CORNERS = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 
 
 class Corner(NamedTuple):
-    """A corner (x, y) [m], and the bulge tan(φ/4) of its side; φ is the angle of the arc, positive to the left."""
+    """A corner (x, y) [m] and the bulge tan(φ/4) of the side that begins there: φ is the arc's angle, positive left."""
 
     x: float
     y: float
@@ -56,7 +56,7 @@ class Corner(NamedTuple):
 
 @dataclass(frozen=True)
 class Loop:
-    """A closed line: sides from corner to corner, or a circle of a radius [m] around its only corner."""
+    """A closed line: sides from corner to corner, or a circle with its center as the only corner and ``radius`` [m]."""
 
     corners: tuple[Corner, ...]
     radius: float = 0.0
@@ -92,7 +92,7 @@ class Loop:
 
     @property
     def sides(self) -> tuple[float, float] | None:
-        """Lengths [m] along x and y if it is a rectangle parallel to the axes."""
+        """Side lengths [m] along x and y; None unless it is a rectangle parallel to the axes."""
         left, bottom, right, top = self.box
         at_corners = all(
             c.bulge == 0 and min(c.x - left, right - c.x) < GAP and min(c.y - bottom, top - c.y) < GAP
@@ -103,7 +103,7 @@ class Loop:
 
     @property
     def turned_sides(self) -> tuple[float, float, float] | None:
-        """Lengths [m] of the sides of a rectangle in any direction, and the angle of the first side, -45° to 45°."""
+        """Side lengths [m] and the angle [°] of the first side, -45 to 45; None unless it is a rectangle."""
         if not self.is_rectangle:
             return None
         a, b, c, _ = self.corners
@@ -114,13 +114,13 @@ class Loop:
 
     @property
     def footprint(self) -> Footprint | None:
-        """Size rounded to millimetres if it is a circle or a rectangle."""
+        """Footprint rounded to millimetres; None unless it is a circle or a rectangle."""
         size = (self.radius,) if self.radius else self.sides or self.turned_sides
         return None if size is None else tuple(round(part, 3) for part in size)
 
     @property
     def middle_line(self) -> tuple[tuple[float, float], ...] | None:
-        """Corners [m] of the center line of a wall: of constant thickness, at least three times as long."""
+        """Corners [m] of the center line; None unless it outlines a wall of constant thickness, 3 times as long."""
         if self.radius or any(corner.bulge for corner in self.corners):
             return None
         corners = [b for a, b, c in _triples(self.corners) if off_line(b, a, c) > GAP]
@@ -148,7 +148,7 @@ class Loop:
         return self.chords(_FINE)
 
     def chords(self, turn: float) -> list[tuple[float, float]]:
-        """At least three corners and points of arcs [m], so that chords turn by at most ``turn`` [rad]."""
+        """At least three points [m]: corners, and points of arcs whose chords turn by at most ``turn`` [rad]."""
         if self.radius:
             right, left = (Corner(self.corners[0].x + side * self.radius, self.corners[0].y, 1.0) for side in (1, -1))
             return Loop((right, left)).chords(turn)
@@ -175,7 +175,7 @@ class Loop:
 
     @cached_property
     def _fine(self) -> Floats:
-        """Corners (k, 2) [m] of a fine polygon in its place."""
+        """Corners (k, 2) [m] of a polygon that approximates the loop finely."""
         return np.array(self.chords(_FINER))
 
     @cached_property
@@ -304,7 +304,7 @@ class Slab:
         return complex(*inward) / (abs(reach) or 1.0) * max(shape.radius + reach, 0.0) if reach else shape.radius + 0j
 
     def moved(self, at: tuple[float, float], size: Footprint, most: float) -> tuple[float, float] | None:
-        """Center [m] at which a footprint is on the plate; None if that is more than √2 ``most`` [m] away."""
+        """Center [m] to which a footprint is moved to be on the plate; None if that is over √2 ``most`` [m] away."""
         place = complex(*at)
         for _ in range(_PASSES):
             push = self._push(footprint_at((place.real, place.imag), size))
@@ -372,7 +372,7 @@ class Drawing:
 THICKNESSES = (0.05, 0.6)
 """Smallest and largest thickness [m] of a wall."""
 _MATCHED, _SHARED = 0.75, 0.25
-"""Smallest common length of two faces, relative to the longer one: of a single wall, of a possible wall."""
+"""Smallest common length of two faces, relative to the longer face: for a certain wall, and for a possible wall."""
 _LONG = 3.0
 """Smallest length over distance of the two faces of a wall."""
 _ASKEW = 0.01

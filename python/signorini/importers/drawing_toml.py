@@ -21,7 +21,7 @@ _TURN = math.pi / 8
 _SNAP, _RELATIVE_SNAP = 0.005, 5e-4
 """Accuracy of drawings: in metres, and relative to the slab's size; the smaller counts."""
 _ELEMENTS = 30
-"""Elements along the longer side of the slab."""
+"""Number of elements along the longer side of the slab."""
 
 
 def drawing_as_toml(drawing: Drawing, title: str) -> str:
@@ -83,7 +83,7 @@ def _area(loop: Loop) -> str:
 def _corners(loop: Loop) -> list[str]:
     """Corners and arcs as in the key ``polygon``; the first corner follows a straight side, if there is one."""
     sides = list(loop)
-    # Two sides, a chord and an arc: the arc is last, since a polygon begins with a corner.
+    # If the two sides are a chord and an arc, the arc is last, since a polygon begins with a corner.
     straight = [i for i, (a, _) in enumerate(sides[-1:] + sides[:-1]) if (a.bulge == 0) == (len(sides) > 2)]
     first = straight[0] if straight else 0
     sides = sides[first:] + sides[:first]
@@ -140,7 +140,7 @@ def checked(drawing: Drawing) -> Drawing:
 
 
 def _without(drawing: Drawing, problems: dict[Place, str]) -> Drawing | None:
-    """The drawing without the shapes that have problems; None if the problems are of no shape."""
+    """Return the drawing without the shapes that have problems; None if no problem belongs to a shape."""
     lost: list[Lost] = []
     removed: dict[str, set[int]] = defaultdict(set)
     points = {footprint: at.copy() for footprint, at in drawing.points.items()}

@@ -37,23 +37,23 @@ _T = TypeVar("_T")
 ROLES = ("outline", "holes", "zones", "points", "lines")
 """Roles of layers; without an option a layer of the same name has the role."""
 _FRAME = 0.1
-"""Least area of a closed line of another layer, relative to the outline, that may be the slab within a frame."""
+"""Smallest area, relative to the outline, of another layer's closed line that may be the slab inside a frame."""
 _ROUND = 12
-"""Least number of corners of a filled area that may be a circle."""
+"""Smallest number of corners of a filled area that may be a circle."""
 _TURN = math.radians(4)
-"""Turn of the chords of arcs that are asked whether they are on the plate."""
+"""Largest turn [rad] of a chord when points of arcs are tested for being on the plate."""
 _STEP = 0.1
-"""Metres between points at which lines are asked whether they are on the plate."""
+"""Distance [m] of the points of lines that are tested for being on the plate."""
 
 
 def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], unit: str | None = None) -> Drawing:
-    """Read a drawing.
+    """Read a drawing; lengths become metres.
 
-    Arcs and circles are exact; splines and ellipses become arcs within 1/20000 of the drawing's size. Blocks are taken
-    apart. Ends less than a millimetre apart are joined. ``layers`` are those of each role, any of `ROLES`, in upper or
-    lower case. Without a layer the outline is the largest closed line of the drawing, and the holes are the closed
-    lines within it on the outline's layer. ``unit`` is any of `signorini.base.units.METRES`; by default that of the
-    drawing's header.
+    Arcs and circles are exact; splines and ellipses become arcs within 1/20000 of the drawing's size. Blocks are
+    replaced by their entities. Ends less than a millimetre apart are joined. ``layers`` are the layer names of each
+    role in `ROLES`, in upper or lower case. Without a layer for it, the outline is the largest closed line of the
+    drawing. Without a layer for them, holes are the closed lines inside the outline on its layer. ``unit`` is a key of
+    `signorini.base.units.METRES`; by default that of the drawing's header.
     """
     result = layers_in(path, unit)
     names = {role: _named(role, layers.get(role, ()), result) for role in ROLES}
@@ -83,7 +83,7 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
     for name, rest in sorted(result.items()):
         said.left += [f"layer {name}: {rest}"] if str(rest) else []
         for role in ROLES[1:] if name not in names["outline"] else ():
-            # A hatch or cross within a shape of the role is its symbol.
+            # A hatch or cross inside a shape is its symbol and is not reported as left out.
             within_none = [at for at in rest.places if not any(one.covers(at) for one in symbols[role])]
             if name in names[role] and within_none:
                 said.lost.append(Lost(role, len(within_none), f"layer {name}: {rest}"))
@@ -107,13 +107,13 @@ def read_dxf(path: str | os.PathLike[str], layers: Mapping[str, Sequence[str]], 
 
 
 class _Said:
-    """Lines about shapes: changed ones, ones left and, among these, lost ones."""
+    """Messages about shapes that were changed, and about shapes left out; ``lost`` counts the latter by role."""
 
     def __init__(self, left: list[str]) -> None:
         self.changed, self.left, self.lost = list[str](), left, list[Lost]()
 
     def lose(self, role: str, places: Sequence[Spot], why: str, what: str = "") -> None:
-        """Add a line for shapes of a role that were not imported; ``what`` names the missing part, else the role."""
+        """Add a message about shapes that were not imported; ``what`` names the missing part, by default the role."""
         for line in _line(role, places, why):
             self.left.append(line)
             self.lost.append(Lost(what or role, len(places), line))
@@ -124,14 +124,14 @@ def _line(role: str, places: Sequence[Spot], why: str) -> list[str]:
 
 
 def _inside(zone: Loop, slab: Slab, most: float) -> Loop:
-    """A zone with a footprint's shape moved into the outline; the corners of others are snapped."""
+    """A circular or rectangular zone, moved into the outline; other zones are unchanged."""
     size = zone.footprint
     at = None if size is None else slab.moved(zone.middle, size, most)
     return zone if size is None or at in (None, zone.middle) else footprint_at(at, size)
 
 
 def _all_of(lists: Iterable[list[_T]]) -> list[_T]:
-    """Take everything out of lists."""
+    """Empty the lists and return all their items."""
     taken = []
     for things in lists:
         taken += things
@@ -140,7 +140,7 @@ def _all_of(lists: Iterable[list[_T]]) -> list[_T]:
 
 
 def _named(role: str, wanted: Sequence[str], result: Mapping[str, Layer]) -> list[str]:
-    """The drawing's own spelling of layers, each once."""
+    """Names of the layers of a role as the drawing spells them, each once."""
     by_name = {name.lower(): name for name in result}
     for name in wanted:
         if name.lower() not in by_name:
@@ -155,7 +155,7 @@ def _layers(names: Sequence[str]) -> str:
 
 
 def _outline(among: Mapping[str, Layer], where: str) -> tuple[Loop, str]:
-    """The largest closed line and its layer; open lines that reach over more are an outline that does not close."""
+    """Return the largest closed line and its layer. Open lines with a larger extent are refused as an open outline."""
     ends = [line for one in among.values() for line in one.lines]
     candidates = [(loop, name) for name, one in among.items() for loop in one.loops]
     if not candidates and not ends:
@@ -184,7 +184,7 @@ def _outline(among: Mapping[str, Layer], where: str) -> tuple[Loop, str]:
 
 
 def _connected(lines: Sequence[tuple[Corner, ...]]) -> list[list[tuple[Corner, ...]]]:
-    """Groups of open lines that meet at their ends."""
+    """Groups of open lines that are connected at their ends."""
     groups: list[list[tuple[Corner, ...]]] = []
     for line in lines:
         ends = line[0], line[-1]
@@ -195,7 +195,7 @@ def _connected(lines: Sequence[tuple[Corner, ...]]) -> list[list[tuple[Corner, .
 
 
 def _loose(group: Sequence[tuple[Corner, ...]]) -> str:
-    """Say where open lines end alone, or if they do nowhere, where more than two meet."""
+    """Message with the free ends of open lines or, without free ends, the points where more than two lines meet."""
     ends = sorted(end for line in group for end in (line[0], line[-1]))
     meet = {end[:2]: sum(end.is_at(other) for other in ends) for end in ends}
     alone = [at for at, count in meet.items() if count == 1]
@@ -207,7 +207,7 @@ def _loose(group: Sequence[tuple[Corner, ...]]) -> str:
 
 
 def _beyond(outline: Loop, layer: Layer, name: str) -> list[str]:
-    """Say where open lines of the outline's layer reach beyond it."""
+    """Messages about open lines of the outline's layer that reach outside the outline."""
     places = [line[0][:2] for line in layer.lines if not outline.covers(flattened(line, _TURN))]
     lines = f"{len(places)} open line{'s' * (len(places) > 1)} of layer {name}{about(places)}"
     advice = "If the slab reaches there, join them to its outline"
@@ -215,7 +215,7 @@ def _beyond(outline: Loop, layer: Layer, name: str) -> list[str]:
 
 
 def _maybe_frame(outline: Loop, layer: str, among: Mapping[str, Layer]) -> str:
-    """Name the largest closed line of another layer that may be the slab."""
+    """Message with the largest closed line of another layer, which may be the slab if the outline is a frame."""
     rest = [(loop, name) for name, one in among.items() if name != layer for loop in one.loops]
     other, name = max(rest, key=lambda pair: _size(pair[0]), default=(None, ""))
     if other is None or _size(other) < _FRAME * _size(outline):
@@ -227,7 +227,7 @@ def _maybe_frame(outline: Loop, layer: str, among: Mapping[str, Layer]) -> str:
 
 
 def _size(loop: Loop) -> float:
-    """Area; of a line that crosses itself parts of it cancel, so that of its box."""
+    """Enclosed area; for a line that crosses itself that of its bounding box, since parts of its area cancel."""
     left, bottom, right, top = loop.box
     return loop.area if loop.is_simple else (right - left) * (top - bottom)
 
@@ -247,9 +247,9 @@ _TUBE, _CUT, _MOVED = (
 
 
 def _points(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> dict[Footprint, list[Spot]]:
-    """Places by their footprints, each on the plate.
+    """Positions of point supports on the plate, by footprint.
 
-    Shapes at one place are one, the largest: an area that is filled and outlined, or a tube.
+    Shapes at one position are one support, with the largest shape: a filled area with an outline, or a tube.
     """
     places: dict[str, list[Spot]] = defaultdict(list)
     groups: list[list[Loop]] = []
@@ -293,7 +293,7 @@ def _points(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> 
 
 
 def _as_circle(loop: Loop) -> Loop:
-    """A closed line of many corners at one distance from its middle as a circle."""
+    """Replace a closed line by a circle if it has many corners, all at one distance from its center."""
     x, y = loop.middle
     radii = [math.dist(corner[:2], (x, y)) for corner in loop.corners]
     if len(radii) < _ROUND or max(radii) - min(radii) > GAP + 0.01 * max(radii):
@@ -302,7 +302,7 @@ def _as_circle(loop: Loop) -> Loop:
 
 
 def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> list[tuple[Corner, ...]]:
-    """Open lines, and the middle lines of walls drawn with two faces; lines off the plate are reported."""
+    """Open lines, and the center lines of walls drawn with two faces; lines off the plate are reported."""
     closed = _all_of(one.loops for one in layers)
     whole = [(loop, loop.middle_line) for loop in closed]
     along = [tuple(Corner(*at) for at in middle) for _, middle in whole if middle is not None]
@@ -343,7 +343,7 @@ def _lines(layers: Sequence[Layer], slab: Slab, within: float, said: _Said) -> l
 
 
 def _spaced(a: tuple[float, float], b: tuple[float, float]) -> list[tuple[float, float]]:
-    """Points between two."""
+    """Points between a and b at most `_STEP` apart, without the ends."""
     count = math.ceil(math.dist(a, b) / _STEP)
     return [(a[0] + i / count * (b[0] - a[0]), a[1] + i / count * (b[1] - a[1])) for i in range(1, count)]
 

@@ -63,7 +63,7 @@ def _free(ends: Any, gap: float) -> Any:
 
 
 def _overlapped(i: int, side: int, ends: Any, free: Any, merged: Any, gap: float) -> int | None:
-    """A line that contains end ``side`` of line i, and also its other end, or has a free end between the two."""
+    """Index of a collinear line that contains end ``side`` of line i and can be merged with it; None without one."""
     end, other_end = ends[i, side], ends[i, 1 - side]
     a, along = ends[:, 0], ends[:, 1] - ends[:, 0]
     length = np.maximum(np.hypot(along[:, 0], along[:, 1]), gap)
@@ -86,7 +86,7 @@ def _overlapped(i: int, side: int, ends: Any, free: Any, merged: Any, gap: float
 
 
 def _line(edge: Any, ends: Any) -> Any:
-    """A copy of an edge with other ends."""
+    """Copy of an edge with other end points."""
     from ezdxf import edgesmith
     from ezdxf.entities.line import Line
 
@@ -97,20 +97,22 @@ def _line(edge: Any, ends: Any) -> Any:
 _HEADER_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"}
 """Units of length by the value of $INSUNITS in the header of a drawing."""
 _SAGITTA = 1 / 20000
-"""Distance of arcs from a spline or an ellipse, relative to the drawing's size: arcs then meet at less than 1°."""
+"""Largest distance of arcs from their spline or ellipse, relative to the drawing's size: arcs then meet at less than
+1°.
+"""
 _MAX_BISECTIONS = 8
-"""Bisections of a spline into arcs; a sharper bend becomes a corner."""
+"""Largest number of bisections of a spline into arcs; a sharper bend becomes a corner."""
 _FLAT = 1e-6
 """Largest rise over chord of a straight line."""
 _CHORD_ERROR = 0.1
-"""Distance of chords from a line that is compared with others, relative to the gap of equal points."""
+"""Largest distance of chords from a curve when curves are compared, relative to the gap of equal points."""
 _MAX_DEPTH = 16
-"""Depth of nested blocks; a deeper nesting is a block within itself."""
+"""Largest depth of nested blocks; a deeper nesting is a block within itself."""
 
 
 @dataclass
 class Layer:
-    """Shapes of a layer, in metres; ``others`` counts the entities of other kinds."""
+    """Shapes of a layer, in metres; ``others`` counts the entities that are not shapes."""
 
     loops: list[Loop] = field(default_factory=list)
     fills: list[Loop] = field(default_factory=list)
@@ -130,7 +132,7 @@ class Layer:
         )
 
     def __str__(self) -> str:
-        """Write the numbers of shapes and where they are."""
+        """Write the number of shapes of each kind, and their positions."""
         shapes = (
             ("closed line", [loop.middle for loop in self.loops]),
             ("filled area", [fill.middle for fill in self.fills]),
@@ -143,7 +145,7 @@ class Layer:
 
 
 def layers_in(path: str | os.PathLike[str], unit: str | None) -> dict[str, Layer]:
-    """Read the layers of a file that are not empty, by name; hidden entities count as others."""
+    """Nonempty layers of a file by name; hidden entities are counted in ``others``."""
     document = _opened(path)
     return _layers(document, _metres(document, unit))
 
@@ -178,7 +180,7 @@ def _metres(document: Document, unit: str | None) -> float:
 
 
 def _layers(document: Document, metres: float) -> dict[str, Layer]:
-    """The layers that are not empty, by name; hidden entities count as others."""
+    """Nonempty layers by name; hidden entities are counted in ``others``."""
     from ezdxf.bbox import extents
     from ezdxf.upright import upright_all
 
@@ -233,7 +235,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
         for x, y, bulge in points:
             corner = Corner(float(x) * metres, float(y) * metres, float(bulge))
             if kept and corner.is_at(kept[-1]):
-                # The point is drawn twice: the next side begins at the second.
+                # If a point is drawn twice, the next side begins at the second one.
                 kept[-1] = kept[-1]._replace(bulge=corner.bulge)
             else:
                 kept.append(corner)
@@ -262,7 +264,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
     edges = whole_lines(edges, GAP / metres)
     lines = []
     chains = edgeminer.find_all_simple_chains(edgeminer.Deposit(edges, gap_tol=GAP / metres)) if edges else ()
-    # The chains are in the order of a set.
+    # ezdxf returns the chains in the random order of a set.
     for linked in sorted(chains, key=lambda edges: min(edge.id for edge in edges)):
         polyline = edgesmith.polyline2d_from_chain(linked, max_sagitta=sagitta)
         joined = corners((v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in polyline.vertices)
@@ -276,7 +278,7 @@ def _layer(entities: Sequence[Any], metres: float, sagitta: float) -> Layer:
 
 
 def _closed(corners: tuple[Corner, ...]) -> Loop:
-    """A loop of corners, without a repeated first corner; arcs of one circle become the circle."""
+    """Make a loop of corners, without a repeated last corner; arcs of one circle become a circle."""
     from ezdxf.math import bulge_center, bulge_radius
 
     repeated = len(corners) > 1 and corners[0].is_at(corners[-1])
@@ -303,7 +305,7 @@ def _rings(entity: Any, sagitta: float) -> Iterator[Any]:
 
 
 def _in_arcs(entity: Any, sagitta: float) -> Any:
-    """A polyline of arcs that differs from a spline or an ellipse by at most ``sagitta``."""
+    """Convert a spline or ellipse to a polyline of arcs that differs by at most ``sagitta``."""
     from ezdxf.entities.lwpolyline import LWPolyline
     from ezdxf.math import Vec2
 
@@ -320,7 +322,7 @@ def _in_arcs(entity: Any, sagitta: float) -> Any:
             return Vec2(curve.point(t * curve.max_t))
 
     polyline = LWPolyline.new(dxfattribs={"layer": entity.dxf.layer})
-    # In quarters: the ends of a closed curve coincide.
+    # The curve is converted in four parts, because the ends of a closed curve coincide.
     arcs = [arc for i in range(4) for arc in _arcs(at, 0.25 * i, 0.25 * (i + 1), sagitta)]
     last = at(1.0)
     polyline.set_points([*((p.x, p.y, bulge) for p, bulge in arcs), (last.x, last.y, 0.0)], format="xyb")
@@ -389,7 +391,7 @@ def _same(samples: list[Vec2], other: list[Vec2], gap: float) -> bool:
 
 
 def _samples(entity: Any, gap: float) -> list[Vec2]:
-    """Points of a line at quarters of its length: its mirror image has the same ends but other points."""
+    """Points of a line at quarters of its length, by which lines with equal ends are distinguished."""
     from ezdxf.math import Vec2
     from ezdxf.path import make_path
 

@@ -1,4 +1,4 @@
-"""Results as files: results.json, reactions.csv, a .vtu and pictures of combinations, the table of all of them."""
+"""Write results as files: results.json, reactions.csv, a .vtu file and pictures of each combination, a table of all."""
 
 from signorini.output.load_path import path_csv, path_json, write_path
 from signorini.output.names import unique_slugs

@@ -1,4 +1,4 @@
-"""The directory of results: the files of earlier runs by their own list, and whether it may be written to."""
+"""Directory of results: the files of earlier runs, and a check that it can be written to."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _OURS = re.compile(r"[\w.+-]+\.(vtu|png)|(reactions|governing|profiles)\.csv|res
 _KEYS_OF_RESULTS = {"schema", "title", "units", "model", "combinations", "seconds", "files"}
 _KEYS_OF_PATH = {"schema", "title", "units", "from", "add", "method", "ending", "stops"}
 _LARGEST_ACCOUNT = 1_000_000_000
-"""Bytes of a results.json that is read."""
+"""Largest size in bytes of a results.json that is read."""
 
 
 def former_results(directory: Path) -> list[str]:
-    """Files of the results in a directory; none if its ``results.json`` is somebody else's."""
+    """Names of the result files in a directory; empty if another program wrote its ``results.json``."""
     try:
         entries = _account(directory / JSON, _KEYS_OF_RESULTS)["files"]
-        # Schema 1 lists names alone.
+        # In schema 1, entries are file names.
         named = (entry["file"] if isinstance(entry, dict) else entry for entry in entries)
         names = [name for name in named if _OURS.fullmatch(name)]
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
@@ -36,7 +36,7 @@ def former_results(directory: Path) -> list[str]:
 
 
 def former_path(directory: Path) -> list[str]:
-    """Files of the load path in a directory; none if its ``path.json`` is somebody else's."""
+    """Names of the load path's files in a directory; empty if another program wrote its ``path.json``."""
     try:
         _account(directory / PATH_JSON, _KEYS_OF_PATH)
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
@@ -55,8 +55,8 @@ def _account(file: Path, keys: set[str]) -> dict[str, Any]:
 def room_for(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
     """Context with a hidden directory on the file system where results will be written.
 
-    A directory that cannot be made or written to, or that has files of others with the names of the results, is refused
-    before the results are computed.
+    Two cases are refused before the results are computed: a directory that cannot be made or written to, and one in
+    which another program's files have the names of the results.
     """
     with _room(Path(directory), former_results, expected_names(model)) as room:
         yield room
@@ -64,7 +64,7 @@ def room_for(directory: str | os.PathLike[str], model: Model) -> Iterator[Path]:
 
 @contextmanager
 def room_for_path(directory: str | os.PathLike[str]) -> Iterator[Path]:
-    """The same as `room_for` for the files of a load path."""
+    """Same as `room_for`, for the files of a load path."""
     with _room(Path(directory), former_path, (PATH_JSON, PATH_CSV, PATH_PICTURE)) as room:
         yield room
 
@@ -85,6 +85,6 @@ def _room(directory: Path, former: Callable[[Path], list[str]], names: Iterable[
 
 
 def cannot_write(target: Path, error: OSError) -> InputError:
-    """Say why results cannot be put into a directory."""
+    """Return the error that results cannot be written to a directory, with the reason."""
     why = error.strerror or str(error)
     return InputError(f"the results cannot be written there: {why}. Name another directory.", str(target))

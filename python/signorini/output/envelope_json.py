@@ -1,4 +1,4 @@
-"""JSON of combinations that are rows of a table: their summary and the envelope."""
+"""JSON of a table of combinations: summary and envelopes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _ESTIMATED = ("fields", "supports", "contacts", "probes", "sections", "strips", 
 
 
 def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
-    """Give the key "table" of results.json."""
+    """Return the value of the key "table" of results.json."""
     combined = results.combined
     return {
         "file": TABLE,
@@ -46,7 +46,7 @@ def table_json(results: Results, estimates: Estimates | None) -> dict[str, Any]:
 
 
 def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[str]:
-    """Warnings about the model, and about the largest deflections if these are enveloped."""
+    """Yield warnings about the model and, if deflections are enveloped, about large deflections."""
     yield from model_warnings(results.discretisation, results.model.effective_combinations.cases)
     yield from idle_cases(results.model)
     extremes = results.envelope.fields.get("deflection")
@@ -58,7 +58,7 @@ def table_warnings(results: Results, estimates: Estimates | None) -> Iterator[st
 
 
 def envelope_json(results: Results, estimates: Estimates | None = None, group: str = "") -> dict[str, Any] | None:
-    """Give the key "envelope" of results.json, or that of a group; None where no combination of it was solved."""
+    """Return the value of "envelope" in results.json, for all combinations or a group; None if none was solved."""
     own = _Shown.of(results.combined, results.discretisation.mesh, group)
     if own is None:
         return None
@@ -66,7 +66,7 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
     others = () if estimates is None or estimates.of_table is None else estimates.of_table.others
     told = [one for combined, mesh in others if (one := _Shown.of(combined, mesh, group)) is not None]
     if told and estimates is not None:
-        # Several plates are compared mesh by mesh; these numbers are of all plates.
+        # Extremes over the nodes of all plates together have no half-widths.
         widths = {} if results.model.plates else _widths_of_wholes(results, estimates, own, told)
         for number, path, side, row in own.ends():
             known_row = number.estimated and row != NONE
@@ -80,7 +80,7 @@ def envelope_json(results: Results, estimates: Estimates | None = None, group: s
 def _widths_of_wholes(
     results: Results, estimates: Estimates, own: _Shown, others: Sequence[_Shown]
 ) -> dict[Path, float | None]:
-    """Half-widths of extremes over nodes or points, which are no columns of rows."""
+    """Half-widths of extremes over nodes or points, which are not columns of the table."""
     meshes = Meshes.of(own.mesh, [one.mesh for one in others], bool(estimates.no_others))
     every = [next(one for one in (own, *others) if one.mesh is mesh) for mesh in meshes.every]
     numbers = [number for number, *_ in own.wholes()]
@@ -92,7 +92,7 @@ def _widths_of_wholes(
 
 @dataclass(frozen=True, eq=False)
 class _Shown:
-    """An envelope on some mesh."""
+    """An envelope and its mesh."""
 
     envelope: Envelope
     mesh: Mesh
@@ -102,7 +102,7 @@ class _Shown:
         return None if group and group not in combined.groups else cls(combined.over(group), mesh)
 
     def ends(self) -> Iterator[tuple[Number, Path, str, int]]:
-        """Yield every extreme among the numbers of rows: quantity, keys, side, and the row."""
+        """Yield the extremes of table columns: number, keys, "max" or "min" key, and row number."""
         layout, of = self.envelope.layout, self.envelope.values
         for place, one in enumerate(layout.catalogue):
             if not one.quantity.enveloped:
@@ -113,7 +113,7 @@ class _Shown:
                     yield one, one.envelope_path, key, int(by[place])
 
     def wholes(self) -> Iterator[tuple[Number, float, int, list[float]]]:
-        """Extremes over nodes or points, which are no columns of rows: their rows and places."""
+        """Yield the extremes over nodes or points, which are not columns: number, value, row number and position."""
         envelope, mesh, layout = self.envelope, self.mesh, self.envelope.layout
         over = {"reaction": (mesh.points, envelope.fields["reaction"])} if "reaction" in envelope.fields else {}
         for name, (places, extremes) in envelope.pressures.items():
@@ -138,7 +138,7 @@ class _Shown:
             yield number, float(per[at]), int(extremes.largest_by[at]), where[at].tolist()
 
     def tree(self, results: Results, group: str) -> dict[str, Any]:
-        """Give extremes by their keys."""
+        """Return the extremes as nested dictionaries by their keys."""
         envelope, layout = self.envelope, self.envelope.layout
         cases = frozenset(results.model.effective_combinations.cases_of(group))
         supports = [self._support(results, index) for index in range(len(layout.supports))]
@@ -207,7 +207,7 @@ def _width_at(results: Results, place: Sequence[float]) -> float:
 
 
 def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:
-    """The table at some keys."""
+    """Return the table at a path of keys; missing tables are added."""
     result: Any = tree
     for key in path:
         if isinstance(key, str) and result.get(key) is None:
@@ -220,7 +220,7 @@ def _at(tree: dict[str, Any], path: Path) -> dict[str, Any]:
 def write_envelope(
     nodes: StressNodes, envelope: Envelope, path: str | os.PathLike[str], metadata: Mapping[str, str]
 ) -> None:
-    """Write a .vtu file: of every field its extremes, and the numbers of the rows that they come from."""
+    """Write a .vtu file with the extremes of every field and the row numbers of their combinations."""
     mesh = nodes.mesh
     at_nodes: dict[str, Floats] = {}
     of_elements: dict[str, Floats] = {}

@@ -1,4 +1,4 @@
-"""The combinations that give the extremes of each bearing, with all simultaneous reactions."""
+"""Governing combinations: the extremes of each bearing, with the reactions of all bearings at the same time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from signorini.results.rows import Bearing
 
 @dataclass(frozen=True)
 class Governing:
-    """One extreme of one bearing: the combination, and the reactions of all bearings in it, in their order."""
+    """One extreme of one bearing, its combination, and the reactions of all bearings in that combination."""
 
     bearing: Bearing
     what: str  # "reaction", "gap", "max_pressure" or "contact_area"
@@ -26,12 +26,12 @@ class Governing:
 
 
 def governing_reactions(results: Results, estimates: Estimates | None, group: str = "") -> list[Governing]:
-    """Give the extremes of each bearing's reaction over a group, or all: the largest before the smallest."""
+    """Extremes of each bearing's reaction over a group (``""``: all combinations), the largest before the smallest."""
     return [one for one in governing(results, estimates, group) if one.what == "reaction"]
 
 
 def governing(results: Results, estimates: Estimates | None, group: str = "") -> list[Governing]:
-    """Give the extremes of every bearing likewise: of its reaction, then of gaps and of areas' pressure and contact."""
+    """Extremes of every bearing as in `governing_reactions`: reaction, then gap, pressure and contact area."""
     if group and group not in results.groups:
         return []
     layout, model, envelope = results.combined.layout, results.model, results.combined.over(group)
@@ -52,10 +52,10 @@ def governing(results: Results, estimates: Estimates | None, group: str = "") ->
 
 
 def governing_csv(results: Results, estimates: Estimates | None) -> str:
-    """Give the extremes of every bearing as comma-separated values, over all combinations and over each group.
+    """Extremes of every bearing as comma-separated values, over all combinations and over each group.
 
-    A row an extreme: the number, its half-width, the combination it is of, and the reactions of all bearings in it with
-    theirs. Gaps have a row of the widest where one opens.
+    Each row has an extreme: the number, its half-width, its combination, and the reactions of all bearings in that
+    combination with half-widths. Points that open have a row with their widest gap.
     """
     model, rows = results.model, []
     columns = [bearing.column(model) for bearing in results.combined.layout.bearings]
@@ -72,7 +72,7 @@ def governing_csv(results: Results, estimates: Estimates | None) -> str:
 
 
 def governing_json(results: Results, estimates: Estimates | None, group: str = "") -> list[dict[str, Any]]:
-    """Give the key "governing_reactions" of results.json, or of a group."""
+    """Return the value of the key "governing_reactions" in results.json, for all combinations or a group."""
     model = results.model
     every = governing_reactions(results, estimates, group)
     told = any(width is not None for one in every for width in one.widths)

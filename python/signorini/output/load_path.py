@@ -1,4 +1,4 @@
-"""A load path as files: path.json, path.csv and path.png."""
+"""Write a load path as files: path.json, path.csv and path.png."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SCHEMA = 1
 
 
 def path_json(path: LoadPath, estimate: PathEstimate | None = None) -> dict[str, Any]:
-    """Give a load path in the form of ``path.json``; docs/results.md describes every key."""
+    """Return a load path in the form of ``path.json``; docs/results.md describes every key."""
     model = path.model
     return {
         "schema": SCHEMA,
@@ -72,7 +72,7 @@ def path_json(path: LoadPath, estimate: PathEstimate | None = None) -> dict[str,
 
 
 def _half_widths(path: LoadPath, estimate: PathEstimate) -> dict[str, Any]:
-    """Half-widths of the end and of every named event's t; the limit of the supports' outlines has none."""
+    """Half-widths of the t at which the path ends, and of the t of every named event."""
     return {
         "end": estimate.end,
         "events": [],
@@ -105,9 +105,9 @@ def _stop(path: LoadPath, stop: PathStop) -> dict[str, Any]:
 
 
 def path_csv(path: LoadPath, estimate: PathEstimate | None = None) -> str:
-    """Give the stops of a load path as comma-separated values: a row a stop, a column each of its numbers.
+    """Return the stops of a load path as comma-separated values: one row per stop, one column per number.
 
-    Those of areas are columns of every support, empty of others.
+    Every support has the columns of areas; they are empty for points and lines.
     """
     numbers = {one.column: one for one in path.stops[0].catalogue}
     of_supports = [one.name for one in (*OF_SUPPORTS, *OF_AREAS) if one.along_paths]
@@ -133,9 +133,9 @@ def write_path(
 ) -> list[FilePath]:
     """Write ``path.json``, ``path.csv`` and ``path.png``, all or none; other files in the directory stay.
 
-    Those of an earlier path there are replaced. Files of these names that no earlier path wrote are refused.
+    Files of an earlier path are replaced. Files with these names from another program are refused.
     """
-    # Only this function needs matplotlib.
+    # matplotlib is needed here only.
     from signorini.plot.files import save
 
     target = FilePath(directory)

@@ -1,4 +1,4 @@
-"""Names of the files of results, cells of tables, and names within cells."""
+"""Names of result files, and cells of CSV tables."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PATH_JSON, PATH_CSV, PATH_PICTURE = "path.json", "path.csv", "path.png"
 REFINEMENT = "refinement.png"
 PROFILES_CSV = "profiles.csv"
 DEFORMED, PRESSURE, MOMENTS, SHEARS, REACTIONS = "-deformed", "-pressure", "-moments", "-shears", "-reactions"
-"""End the names of pictures other than that of the deflection."""
+"""Endings of the names of pictures; a picture of deflections has no ending."""
 PICTURES = {
     "": ("deflection",),
     DEFORMED: ("deflection",),
@@ -36,18 +36,18 @@ _KINDS = {"": "picture", DEFORMED: "deformed", MOMENTS: "moments", SHEARS: "shea
 _KINDS |= {REACTIONS: "line reactions"}
 Chosen = Literal["all", "governing", "none"]
 Pictures = Chosen | None
-"""Combinations that have pictures; None: all of a few, beyond that those that govern."""
+"""Combinations with pictures; None: all if there are at most `_FEW`, else the governing ones."""
 _FEW = 4
 _CURVES = 10
-"""Combinations that have a curve each in a picture of a profile: the colours of curves repeat beyond."""
+"""Largest number of combinations with a curve each in a picture of a profile; with more, colours would repeat."""
 _LONGEST_NAME = 80
 _MINUS = re.compile(r"(?<![a-z0-9_.)\]-])-(?!-)|(?<!-)-(?![a-z0-9_.(\[-])")
-"""A dash that a name has as a sign; one between words or numbers is a hyphen, several are a rule."""
+"""Pattern of a dash that is a minus sign; a dash between words or numbers is a hyphen."""
 _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 
 def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | None]]:
-    """Name every file of the results: the combination that it is of, None if of all, its kind and its name."""
+    """List the files of the results: combination (None for all), kind and file name."""
     together = {"results": JSON, "reactions": CSV}
     together |= {"governing": GOVERNING} if len(results) > 1 else {}
     if results.model.profile:
@@ -70,7 +70,7 @@ def files(results: Results, pictures: Pictures = None) -> list[dict[str, str | N
 
 
 def expected_names(model: Model) -> Iterator[str]:
-    """Names of the files that the model determines: without pictures of governing combinations of a table."""
+    """Yield the file names that follow from the model; pictures of governing combinations do not."""
     yield from (JSON, CSV)
     if len(model.effective_combinations) > 1:
         yield GOVERNING
@@ -90,9 +90,9 @@ def expected_names(model: Model) -> Iterator[str]:
 
 
 def envelope_files(results: Results) -> dict[tuple[str, str], str]:
-    """Name the files of the envelopes by group and plate: all combinations, and the only plate, have no name.
+    """Names of the envelope files by group and plate; ``""`` is all combinations, or the only plate.
 
-    A group of all combinations has no other file.
+    A group of all combinations has no file of its own.
     """
     if not (results.model.tabulated and results.envelope.fields):
         return {}
@@ -106,14 +106,14 @@ def envelope_file(results: Results, group: str, plate: str = "") -> str | None:
 
 
 def envelope_pictures(results: Results, file: str, plate: str) -> dict[str, str]:
-    """Name the pictures beside an envelope's file of a plate, by the ending of their names."""
+    """Names of the pictures of an envelope file of a plate, by their endings."""
     lines = bool(lines_on(results, plate))
     endings = [ending for ending in PICTURES if enveloped(results, ending) or (ending == REACTIONS and lines)]
     return {ending: f"{Path(file).stem}{ending}.png" for ending in endings}
 
 
 def lines_on(results: Results, plate: str) -> list[int]:
-    """Supports with stations along lines, by their place in the model, of one of several plates."""
+    """Indices of the line supports of one plate, among the supports of the model."""
     owned = {one.name: one.numbers["support"] for one in results.discretisation.members}[plate]
     between = [support.between for support in results.model.support]
     lines = results.combined.layout.lines
@@ -121,7 +121,7 @@ def lines_on(results: Results, plate: str) -> list[int]:
 
 
 def enveloped(results: Results, ending: str) -> tuple[str, ...]:
-    """Fields of an envelope's picture; no plate has the deflections of an envelope."""
+    """Fields in an envelope's picture; no deformed view, since no plate has the deflections of an envelope."""
     if ending == PRESSURE:
         return PICTURES[PRESSURE] if results.combined.layout.at_rest else ()
     fields = () if ending == DEFORMED else PICTURES[ending]
@@ -129,12 +129,12 @@ def enveloped(results: Results, ending: str) -> tuple[str, ...]:
 
 
 def profile_pictures(model: Model) -> list[str]:
-    """Name the pictures of profiles, in their order."""
+    """File names of the pictures of profiles, in their order."""
     return [f"{slug}.png" for slug in unique_slugs(f"profile {profile.name}" for profile in model.profile)]
 
 
 def profiled(results: Results, pictures: Pictures) -> list[Result]:
-    """Solved combinations that have a curve in pictures of profiles."""
+    """Results that have a curve in the pictures of profiles."""
     named = list(slugs(results))
     if pictures is None and len(named) <= _CURVES:
         pictures = "all"
@@ -142,14 +142,14 @@ def profiled(results: Results, pictures: Pictures) -> list[Result]:
 
 
 def pictures_of(result: Result) -> dict[str, tuple[str, ...]]:
-    """Fields of every picture of a combination, by the ending of its name; pressures where the plate rests on areas."""
+    """Fields of every picture of a combination, by the picture's ending; without areas no pressures."""
     without = set() if areas_below(result.supports) else {PRESSURE}
     without |= set() if lines_below(result.supports) else {REACTIONS}
     return {ending: fields for ending, fields in PICTURES.items() if ending not in without}
 
 
 def _taken(model: Model) -> list[str]:
-    """Names without endings that pictures of all combinations have, and so none of one."""
+    """Names without endings of pictures of all combinations; no picture of one combination may have them."""
     taken = _envelopes(model) if model.tabulated else []
     taken += [Path(name).stem for name in profile_pictures(model)]
     return taken + [Path(REFINEMENT).stem] * (model.mesh.accuracy is not None)
@@ -160,18 +160,21 @@ def _envelopes(model: Model) -> list[str]:
 
 
 def _enveloped(model: Model) -> list[tuple[str, str]]:
-    """The groups and plates that envelopes are of."""
+    """Pairs of group and plate with an envelope."""
     return list(product(("", *_parts(model)), model.plates or ("",)))
 
 
 def _parts(model: Model) -> list[str]:
-    """Groups that hold some of the combinations and not all."""
+    """Groups that contain some of the combinations, but not all."""
     combinations = model.effective_combinations
     return [group for group, count in combinations.groups.items() if count < len(combinations)]
 
 
 def slugs(results: Results) -> Iterator[tuple[Result, str]]:
-    """Solved combinations, of several plates each of them, with file names of their own, on every file system."""
+    """Pairs of a result and its file name: solved combinations or, with several plates, each plate.
+
+    The names are distinct and valid on every file system.
+    """
     solved = [result for result in results.full.values() if result.status == "solved"]
     plates = [plate for result in solved for plate in result.members.values()]
     taken = _taken(results.model)
@@ -180,13 +183,13 @@ def slugs(results: Results) -> Iterator[tuple[Result, str]]:
 
 
 def _by_plate(model: Model, names: Iterable[str]) -> Iterator[str]:
-    """Names of the parts of each combination: itself or, with several plates, each plate."""
+    """Yield the name of each combination or, with several plates, a name for each of its plates."""
     for name in names:
         yield from (f"{name} {plate}" for plate in model.plates) if model.plates else (name,)
 
 
 def pictured(results: Results, pictures: Pictures) -> Iterator[tuple[Result, str]]:
-    """Solved combinations that have pictures, with their file names."""
+    """Yield the results that have pictures, with their file names."""
     named = list(slugs(results))
     govern = pictures == "governing" or (pictures is None and len(named) > _FEW)
     wanted = set(results.governing) if govern else set(results) if pictures != "none" else set()
@@ -194,10 +197,10 @@ def pictured(results: Results, pictures: Pictures) -> Iterator[tuple[Result, str
 
 
 def unique_slugs(names: Iterable[str]) -> list[str]:
-    """Turn names into file names without suffix: short, of small letters, digits, dots, dashes and signs, each once.
+    """Convert names to distinct file names without suffix, of lower-case letters, digits, dots, dashes and plus signs.
 
-    A plus stays, and a dash that joins no two words or numbers is a minus. None is another one with the ending of a
-    picture.
+    A dash that does not join two words or numbers becomes "minus". No name equals
+    another one plus the ending of a picture.
 
     Examples
     --------
@@ -225,7 +228,7 @@ def unique_slugs(names: Iterable[str]) -> list[str]:
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any] | Mapping[str, Any]]) -> str:
-    """Write a table of comma-separated values, its rows in the order of the columns or by their names."""
+    """Write comma-separated values; each row is a sequence in column order, or a mapping by column name."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)

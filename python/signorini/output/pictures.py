@@ -50,7 +50,7 @@ from signorini.results.support_result import lines_below
 from signorini.singularities.named import excluding
 
 _LONGEST = 44
-"""Letters of a combination's name that have room above a panel."""
+"""Number of characters of a combination's name that fit above a panel."""
 
 
 def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = None) -> list[Job]:
@@ -68,7 +68,7 @@ def jobs_of(results: Results, estimates: Estimates | None, pictures: Pictures = 
 
 
 def write_refinement(results: Results, directory: Path) -> None:
-    """Draw the meshes on the way to the accuracy that was asked for."""
+    """Draw the relative half-width over the dofs of the meshes of a refinement to a requested accuracy."""
     steps, asked = results.refinement, results.model.mesh.accuracy
     if steps and asked is not None:
         # Only this function needs matplotlib.
@@ -81,7 +81,10 @@ def write_refinement(results: Results, directory: Path) -> None:
 
 
 def _sheets(results: Results, estimates: Estimates | None, named: Sequence[tuple[Result, str]]) -> Iterator[Sheet]:
-    """Plan the pictures of combinations, each field in one scale over all of a group, or over all that are in none."""
+    """Plan the pictures of combinations; each field has one scale in all combinations of a group.
+
+    Combinations without a group share a scale too.
+    """
     combinations = results.model.effective_combinations
     groups = {one.name: one.group for one in combinations} if combinations.groups else {}
     grouped = dict[str, list[tuple[Result, str, list[SupportMark]]]]()
@@ -117,7 +120,7 @@ def _diagrams(result: Result, estimates: Estimates | None, marks: Sequence[Suppo
 
 
 def _views(files: list[str], pictures: list[Picture], results: list[Result]) -> Sheet:
-    """Plan pictures of deflections as views, alike exaggerated."""
+    """Plan pictures of deflections as oblique views with equal exaggeration."""
     mesh, nodes = results[0].mesh, results[0].stress_nodes
     factor = exaggeration(mesh.points, mesh.elements, [one.deflection for one in results])
     views = [view_of(picture, mesh, one.deflection, factor) for picture, one in zip(pictures, results, strict=True)]
@@ -126,7 +129,7 @@ def _views(files: list[str], pictures: list[Picture], results: list[Result]) -> 
 
 
 def _envelope_sheets(results: Results, estimates: Estimates | None, plate: OfWhole) -> Iterator[Sheet]:
-    """Plan the pictures of fields' largest and smallest values, over all combinations and over each group."""
+    """Plan pictures of the largest and smallest values of fields, over all combinations and over each group."""
     result = plate.own
     for (group, name_of), file in envelope_files(results).items():
         if name_of != plate.name:
@@ -165,7 +168,7 @@ def _envelope_sheets(results: Results, estimates: Estimates | None, plate: OfWho
 
 
 def _largest_pressure(results: Results, estimates: Estimates | None, envelope: Envelope) -> Panel:
-    """Plan the largest contact pressure at every place, over all results of an envelope of one plate."""
+    """Plan a panel with the largest contact pressure at every point, over the combinations of an envelope."""
     layout, model = envelope.layout, results.model
     layers, ends = [], []
     for index, area in layout.at_rest.items():
@@ -188,7 +191,7 @@ def _largest_pressure(results: Results, estimates: Estimates | None, envelope: E
 def _said(
     results: Results, estimates: Estimates | None, column: str, end: str, value: float, by: int
 ) -> tuple[str, str]:
-    """Return the label and the title of an extreme; ``column`` is that of the table, ``by`` its row."""
+    """Return the label and the title of an extreme; ``column`` and row ``by`` give its place in the table."""
     told = estimates is not None and estimates.of_table is not None and bool(estimates.of_table.others)
     width = estimates.half_width(column, by) if told and estimates is not None else None
     name = results.key(by)
@@ -200,7 +203,7 @@ _PROFILED = ("deflection", *RESULTANTS, "pressure")
 
 
 def profiles_csv(results: Results) -> str:
-    """Give the profiles as comma-separated values, a row a combination, profile and station."""
+    """Return the profiles as comma-separated values: one row per combination, profile and station."""
     named = (
         ({"combination": name_cell(result.name), "profile": name_cell(one.name)}, one)
         for result in results.full.values()
@@ -211,7 +214,7 @@ def profiles_csv(results: Results) -> str:
 
 
 def draw_profiles(results: Results, directory: Path, pictures: Pictures = None) -> None:
-    """Draw every profile, a picture each, with a curve for each combination."""
+    """Draw a picture of every profile, with a curve for each combination."""
     # Only this function needs matplotlib.
     from signorini.plot.curves import profile_picture
     from signorini.plot.files import save

@@ -31,15 +31,15 @@ _COLUMNS = (
     *("corner_reaction_plus_minus", "max_per_length_plus_minus", "min_per_length_plus_minus"),
 )
 _MOST_PLACES = 20
-"""Points of a singularity that are listed; nodes of elements that a border cuts may be thousands."""
+"""Largest number of points of a singularity that are listed; zone borders that cut elements may have thousands."""
 _ESTIMATED = ("reaction", "gap", "contact_area", "max_pressure", "max_per_length", "min_per_length")
 
 
 def results_json(results: Results, estimates: Estimates | None = None, pictures: Pictures = None) -> dict[str, Any]:
-    """Give the results in the form of ``results.json``; docs/results.md describes every key.
+    """Return the results in the form of ``results.json``; docs/results.md describes every key.
 
-    Numbers of a combination without equilibrium are absent: its lists are empty, its tables None, and ``message``
-    says why. No number is NaN or infinite.
+    A combination without equilibrium has no numbers: its lists are empty, its tables are None, and ``message`` gives
+    the reason. No number is NaN or infinite.
     """
     discretisation = results.discretisation
     of_table: dict[str, Any] = {}
@@ -70,11 +70,11 @@ def results_json(results: Results, estimates: Estimates | None = None, pictures:
 
 
 def reactions_csv(results: Results, estimates: Estimates | None = None) -> str:
-    """Give the reactions as comma-separated values.
+    """Return the reactions as comma-separated values.
 
-    A row for each combination and support has the ``point`` "total". Supports other than areas have a row for each
-    point or node, along lines with the reaction per length. Names that a spreadsheet would compute have an apostrophe
-    before them.
+    Each combination and support has a row with the ``point`` "total". Supports other than areas also have a row for
+    each point or node, with the reaction per length if it is a line. Names that a spreadsheet would compute begin with
+    an apostrophe.
     """
     told = ((one, None if estimates is None else estimates[one.name].plus_minus) for one in results.full.values())
     return csv_text(_COLUMNS, (row for one, plus_minus in told for row in _rows(one, plus_minus)))
@@ -110,12 +110,12 @@ def _group(results: Results, estimates: Estimates | None, name: str, combination
 
 
 def snapped_json(snapped: Iterable[Snapped]) -> list[dict[str, Any]]:
-    """Give the key "snapped": the object moved, and its places before and after."""
+    """Return the value of the key "snapped": the object moved, and its positions before and after."""
     return [{"what": one.what, "from": list(one.begin), "to": list(one.end), "onto": one.onto} for one in snapped]
 
 
 def singular_json(named: Iterable[Singularity], result: Result) -> list[dict[str, Any]]:
-    """Give the key "singular" of a combination."""
+    """Return the value of the key "singular" of a combination."""
     return [
         {
             "where": [list(at) for at in (one.where if one.line else one.where[:_MOST_PLACES])],
@@ -136,7 +136,7 @@ def singular_json(named: Iterable[Singularity], result: Result) -> list[dict[str
 
 
 def _means(one: Singularity, result: Result) -> Iterator[dict[str, Any]]:
-    """Give the means at each listed place of a singularity; none of a line or of nodes of elements."""
+    """Yield the means at each listed place of a singularity; lines and nodes of elements have none."""
     by_place = {} if one.line or one.limited or result.means is None else result.means.by_place
     for at in one.where[:_MOST_PLACES]:
         if (mean := by_place.get(at)) is not None:
@@ -168,7 +168,7 @@ def _rows(result: Result, plus_minus: Mapping[str, Any] | None) -> Iterator[dict
 
 
 def _along(support: SupportResult, line: LineReactions, widths: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Say how far along a line each of its points is, and the reaction per length there; at corners the force."""
+    """Return for each point of a line its arc length s and the reaction per length, and at corners the force."""
     per_length = np.interp(line.points_s, line.s, line.reactions)
     pairs = zip(line.points_s.tolist(), per_length.tolist(), strict=True)
     points: list[dict[str, Any]] = [{"s": s, "reaction_per_length": value} for s, value in pairs]

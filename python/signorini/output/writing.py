@@ -1,4 +1,4 @@
-"""Results as files: results.json, reactions.csv, a .vtu and pictures of combinations, the table of all of them."""
+"""Write results as files: results.json, reactions.csv, a .vtu file and pictures of each combination, a table of all."""
 
 from __future__ import annotations
 
@@ -39,32 +39,31 @@ def write(
 ) -> list[Path]:
     """Write the files of `signorini solve` or `signorini path` into a directory.
 
-    All files are written, or none; docs/results.md describes them. The files of an earlier run there are replaced as a
-    set, and other files stay. With ``mesh.error``, the default, the plate is solved on other meshes for the
-    half-widths, unless these are given. Rows of a table are then solved again if they were too many to be kept.
+    All files are written, or none; docs/results.md describes them. Files of an earlier run there are replaced as a set,
+    and other files stay. With ``mesh.error``, the default, half-widths are computed by solving on other meshes, unless
+    ``estimate`` is given. Rows of a table are solved again if they were too many to be stored.
 
     Parameters
     ----------
     results : Results, Result or LoadPath
-        What `signorini.solve` or `signorini.path` has returned, or a result of one combination, also of
-        `signorini.recover`.
+        Return value of `signorini.solve`, `signorini.path` or `signorini.recover`, or the result of one combination.
     directory : path-like
-        Made if need be.
+        Directory to write to; made if it does not exist.
     estimate : Estimates, Estimate or PathEstimate, optional
-        Half-widths, as `signorini.estimate` gives them.
+        Half-widths from `signorini.estimate`.
     pictures : {"all", "governing", "none"}, optional
-        Of results, the combinations that have pictures: by default all of up to four, of more those that govern.
+        Combinations of `Results` with pictures: by default all if there are up to four, else the governing ones.
 
     Returns
     -------
     list of Path
-        What was written.
+        The written files.
 
     Raises
     ------
     InputError
-        If the directory is none, cannot be made or written to, or has a file of somebody else's with the name of one of
-        ours.
+        If the path is not a directory, cannot be made or written to, or has another program's file with the name of a
+        file to be written.
 
     Examples
     --------
@@ -112,15 +111,15 @@ def write_results(
     pictures: Pictures = None,
     draw: Callable[[Sequence[Job]], Iterable[tuple[str, bytes]]] | None = None,
 ) -> list[Path]:
-    """Write ``results.json``, ``reactions.csv`` and, of each solved combination, a ``.vtu`` and pictures.
+    """Write ``results.json``, ``reactions.csv`` and, for each solved combination, a ``.vtu`` file and pictures.
 
     Several combinations also have ``governing.csv``. If combinations are rows of a table, the files are those of the
     combinations in ``results``, with the table and, if fields are enveloped, ``envelope.vtu`` and its pictures. A
     ``table`` written by `signorini.solve` on the same file system is moved there.
 
     All files are written, or none: they are written in a directory beside and moved when complete. The files of an
-    earlier run are replaced as a set; other files stay, and a file with a name that is to be written is refused. After
-    several runs at once the files are those of the last one. This process draws, or ``draw``.
+    earlier run are replaced as a set. Other files stay, but a file of another program with a name to be written is
+    refused. After several runs at once the files are those of the last one. ``draw`` draws the pictures; None: here.
     """
     target = Path(directory)
     named = list(slugs(results))

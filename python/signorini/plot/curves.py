@@ -26,7 +26,7 @@ _WIDEST = 2.6
 _DESIGN, _DWARFED = 0.97, 2.5
 """A panel is scaled by the first 97 % of t if later values are over 2.5 times larger."""
 _ROOM, _LONGEST = 0.04, 40
-"""Distance of the labels of two events, relative to the range of t; characters of a label."""
+"""Smallest distance of two event labels, relative to the range of t; largest number of characters of a label."""
 _PART = "part closed [%]"
 _ALIKE = 1e-6
 """Relative tolerance for equal curves, relative to the largest value."""
@@ -45,7 +45,7 @@ def line(
     title: str = "",
     upward: bool = False,
 ) -> Axes:
-    """Draw values (k,) at places (k,) along a line, positive ones downwards as deflections are, or ``upward``.
+    """Draw values (k,) at positions (k,) along a line, positive ones downwards as deflections are, or ``upward``.
 
     Give the axes of an earlier call to draw several curves together. ``label`` is the curve's name in the legend.
     """
@@ -175,7 +175,7 @@ def _leave_out_end(axes: Axes, stops: Floats, curves: Sequence[Floats]) -> None:
 
 
 def _together(curves: Mapping[str, Floats]) -> list[tuple[list[str], Floats]]:
-    """Merge equal curves; each has the names of all."""
+    """Merge equal curves; return each distinct curve with the names of all curves equal to it."""
     tolerance = _ALIKE * size_of(list(curves.values()))
     merged: list[tuple[list[str], Floats]] = []
     for name, values in curves.items():
@@ -242,7 +242,7 @@ def _unit_of(label: str) -> str:
 
 
 _ACROSS = 4
-"""Panels in a row of a landscape page."""
+"""Number of panels in a row of a landscape page."""
 
 
 def profile_picture(

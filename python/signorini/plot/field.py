@@ -144,7 +144,7 @@ def _within(layer: PressureLayer, places: Floats, size: float) -> NDArray[np.boo
     """Mask of the points on an area or its outline; ``size`` is that of the plate."""
     if layer.outline is None:
         return np.ones(len(places), np.bool_)
-    # Which sign of the radius includes the outline depends on its orientation.
+    # The sign of the radius that includes the outline depends on the outline's orientation.
     tolerance = _ON_OUTLINE * size
     (outer, *holes), radii = map(Path, pieces(layer.outline)), (tolerance, -tolerance)
     within: NDArray[np.bool_] = np.any([outer.contains_points(places, radius=radius) for radius in radii], axis=0)
@@ -198,7 +198,7 @@ def _in_words(level: float, step: float) -> str:
     """
     if abs(level) < 1e-9 * step:
         return "0"
-    # Steps of 2.5 have two digits, and five of them three.
+    # A step of 2.5 has two digits, and a multiple such as 12.5 has three.
     digits = max(0, int(np.floor(np.log10(abs(level) / step) + 1e-9))) + 3
     return plain(level, digits)
 

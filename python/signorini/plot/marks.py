@@ -108,7 +108,7 @@ def draw_numbers(marks: Iterable[SupportMark], labels: Labels) -> None:
 def _draw_footprints(mark: SupportMark, closed: Bools, axes: Axes, per_unit: float) -> float:
     """Draw footprints to scale, shaded if closed and dashed if open; return the largest size of marks within."""
     prints = pieces(mark.footprints)
-    # Without a solution, where the points have another order, all are drawn as closed.
+    # Before a solution the points have another order, so all footprints are drawn as closed.
     states = closed if len(closed) == len(prints) else np.ones(len(prints), np.bool_)
     for chosen, shade, line in ((states, to_rgba(INK, 0.18), "solid"), (~states, "none", "dashed")):
         if chosen.any():

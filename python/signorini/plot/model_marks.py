@@ -136,7 +136,7 @@ _INWARD = 8.0
 _FEW = 60
 """Largest number of singular points with rings; more have dots."""
 _MAX_WORDS = 3
-"""Kinds of singularities that the legend lists."""
+"""Largest number of kinds of singularities that the legend lists."""
 _ALONG_EDGE = np.array([0.0, 0.5, -0.5, 1.0, -1.0, 1.5, -1.5])
 """Candidate positions of the name of an edge, from its middle, in fifths of its length."""
 

@@ -23,8 +23,8 @@ _WIDE = 1.7
 _SMALLEST = (1.6, 0.8)
 """Smallest width and height of a plan [inches]."""
 _LEFT, _BETWEEN, _BELOW, _GAP, _BAR, _RIGHT, _LINE = 0.68, 0.1, 0.5, 0.12, 0.15, 0.8, 0.2
-"""Inches left of the first plan, between plans, below a plan, to its colour bar, for the bar, for the numbers of the
-bar, for a line of text."""
+"""Distances [inches]: left of the first plan, between plans, below a plan, from plan to colour bar, width of the bar,
+right of the bar for its numbers, height of a line of text."""
 _TITLE = 0.4
 """Inches above a plan for its title and for the label of an extreme at the upper edge."""
 _TALLEST_BAR = 5.0

@@ -37,13 +37,13 @@ class SupportMark:
     name: str
     kind: Kind
     positions: Floats  # (k, 2): points, or the vertices of a line or outline
-    closed: NDArray[np.bool_] | None = None  # (k,): in contact is filled, open is hollow; None: unknown, or always held
+    closed: NDArray[np.bool_] | None = None  # (k,): filled if closed, hollow if open; None: unknown, or always held
     style: Style = "points"
     boundary: Sequence[Floats] = ()  # edges of contact of an area, polylines (n, 2)
     elastic: bool = False  # drawn with a spring, or as a zigzag line
     gap: bool = False  # drawn with a bar before the mark
-    words: str = ""  # description; default that of the kind
-    counts: tuple[int, int] | None = None  # numbers of closed and open points; default those of ``closed``
+    words: str = ""  # description; by default that of ``kind``
+    counts: tuple[int, int] | None = None  # numbers of closed and open points; by default counted in ``closed``
     footprints: Floats = field(default_factory=_no_points)  # outlines of the footprints of the points
     numbers: Sequence[str] = ()  # a label for each point
 
@@ -63,7 +63,7 @@ class LoadMark:
 
     case: str  # loads of one case have one colour
     name: str
-    positions: Floats  # points, vertices of a line, or an outline; none of a load on the whole plate
+    positions: Floats  # points, vertices of a line, or an outline; empty for the whole plate
     style: Style = "points"
     upward: bool = False
     couple: tuple[float, float] | None = None
@@ -95,7 +95,7 @@ class CutMark:
 
 @dataclass(frozen=True)
 class EdgeMark:
-    """The name of an edge, a point of it, and the direction with the plate on the left."""
+    """The name of an edge, a point on it, and its direction with the plate on the left."""
 
     name: str
     at: Place
@@ -104,7 +104,7 @@ class EdgeMark:
 
 @dataclass(frozen=True)
 class SingularMark:
-    """Points (k, 2), or a line, at which numbers diverge on refinement; ``limited``: this mesh is too coarse."""
+    """Points (k, 2), or a line, at which numbers grow without limit; ``limited``: this mesh is too coarse there."""
 
     words: str
     places: Floats
@@ -114,7 +114,7 @@ class SingularMark:
 
 @dataclass(frozen=True)
 class BalanceMark:
-    """The resultant of a combination, None for a couple, and two points of the tipping axis."""
+    """Position of a combination's resultant (None for a couple), and two points of its tipping axis."""
 
     name: str
     at: Place | None
@@ -147,7 +147,7 @@ class Panel:
 
     values: Floats | Sequence[PressureLayer]
     limits: tuple[float, float]  # range of the colours; includes 0 for pressures
-    label: str = ""  # of the colour bar
+    label: str = ""  # label of the colour bar
     colours: str = "RdBu"  # a diverging colour map
     extremes: Sequence[tuple[str, Sequence[float]]] = ()  # labels and their points
     title: str = ""

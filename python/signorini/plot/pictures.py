@@ -48,14 +48,14 @@ from signorini.plot.view import AXES, seen
 
 EXCLUDED = "excluded from extremes (singular)"
 _ABOVE = 18.0
-"""Points from a plan to its title: the name of an extreme at the upper edge is between them."""
+"""Distance [points] from a plan to its title; the label of an extreme at the upper edge is between them."""
 _SMALLEST_NUMBER = 2.5
-"""Points that a node's number is high at least."""
+"""Smallest height of a node's number [points]."""
 _LEVEL = "#9aa6b0"
 _ARROW = 0.07
-"""Part of a view's width that the arrows along x and y are long."""
+"""Length of the arrows along x and y, relative to the width of the view."""
 _MOST_NUMBERS = 5000
-"""Nodes that have their numbers drawn."""
+"""Largest number of nodes whose numbers are drawn."""
 
 
 def draw_panel(axes: Axes, plan: Plan, panel: Panel, marks: Sequence[SupportMark]) -> list[Entry]:
@@ -74,7 +74,7 @@ def _frame(axes: Axes, panel: Panel, bar: Axes | None = None) -> Scale:
 
 
 def _draw_on(axes: Axes, plan: Plan, panel: Panel, scale: Scale, marks: Sequence[SupportMark]) -> list[Entry]:
-    """Draw the result-dependent parts; return the legend entries."""
+    """Draw field, extremes and supports of one result; return the legend entries."""
     labels = Labels(axes)
     for mark in marks:
         if mark.style == "points" and len(mark.positions):
@@ -117,14 +117,14 @@ def _remarks(plan: Plan, hatched: bool = True) -> list[Entry]:
 def field_picture(
     plan: Plan, panels: Sequence[Panel], marks: Sequence[SupportMark] = (), *, title: str = "", length: str = ""
 ) -> Figure:
-    """Draw fields side by side, each with the supports, as one figure, whose first axes are the panels' plans."""
+    """Draw fields side by side, each with the supports; return a figure whose first axes are the panels' plans."""
     page, scales = _page(plan, panels, length)
     page.finish(title, _draw_fields(page, plan, panels, scales, marks))
     return page.figure
 
 
 def _page(plan: Plan, panels: Sequence[Panel], length: str, rows: int = 1) -> tuple[Page, list[Scale]]:
-    """A page with the colour bars and titles of panels, and their colours."""
+    """Make a page with the colour bars and titles of panels; return it and the colour scale of each panel."""
     page = Page(plan, len(panels), length, bars=True, rows=rows, titles=any(panel.title for panel in panels))
     return page, [_frame(axes, panel, bar) for axes, panel, bar in zip(page.plans, panels, page.bars, strict=True)]
 
@@ -166,7 +166,7 @@ def drawn_as_png(plan: Plan, pictures: Sequence[Picture], length: str = "", rows
 
 
 def view_picture(view: Plan, level: Plan, picture: Picture) -> Figure:
-    """Draw a deflected plate, its mesh and its supports where they are seen, over its outline without deflection."""
+    """Draw an oblique view of a deflected plate with mesh and supports, over its undeflected outline ``level``."""
     page, (scale,) = _page(view, picture.panels, "")
     (axes,) = page.plans
     axes.set_axis_off()
@@ -192,7 +192,7 @@ def view_picture(view: Plan, level: Plan, picture: Picture) -> Figure:
 
 
 def drawn(job: Job) -> Iterator[tuple[str, bytes]]:
-    """Draw pictures of one plate, one after another: name and content of a file."""
+    """Draw the pictures of one plate; yield the name and content of each file."""
     return ((name, with_texts(png, job.metadata)) for name, png in _drawn(job))
 
 

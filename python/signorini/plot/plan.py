@@ -29,7 +29,7 @@ _SHEET = "#eef2f5"
 HATCHED: dict[str, Any] = {"facecolor": _SHEET, "edgecolor": "#aeb8c0", "hatch": "////", "linewidth": 0.0}
 """Hatch of excluded areas."""
 _FINE = 4000
-"""Largest number of elements with fine triangles; of more, each is two triangles and a few dots wide."""
+"""Largest number of elements that are drawn with fine triangles. If there are more, each is drawn as two triangles."""
 _SAME = 1e-7
 """Distance of equal points, relative to the plate's size: far above rounding."""
 _FAINTEST = 0.07
@@ -54,7 +54,7 @@ class Plan:
 
     @cached_property
     def triangles(self) -> Triangulation:
-        """The same for matplotlib."""
+        """The triangles of ``cut`` as a matplotlib triangulation."""
         return triangulation(self.cut, self.nodes)
 
     @cached_property
@@ -67,7 +67,7 @@ class Plan:
 
     @cached_property
     def edges(self) -> tuple[Path, Path, Path]:
-        """Edges between elements, the outline of the plate, and inner borders, at which nodes are double."""
+        """Edges between elements, the outline of the plate, and inner borders, where each side has its own nodes."""
         vertices = np.column_stack([self.triangles.x, self.triangles.y])[self.cut.edges]
         # The two sides of a border have the same points in opposite order.
         steps = np.round(vertices / (_SAME * np.ptp(vertices))).astype(np.int64)
@@ -151,7 +151,7 @@ def set_window(axes: Axes, plan: Plan) -> None:
 
 
 def figure_of(axes: Axes) -> Figure:
-    """The figure that axes are in."""
+    """Return the figure that contains the axes."""
     figure = axes.get_figure(root=True)
     assert figure is not None, "axes are made with their figure"
     return figure
@@ -178,7 +178,7 @@ def _joined(chains: Floats) -> Path:
 
 
 def runs(outline: Floats) -> list[slice]:
-    """Rows of a polyline (k, 2) between those of NaN."""
+    """Slices of a polyline (k, 2) between its rows of NaN."""
     ends = [-1, *np.flatnonzero(np.isnan(outline[:, 0])).tolist(), len(outline)]
     return [slice(a + 1, b) for a, b in pairwise(ends) if b > a + 1]
 
@@ -193,7 +193,7 @@ def enclosed(outline: Floats) -> Path:
     parts = []
     for number, loop in enumerate(pieces(outline)):
         (x, y), (u, v) = loop[:-1].T, loop[1:].T
-        # Loops of the other orientation are left out.
+        # The outline is made counterclockwise and holes clockwise, so that the path excludes the holes.
         turned = float(np.sum(x * v - y * u)) > 0.0
         codes = [Path.MOVETO, *[Path.LINETO] * (len(loop) - 2), Path.CLOSEPOLY]
         parts.append(Path(loop if turned == (number == 0) else loop[::-1], codes))
@@ -201,18 +201,18 @@ def enclosed(outline: Floats) -> Path:
 
 
 PAPER = {"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.6}
-"""Background of text on colours."""
+"""Style of the background of text on colours."""
 _LETTER, _LINE = 0.6, 1.25
 """Width of a letter and height of a line, relative to the font size."""
 _AROUND = np.array([[1, 1], [-1, 1], [1, -1], [-1, -1], [0, 1], [0, -1], [1, 0], [-1, 0]], dtype=np.float64)
 _FAR = (5.0, 14.0, 26.0, 40.0)
 """Distances from a point to its label [points], in order of preference."""
 _LEADER = 10.0
-"""Smallest distance, in points, at which a line connects a text to its place."""
+"""Smallest distance [points] of a label from its position with a line between them."""
 _APART, _MISTAKEN = 3.0, 400
-"""Points by which a text is nearer to its own place than to others; cost of the opposite, in eighths."""
+"""Distance [points] by which a label must be nearer to its own position than to others, and the cost if it is not."""
 _ON_WORDS, _OUTSIDE, _ON_MARKS = 20.0, 10.0, 6.0
-"""Costs of covering text, of leaving the plan and of covering marks, relative to 1 for the eighth candidate."""
+"""Costs of covering text, of leaving the plan, and of covering marks; the eighth candidate position costs 1."""
 
 
 @dataclass(eq=False)
@@ -235,7 +235,7 @@ class Labels:
         return np.asarray((np.atleast_2d(np.asarray(at, dtype=np.float64)) - self._corner) * self.scale)
 
     def keep_free(self, at: ArrayLike, size: float) -> None:
-        """Reserve squares of a width in points at places (k, 2) of marks."""
+        """Reserve squares of width ``size`` [points] at the positions (k, 2) of marks."""
         middle = self.points(at)
         self.marks.append(np.hstack([middle - 0.5 * size, middle + 0.5 * size]))
 
@@ -267,7 +267,7 @@ class Labels:
     def along(
         self, words: str, places: ArrayLike, turns: Sequence[float], size: float, color: str = INK, **look: Any
     ) -> None:
-        """Write a text at one of the places (k, 2), rotated there; skip it if no place is free."""
+        """Write a text at one of the positions (k, 2), rotated there by ``turns``; skip it if no position is free."""
         at, angle = np.atleast_2d(np.asarray(places, dtype=np.float64)), np.radians(turns)
         long, high = _LETTER * len(words) * size, _LINE * size
         cos, sin = np.abs(np.cos(angle)), np.abs(np.sin(angle))
@@ -294,7 +294,7 @@ class Labels:
 
 
 def _away(middles: Floats, extent: Floats, places: Floats) -> Floats:
-    """Distances (c,) of places from boxes with the middles (c, 2)."""
+    """Distances (c,) of positions (c, 2) from boxes with centers ``middles`` (c, 2)."""
     return np.asarray(np.hypot(*np.maximum(np.abs(places - middles) - 0.5 * extent, 0.0).T))
 
 

@@ -19,7 +19,7 @@ _DOWN = np.array([0.0, -np.cos(_RAISED)])
 _TALLEST = 0.15
 """Drawn size of the largest deflection, relative to the plate's size."""
 _UPRIGHT = 0.9
-"""Exaggeration factor, relative to the factor at which a part of the plate hides another."""
+"""Exaggeration factor, relative to that at which one part of the plate hides another."""
 
 
 def seen(places: Floats, deflection: Floats | float = 0.0, factor: float = 1.0) -> Floats:

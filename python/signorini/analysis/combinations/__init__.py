@@ -1,4 +1,4 @@
-"""Many combinations on one factor: solved in blocks, each block's columns passed on, envelopes kept."""
+"""Solve many combinations with one factorization, pass on their rows in batches, and accumulate envelopes."""
 
 from signorini.analysis.combinations.combined import Combined, Sink, Ways, combine
 

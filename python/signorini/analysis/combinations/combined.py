@@ -1,4 +1,4 @@
-"""Many combinations on one factor: solved in blocks, each block's columns passed on, envelopes kept.
+"""Solve many combinations with one factorization, pass on their rows in batches ("blocks"), and accumulate envelopes.
 
 Memory does not grow with the number of combinations.
 """
@@ -30,18 +30,20 @@ from signorini.results.rows import Block, Column, Hidden, Layout, PlateLayout, t
 
 _MOST_ROWS = 4096
 _MOST_NUMBERS = 4_000_000
-"""Combinations, and numbers of theirs, that are in memory at once."""
+"""Largest number of combinations in one block, and of numbers in its columns."""
 _DEFLECTIONS = 500_000
-"""Deflections of all nodes, 4 MB of them, of the rows whose areas in contact are found together."""
+"""Largest number of nodal deflections that are in memory at once (4 MB), while contact areas are found."""
 _FEW_POINTS = 100
 _MOST_POINTS = 500
-"""Contact points whose responses are always worth their time, and at most have the memory."""
+"""Numbers of contact points: up to the first, responses of all points are always computed; above the second, never, as
+they would take too much memory.
+"""
 _BALANCED = 1e-10
 """Largest relative balance error of a sum. Above it the combination is solved by itself, after the check of
 equilibrium.
 """
 _EXPLAINED = 100
-"""Combinations without equilibrium of which is said why."""
+"""Largest number of combinations without equilibrium for which the reason is stored."""
 
 Single = Callable[[Combination], Result]
 Several = Callable[[Sequence[Combination], Single], Iterable[Result]]
@@ -49,10 +51,11 @@ Sink = Callable[[Iterable[tuple[str, Column]]], None]
 
 
 class Ways(NamedTuple):
-    """How combinations of one tightening of the bolts are solved.
+    """Solvers of the combinations that have the same bolt preloads.
 
-    ``single`` solves one by itself, where a sum of responses is not certain. ``several`` solves those of an active set
-    side by side, and those it is not certain of by the function it is given; None leaves every one to ``single``.
+    ``single`` solves one combination by itself. ``several`` solves many with the active set, and calls the function
+    that it is given for each combination whose equilibrium or answer is uncertain. If ``several`` is None, ``single``
+    solves every combination.
     """
 
     problem: ContactProblem
@@ -62,34 +65,34 @@ class Ways(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Combined(Brief):
-    """Results of all combinations: rows, envelopes, counts and the worst certificate figures."""
+    """Results of all combinations: rows of the table, envelopes, counts, and the largest certificate errors."""
 
     combinations: Combinations
     layout: Layout
     envelope: Envelope
-    """Over those that were solved."""
+    """Envelope of all combinations with an equilibrium."""
     groups: Mapping[str, Envelope]
-    """By group with a name, over those of it that were solved, if any."""
+    """Envelope of the combinations with an equilibrium in each named group."""
     solved: int
-    """How many have an equilibrium."""
+    """Number of combinations with an equilibrium."""
     alone: int
     """Number of combinations solved by themselves, since the sum of responses was not certified."""
     not_unique: int
-    """How many have other answers that are as right; of each the least is in the table."""
+    """Number of combinations whose reactions are not unique; the table has the least-norm ones."""
     certificate: Mapping[str, float]
-    """The worst of each figure."""
+    """Largest error over all combinations, by the name of the error in a certificate."""
     unbalanced: Mapping[str, str]
-    """Why the first of those without equilibrium have none, by name."""
+    """Reasons why combinations have no equilibrium, by name of the combination, for the first 100."""
     rows: Mapping[str, Column] | None
-    """The table's columns, where they are few enough numbers to be kept."""
+    """Columns of the table; None if they are too many numbers to be stored."""
 
     def over(self, group: str) -> Envelope:
-        """The envelope over a group; by no name over all."""
+        """Return the envelope of a group; for ``group=""`` that of all combinations."""
         return self.groups[group] if group else self.envelope
 
     @property
     def governing(self) -> list[int]:
-        """Numbers of the combinations that govern, of each group if there are any, in that order."""
+        """Row numbers of the combinations that have an extreme, group by group if there are groups."""
         envelopes = self.groups.values() or (self.envelope,)
         return list(dict.fromkeys(row for envelope in envelopes for row in envelope.rows))
 
@@ -150,7 +153,7 @@ def combine(
 
 
 def _over(layout: Layout, mesh: Mesh, envelopes: Sequence[Envelope]) -> Envelope:
-    """The envelope over some."""
+    """Return the envelope of several envelopes."""
     result = Envelope.none(layout, mesh)
     for one in envelopes:
         result.meet(one)
@@ -158,15 +161,17 @@ def _over(layout: Layout, mesh: Mesh, envelopes: Sequence[Envelope]) -> Envelope
 
 
 class _Run:
-    """Envelopes, counts and figures of combinations with the same bolt preloads, accumulated over the blocks."""
+    """Envelopes, counts and largest certificate errors of combinations with equal bolt preloads, over all blocks."""
 
     def __init__(self, ways: Ways, layout: Layout, cases: tuple[str, ...]) -> None:
         self.problem, self.single, self.several = ways
         self.layout, discretisation = layout, self.problem.discretisation
         self.terms: Terms | None = None
-        # Where nodes are held together their forces are shared alike in every combination.
+        # Where dependent rigid rows hold the same nodes, the distribution of their forces is not unique in any
+        # combination.
         self._always = "reactions" if discretisation.held_together else ""
-        # So many combinations are worth a response of every contact point, and memory holds these.
+        # Largest number of contact points for which a response of every point is computed: it must save time and fit
+        # into memory.
         most = min(_MOST_POINTS, max(_FEW_POINTS, 2 * len(discretisation.model.effective_combinations)))
         worth_while = not len(discretisation.repeated) and len(discretisation.contacts) <= most
         if self.several is not None and self.problem.method == "lemke" and worth_while:
@@ -178,7 +183,7 @@ class _Run:
         self._without_equilibrium = 0
 
     def solve(self, block: Block, combinations: Sequence[Combination], at: Ints) -> None:
-        """Fill rows (k,) of a block by combinations (k,), and widen the envelopes by them."""
+        """Solve combinations (k,), store them in the rows ``at`` (k,) of a block, and extend the envelopes."""
         groups = [combination.group for combination in combinations]
         rows: Sequence[int] = range(len(combinations))
         if self.terms is not None:
@@ -218,7 +223,7 @@ class _Run:
         rows = np.flatnonzero(verdict == 0)
         coefficients = np.ascontiguousarray(np.hstack([np.ones((len(rows), 1)), factors[rows], pushes[rows]]))
         figures = terms.proof.figures(coefficients, np.ascontiguousarray(reaction[rows]))
-        # Certificates that pass, and leave no doubt that equilibrium exists.
+        # Keep sums that pass the certificate and whose equilibrium is not in doubt.
         certain = (figures <= TOLERANCE).all(axis=1) & (figures[:, FIGURES.index("balance")] <= _BALANCED)
         certain &= ~doubtful(self.problem.discretisation, self.problem.freedom, reaction[rows], gap[rows])
         rows, coefficients = rows[certain], np.ascontiguousarray(coefficients[certain])
@@ -264,7 +269,7 @@ class _Run:
     def _take_fields(
         self, member: PlateLayout, terms: PlateTerms, group: str, shares: Floats, acting: Bools, who: Ints
     ) -> list[tuple[Floats, Floats]]:
-        """Meet the fields of one plate in sums (k,); return extremes (k, 2) and places (k, 2, 2) of the layout's."""
+        """Add fields of one plate to a group's envelope; return extremes (k, 2) and positions (k, 2, 2) by field."""
         result, places = [], member.plate.own.stress_nodes.points
         assert self.terms is not None
         for name, extremes in self._envelope(group).fields.items():
@@ -290,7 +295,7 @@ class _Run:
         coefficients: Floats,
         acting: Bools,
     ) -> None:
-        """Extremes of the means of one plate at places without a limit, in sums in which load cases (r, c) act."""
+        """Store extremes of a plate's means at singular places; ``acting`` (r, c) marks the load cases of each row."""
         assert self.terms is not None
         beside = member.beside
         named = [(name, place) for place, name in enumerate(self.layout.fields) if name in PEAKING]
@@ -327,7 +332,7 @@ def _take_derived(
     classes: Ints,
     left_out: Bools,
 ) -> tuple[Floats, Ints]:
-    """Meet a field that follows from sums; return each one's extremes and their places, as `Extremes.take_sums`."""
+    """Add a field computed from moments and shears; return extremes and their nodes, as `Extremes.take_sums` does."""
     peaks, places = np.empty((len(who), 2)), np.empty((len(who), 2), np.int64)
     for first in range(0, len(who), step := max(1, _DEFLECTIONS // len(thickness))):
         some = slice(first, first + step)
@@ -346,13 +351,13 @@ def _take_derived(
 
 
 def _by_group(groups: Sequence[str], rows: Ints) -> Iterator[tuple[str, Ints]]:
-    """Divide rows (k,), in rising order, by their groups."""
+    """Yield each group with its rows, from rows (k,) in rising order."""
     for group in dict.fromkeys(groups[row] for row in rows):
         yield group, np.array([row for row in rows if groups[row] == group])
 
 
 def _factors(combinations: Sequence[Combination], cases: Sequence[str]) -> Floats:
-    """Factors (k, c) of the cases."""
+    """Factors (k, c) of c load cases in k combinations."""
     column = {case: index for index, case in enumerate(cases)}
     out = np.zeros((len(combinations), len(cases)))
     for row, combination in enumerate(combinations):
@@ -362,7 +367,10 @@ def _factors(combinations: Sequence[Combination], cases: Sequence[str]) -> Float
 
 
 def _loads(model: Model, combinations: Sequence[Combination]) -> Iterator[tuple[str, Floats]]:
-    """Factors of the cases; of a moving load also where it stands, both NaN if it stands in two places."""
+    """Yield columns with the factors of cases and the positions of moving loads.
+
+    Both are NaN in a combination that has a moving load at two positions.
+    """
     travelled = {at: (load.case, s) for load in model.moving for at, s in load.positions.items()}
     factor = {case: np.zeros(len(combinations)) for case in (*model.cases, *(m.case for m in model.moving))}
     position = {load.case: np.full(len(combinations), np.nan) for load in model.moving}

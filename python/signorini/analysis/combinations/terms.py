@@ -1,4 +1,4 @@
-"""Terms of the sums that make combinations, and bounds of certificate figures of sums from figures of the terms."""
+"""Terms of which answers are linear combinations, and bounds of the certificate errors of such sums."""
 
 from __future__ import annotations
 
@@ -18,19 +18,20 @@ from signorini.results.readings import Linear, Reader, SupportForces
 from signorini.singularities.beside import means_of
 
 _WATCHED = 64
-"""Nodes whose deflections, and dofs whose loads, bound the largest from below."""
+"""Number of nodes, and largest number of dofs, at which a sum's largest deflection and load are estimated from below.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Watch:
-    """Nodes all over the plate, and the dofs (node by node, three each) that some load case loads most."""
+    """Nodes spread over the plate, and dofs (3·node + component) with the largest load of a load case."""
 
     nodes: Ints
     dofs: Ints
 
     @classmethod
     def of(cls, discretisation: Discretisation, cases: Sequence[str]) -> Watch:
-        """Choose them; of many load cases some."""
+        """Choose evenly numbered nodes, and the most loaded dof of each of at most 127 load cases."""
         unit = np.tile(_units(discretisation), discretisation.mesh.node_count)
         some = cases[:: max(1, len(cases) // _WATCHED)]
         dofs = {int(np.abs(discretisation.cases[case].nodal / unit).argmax()) for case in some}
@@ -39,23 +40,23 @@ class Watch:
 
 
 class Sizes(NamedTuple):
-    """Quantities of one term for certificates; with a leading axis (b,) those of all terms."""
+    """Data of one term for certificates; with a leading axis (b,), data of b terms."""
 
     moved: Floats
     """(m,): displacement Gu of every contact point."""
     reaction: Floats
-    """(m,)"""
+    """(m,): reaction of every contact point."""
     errors: Floats
-    """(2,): largest nodal force out of balance, couples by the force they are at an element's size apart; and largest
-    violation of a held deflection, slopes times the plate's size."""
+    """(2,): largest nodal residual force, couples divided by the element size; and largest error of a held deflection
+    or of a held slope times the plate's size."""
     balance: Floats
-    """(3p,): the resultants that supports do not balance, of p plates."""
+    """(3p,): force and moments on each of p plates that the supports leave unbalanced."""
     resultant: Floats
-    """(3p,): resultants of the load, excluding parts that balance themselves."""
+    """(3p,): resultants of the load on each plate, excluding self-equilibrated parts."""
     deflection: Floats
-    """Deflections of the watched nodes."""
+    """Deflections of the nodes of the `Watch`."""
     load: Floats
-    """On the dofs that are watched."""
+    """Loads on the dofs of the `Watch`; couples are divided by the element size."""
 
     @classmethod
     def of(
@@ -70,7 +71,7 @@ class Sizes(NamedTuple):
         on_plate: Floats,
         at_rest: bool,
     ) -> Sizes:
-        """Measure a term: displacements ``hi + lo``, residual forces and forces of the supports (3n,) each."""
+        """Measure a term: displacements ``hi + lo``, residual ``imbalance`` and support forces ``on_plate`` (3n,)."""
         rows, held = discretisation.contacts.rows, discretisation.held
         exact = hi.astype(np.longdouble) + lo
         moved = rows.dot(discretisation.mesh.elements, exact)
@@ -92,14 +93,14 @@ class Sizes(NamedTuple):
 
 
 def _units(discretisation: Discretisation) -> Floats:
-    """Divisors (3,) that convert the three nodal forces of a node to forces, couples by the element size."""
+    """Divisors (3,) of the force and the two couples of a node: 1 and the element size."""
     across = float(np.sqrt(discretisation.mesh.element_area.mean()))
     return np.array([1.0, across, across])
 
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """Quantities of all terms, rigid motions at the points (m, 3), and the largest coefficient of each row (m, 1)."""
+    """Data of terms, contact rows times rigid motions ``moves``, and the largest entry of each row ``grip`` (m, 1)."""
 
     discretisation: Discretisation
     terms: Sizes
@@ -108,7 +109,7 @@ class Proof:
 
     @classmethod
     def of(cls, discretisation: Discretisation, sizes: Sequence[Sizes]) -> Proof:
-        """Put the terms together."""
+        """Stack the data of the terms."""
         rows = abs(discretisation.contact_rows)
         rows.data /= _units(discretisation)[rows.indices % 3]
         motions = discretisation.scaled_motions
@@ -120,7 +121,7 @@ class Proof:
         )
 
     def figures(self, coefficients: Floats, reaction: Floats) -> Floats:
-        """Bounds (k, 5) of the certificates' figures of sums with coefficients (k, b) and reactions (k, m)."""
+        """Upper bounds (k, 5) of the certificate errors of k sums with coefficients (k, b) and reactions (k, m)."""
         contacts, size, terms = self.discretisation.contacts, self.discretisation.mesh.size, self.terms
         carried = _core.superpose(coefficients, terms.reaction) - reaction
         errors = _core.superpose(np.abs(coefficients), terms.errors)
@@ -156,29 +157,29 @@ def _ratio(error: Floats, size: Floats) -> Floats:
 
 
 _TOGETHER = 32
-"""Load cases whose displacements are in memory at once."""
+"""Number of load cases whose displacements are in memory at once."""
 
 
 _OfPlate: TypeAlias = tuple[list[Floats], Linear, Floats]
-"""Fields of a plate in one term, its readings, its means."""
+"""Fields, readings and means of one plate in one term."""
 _Term: TypeAlias = tuple[list[_OfPlate], Sizes]
-"""Every plate in one term, and what certificates need."""
+"""Values of every plate in one term, and data for certificates."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlateTerms:
-    """One plate in all terms (b,)."""
+    """Values of one plate in all b terms."""
 
     fields: dict[str, Floats]
-    """(b, n) or (b, s): those that envelopes are sought of, "reaction" among them."""
+    """Fields (b, n) or (b, s) that envelopes need, by name; "reaction" is one of them."""
     linear: Linear
-    """(b, ...): readings."""
+    """Linear readings (b, ...)."""
     means: Floats
-    """(b, 10k): means at the places of `Beside`."""
+    """Means (b, 10k) at the k places of `Beside`."""
 
     @classmethod
     def stacked(cls, names: Sequence[str], each: Sequence[_OfPlate]) -> PlateTerms:
-        """Put terms together."""
+        """Stack the values of a plate in all terms."""
         fields, linear, means = zip(*each, strict=True)
         every = [*names, "reaction"] if names else []
         by_name = dict(zip(every, map(np.array, zip(*fields, strict=True)), strict=True))
@@ -187,22 +188,22 @@ class PlateTerms:
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """The terms (b,) of the sum: one at rest, one a load case, one a contact point."""
+    """The terms (b,) of the sums: the plate without load, each load case, and a unit force at each contact point."""
 
     cases: tuple[str, ...]
-    """The load cases, in the order of the terms."""
+    """Names of the load cases, in the order of their terms."""
     shared: _core.CombinedCases
-    """The contact problem condensed for all of them."""
+    """Condensed contact problem of all terms."""
     plates: tuple[PlateTerms, ...]
-    """Those of every plate."""
+    """Terms of every plate."""
     proof: Proof
-    """Data of the certificates."""
+    """Data for the certificates of sums."""
 
 
 def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[str]) -> Terms:
     """Solve for every term.
 
-    The load cases are those that occur in some combination; ``enveloped`` fields have envelopes.
+    ``cases`` are the load cases that occur in a combination; ``enveloped`` are the fields that have envelopes.
     """
     result, core = problem.discretisation, problem.core
     names = summed(enveloped)
@@ -227,13 +228,13 @@ def terms_of(problem: ContactProblem, cases: Sequence[str], enveloped: Sequence[
 
 
 def summed(enveloped: Sequence[str]) -> list[str]:
-    """Fields that are summed for the enveloped fields: these, and moments and shears of derived fields."""
+    """Names of fields to sum: linear ones in ``enveloped``, and moments and shears if a derived field is enveloped."""
     derived = any(name not in LINEAR for name in enveloped)
     return [name for name in LINEAR if name in enveloped or (derived and name in PEAKING)]
 
 
 class _Terms:
-    """Reads terms, so that displacements need not stay in memory."""
+    """Reads fields and readings from a response at once, so that its displacements need not stay in memory."""
 
     def __init__(self, discretisation: Discretisation, names: list[str], watch: Watch) -> None:
         self._found, self._names, self._watch = discretisation, names, watch
@@ -242,7 +243,7 @@ class _Terms:
         self._still = (elements, rows, further, stiffness, np.zeros_like(base))
 
     def read(self, responses: list[_core.Response], loads: list[CaseLoad] | None, at_rest: bool = False) -> list[_Term]:
-        """Read some terms, without loads those of no load."""
+        """Read terms from responses and their loads; ``loads`` is None for responses without load."""
         if loads is None:
             loads = [self._found.no_load] * len(responses)
         return [self._term(*one, at_rest) for one in zip(responses, loads, strict=True)]
@@ -285,7 +286,7 @@ class _Terms:
             for place, name in enumerate(LINEAR)
             if name in self._names
         ]
-        # Fields are sought that have means, or none are read.
+        # Envelopes of fields need means; without enveloped fields no means are read.
         means = means_of(plate, stress[:, :3], stress[:, 3:]).ravel() if self._names else np.zeros(0)
         linear = Reader.of(plate).read(load, hi, lo, reaction, forces, every, beneath)
         return [*kept, at_nodes] if self._names else kept, linear, means
