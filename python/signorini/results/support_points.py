@@ -143,7 +143,11 @@ class SupportPoints:
         return np.concatenate([np.zeros(self.fixed, np.int64), own[0]])[self.order]
 
     def yielded(self, discretisation: Discretisation, reaction: Floats) -> Bools:
-        """Whether every point (p,) gives all that it can, from the reactions of all points (m + r,)."""
+        """Whether the reaction of every point (p,) reaches its limit, from the reactions of all points (m + r,).
+
+        The force decides, not the piece as in `ContactPoints.yield_on`: repeated points have a share of the force, but
+        no piece.
+        """
         least, most = discretisation.points.limits
         at_end = ((least < 0.0) & (reaction <= least * _ALL)) | (reaction >= most * _ALL)
         which = np.asarray(at_end[self.rows].any(axis=0))
