@@ -277,8 +277,8 @@ def outlined(
     ``refinements`` (r, 5) are segments, x, y to x, y, with the size there; away from them the size grows by a quarter
     of the distance. ``lines`` are groups of lines that element sides follow, in order of priority: segments (l, 4), or
     arcs (a, 6) from x, y through x, y to x, y. A line outside the plate, or closer to the outline or to earlier lines
-    than about half an element, is skipped; if the flag of its group is True, only such parts are. ``points`` (p, 2) become
-    nodes, unless they are too close to other nodes or lines.
+    than about half an element, is skipped; if the flag of its group is True, only such parts are. ``points`` (p, 2)
+    become nodes, unless they are too close to other nodes or lines.
     """
     none = np.nan, np.nan
     loops = [
