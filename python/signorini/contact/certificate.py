@@ -427,7 +427,7 @@ def certified(
 
 
 def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
-    """Largest deflection under a load that may be rounding: 10⁻⁶ F a²/D."""
+    """Largest deflection that counts as rounding under a load: 10⁻⁶ F a²/D."""
     return _NIL * float(loaded_deflection(discretisation, load.nodal))
 
 

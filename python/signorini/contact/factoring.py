@@ -34,7 +34,7 @@ _FEW_IN_AREAS = 500
 """Largest number of points of areas, rigid ones included, for which Lemke's algorithm is faster."""
 
 _FEW_RIGID = 3000
-"""Largest number of one-sided points in all, for which Lemke's algorithm is faster; most are rigid, along lines."""
+"""Largest number of points in all for which Lemke's algorithm is faster; most are rigid, along lines."""
 
 _CARRIED = 100.0
 """Stiffness included in the factor at restraining points, relative to D/a²: about that of a plate under a point load.

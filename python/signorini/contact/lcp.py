@@ -71,7 +71,7 @@ def lcp_of(matrix: Floats, q: Floats, points: Ints, w_is_force: Bools, contacts:
 
 
 def _along(law: Law, unit: float, scale: float, w_is_force: Bools) -> tuple[Floats, Floats]:
-    """Coefficients a, b, c (v, 3) of a point's force and travel, the sums of a + b z + c w over the v vertices.
+    """Coefficients a, b, c (v, 3) of a point's force, and of its travel: sums of a + b z + c w over v vertices.
 
     The base is the first piece with a slope; if the core's w do not fit this, the first one without. w is the distance
     to a vertex, z the distance beyond it. The distance is a force on a piece with a slope, else a travel.

@@ -243,9 +243,9 @@ class ContactProblem(Statement, Remade):
         """Pose the LCP of one nodal load (3n,).
 
         "stiffness" has the gaps as unknowns z. "dual" has the reactions as z, except at points whose stiffness the
-        factor includes: there z is the gap, and ``gap_is_z`` is True. These are elastic points softer than the plate in
-        shear, without footprint. If one-sided supports alone hold the plate, they are also as many points as it has
-        rigid motions. "auto" takes the better conditioned form, `better_form`.
+        factor includes: there z is the gap, and ``gap_is_z`` is True. The factor includes elastic points softer than
+        the plate in shear, without footprint. If one-sided supports alone hold the plate, it also includes as many
+        points as the plate has rigid motions. "auto" takes the better conditioned form, `better_form`.
 
         Raises
         ------
@@ -304,8 +304,8 @@ class ContactProblem(Statement, Remade):
         P = G K⁻¹ Gᵀ + C and s = G K⁻¹ f − g, with K of the plate, held dofs and springs, without contact points; C is
         `compliance` on the diagonal. Where held dofs have values, K⁻¹ f is the displacement under the load with these
         values. Two-sided points are among the rows: their gap is 0 and their reaction has either sign. P and −s are
-        therefore an LCP only without two-sided points; `lcp` eliminates them. Of a law, P and s contain the compliance
-        C only. A point at its `limits` has a gap below 0, minus its yield travel, and the solution of ``lemke(P, -s)``
+        therefore an LCP only without two-sided points; `lcp` eliminates them. P and s contain only the compliance C of
+        a law. A point at its `limits` has a gap below 0, minus its yield travel, and the solution of ``lemke(P, -s)``
         may exceed the limit. `lcp` has a row for each vertex of such a law.
 
         Raises

@@ -42,7 +42,7 @@ WORDS: dict[Method, str] = {
 Told: TypeAlias = Callable[[str, int, int, float], object]
 """Called with the name of the method, then the arguments of `Steps`; an exception in it ends the solve."""
 _PUSHING = 100.0
-"""Ratio of Σ|reactions| to Σ|loads| above which a message says that supports push against each other."""
+"""Smallest ratio of Σ|reactions| to Σ|loads| that a message explains by supports that push against each other."""
 _MARGINAL = (
     "Rounding decides which supports are in contact. Take a finer mesh or fewer supports that nearly repeat each "
     "other, or give the rigid ones a stiffness."

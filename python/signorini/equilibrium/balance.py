@@ -20,7 +20,7 @@ _HELD = 1e-4
 """Smallest stiffness of supports against rigid motions, relative to the required one: four of sixteen digits are lost.
 """
 _MANY = 100
-"""Number of points above which only the corners of their convex hull are kept."""
+"""Largest number of points that are all kept; of more, only the corners of the convex hull are."""
 
 _MOST_NUMBERS = 1 << 20
 """Largest number of products in memory at once."""

@@ -43,7 +43,7 @@ _ALIKE = 1e-9
 _OVERLAP = 1e-7
 """Least overlap of rigid supports that contradict each other, relative to the largest travel."""
 _BRINK = 1e-9
-"""Least reaction of a plate on the brink: largest possible value of the smallest reaction, relative to the load."""
+"""A plate is on the brink if no balanced reactions all exceed this, relative to the load."""
 CONTRADICTION = (
     "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and settlements. "
     "Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."

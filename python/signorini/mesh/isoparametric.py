@@ -23,7 +23,7 @@ CORNERS: Final = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 TRIANGLE_CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 CENTROID: Final = np.array([1.0, 1.0]) / 3.0
 _SINGULAR: Final = 1e-12
-"""Relative tolerance for a zero singular value of a Jacobian: one is zero at a collapsed side."""
+"""Relative tolerance for zero singular values of J; at a collapsed side one singular value is zero."""
 _AT_A_TIME = 1024
 """Number of elements per block, so that their Jacobians stay in the cache."""
 _SAMPLES = np.stack(np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 5)], indexing="ij"), axis=-1).reshape(-1, 2)

@@ -37,7 +37,7 @@ _RELATIVE_GAP = 0.1
 """Bound of the distance between a circle and the parabola of a side, relative to the parabola's rise over its chord:
 twice the actual distance for elements of up to 90°."""
 _PAST_CURVED_EDGE = 2e-2
-"""Least distance past a curved boundary side, in reference coordinates, up to which points count as inside."""
+"""Smallest tolerance past a curved boundary side, in reference coordinates, of points that count as inside."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -205,7 +205,7 @@ class Mesh(Remade):
 
     @property
     def spanning(self) -> Bools:
-        """Mask (ne,) of quadrilaterals with two opposite sides on the boundary: one across bends too little."""
+        """Mask (ne,) of quadrilaterals with two opposite sides on the boundary: alone across, they bend too little."""
         outer = self.on_boundary
         return ~self.triangles & ((outer[:, 0] & outer[:, 2]) | (outer[:, 1] & outer[:, 3]))
 
@@ -487,7 +487,7 @@ class Mesh(Remade):
 
     @cached_property
     def _depth(self) -> Floats:
-        """Depth (ne, 4) of the elements normal to each side."""
+        """Depth (ne, 4) of the elements normal to each side: area over length."""
         return np.asarray(self.element_area[:, None] / self._lengths)
 
     @cached_property

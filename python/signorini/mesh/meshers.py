@@ -239,7 +239,7 @@ def _triples(line: Ints) -> Ints:
 
 
 def _mesh(points: Floats, elements: Ints, edges: Mapping[str, Ints]) -> Mesh:
-    """Make the mesh without the centers of the lattice cells, which 8-node elements do not use."""
+    """Make the mesh; the centers of the lattice cells are removed, which 8-node elements do not use."""
     used = np.zeros(len(points), dtype=bool)
     used[elements] = True
     number = np.cumsum(used) - 1

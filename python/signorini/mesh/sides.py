@@ -1,4 +1,4 @@
-"""Sides of elements: those along lines, circles and holes, and their points nearest to given points."""
+"""Sides of elements: find those along lines, circles and holes, and their points nearest to given points."""
 
 from __future__ import annotations
 

@@ -37,8 +37,8 @@ _EQUAL = 1e-9
 class Extremes:
     """Largest and smallest values (n,) over results, and the numbers of these results; of equal values the first.
 
-    Values are equal within 10⁻⁹ ``size`` (n,), the size of the largest value of their kind. Where ``size`` is 0 they
-    are equal to the bit.
+    Values are equal within 10⁻⁹ ``size`` (n,), the size of the largest value of their kind. Where ``size`` is 0, only
+    identical values are equal.
     """
 
     largest: Floats
@@ -146,7 +146,7 @@ class Envelope:
     places: Floats  # (f, 4, 2): positions of the extremes of each field and of its means, then of each plate's
     # (2, e, b): reactions of all bearings at the largest and smallest value of each governed number of the layout
     beside: Floats
-    fields: dict[str, Extremes]  # at every node of a field, by its name; "reaction" is that of supports on nodes
+    fields: dict[str, Extremes]  # at every node, by the field's name; "reaction" is the supports' force on nodes
     # "contact_pressure" at nodes of elastic areas, "rigid_contact_pressure" on elements of rigid areas: numbers of the
     # nodes or elements (k,), and the extremes there
     pressures: dict[str, tuple[Ints, Extremes]]

@@ -46,7 +46,7 @@ class FieldExtremes:
 
     max: float
     max_at: tuple[float, float]
-    # singularity at which the field exceeds this extreme; empty if there is none
+    # text for the singularity at which the field exceeds this extreme; else empty
     max_beside: str
     min: float
     min_at: tuple[float, float]

@@ -37,7 +37,7 @@ _APART = 2.0
 deflection of each element, and the forces of neighbouring elements alternate.
 """
 _PARALLEL = 1e-9
-"""Relative tolerance for zero eigenvalues: points on a rigid zone are on a straight line."""
+"""Relative tolerance for zero eigenvalues, which occur if all points on a rigid zone are on a straight line."""
 _LAYER, _MOST_OF_RUN = 3.0, 0.25
 """Length of a zone at the end of a line, relative to the plate's thickness h, and its largest value, relative to the
 line's length.
@@ -339,7 +339,7 @@ def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, ver
     """Matrix (v, p) from the forces of a support's points to forces at vertices, linear along each piece.
 
     In a rigid zone only the resultant and the moments of the reactions are known: there the reaction per length is
-    linear. Points that can let go keep their forces.
+    assumed linear. Forces of points that can let go are not changed.
     """
     points, bodies, mesh = SupportPoints.of(discretisation, index), discretisation.held.bodies, discretisation.mesh
     on, t = pieces.locate(points.positions)

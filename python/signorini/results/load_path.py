@@ -100,7 +100,7 @@ class LoadPath(States[float]):
 
     @property
     def method(self) -> Method:
-        """The method that was the first tried at every stop."""
+        """The method that is tried first at every stop."""
         return self.problem.method
 
     @property
@@ -115,7 +115,7 @@ class LoadPath(States[float]):
 
     @property
     def ends_with_the_mesh(self) -> bool:
-        """Whether it stops where the mesh's points, but not yet the supports' outlines, cease to balance the load."""
+        """Whether the path stops because contact points of the mesh, but not yet outlines, fail to balance the load."""
         return self.ending == "stopped" and self.end >= self.mesh_limit * (1 - AT_LIMIT)
 
     @cached_property
@@ -289,7 +289,7 @@ class LoadPath(States[float]):
         return _AFTER * events[-1].t if events and self.ending == "no_more_events" else None
 
     def at(self, t: float) -> Result:
-        """Every result at some t, with its certificate: the answer that `solve` gives.
+        """Result at some t, with its certificate: the answer that `solve` gives.
 
         Raises
         ------
@@ -327,7 +327,7 @@ def factors_named(discretisation: Discretisation, name: str | None) -> Mapping[s
 
 
 def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, CaseLoad], t: float) -> Result:
-    """Every result of a problem at some t, if the answer is certified."""
+    """Result of a problem at some t, if the answer is certified."""
     result, load = problem.discretisation, loads[0] + t * loads[1]
     tried = answered(problem, load, beside=beside(loads, t))
     if tried.certificate is None:

@@ -24,16 +24,16 @@ from signorini.results.support_points import Scales, SupportPoints, closed_by_po
 LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Closed parts of a line or area at its events: 1 where it begins to open, 0.75, 0.5, 0.25, and 0 where it is open."""
 WHOLE = 1e-12
-"""Relative tolerance for an empty part of a support."""
+"""Zero tolerance for a part of a support, relative to the whole support."""
 _TOUCHING = 1e-9
 """Relative tolerance for contact without overlap, relative to the largest overlap, as for contact areas."""
 
 
 def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
-    """Margin of a support to each of its events: nonnegative while the support, or that part of it, is closed.
+    """Margins of a support to its events; a margin is ≥ 0 while the point, or that part of the support, is closed.
 
-    A support at points has (p,), one for each point, a line or area (5,), one for each level. A support with a limit
-    has further margins to the limit, of every point or of all. Margins are continuous in t.
+    A support at points has p margins, one for each point; a line or area has five, one for each level. A support with a
+    limit has further margins to the limit, of every point or of the support. Margins are continuous in t.
     """
     closing = _closing(discretisation, index, answer, scales, part)
     support = discretisation.model.support[index]

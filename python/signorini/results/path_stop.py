@@ -25,7 +25,7 @@ _MOST_POINTS = 100
 
 @dataclass(frozen=True)
 class Switch:
-    """A contact point that opens, closes, yields or stops to."""
+    """A contact point that opens, closes, yields or stops yielding."""
 
     support: str
     at: tuple[float, float]
@@ -44,7 +44,7 @@ class Switch:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class PathStop(Brief):
-    """The path at one t. Between two stops all numbers are linear in t, except extremes and work."""
+    """State of the path at one t. Between two stops all numbers are linear in t, except extremes and work."""
 
     t: float
     switched: tuple[Switch, ...]  # contact points that open or close here

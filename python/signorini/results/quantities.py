@@ -118,7 +118,7 @@ class Quantity:
     tabled: bool = True  # whether tables have it
     enveloped: bool = True  # whether extremes of it are sought
     along_paths: bool = True  # whether load paths list it at every stop
-    parents: tuple[str, ...] = ()  # fields from which its formula computes it
+    parents: tuple[str, ...] = ()  # fields that its formula uses
 
     @property
     def path(self) -> Path:

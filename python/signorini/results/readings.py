@@ -78,7 +78,7 @@ class Linear(NamedTuple):
     couples: Floats
     """(k, 2t): couples on θx and θy of points with a rotational stiffness, support by support."""
     on_lines: Floats
-    """(k, v): contribution of twisting couples of edges at the vertices of their lines, line by line."""
+    """(k, v): forces at the vertices of lines by the twisting couples of edges, line by line."""
     on_areas: Floats
     """(k, a): deflections of the nodes around elastic areas."""
     beneath: Floats
@@ -257,7 +257,7 @@ class Readings:
 
     @property
     def discretisation(self) -> Discretisation:
-        """The plate."""
+        """Mesh, supports and loads of the plate."""
         return self.reader.discretisation
 
     @cached_property
@@ -389,7 +389,7 @@ class SupportReading:
 
     @property
     def beneath(self) -> Floats | None:
-        """Deflections (k, a), around areas, of the other plate on which this one rests; None if there is none."""
+        """Deflections (k, a), around areas, of the other plate on which this one rests; None without such a plate."""
         return self.of.linear.beneath[:, self.of.between.index(self.index)] if self.index in self.of.between else None
 
     @cached_property

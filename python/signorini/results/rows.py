@@ -46,7 +46,7 @@ class Bearing:
     at: tuple[float, float] | None
 
     def column(self, model: Model, what: str = "reaction") -> str:
-        """Name of the column of its reaction, or of its quantity ``what``."""
+        """Name of the column of one of its quantities, by default of the reaction."""
         name = model.support[self.support].name
         return f"{what}:{name}" if self.point is None else f"{what}_at:{name}[{self.point}]"
 
@@ -55,7 +55,7 @@ class Bearing:
 class Hidden:
     """Nodes (n,) of a field that are excluded from extremes, in classes of nodes excluded by the same load cases.
 
-    The field is singular there, or the stress nodes never count.
+    The field is singular there, or the nodes never count (`StressNodes.counting`).
     """
 
     classes: Ints  # (n,): class of each node; class 0 is never excluded
@@ -69,9 +69,9 @@ class Hidden:
 
     @classmethod
     def of(cls, discretisation: Discretisation, number: str) -> Hidden:
-        """Find the nodes at which results of the name ``number`` in `Singularity.numbers` are singular.
+        """Find the nodes at which results called ``number`` in `Singularity.numbers` are singular.
 
-        If the name is empty, nodes are excluded only if they never count.
+        If ``number`` is empty, only nodes that never count are excluded.
         """
         places: dict[str | None, Ints] = {}
         for case in (None, *discretisation.cases) if number else ():
@@ -138,8 +138,8 @@ class Layout:
     at_rest: Mapping[int, AreaContact]  # areas without load, by the index of their support in the model
     lines: Mapping[int, Line]  # lines of supports, by the index of the support in the model
     fields: tuple[str, ...]  # fields with envelopes
-    probes: Floats  # (q, 2)
-    nodes: Floats  # (s, 2): positions of the nodes of stresses; the first are those of the mesh
+    probes: Floats  # (q, 2): positions of probes
+    nodes: Floats  # (s, 2): positions of stress nodes; the nodes of the mesh come first
     members: tuple[PlateLayout, ...]
     rest: Floats  # (p,): for every point of every support, its travel in a plate at rest; infinite if it is apart
 

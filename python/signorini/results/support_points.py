@@ -58,7 +58,7 @@ class SupportPoints:
         direction, weights = contacts.direction[rows], weights[order]
         located = positions[order], weights, elements[order]
         of_slopes = np.flatnonzero(discretisation.springs.slope & (discretisation.springs.support == index))
-        # In the order of couples: the springs on θx, then those on θy.
+        # The springs on θy (about x) are stored before those on θx (about y): reversed here.
         at_points = discretisation.model.support[index].place == "at"
         turning = of_slopes.reshape(2, -1)[::-1].T if at_points else np.zeros((0, 2), np.int64)
         return SupportPoints(nodes, springs, share, rows, direction, order, *located, shares, turning)

@@ -56,7 +56,7 @@ def _unknown(kind: str, given: str, known: Mapping[str, float], words: Mapping[s
 
 def _of_lengths(discretisation: Discretisation) -> Iterator[str]:
     model, thickness = discretisation.model, float(discretisation.thickness.nominal.max())
-    # A zone may be thick to be stiff.
+    # The thinnest part decides: a zone may be thick to be stiff.
     thinnest = float(discretisation.thickness.nominal.min())
     smaller, larger = np.sort(np.ptp(discretisation.mesh.points, axis=0)).tolist()
     if thinnest > _THICKEST * smaller:

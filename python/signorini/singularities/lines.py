@@ -53,7 +53,7 @@ def _load_ends(edge: Boundary, point: Floats, into: Floats) -> bool:
     if len(along_line):
         beside = np.setdiff1d(sides, along_line)
         return _grows_on_edge(edge, int(along_line[0]), int(beside[0]) if len(beside) else int(along_line[0]))
-    # Mirrored at a free edge, a load normal to it continues straight; at a held edge its sign changes.
+    # Reflected at a free edge, a line load normal to the edge continues straight; at a held edge its sign changes.
     return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 

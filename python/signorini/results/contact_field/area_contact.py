@@ -276,7 +276,7 @@ _STEP = 1e-6
 """Length of the step to a position beside a point, relative to the plate's size: more than the tolerance of outlines.
 """
 _WAYS = np.array([(np.cos(turn), np.sin(turn)) for turn in np.pi / 8 * (2 * np.arange(8) - 6.6)])
-"""Directions of the step, along no usual outline."""
+"""Unit vectors of the step directions; common outlines run along none of them."""
 
 
 def without_shared_borders(areas: Sequence[AreaContact], positions: Floats, on: Bools) -> Bools:
