@@ -20,21 +20,24 @@ from signorini.discretise.loads import CANCELLED
 from signorini.discretise.rows import Bools, Floats, Ints
 
 TOLERANCE = 1e-8
-"""Largest error of a certified answer, relative to the size of each figure."""
+"""Largest error of a certified answer, relative to the sizes stated in `Certificate`."""
 CERTIFIABLE = 1e-4
-"""Largest rounding, relative to the acting forces, of a certified answer.
+"""Largest ``rounding`` and ``lost`` of a certified answer, see `Certificate`.
 
-Roundings all over a plate add up as in a random walk, loads add up directly: the answer has hardly a larger error."""
+Roundings at the nodes add up as in a random walk, loads add up directly. So the error of the answer is hardly larger.
+"""
 _ROUNDINGS = 4.0
 """Smallest imbalance that is significant, in machine epsilons times the internal and contact forces at a node."""
 _RANK = 1e-12
 """Rank tolerance of supports' rows over rigid motions, relative to the largest singular value."""
 _NIL = 1e-6
-"""Largest deflection, relative to F a²/D, that is rounding of the elimination."""
+"""Largest deflection, relative to F a²/D, that may be rounding of the elimination."""
 _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
-"""Factor (9e-8) that converts a size into a scale at which `TOLERANCE` equals the rounding of the size."""
+"""Factor 4ε/`TOLERANCE` = 9e-8: an error of `TOLERANCE`, relative to this factor times a size, is 4ε times the size."""
 _CANCELLED = CANCELLED / TOLERANCE
-"""The same factor (4e-7) for the rounding of loads that cancel."""
+"""Factor `CANCELLED`/`TOLERANCE` = 4e-7: the same for loads that cancel, whose rounding is `CANCELLED` times their
+size.
+"""
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
 """Names of the errors, in the order in which they are shown."""
 LIMITED = ("tension", "equilibrium", "balance")
@@ -62,15 +65,15 @@ class Certificate:
     tension_limit, equilibrium_limit, balance_limit : float
         Rounding of these errors in double precision. Internal forces of thin plates, and forces of supports that push
         against each other, are far larger than the loads, so that it may exceed the tolerance. An error above the
-        tolerance is compared with its limit; 0 if none is.
+        tolerance is compared with its limit. 0 if all three errors are within the tolerance.
     rounding : float
         Largest limit that was used, relative to the acting forces: loads, reactions, and with settlements the forces
         that bend the plate. Above 1e-4 the answer is not certified. 0 if no limit was used.
     lost : float
-        Used if curvatures or self-equilibrated loads act together with others. The resultant of the others that
-        reactions miss, relative to the sum of their magnitudes or the largest total of a support; or, if larger, the
-        largest of the least-norm support forces with this resultant, relative to the largest reaction. Above 1e-4 the
-        others are lost in rounding. Otherwise 0.
+        0 unless stress-free curvatures or self-equilibrated loads act together with other loads. The resultant of
+        loads and reactions, relative to the magnitudes of these other loads or the largest total of a support. Or, if
+        larger, the largest of the least-norm support forces with this resultant, relative to the largest reaction.
+        Above 1e-4 the other loads are lost in rounding.
     """
 
     penetration: float
@@ -86,12 +89,12 @@ class Certificate:
 
     @property
     def limited(self) -> bool:
-        """Whether the certificate passed with an error above the tolerance, within the rounding."""
+        """Whether the certificate passes because an error above the tolerance is within its rounding limit."""
         return self.passed and max(self.tension, self.equilibrium, self.balance) > TOLERANCE
 
     @classmethod
     def worst(cls, certificates: Sequence[Self]) -> Self:
-        """Take the largest of each figure over certificates."""
+        """Certificate with the largest value of each field over several certificates."""
         return cls(
             **{
                 figure.name: max(getattr(certificate, figure.name) for certificate in certificates)
@@ -125,9 +128,9 @@ def certify(
 ) -> Certificate:
     """Certify displacements u = ``hi + lo`` (3n,) and reactions λ (m,) of contact points under a load.
 
-    Each entry of ``pieces`` (m,) is a set of pieces of the laws that must contain the answer: the distance from it
-    counts as complementarity. Two answers on the same pieces certify all linear combinations between them.
-    ``beside`` are the loads whose sum this load is: where they cancel, their rounding is tolerated.
+    Each array of ``pieces`` (m,) prescribes the piece of each point's law: the answer's distance from it counts as
+    complementarity. Two answers on the same pieces certify all linear combinations between them. ``beside`` are the
+    loads whose sum this load is: where they cancel, their rounding is tolerated.
     """
     sets = [set_of_pieces[None] for set_of_pieces in pieces]
     return certify_each(discretisation, [load], hi[None], lo[None], reaction[None], sets, [beside])[0]
@@ -158,7 +161,7 @@ def certify_each(
 
 @dataclass(frozen=True, eq=False)
 class _Answers:
-    """k answers to k loads; the methods named in `FIGURES` are their errors (k,), each a formula.
+    """k answers to k loads; the methods named in `FIGURES` return the errors (k,) of the answers.
 
     ``imbalance`` (k, 3n) is F − Ku of plate and springs; the other fields are the arguments of `certify_each`.
     """
@@ -203,7 +206,7 @@ class _Answers:
         return ratio(self._resultants[0], self.resultant_size)
 
     def lost(self, row: int) -> float:
-        """``Certificate.lost`` of an answer."""
+        """``Certificate.lost`` of answer number ``row``."""
         discretisation, load, supports = self.discretisation, self.loads[row], self.support_forces[row]
         if load.all_weighs or not load.weighing.any():
             return 0.0
@@ -217,7 +220,7 @@ class _Answers:
         if not relative > 0.0:
             return relative
         motions, held = discretisation.scaled_motions, discretisation.held.dofs
-        # A couple over the plate's size is compared with forces.
+        # Couples are divided by the plate's size, to be compared with forces.
         slopes = np.flatnonzero(held) % 3 > 0, discretisation.springs.slope, discretisation.contacts.slope
         arm = np.where(np.concatenate(slopes), discretisation.mesh.size, 1.0)
         forces = np.concatenate([holding[held], pull, reaction]) / arm
@@ -227,11 +230,11 @@ class _Answers:
         resultant = np.einsum("ij,i->j", motions, load.weighing - supports)
         rows = (np.concatenate(blocks) * arm[:, None])[acting]
         least_norm = np.abs(np.linalg.lstsq(rows.T, resultant, rcond=_RANK)[0]).max(initial=0.0)
-        # At least half of the loads' mean share of a support: nodal forces of a pressure have both signs.
+        # At least half of the load per acting force of a support: nodal forces of a pressure have both signs.
         return max(relative, float(ratio(least_norm, maximum(largest, 0.5 * of_loads / max(acting.sum(), 1)))))
 
     def certificate(self, row: int, figures: dict[str, float], lost: float) -> Certificate:
-        """Certificate of an answer; errors above the tolerance are compared with their rounding."""
+        """Certificate of answer number ``row``; errors above the tolerance are compared with their rounding."""
         worst = max(figures[name] for name in LIMITED)
         if worst <= TOLERANCE or not np.isfinite(worst):
             return Certificate(**figures, lost=lost)
@@ -275,7 +278,7 @@ class _Answers:
 
     @cached_property
     def holding(self) -> Floats:
-        """F − Ku − Gᵀλ at held dofs (k, 3n), which their supports carry; 0 at others."""
+        """Forces F − Ku − Gᵀλ (k, 3n) of supports at held dofs; 0 at other dofs."""
         return np.where(self.discretisation.held.dofs, self.imbalance - self.pushes, 0.0)
 
     @cached_property
@@ -295,13 +298,16 @@ class _Answers:
 
     @cached_property
     def travel(self) -> Floats:
-        """Rounding (m,) of the distances g of points: a distant stop must not excuse errors at other points."""
+        """Least reference travel (m,) of each point, for the rounding of its distance g.
+
+        It is per point: a distant stop must not excuse errors at other points.
+        """
         contacts = self.discretisation.contacts
         return _UNSEEN * np.where(contacts.slope, self.discretisation.mesh.size, 1.0) * np.abs(contacts.distance)
 
     @cached_property
     def length(self) -> Floats:
-        """Size (k,) of deflections, at least the rounding of those due to loads, slopes and settlements."""
+        """Reference deflection (k,): the largest one, at least for the rounding of loads, slopes and settlements."""
         held, contacts, springs = self.discretisation.held, self.discretisation.contacts, self.discretisation.springs
         size = self.discretisation.mesh.size
         prescribed = max(
@@ -319,7 +325,7 @@ class _Answers:
 
     @cached_property
     def slope(self) -> Floats:
-        """Size (k,) of slopes."""
+        """Reference slope (k,): the largest slope, at least `length` over the plate's size."""
         slopes = self.hi.reshape(len(self.hi), -1, 3)[:, :, 1:]
         return maximum(largest_magnitudes(slopes), self.length / self.discretisation.mesh.size)
 
@@ -330,9 +336,9 @@ class _Answers:
 
     @cached_property
     def least_force(self) -> Floats:
-        """Least size (k,) of forces: preloads, the rounding of bending by the deflection and of loads that cancel.
+        """Least reference force (k,): preloads, and rounding of bending by the deflection or of loads that cancel.
 
-        Without loads also the rounding of shear by the travel.
+        Without loads also the rounding of shear by the deflection or the travel.
         """
         discretisation, size = self.discretisation, self.discretisation.mesh.size
         part = np.minimum(np.abs(bending_part(discretisation, self.hi[:, ::3])), self.length[:, None])
@@ -346,23 +352,23 @@ class _Answers:
 
     @cached_property
     def force_size(self) -> Floats:
-        """Size (k,) of nodal forces: the largest load, without loads the largest force of a support."""
+        """Reference nodal force (k,): the largest load, without loads the largest force of a support."""
         by_load = by_force(self.nodal, self.element_size)
         by_supports = maximum(by_force(self.holding, self.element_size), self._largest_reaction)
         return maximum(np.where(by_load != 0.0, by_load, by_supports), self.least_force)
 
     @cached_property
     def reaction_size(self) -> Floats:
-        """Size (k,) of reactions: the largest reaction, at least `force_size`."""
+        """Reference reaction (k,): the largest reaction, at least `force_size`."""
         return maximum(self.force_size, self._largest_reaction)
 
     @cached_property
     def resultant_size(self) -> Floats:
-        """Size (k,) of resultants: the sum of magnitudes of loads, or of forces of supports."""
+        """Reference resultant (k,): Σ|loads| or Σ|forces of supports|, whichever is larger; at least `least_force`."""
         return maximum(self._resultants[1], self.least_force)
 
     def _of_parts(self, size: Callable[[Discretisation, Floats], Floats]) -> Floats:
-        """Sums (k,) of a size over the loads whose sum each load is."""
+        """Sum (k,) of ``size(discretisation, nodal)`` over the parts ``beside`` of each load."""
         sizes = [sum(float(size(self.discretisation, part.nodal)) for part in parts) for parts in self.beside]
         return np.array(sizes)
 
@@ -384,14 +390,14 @@ class _Answers:
 
     @cached_property
     def _lengths(self) -> Floats:
-        """Size (k, m) of each point's travel; 1 where all sizes are 0."""
+        """Reference travel (k, m) of each point, by `length` or `slope`; 1 where `length` is 0."""
         at_points = np.maximum(self.travel, self.length[:, None])
         lengths = np.where(self.discretisation.contacts.slope, self.slope[:, None], at_points)
         return np.asarray(lengths + (self.length[:, None] == 0.0))
 
     @cached_property
     def _units(self) -> Floats:
-        """Size (k, m) of each point's reaction; couples of points on a slope are larger by the plate's size."""
+        """Reference reaction (k, m) of each point: `reaction_size`, for couples times the plate's size; 1 for 0."""
         size = self.reaction_size
         unit = np.where(self.discretisation.contacts.slope, self.discretisation.mesh.size, 1.0)
         return np.asarray(unit * np.where(size != 0.0, size, 1.0)[:, None])
@@ -421,7 +427,7 @@ def certified(
 
 
 def least_deflection(discretisation: Discretisation, load: CaseLoad) -> float:
-    """Largest deflection under a load that is rounding."""
+    """Largest deflection that counts as rounding under a load: 10⁻⁶ F a²/D."""
     return _NIL * float(loaded_deflection(discretisation, load.nodal))
 
 
@@ -430,8 +436,8 @@ def off_laws(
 ) -> tuple[Floats, Floats, Floats]:
     """Distances (k, m) of points from their laws: penetration, gap, and force out of range.
 
-    The first two are travels relative to ``lengths`` (k, m), or forces relative to ``sizes`` (k, m) on a piece of slope
-    0, if these are less. A straight law has no gap.
+    Penetration and gap are travels relative to ``lengths`` (k, m). On a piece of slope 0 they are forces relative to
+    ``sizes`` (k, m), if these are less. For a straight law the larger of both is the penetration, and the gap is 0.
     """
     result = np.zeros((3, *travels.shape))
     for law, points in contacts.by_law:
@@ -453,7 +459,7 @@ def off_laws(
 def _off_pieces(
     contacts: ContactPoints, pieces: Ints, travels: Floats, reaction: Floats, lengths: Floats, sizes: Floats
 ) -> Floats:
-    """Distances (k, m) of points from the lines of given pieces of their laws; 0 for straight laws."""
+    """Relative distances (k, m) of points from the lines through given pieces of their laws; 0 for straight laws."""
     result = np.zeros(travels.shape)
     for number, law in enumerate(contacts.laws):
         if law.straight or not (of_law := contacts.law == number).any():
@@ -485,9 +491,10 @@ def _totals(discretisation: Discretisation, at_holds: Floats, pull: Floats, reac
 def forces_at_nodes(
     discretisation: Discretisation, hi: Floats, lo: Floats, reaction: Floats, dofs: Bools | None = None
 ) -> tuple[float, float]:
-    """Largest sums of magnitudes at one of the dofs in a mask (3n,): of internal forces, and of forces of supports.
+    """Largest sum of magnitudes of internal forces at a dof, and the same of forces of supports.
 
-    By default the dofs are the free ones. The rounding of these sums is the least imbalance that is significant.
+    Only ``dofs`` (3n,) count, by default the free ones. An imbalance within the rounding of these sums is not
+    significant.
     """
     dofs = ~discretisation.held.dofs if dofs is None else dofs
     element_size = float(np.sqrt(discretisation.mesh.element_area.mean()))
@@ -506,14 +513,17 @@ def push_magnitudes(discretisation: Discretisation, hi: Floats, lo: Floats, reac
 
 
 def resultants_and_sizes(discretisation: Discretisation, nodal: Floats, against: Floats) -> tuple[Floats, Floats]:
-    """Largest resultants (k,) of loads minus supports' forces (k, 3n) each, and sums of magnitudes (k,)."""
+    """Largest component (k,) of the resultants of ``nodal`` − ``against``, loads minus support forces (k, 3n).
+
+    The second array (k,) has the sums of magnitudes, of loads or of support forces, whichever is larger.
+    """
     # einsum uses no threads, which would cost more than these sums.
     resultant = np.einsum("ij,ki->kj", discretisation.scaled_motions, nodal - against)
     return largest_magnitudes(resultant), maximum(reaching(discretisation, nodal), reaching(discretisation, against))
 
 
 def reaching(discretisation: Discretisation, nodal: Floats) -> Floats:
-    """Sums (...,) of magnitudes of nodal forces (..., 3n) in the resultant to which each contributes most."""
+    """Sums (...,) over dofs i of |F_i| maxⱼ |R_ij|, for nodal forces F (..., 3n) and rigid motions R."""
     return np.asarray((np.abs(nodal) * np.abs(discretisation.scaled_motions).max(axis=1)).sum(axis=-1))
 
 
@@ -532,7 +542,7 @@ def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
 
 
 def rigidity(discretisation: Discretisation, thickness: float) -> float:
-    """Bending stiffness E h³/12 of a thickness h, without Poisson's ratio."""
+    """Bending stiffness E h³/12 of a thickness h, without the factor 1/(1 − ν²)."""
     return discretisation.model.young * float(thickness) ** 3 / 12
 
 
@@ -552,7 +562,7 @@ def maximum(*sizes: Floats | float) -> Floats:
 
 
 def ratio(error: Floats | float, size: Floats | float) -> Floats:
-    """Errors over sizes: 0/0 = 0, otherwise infinite for size 0."""
+    """Error over size, elementwise: 0/0 = 0, x/0 = ∞."""
     error, size = np.asarray(error), np.asarray(size)
     part = np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), np.inf)
     return np.asarray(np.where(error == 0.0, 0.0, part))

@@ -1,4 +1,4 @@
-"""Factored core problem of a discretisation: its method and the stiffness in its factor."""
+"""Factor the core problem of a discretisation: choice of the method, memory, stiffness included in the factor."""
 
 from __future__ import annotations
 
@@ -25,23 +25,27 @@ Method = Literal["lemke", "active_set", "saddle"]
 """The methods; each has its own factor. "saddle" is the active set on the saddle-point system."""
 
 MOST_POINTS = 6000
-"""Lemke works on dense matrices; with more contact points they would no longer fit in memory beside the factor."""
+"""Largest number of contact points for Lemke's algorithm: its dense matrices must fit into memory beside the factor."""
 
 _FEW = 300
 """Largest number of elastic points for which Lemke's algorithm is faster."""
 
 _FEW_IN_AREAS = 500
-"""Largest number of points of areas, rigid ones included, for which it is faster."""
+"""Largest number of points of areas, rigid ones included, for which Lemke's algorithm is faster."""
 
 _FEW_RIGID = 3000
-"""Largest number of rigid points, mostly along lines, for which it is faster."""
+"""Largest number of points in all for which Lemke's algorithm is faster; most are rigid, along lines."""
 
 _CARRIED = 100.0
-"""Stiffness that the factor carries at restraining points, over D/a²: about a plate's own under a point load."""
+"""Stiffness included in the factor at restraining points, relative to D/a²: about that of a plate under a point load.
+"""
 
 
 def method_of(discretisation: Discretisation) -> Method:
-    """The method asked for, or else the better one; without one-sided points few come to Lemke's without a pivot."""
+    """Return the method of the input, or for "auto" the faster one.
+
+    Without one-sided points the input's method is ignored: "lemke" then needs no pivot, and is taken for few points.
+    """
     asked, contacts = discretisation.model.solver.method, discretisation.contacts
     one_sided = ~contacts.two_sided
     if not one_sided.any():
@@ -55,7 +59,7 @@ def method_of(discretisation: Discretisation) -> Method:
 
 
 def can_be_factored(discretisation: Discretisation, method: Method) -> bool:
-    """Whether its points are few enough to be condensed, and memory is left for them and for one more factor."""
+    """Whether a method's problem can be factored in the free memory and, for Lemke's, has few enough contact points."""
     if method != "lemke":
         # In the saddle-point system every point is one more unknown, beside nine dofs per element.
         more = len(discretisation.contacts) // 9 if method == "saddle" else 0
@@ -65,7 +69,7 @@ def can_be_factored(discretisation: Discretisation, method: Method) -> bool:
 
 
 def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Method) -> _core.ContactProblem:
-    """Order and factor; for Lemke's algorithm, condense."""
+    """Order and factor a problem for a method; for Lemke's algorithm, also condense it."""
     if method == "lemke":
         points, advice = len(discretisation.contacts), "Take a coarser mesh, or give long lines and areas a stiffness."
         if discretisation.model.solver.method == "lemke":
@@ -86,7 +90,7 @@ def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Meth
 def core_problem(
     discretisation: Discretisation, contacts: ContactPoints, carried: Floats, motions: Floats, method: Method
 ) -> _core.ContactProblem:
-    """Order and factor for a method; ``carried`` (m,) is the stiffness of contact points that the factor takes in."""
+    """Order and factor for a method; ``carried`` (m,) is the stiffness of contact points included in the factor."""
     free = available()
     elements, rows, further = contacts.rows.arrays
     try:
@@ -127,11 +131,11 @@ def core_problem(
 
 
 def regularization(discretisation: Discretisation, freedom: RigidFreedom) -> Floats:
-    """Stiffness (m,) that the factor carries at contact points.
+    """Stiffness (m,) of contact points that is included in the factor.
 
-    Compliant ones are there with their own, unless they are stiffer than the plate in shear or have footprints; where
-    held dofs and springs alone do not hold the plate firmly, some others are there too, about as stiff as a plate under
-    a point load.
+    It is their own stiffness at compliant points, except at points that are stiffer than the plate in shear or have
+    footprints. If held dofs and springs alone do not hold the plate firmly, some more points are included, about as
+    stiff as a plate under a point load.
     """
     contacts, thickness = discretisation.contacts, discretisation.thickness.max()
     shear = max(rigidity.in_shear for rigidity in discretisation.zones.rigidities) * thickness

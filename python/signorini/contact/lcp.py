@@ -29,8 +29,8 @@ class Lcp(NamedTuple):
     points : (k,) array
         Contact point of each row, a row of the problem's G.
     gap_is_z : (k,) array
-        Rows in which z is the gap and w the reaction; in the others z is the reaction and w the gap. In a row of a
-        limit or a law, w is the part before the vertex, and z the part beyond it.
+        Rows in which z is the gap and w the reaction; in other rows z is the reaction and w the gap. In a row of a
+        limit or a law, w is the distance to the vertex, and z the distance beyond it.
     reaction_from, gap_from : (k, 3) arrays
         Coefficients a, b, c of each row; the reaction and the gap of a point are the sums of a + b z + c w of its rows.
     """
@@ -43,10 +43,10 @@ class Lcp(NamedTuple):
     gap_from: Floats
 
     def contact(self, z: Floats) -> tuple[Floats, Floats]:
-        """Reactions λ (k,) and gaps (k,) of ``points`` from z (k,), which need not be a solution.
+        """Reactions λ (k,) and gaps ρ (k,) of ``points`` from z (k,), which need not be a solution.
 
-        Rows of one point have equal values. Gaps are ρ = g − Gu + Cλ, negative where a point has yielded.
-        `signorini.recover` computes a certified result from the reactions.
+        Rows of one point have equal values. ρ = g − Gu + Cλ is negative where a point has yielded. `signorini.recover`
+        computes a certified result from the reactions.
         """
         terms_of_rows = np.column_stack([np.ones_like(z), z, self.M @ z + self.q])
         sums = ((terms * terms_of_rows).sum(axis=1) for terms in (self.reaction_from, self.gap_from))
@@ -55,7 +55,7 @@ class Lcp(NamedTuple):
 
 
 def lcp_of(matrix: Floats, q: Floats, points: Ints, w_is_force: Bools, contacts: ContactPoints) -> Lcp:
-    """Pose an LCP with rows for the vertices of the laws of contact points, in the core's order."""
+    """Make an `Lcp` of M, q, the contact point of each row, and whether its w is a force, as the core returns them."""
     reaction, gap = np.zeros((2, len(q), 3))
     reaction[np.arange(len(q)), np.where(w_is_force, 2, 1)] = 1.0
     gap[np.arange(len(q)), np.where(w_is_force, 1, 2)] = 1.0
@@ -71,10 +71,10 @@ def lcp_of(matrix: Floats, q: Floats, points: Ints, w_is_force: Bools, contacts:
 
 
 def _along(law: Law, unit: float, scale: float, w_is_force: Bools) -> tuple[Floats, Floats]:
-    """Terms (v, 3) of a point's force and travel in the rows of its law's vertices.
+    """Coefficients a, b, c (v, 3) of a point's force, and of its travel: sums of a + b z + c w over v vertices.
 
-    The base piece is the first one with a slope, or the first one without. w is the distance to a vertex, z the
-    distance beyond it: a force on a piece with a slope, else a travel.
+    The base is the first piece with a slope; if the core's w do not fit this, the first one without. w is the distance
+    to a vertex, z the distance beyond it. The distance is a force on a piece with a slope, else a travel.
     """
     holds, vertex = law.slopes > 0.0, np.arange(len(law.slopes) - 1)
     for on_holding in (True, False):
@@ -115,7 +115,7 @@ def lemke(
         w = M z + q,   z ≥ 0,   w ≥ 0,   zᵀw = 0.
 
     In the paper's dual, ``lemke(P, -s)``, z are the reactions and w the gaps. The path is finite for every M, and for
-    degenerate problems. M and q are scaled by powers of two; z and w are solved for again on the last basis.
+    degenerate problems. M and q are scaled by powers of two; z and w are computed again on the last basis.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def lemke(
 
         - "solved": ``z`` and ``w`` (m,) are a solution, ``basis`` (m,) is True where z is basic;
         - "ray": the path ended in a secondary ray ``ray`` (m,), v ≥ 0. If M is copositive-plus, as every positive
-          semidefinite matrix is, Mᵀv ≤ 0 and qᵀv < 0 prove that no solution exists. For other M it proves no such fact;
+          semidefinite matrix is, Mᵀv ≤ 0 and qᵀv < 0 prove that no solution exists. For other M a ray is no proof;
         - "pivot_limit": the limit was reached, or rounding kept every basis infeasible.
 
         z and w are NaN unless solved. ``pivots`` is the number of pivots, ``message`` describes the status.

@@ -17,13 +17,13 @@ from signorini.discretise.rows import Bools, Floats
 from signorini.errors import InputError
 
 _REPEATED = 1e-10
-"""Largest rounding of eigenvalues of P over two-sided rows, with its diagonal scaled to 1."""
+"""Zero tolerance for eigenvalues of P over two-sided rows, with the diagonal of P scaled to 1."""
 
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class RowProblem(Brief):
-    """The paper's problem over the model's contact points, followed by additional rows; see `with_rows`.
+    """The paper's problem over the model's contact points, followed by additional rows of G; see `with_rows`.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class RowProblem(Brief):
     def solve(self, load: Floats) -> Floats:
         """Reactions (m + r,) under one nodal load (3n,), by Lemke's algorithm after two-sided rows are eliminated.
 
-        `signorini.recover` computes a certified result from them.
+        `signorini.recover` computes a certified result from the reactions.
 
         Raises
         ------
@@ -128,7 +128,7 @@ def with_rows(
     """Add rows to those of a model's contact points: G u − C λ ≤ g, with reactions λ ≥ 0 that act as −Gᵀλ.
 
     A row may couple any dofs: the difference of two deflections, a mean, a slope. `ContactProblem.rows_at` gives rows
-    of points. In results their reactions are part of the loads.
+    of points. In results the reactions of additional rows count as loads.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def with_rows(
     two_sided : (r,) array_like of bool, optional
         Rows that are equations, G u − C λ = g, with λ of either sign; all False by default.
     flexibility : (r,) array_like, optional
-        Diagonal of C ≥ 0, gap over reaction; 0 (rigid) by default.
+        Diagonal of C ≥ 0, in the units of g over those of λ; 0 (rigid) by default.
 
     Raises
     ------

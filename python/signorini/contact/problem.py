@@ -1,4 +1,4 @@
-"""The contact problem of a model, as plain arrays and factored: the paper's P and s, the LCP in any form, solutions."""
+"""The contact problem of a model: its arrays, its factor, the paper's P and s, its LCP in any form, its answers."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ from signorini.model import Model
 
 _PARTS = ("w", "θx", "θy")
 _NO_PART = 1e-14
-"""Zero tolerance for coefficients of a row of ones: smaller ones are rounding of the location in the element."""
+"""Zero tolerance for coefficients of a row whose sum is 1: smaller ones are rounding of the location in the element."""
 Form = Literal["auto", "dual", "stiffness"]
 Steps: TypeAlias = Callable[[int, int, float], object]
-"""Called with the number of a step, the contact points it changed and the relative residual; an exception in it ends
-the solution.
+"""Called with the number of a step, the number of contact points that it changed, and the relative residual. An
+exception in it ends the solution.
 """
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 _METHODS: tuple[Method, ...] = ("lemke", "active_set", "saddle")
 _NOT_OUTLINE = {"thickness", "element", "shear_factor"}
-"""Tables of a model that may change on the same mesh."""
+"""Keys of ``plate`` that may differ on the same mesh."""
 _LOAD = "Take discretisation.load(combination) or one of discretisation.cases."
-"""How to come by a load with its nodal forces and curvatures."""
+"""Advice in messages: how to obtain a load with its nodal forces and curvatures."""
 
 
 class Statement:
@@ -63,12 +63,12 @@ class Statement:
 
     @property
     def gaps(self) -> Floats:
-        """Bounds g (m,) of Gu: the free travel of every contact point, and the settlement of its base."""
+        """Bounds g (m,) of Gu: free travel of every contact point plus settlement of its base."""
         return self.discretisation.contacts.distance
 
     @property
     def settlements(self) -> Floats:
-        """Settlement of the base within `gaps` (m,), in the direction of the row; the rest is free travel, ≥ 0."""
+        """Settlement (m,) of each point's base in the direction of its row; `gaps` minus it is the free travel ≥ 0."""
         return self.discretisation.contacts.settlement
 
     @property
@@ -83,12 +83,12 @@ class Statement:
 
     @property
     def limits(self) -> tuple[Floats, Floats]:
-        """Least and largest reaction (m,) of every contact point; infinite where there is no end to it."""
+        """Least and largest reaction (m,) of every contact point; infinite where it has no limit."""
         return self.discretisation.contacts.limits
 
     @property
     def positions(self) -> Floats:
-        """Where every contact point is (m, 2)."""
+        """Position (m, 2) of every contact point."""
         return self.discretisation.contacts.positions
 
     @property
@@ -108,9 +108,9 @@ class Statement:
 
     @property
     def frames(self) -> Floats:
-        """Unit vectors (n, 2) along which the first slope of every node is; the second is a quarter turn from it.
+        """Unit vectors (n, 2) of the first slope of every node; the second slope is a quarter turn from it.
 
-        [1, 0], so that they are θx and θy, but at nodes of edges askew to x and y.
+        They are [1, 0], for the slopes θx and θy, except at nodes of oblique edges that hold one slope.
         """
         frames = self.discretisation.held.frames
         return np.broadcast_to([1.0, 0.0], (self.mesh.node_count, 2)) if frames is None else frames
@@ -118,7 +118,7 @@ class Statement:
     def rows_at(self, points: ArrayLike, of: Literal["w", "θx", "θy"] = "w") -> csr_array:
         """Rows (q, 3n) that map displacements to the deflection, or a slope, at points (q, 2) of the plate.
 
-        Between nodes a slope of `mitc9` also has a part of the elements' internal dofs, without their loads.
+        Between nodes, rows of slopes of `mitc9` include its eliminated internal dofs, but not loads on them.
 
         Raises
         ------
@@ -174,8 +174,9 @@ class ContactProblem(Statement, Remade):
 
     Contact points are the rows of `G`, support by support in the order of the model: +w where the support pushes up, −w
     where it holds down; with travel in both directions the rows that push up are first. Their unknowns are reactions λ
-    ≥ 0 and gaps ρ = `gaps` − Gu + `compliance`·λ ≥ 0; two-sided points, marked by `two_sided`, have ρ = 0 and λ of
-    either sign.
+    and gaps ρ = `gaps` − Gu + `compliance`·λ. Without a limit, λ ≥ 0, ρ ≥ 0 and λρ = 0. With a limit, λ is also at most
+    the upper one of `limits`; where it equals this limit, ρ ≤ 0 is minus the yield travel. Two-sided points, marked by
+    `two_sided`, have ρ = 0 and λ of either sign.
 
     Examples
     --------
@@ -198,16 +199,15 @@ class ContactProblem(Statement, Remade):
     freedom: RigidFreedom
     method: Method
     reference: _core.ContactSolution | None = None
-    """A solved load that others begin with; see `near`."""
+    """Solution of another load, from whose contact set the active set starts; see `near`."""
     unmoved: ContactProblem | None = None
-    """The problem whose factor this one shares; see `moved`."""
+    """The problem with other gaps whose factor this one uses; see `moved`."""
     _cores: dict[str, _core.ContactProblem] = field(default_factory=dict, repr=False)
-    """All that have been asked for, by the method they are factored for; "dual" carries no contact
-    point. See `by`."""
+    """Factored problems made up to now, by method. The factor of "dual" includes no contact point, see `_bare`."""
 
     _made = MappingProxyType(
         {
-            # It saves an active set some steps and changes no answer.
+            # Not pickled: a start saves an active set some steps and changes no answer.
             "reference": lambda problem: None,
             "_cores": lambda problem: {},
         }
@@ -215,7 +215,7 @@ class ContactProblem(Statement, Remade):
 
     @property
     def core(self) -> _core.ContactProblem:
-        """The plate factored for the method, and its contact points."""
+        """The core's problem, factored for the method when first needed."""
         method, result = self.method, self.discretisation
         if method not in self._cores:
             self._cores[method] = (
@@ -226,26 +226,26 @@ class ContactProblem(Statement, Remade):
         return self._cores[method]
 
     def without_factor(self) -> ContactProblem:
-        """The same problem, to be factored again when something first needs it."""
+        """The same problem without its factor, which is computed again when first needed."""
         unmoved = None if self.unmoved is None else self.unmoved.without_factor()
         return replace(self, reference=None, unmoved=unmoved, _cores={})
 
     def moved(self, discretisation: Discretisation) -> ContactProblem:
-        """Pose the problem of a discretisation that differs in the distances of its contact points alone."""
+        """Pose the problem of a discretisation that differs only in the distances g of its contact points."""
         return replace(self, discretisation=discretisation, reference=None, unmoved=self, _cores={})
 
     @property
     def is_factored(self) -> bool:
-        """Whether there is a core already."""
+        """Whether the factor for the method is already computed."""
         return self.method in self._cores or (self.unmoved is not None and self.unmoved.by(self.method).is_factored)
 
     def lcp(self, load: Floats, form: Form = "auto") -> Lcp:
         """Pose the LCP of one nodal load (3n,).
 
-        "stiffness" has the gaps for unknowns. "dual" has the reactions, but gaps at points whose stiffness the factor
-        carries: elastic ones softer than the plate in shear, except footprints, and, where one-sided supports alone
-        hold the plate, as many as it has rigid motions. ``gap_is_z`` marks them. "auto" takes the better conditioned
-        one, `better_form`.
+        "stiffness" has the gaps as unknowns z. "dual" has the reactions as z, except at points whose stiffness the
+        factor includes: there z is the gap, and ``gap_is_z`` is True. The factor includes elastic points softer than
+        the plate in shear, without footprint. If one-sided supports alone hold the plate, it also includes as many
+        points as the plate has rigid motions. "auto" takes the better conditioned form, `better_form`.
 
         Raises
         ------
@@ -256,7 +256,7 @@ class ContactProblem(Statement, Remade):
 
         Examples
         --------
-        A beam of plate on a soft spring that only pushes; the factor carries it, so that its gap is the unknown.
+        A strip of plate on a soft spring that only pushes; the factor includes it, so that its gap is the unknown.
 
         >>> from signorini import Model, lemke, recover
         >>> model = Model(
@@ -304,9 +304,9 @@ class ContactProblem(Statement, Remade):
         P = G K⁻¹ Gᵀ + C and s = G K⁻¹ f − g, with K of the plate, held dofs and springs, without contact points; C is
         `compliance` on the diagonal. Where held dofs have values, K⁻¹ f is the displacement under the load with these
         values. Two-sided points are among the rows: their gap is 0 and their reaction has either sign. P and −s are
-        therefore an LCP only without two-sided points; `lcp` eliminates them. P and s contain laws by C alone: a point
-        at its `limits` has a gap below 0, minus its yield travel, and the solution of ``lemke(P, -s)`` may exceed the
-        limit. `lcp` has a row for each vertex of such a law.
+        therefore an LCP only without two-sided points; `lcp` eliminates them. P and s contain only the compliance C of
+        a law. A point at its `limits` has a gap below 0, minus its yield travel, and the solution of ``lemke(P, -s)``
+        may exceed the limit. `lcp` has a row for each vertex of such a law.
 
         Raises
         ------
@@ -349,10 +349,9 @@ class ContactProblem(Statement, Remade):
 
     @property
     def _bare(self) -> _core.ContactProblem:
-        """All points condensed as one-sided ones onto a factor that carries none of them.
+        """The core's problem for `dual`: all points are one-sided, and the factor includes no point's stiffness.
 
-        Where the factor of the solve carries some, their stiffness could be taken off again, but with it the digits by
-        which it exceeds the plate's.
+        Subtracting stiffnesses from the solver's factor would lose the digits by which they exceed the plate's.
         """
         result, points = self.discretisation, self.discretisation.contacts
         pushing = all(law.only_pushes for law, _ in points.by_law)
@@ -368,20 +367,20 @@ class ContactProblem(Statement, Remade):
 
     @property
     def condensed(self) -> ContactProblem:
-        """The same problem with every point condensed, for the LCP."""
+        """The same problem for Lemke's algorithm: every point is condensed, for the LCP."""
         return self.by("lemke")
 
     def by(self, method: Method) -> ContactProblem:
-        """Pose the same problem for another method; it is factored when that is first needed, and once for all."""
+        """Pose the same problem for another method; it is factored once, when first needed."""
         known(method, _METHODS, "method", "method", "A contact problem")
         return self if method == self.method else replace(self, method=method, reference=None)
 
     def with_model(self, model: Model) -> ContactProblem:
         """Pose another model on the same mesh, for a sweep over gaps, stiffnesses, supports, thickness or loads.
 
-        Dofs and the order of all arrays stay, whatever lines the other model would have the mesh follow. So do contact
-        points if the supports stay in place. P is the same for all loads, gaps and settlements of contact points: for
-        these change s only, which decreases by the increase of `gaps`.
+        Dofs and the order of all arrays stay, even if the other model alone would be meshed along other lines. The
+        contact points stay if the supports stay in place. P is the same for all loads, gaps and settlements of contact
+        points. These change s only, which decreases by the increase of `gaps`.
 
         Raises
         ------
@@ -425,8 +424,8 @@ class ContactProblem(Statement, Remade):
     def near(self, load: Floats, progress: Steps | None = None) -> ContactProblem:
         """Pose the same problem for loads similar to a nodal load (3n,), from whose contact set the active set starts.
 
-        The solution of that load is computed here. The start does not change any answer. It has no effect without an
-        active set, without a solution, and on points with ``resists = "both"``. ``progress`` as for `solve`.
+        The solution of that load is computed here. The start does not change any answer. It has no effect on other
+        methods, if that load has no solution, or with ``resists = "both"``. ``progress`` as for `solve`.
         """
         load = vector(load, self.discretisation.dof_count, "load")
         if self.method != "active_set" or self.discretisation.contacts.two_sided.any():
@@ -436,11 +435,11 @@ class ContactProblem(Statement, Remade):
     def solve(
         self, load: CaseLoad, form: Form = "auto", progress: Steps | None = None, start: Answer | None = None
     ) -> Answer:
-        """Displacements, reactions and gaps of one load; of answers that are equally right the least.
+        """Solve one load; of several answers that are equally right, return the one of least norm.
 
-        ``form`` is that of the LCP where there is one; ``progress`` is called after every step of an active set, and
-        now and then by other methods. ``start`` is the answer to another load of this problem, from whose contact set
-        the method begins.
+        ``form`` is the form of the LCP, ignored by methods without one. ``progress`` is called after every step of an
+        active set, and now and then by other methods. ``start`` is the answer to another load of this problem, from
+        whose contact set the method begins.
         """
         made_by(load, CaseLoad, _LOAD, "load")
         known(form, _FORMS, "form", "form", "The LCP")

@@ -27,7 +27,7 @@ from signorini.discretise.rows import Bools, Floats, Pieces, null_space
 from signorini.equilibrium.balance import RigidFreedom, describe_motion
 
 _AGAINST_EACH_OTHER = 1e6
-"""Times the least reactions that others may be: ten of sixteen digits are left for their sum."""
+"""Largest ratio of the solver's largest reaction to the least-norm one: ten of sixteen digits remain in their sum."""
 _ACTIVE = 1e-10
 """Zero tolerance for multipliers, relative to the largest."""
 _OF_SUMS = 64 * float(np.finfo(float).eps)
@@ -35,23 +35,23 @@ _OF_SUMS = 64 * float(np.finfo(float).eps)
 _NIL = 1e-11
 """Zero tolerance for forces and deflections, relative to the largest."""
 _HARDLY = 1e-6
-"""Smallest deflection that counts, relative to the sum of reactions over D/a²."""
+"""Least reference deflection for touching points, relative to Σ|λ| a²/D."""
 _STILL = 1e-12
-"""Zero tolerance for the motion of a pushing point, relative to the largest: points on a line do not hold turning about
-it.
-"""
+"""Rank tolerance for displacements of pushing points in rigid motions: points on a line leave the rotation about it."""
 _MOVED = 1e-9
-"""Smallest share of a point in a direction of unit size."""
+"""Smallest component of a unit vector that counts as nonzero."""
 _ROUNDING = 16 * float(np.finfo(float).eps)
 """Rounding of a sum of a few products, relative to its terms."""
 _DOUBTFUL = 1e-9
-"""As `_NIL`, where all that hangs on it is whether a combination is solved by itself."""
+"""Zero tolerance of `doubtful`, wider than `_NIL`: a wrong "doubtful" only means that a combination is solved
+separately.
+"""
 Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
 
 
 @dataclass(frozen=True)
 class NotUnique:
-    """Freedom that load and supports leave: the answer shown is the one of least norm.
+    """A freedom of the answer that load and supports leave; the answer shown is the one of least norm.
 
     Parameters
     ----------
@@ -70,13 +70,13 @@ class NotUnique:
 
     @property
     def otherwise(self) -> str:
-        """The alternative answers, in words."""
+        """Text on the alternative answers."""
         if self.what == "reactions":
             return f"reactions of {', '.join(self.supports)} could be shared otherwise"
         return f"the plate could rest elsewhere, {self.motion}"
 
     def __str__(self) -> str:
-        """Say it in a line."""
+        """Describe the freedom in a line."""
         shown = "the least are shown" if self.what == "reactions" else "the least deflection is shown"
         return f"{self.otherwise}; {shown}"
 
@@ -85,12 +85,12 @@ class NotUnique:
 class Answer(Remade):
     """Displacements, reactions, gaps and states of one load; numbers are NaN unless solved.
 
-    Displacements ``hi + lo`` (3n,) are the sum of two doubles. ``reaction``, ``gap``, ``closed`` and ``piece`` (m,) are
-    those of every contact point, ``piece`` being the piece of its law; the gap of a yielding point is minus its yield
-    travel. The reaction of a two-sided point includes those of repeated points. ``shared`` (m + r,) has the reaction of
-    every contact point and of every repeated point, each with its own share. ``not_unique`` is empty if the answer is
-    unique; ``somehow`` is the solver's answer if another one was chosen. ``solution`` is the solver's, a start for
-    other loads of the same problem; it is not pickled.
+    Displacements are ``hi + lo`` (3n,), the sum of two doubles. ``reaction``, ``gap``, ``closed`` and ``piece`` (m,)
+    are those of every contact point; ``piece`` is the piece of its law. The gap of a yielding point is minus its yield
+    travel. The reaction of a two-sided point includes those of points that repeat it. ``shared`` (m + r,) are the
+    reactions of all contact points and r repeated points, separately. ``not_unique`` is empty if the answer is unique.
+    ``somehow`` is the solver's answer if another one was chosen. ``solution`` is the core's, a start for other loads of
+    the same problem; it is not pickled.
     """
 
     status: Literal["solved", "no_equilibrium", "unsolved"]
@@ -113,7 +113,7 @@ class Answer(Remade):
     _made = MappingProxyType({"solution": lambda answer: None})
 
     def on(self, plate: OfWhole) -> Self:
-        """The part of one of several plates."""
+        """The part of the answer on one of several plates."""
         mine, points = plate.points[: len(plate.own.contacts)], plate.points
         own = {key: getattr(self, key)[mine] for key in ("reaction", "gap", "closed", "piece")}
         own |= {"hi": self.hi[plate.dofs], "lo": self.lo[plate.dofs], "shared": self.shared[points]}
@@ -123,8 +123,8 @@ class Answer(Remade):
     def in_turn(self) -> tuple[Self, ...]:
         """The answer itself, then the solver's answer as a fallback.
 
-        There is no fallback if its supports push against each other so strongly that their sum has lost the digits of
-        the load.
+        There is no fallback if supports push against each other so strongly in the solver's answer that the sum of
+        reactions has lost the digits of the load.
         """
         if self.somehow is None:
             return (self,)
@@ -135,7 +135,7 @@ class Answer(Remade):
 
     @classmethod
     def of(cls, discretisation: Discretisation, solution: _core.ContactSolution) -> Self:
-        """Take a solution as it comes."""
+        """Answer of a solution of the core, without a choice among several."""
         reaction, yields = solution.reaction, discretisation.contacts.yield_on(solution.piece)
         return cls(
             status=solution.status,
@@ -164,8 +164,8 @@ def chosen(
 ) -> Answer:
     """Return the least-norm answer to a nodal load (3n,) among the equally right ones, and record the freedom.
 
-    On a load path ``elsewhere`` returns reactions (m,) just before and after: points that push there hold the plate
-    here too, so that the path has no jump. It is called if the plate can move.
+    ``elsewhere`` is called if the plate can move. On a load path it returns the reactions (m,) just before and after
+    this load: points that push there hold the plate here too, so that the path has no jump.
     """
     if answer.status != "solved":
         return answer
@@ -176,7 +176,7 @@ def chosen(
 
 
 def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Floats, gap: Floats) -> Bools:
-    """Whether combinations (k,) may have more answers than one, given their reactions and gaps (k, m)."""
+    """Mask (k,) of the combinations that may have several answers, given their reactions and gaps (k, m)."""
     if len(discretisation.repeated):
         return np.ones(len(reaction), np.bool_)
     several = np.zeros(len(reaction), np.bool_)
@@ -191,7 +191,7 @@ def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Fl
         squares = np.einsum("mi,mj->mij", freedom.moves, freedom.moves).reshape(len(freedom.moves), -1)
         held = (pushing.astype(np.float64) @ squares).reshape(-1, freedom.count, freedom.count)
         values = np.linalg.eigvalsh(held)
-        # Of squares.
+        # The eigenvalues are squares of displacements: hence the higher power.
         several |= values[:, 0] <= _DOUBTFUL**1.5 * values[:, -1]
     return several
 
@@ -249,18 +249,18 @@ def _with_least_reactions(discretisation: Discretisation, nodal: Floats, answer:
 
 
 def _holding(contacts: ContactPoints, reaction: Floats, nothing: Floats | float) -> Bools:
-    """Whether points (..., m) that could let go or yield do neither, so that motions change their forces."""
+    """Mask (..., m) of one-sided points that neither open nor yield, so that motions change their forces."""
     return np.asarray(~contacts.two_sided & ~contacts.flat_on(contacts.pieces_at(reaction, nothing)))
 
 
 def _bending(discretisation: Discretisation, reaction: Floats) -> Floats:
-    """Deflections (...,) by which reactions (..., m) scale on the plate."""
+    """Order of magnitude (...,) of the deflections that reactions (..., m) cause: Σ|λ| a²/D."""
     rigidity = discretisation.model.young * discretisation.thickness.max() ** 3 / 12 / discretisation.mesh.size**2
     return np.asarray(np.abs(reaction).sum(axis=-1) / rigidity)
 
 
 def _merged(sets: Sequence[Iterable[int]]) -> list[set[int]]:
-    """Unite sets that have something in common; in the order of their least."""
+    """Unite sets with common elements; sort the unions by their least element."""
     out: list[set[int]] = []
     for one in map(set, sets):
         common = [other for other in out if other & one]
@@ -269,9 +269,9 @@ def _merged(sets: Sequence[Iterable[int]]) -> list[set[int]]:
 
 
 def _force(discretisation: Discretisation, nodal: Floats, answer: Answer) -> float:
-    """Largest nodal load or reaction; without load the force that bends the plate by its deflection.
+    """Largest nodal load or reaction; without load also the force that bends the plate by its deflection.
 
-    Couples count as forces with the plate's size as lever arm.
+    Couples are divided by the plate's size.
     """
     size = discretisation.mesh.size
     forces = np.abs(nodal.reshape(-1, 3)).max(axis=0) / [1.0, size, size]
@@ -297,7 +297,7 @@ def _with_least_deflection(
     free = null_space(freedom.moves[pushing], _STILL)
     if free.shape[1] and elsewhere is not None:
         for reaction in elsewhere():
-            # Where a path begins without load all reactions are rounding.
+            # At the start of a path without load all reactions are rounding.
             pushing |= _holding(contacts, reaction, max(_NIL * float(np.abs(reaction).max()), rounding))
         free = null_space(freedom.moves[pushing], _STILL)
     if not free.shape[1]:
@@ -326,7 +326,7 @@ def _with_least_deflection(
     travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
     back, on = contacts.room(travel, settled)
     length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(contacts.distance))
-    # The motion has rounding relative to the position before it.
+    # The rounding of the motion is relative to the deflections before it.
     nil = np.maximum(_NIL * length, _ROUNDING * float(np.abs(answer.hi[::3]).max()))
     touching = ~idle | (np.minimum(back, on) <= nil)
     closed = touching | (settled != 0.0)
@@ -358,10 +358,10 @@ def _in_words(ways: Floats, discretisation: Discretisation) -> str:
 
 
 def span_of_cone(sides: Floats) -> Floats:
-    """Basis (d, e) of the span of the cone C y ≤ 0, given C (c, d), of rows about as long as one another.
+    """Basis (d, e) of the span of the cone C y ≤ 0, given C (c, d) with rows of similar length.
 
-    Each direction of the cone leaves some rows, C_i y < 0, and vanishes on those that stay. So the next direction is
-    independent of it, and there are at most d.
+    Each step finds a direction in the cone with C_i y < 0 for some rows i, and drops these rows. The direction vanishes
+    on the remaining rows, so that the next direction is independent of it. There are at most d steps.
     """
     stay = sides
     while len(stay):
@@ -396,20 +396,20 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
     free = -np.linalg.solve(r, q.T @ offset)
     if ((sides @ free) <= room).all():
         return np.asarray(free)
-    # With x = R y + Qᵀb it is the least x with −C R⁻¹ x ≥ C y_free − r; rows and sizes are brought to one.
+    # With x = R y + Qᵀb, minimise ‖x‖ subject to −C R⁻¹ x ≥ C y_free − r, with rows scaled to length 1.
     rows = np.linalg.solve(r.T, sides.T).T
     size = np.linalg.norm(rows, axis=1)
     kept = np.flatnonzero(size > 0)
     beyond = (sides @ free - room)[kept] / size[kept]
-    # A side far away must not make those that are in the way look like rounding.
+    # Scaled by the largest violation: beside a distant constraint violations could look like rounding.
     unit = float(beyond.max())
     facing = np.vstack([-(rows[kept] / size[kept, None]).T, beyond / unit])
     try:
         multipliers, _ = nnls(facing, np.append(np.zeros(len(r)), 1.0))
     except RuntimeError:
         return np.zeros(len(r))
-    # The sides that it rests on are equations; solved as such it is right to the last digits. One of them may have a
-    # multiplier that is rounding.
+    # Active constraints are solved again as equations, to full accuracy. The multiplier of an active one may be
+    # rounding: it is added when it is violated.
     on = multipliers[: len(kept)] > _ACTIVE * multipliers.max(initial=0.0)
     for _ in kept:
         rests = kept[on]

@@ -1,4 +1,4 @@
-"""Which method a load is solved by: each once, in turn, until an answer is certified; and why none is."""
+"""Try the methods for a load in turn until an answer is certified; messages if none is."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from signorini.equilibrium.imbalance import supports_contradict
 from signorini.errors import point
 
 _MOST = 1e11
-"""Operations of all methods that take over together: one or two minutes. The random plate that took longest to be
-certified, of 3285 points, had used 5e10."""
+"""Largest sum of operations of the fallback methods: one or two minutes. The certified random plate that took longest,
+with 3285 points, used 5e10."""
 
 _A_FACTOR, _FILL = 6000.0, 1.2
-"""Operations of a factorization: coefficient and power of the number of dofs. 3.4 s on 58,563, 0.5 s on 14,883."""
+"""Operations of a factorization with n dofs: 6000 n^1.2. It takes 3.4 s for n = 58,563, and 0.5 s for n = 14,883."""
 _A_SOLVE, _FACTORED = 1000.0, 0.125
-"""Operations of a Newton step per dof, which reads the factor a few times; and the share of steps with a new factor: 6
-of 69, 22 of 150, and 197 of 732 in the longest run."""
+"""Operations per dof of a Newton step, which reads the factor a few times; and the share of steps with a new factor.
+Measured shares: 6 of 69, 22 of 150, and 197 of 732 in the longest run."""
 _PIVOTS = 64
 """Pivots of Lemke's algorithm between two calls of the callback; each pivot reads the tableau once."""
 
 
 _FALLBACKS: tuple[Method, ...] = ("active_set", "lemke", "saddle")
-"""Methods that take over, in turn, where one does not settle; a prescribed one is only the first."""
+"""Fallback methods in their order; a method prescribed by the input is only tried first."""
 WORDS: dict[Method, str] = {
     "lemke": "Lemke's algorithm",
     "active_set": "the active set",
@@ -40,10 +40,9 @@ WORDS: dict[Method, str] = {
 }
 """Names of the methods in progress reports."""
 Told: TypeAlias = Callable[[str, int, int, float], object]
-"""Called with the name of the method and the arguments of `Steps`; an exception in it ends the solve."""
+"""Called with the name of the method, then the arguments of `Steps`; an exception in it ends the solve."""
 _PUSHING = 100.0
-"""Smallest ratio of the sum of reactions to that of loads at which supports push against each other more than they
-carry."""
+"""Smallest ratio of Σ|reactions| to Σ|loads| that a message explains by supports that push against each other."""
 _MARGINAL = (
     "Rounding decides which supports are in contact. Take a finer mesh or fewer supports that nearly repeat each "
     "other, or give the rigid ones a stiffness."
@@ -62,11 +61,11 @@ class Budget:
         self._dofs, self._points = float(dofs), float(points)
 
     def allows(self, method: Method) -> bool:
-        """Whether the first step of a method can still be made."""
+        """Whether the remaining operations suffice for the first step of a method."""
         return self._a_step(method) <= self._left
 
     def watching(self, method: Method, progress: Steps | None) -> Steps:
-        """Wrap a callback: count the steps, pass them on, and raise `BudgetSpent` when the budget is spent."""
+        """Callback that counts a method's steps, calls ``progress``, and ends the method with `BudgetSpent`."""
         a_step = self._a_step(method)
 
         def watch(step: int, changing: int, residual: float) -> None:
@@ -87,19 +86,22 @@ class Budget:
 
 
 class Attempt(NamedTuple):
-    """A method, and the form of its LCP."""
+    """A contact problem posed for a method, and the form of its LCP."""
 
     problem: ContactProblem
     form: Form = "auto"
 
     def solve(self, load: CaseLoad, progress: Steps | None = None, start: Answer | None = None) -> Answer:
-        """Solve a load, from an answer of the same problem to another one if there is one."""
+        """Solve a load; ``start`` is the answer of the same problem to another load."""
         return self.problem.solve(load, self.form, progress, start)
 
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """An answer, its certificate, and the methods tried; the first answer if none is certified."""
+    """The certified answer, its certificate and the methods tried; if none is certified, the first answer.
+
+    ``contradiction``: the rigid supports contradict each other.
+    """
 
     methods: tuple[Method, ...]
     answer: Answer
@@ -113,7 +115,7 @@ class Tried:
 
 
 def attempts(problem: ContactProblem) -> Iterator[Attempt]:
-    """Every method, in the order in which they are tried until an answer is certified.
+    """Yield the problem posed for every method, in the order in which they are tried until an answer is certified.
 
     Methods that exceed the free memory are skipped, except the method of the problem itself.
     """
@@ -124,13 +126,13 @@ def attempts(problem: ContactProblem) -> Iterator[Attempt]:
             yield Attempt(other)
             continue
         yield Attempt(other, other.better_form)
-        # Where the LCP has no rows its other form is the same.
+        # Without one-sided points the LCP has no rows, and both forms are the same.
         if not other.discretisation.contacts.two_sided.all():
             yield Attempt(other, "dual" if other.better_form == "stiffness" else "stiffness")
 
 
 def posed_for_methods(problem: ContactProblem) -> Iterator[ContactProblem]:
-    """The problem, then posed for the methods that take over, as far as memory allows."""
+    """Yield the problem itself, then the problem posed for each fallback method that fits into memory."""
     yield problem
     for other in map(problem.by, _FALLBACKS):
         if other is not problem and (other.is_factored or can_be_factored(other.discretisation, other.method)):
@@ -147,8 +149,8 @@ def answered(
     """Solve one load and certify the answer; after a failure try the other form and every other method.
 
     Fallback methods have a `Budget`. ``progress`` is called in all of them, and an exception in it ends the solve.
-    ``beside`` is that of `certify`. The problem's own method starts from ``start``, an answer of the same problem to
-    another load.
+    ``beside`` are the loads whose sum this load is, see `certify`. The problem's own method starts from ``start``, an
+    answer of the same problem to another load.
     """
     discretisation = problem.discretisation
     budget = Budget(discretisation.dof_count, len(discretisation.contacts))
@@ -187,7 +189,7 @@ def answered(
 
 
 def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: Answer, certificate: Certificate) -> str:
-    """Say why the answer to a load of that name is refused, and the remedy."""
+    """Message why the answer to the load ``name`` is refused, with the remedy."""
     vain = ""
     why = [_of_supports(discretisation, load, answer)]
     if certificate.rounding > CERTIFIABLE:
@@ -198,7 +200,7 @@ def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: A
         why.append(_of_element(discretisation))
     elif not any(why):
         why.append(_MARGINAL)
-    # If other figures failed too, their reasons apply.
+    # If another error failed too, its reason is given instead.
     if certificate.lost > CERTIFIABLE and replace(certificate, lost=0.0).passed:
         why = [
             f"The limit is {CERTIFIABLE:g}: a stress-free curvature, or a load that balances itself, is so large that "
@@ -221,7 +223,7 @@ def _of_element(discretisation: Discretisation) -> str:
 
 
 def _of_supports(discretisation: Discretisation, load: CaseLoad, answer: Answer) -> str:
-    """Say that supports push against each other, where that takes much more than the loads."""
+    """Sentence on supports that push against each other with forces far above the loads; "" without such supports."""
     internal, pushes = forces_at_nodes(discretisation, answer.hi, answer.lo, answer.reaction)
     pressed = np.abs(answer.reaction).sum()
     if not (pushes > internal or pressed > _PUSHING * np.abs(load.nodal[::3]).sum() > 0.0):

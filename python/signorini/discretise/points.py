@@ -112,7 +112,11 @@ class ContactPoints(Table, Brief):
         return self.scale * least, self.scale * most
 
     def yield_on(self, pieces: Ints | Pieces) -> Bools:
-        """Whether points (..., m) yield: the piece of the law is the last one, with slope 0 and a force."""
+        """Whether points (..., m) yield: the piece of the law is the first or the last, with slope 0 and a force.
+
+        The contact state decides, because a force may reach the limit without yield travel. Repeated points have no
+        piece: `results.support_points.SupportPoints.yielded` decides by force.
+        """
         slopes, forces, ends, _ = self._pieces
         return np.asarray(((slopes == 0.0) & (forces != 0.0) & ends)[self.law, pieces])
 

@@ -17,9 +17,10 @@ from signorini.shapes.extent import hull
 NO_FORCE = 1e-6
 """Tolerance for a zero resultant, relative to the acting forces: loads along arcs have the error of parabolas."""
 _HELD = 1e-4
-"""Least stiffness of supports against rigid motions relative to the plate's: four of sixteen digits."""
+"""Smallest stiffness of supports against rigid motions, relative to the required one: four of sixteen digits are lost.
+"""
 _MANY = 100
-"""Smallest number of points for which the convex hull is taken."""
+"""Largest number of points that are all kept; of more, only the corners of the convex hull are."""
 
 _MOST_NUMBERS = 1 << 20
 """Largest number of products in memory at once."""
@@ -27,10 +28,10 @@ _MOST_NUMBERS = 1 << 20
 
 @dataclass(frozen=True, eq=False)
 class Bearing:
-    """Positions (k, 2) at which one-sided supports act; of many with one direction, the corners of their hull.
+    """Positions (k, 2) at which one-sided supports act; of many in one direction, the corners of their hull.
 
-    ``moves`` (k, d) are the displacements into the support in the free rigid motions; ``least`` and ``most`` (k,) bound
-    its force.
+    ``moves`` (k, d) are the displacements into the support in the free rigid motions. ``support`` (k,) are the numbers
+    of the supports. ``least`` and ``most`` (k,) bound the force at each position.
     """
 
     positions: Floats
@@ -41,7 +42,7 @@ class Bearing:
 
     @property
     def limited(self) -> bool:
-        """Whether a force is bounded other than by 0 ≤ force."""
+        """Whether a force has another bound than force ≥ 0."""
         return bool(np.isfinite(self.most).any() or self.least.any())
 
 
@@ -49,12 +50,12 @@ class Bearing:
 class RigidFreedom:
     """Rigid motions that held dofs, springs and two-sided points leave free.
 
-    ``motions`` (3p, d) is their basis. For each of p plates a motion is w and two slopes times the size of the mesh,
-    about its middle. ``moves`` (m, d) are the displacements of contact points in them. Reactions on the ``outline`` of
-    one-sided supports decide whether the plate can be balanced; reactions at their contact points ``on_mesh`` decide
-    whether the mesh can represent it. K is ``regular`` if held dofs and springs hold the plate. ``unheld`` (3p, h) are
-    the motions that held dofs leave free. ``of_springs`` (s, 3p) and ``at_contacts`` (m, 3p) are displacements of
-    springs and contact points in all motions.
+    ``motions`` (3p, d) is their basis. For each of p plates a motion has w at the middle of the mesh, and two slopes
+    times the mesh's size. ``moves`` (m, d) are the displacements of contact points in these motions. Reactions on the
+    ``outline`` of one-sided supports decide whether the plate can be balanced; reactions at their contact points
+    ``on_mesh`` decide whether the mesh can represent it. K is ``regular`` if held dofs and springs hold the plate.
+    ``unheld`` (3p, h) are the motions that held dofs leave free. ``of_springs`` (s, 3p) and ``at_contacts`` (m, 3p) are
+    displacements of springs and contact points in all motions.
     """
 
     motions: Floats
@@ -75,7 +76,7 @@ class RigidFreedom:
 def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
     """Find the rigid motions that held dofs, springs and two-sided points leave free.
 
-    Refuse a mechanism, a motion that moves no support, one-sided ones included.
+    Raise `InputError` for a mechanism: a motion that moves no support, one-sided ones included.
     """
     contacts = discretisation.contacts
     size = discretisation.mesh.size
@@ -112,7 +113,7 @@ def rigid_freedom(discretisation: Discretisation) -> RigidFreedom:
 
 
 def _outlines(discretisation: Discretisation, motions: Floats) -> Bearing:
-    """Bearing on the outlines of supports with one-sided points."""
+    """Bearing with positions on the outlines of supports that have one-sided points."""
     contacts = discretisation.contacts
     # Support and direction in one integer, which sorts faster than rows.
     support_and_direction = (2 * contacts.support + (contacts.direction > 0))[~contacts.two_sided]
@@ -150,16 +151,17 @@ def _bearing(
 
 
 def _outline(discretisation: Discretisation, index: int) -> Floats:
-    """Points (k, 2) with the convex hull of a support."""
+    """Points (k, 2) whose convex hull is that of a support."""
     plate = next(plate for plate in discretisation.members if index in plate.numbers["support"])
     support = plate.own.model.support[plate.numbers["support"].index(index)]
     return outline(plate.own.mesh, plate.own.model.plate, support.where)
 
 
 def _arms(discretisation: Discretisation, positions: Floats, supports: Ints) -> Floats:
-    """Downward displacements (k, 3p) at positions (k, 2) of supports in the rigid motions of p plates.
+    """Downward displacements (k, 3p) at positions (k, 2) of supports in each rigid motion of p plates.
 
-    Motions are as in `RigidFreedom`. Between two plates it is the upper plate's displacement minus the lower one's.
+    Motions are as in `RigidFreedom`. For a support between two plates it is the upper plate's displacement minus the
+    lower one's.
     """
     arms = np.column_stack([np.ones(len(positions)), (positions - discretisation.middle) / discretisation.mesh.size])
     names = [plate.name for plate in discretisation.members]
@@ -203,10 +205,10 @@ def describe_motion(motion: Floats, discretisation: Discretisation) -> str:
 
 
 def restraining_points(discretisation: Discretisation, freedom: RigidFreedom, stiffness: Floats, enough: float) -> Ints:
-    """Contact points that restrain the motions that held dofs and springs do not hold with stiffness ``enough``.
+    """Numbers of contact points that, with held dofs and springs, hold all rigid motions with stiffness ``enough``.
 
-    They are the two-sided points and, if necessary, at most one more for each motion, stiff and far apart.
-    ``stiffness`` (m,) is that of each point; values above ``enough`` are cut off.
+    Empty if held dofs and springs suffice. Otherwise the two-sided points and, if necessary, at most one more for each
+    motion, stiff and far apart. ``stiffness`` (m,) is that of each point; values above ``enough`` are cut off.
     """
     unheld, two_sided = freedom.unheld, np.flatnonzero(discretisation.contacts.two_sided)
     # A rotational stiffness over the plate's size squared is compared with a stiffness.
@@ -242,16 +244,16 @@ def load_size(discretisation: Discretisation, nodal: Floats) -> float:
 
 
 def work_of(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Floats:
-    """Work (d,) of a nodal load on the free motions."""
+    """Work (d,) of a nodal load (3n,) on the free motions."""
     return np.asarray((discretisation.scaled_motions.T @ nodal) @ freedom.motions)
 
 
 def allowed_motions(bearing: Bearing) -> Floats | None:
     """Extreme rays (r, d) of the cone of free rigid motions that a bearing allows, of unit maximum norm.
 
-    Reactions balance a load exactly if it does no work in any of them. With d ≤ 3 a ray lies in d − 1 of the planes
-    that the points define, and on the allowed side of all others. None if d > 3 or if supports have limits: there a
-    linear program decides.
+    Reactions balance a load exactly if the load does no positive work in any ray. With d ≤ 3 a ray lies in d − 1 of the
+    planes that the points define, and on the allowed side of all other planes. None if d > 3 or if supports have
+    limits: there a linear program decides.
     """
     one_sided = bearing.moves
     if bearing.limited or one_sided.shape[1] > 3:

@@ -37,13 +37,13 @@ _LIFTS = 1e-9
 _MOST_HINGES = 4
 """Largest number of hinges that a message lists for a support."""
 _MOST = 1e6
-"""Largest limit of a case, relative to its factor; beyond it the case has no limit."""
+"""Largest limit of a case, relative to its factor; a case with a larger one counts as unlimited."""
 _ALIKE = 1e-9
 """Relative tolerance for equal limits."""
 _OVERLAP = 1e-7
 """Least overlap of rigid supports that contradict each other, relative to the largest travel."""
 _BRINK = 1e-9
-"""Least reaction at every support, relative to the load, of a plate that is not on the brink."""
+"""A plate is on the brink if no balanced reactions all exceed this, relative to the load."""
 CONTRADICTION = (
     "The rigid supports contradict each other: no deflection of the plate agrees with all their gaps and settlements. "
     "Reactions that balance the load exist. Correct a gap or a settlement, or give a stiffness."
@@ -59,7 +59,7 @@ class Axis:
     offset: float
 
     def ends(self, middle: Floats, length: float) -> Floats:
-        """Two points (2, 2) of the line at a distance, centred on its point nearest to the middle."""
+        """Ends (2, 2) of a segment of a given length, centred on the line's point nearest to ``middle``."""
         foot = middle - (self.normal @ middle + self.offset) * self.normal
         along = np.array([-self.normal[1], self.normal[0]])
         return np.asarray(foot + np.outer([-0.5, 0.5], along) * length)
@@ -67,7 +67,7 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Holding:
-    """The least extra force that would just hold the plate, its direction, and the position (2,) of its node."""
+    """Least extra force that would just hold the plate, its direction, and the position (2,) of its node."""
 
     force: float
     direction: Literal["up", "down"]
@@ -104,7 +104,7 @@ class Imbalance:
 def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
     """Find the motion because of which no reactions balance a nodal load (3n,); None if reactions exist.
 
-    Refuse the load if reactions exist on the supports' outlines, but not at the contact points of the mesh.
+    Raise `InputError` if reactions exist on the supports' outlines, but not at the contact points of the mesh.
     """
     if freedom.outline.limited:
         return _beyond_limits(discretisation, freedom, nodal)
@@ -126,11 +126,11 @@ def imbalance(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floa
 
 
 def _beyond_limits(discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats) -> Imbalance | None:
-    """Collapse mechanism in which supports with limits open and yield under a load; None if they can carry it.
+    """Collapse mechanism in which supports with limits open and yield under a load; None if they can carry the load.
 
-    The factor of the load that they carry is a linear program over their reactions. Its multipliers are the mechanism
-    (static and kinematic theorems, Drucker, Prager & Greenberg 1952), in which the load does more work than they
-    dissipate.
+    The factor of the load that supports carry is a linear program over their reactions. Its multipliers are the
+    mechanism (static and kinematic theorems, Drucker, Prager & Greenberg 1952). In it the load does more work than
+    supports dissipate.
     """
     bearing, total = freedom.outline, load_size(discretisation, nodal)
     if not freedom.count or total == 0.0:
@@ -210,7 +210,7 @@ def _tipping(discretisation: Discretisation, freedom: RigidFreedom, nodal: Float
 def _unresisted(
     discretisation: Discretisation, freedom: RigidFreedom, bearing: Bearing, nodal: Floats
 ) -> Floats | None:
-    """The motion (d,), |motion| ≤ 1 and allowed by a bearing, with the most work of the load; None without work."""
+    """The motion (d,), |motion| ≤ 1 and allowed by a bearing, in which the load does most work; None without work."""
     total = load_size(discretisation, nodal)
     if not freedom.count or total == 0:
         return None
@@ -252,7 +252,7 @@ def _lifting(discretisation: Discretisation, freedom: RigidFreedom, nodal: Float
 def _holding(
     discretisation: Discretisation, freedom: RigidFreedom, nodal: Floats, best: Floats, direction: Literal["up", "down"]
 ) -> Holding | None:
-    """The least extra load that would hold the plate, at the best point or else in the middle of the supports."""
+    """Least extra load that would hold the plate, at ``best`` or else at the middle of the supports."""
     for position in (best, freedom.outline.positions.mean(axis=0)):
         node = discretisation.mesh.points[((discretisation.mesh.points - position) ** 2).sum(axis=1).argmin()]
         least = _least_holding(discretisation, freedom, nodal, node, direction)
@@ -346,7 +346,7 @@ def mechanism(discretisation: Discretisation, why: Imbalance) -> str:
 
 
 def _motions(discretisation: Discretisation, motions: Floats) -> list[str]:
-    """Texts for the motions of those of several plates that move."""
+    """Text for the motion of each of several plates that moves."""
     size, result = discretisation.mesh.size, []
     for plate, (w, *slopes) in zip(discretisation.plates, motions.tolist(), strict=True):
         turning, most = float(np.hypot(*slopes)), float(np.abs(motions * [1.0, size, size]).max())
@@ -499,7 +499,8 @@ def largest_factor(
         return np.inf
     strengths = np.abs(np.append(bearing.least, bearing.most))
     strengths = strengths[np.isfinite(strengths) & (strengths > 0.0)]
-    # The unit of t is the size of the rest, or the least limit; it grows up to the sum of all limits.
+    # t is counted in units: the size of ``rest``, or the least limit. The unit grows while t exceeds `_MOST` units, up
+    # to the sum of all limits.
     unit = (load_size(discretisation, rest) or float(strengths.min(initial=size))) / size
     while limits := _limits(discretisation, freedom, bearing, rest, unit * case):
         most = limits[-1]

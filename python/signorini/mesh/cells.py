@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 OUTLINE = "boundary"
 """Name of the edge that is the whole outline."""
 _SAME = 1e-9
-"""Distance of coincident nodes, relative to the plate's size."""
+"""Largest distance of coincident nodes, relative to the plate's size."""
 _FLAT = 1e-6
 """Largest distance of nodes from a plane, relative to the plate's size: some files have seven digits."""
 _MAX_OFFSET = 1e6
@@ -41,7 +41,7 @@ _KNOWN = ("vertex", "line", "line3", *_NODES)
 
 
 def arrays_of(data: meshio.Mesh) -> tuple[Floats, Ints, dict[str, Ints]]:
-    """Points (n, 2), elements (ne, 8) and edges for `signorini.mesh.Mesh`."""
+    """Convert a mesh of meshio to points (n, 2), elements (ne, 8) and edges of `signorini.mesh.Mesh`."""
     elements, quadrilaterals = _elements(data)
     points = _plane(np.asarray(data.points, dtype=np.float64), elements)
     number, first = _merged(points, elements)
@@ -102,7 +102,7 @@ def _require_nodes(data: meshio.Mesh, nodes: Ints, owner: str) -> None:
 
 
 def _plane(points: Floats, elements: Ints) -> Floats:
-    """Remove a constant third coordinate."""
+    """Points (n, 2) without their third coordinate, which must be constant."""
     nodes = np.unique(elements)
     used = points[nodes]
     finite = np.isfinite(used).all(axis=1)
@@ -120,7 +120,10 @@ def _plane(points: Floats, elements: Ints) -> Floats:
 
 
 def _merged(points: Floats, elements: Ints) -> tuple[Ints, Ints]:
-    """Renumber the used nodes, merging coincident ones: new numbers (n,), -1 if unused, and an old number of each."""
+    """Renumber used nodes and merge coincident ones.
+
+    Return new numbers (n,), −1 if unused, and one old number for every new one.
+    """
     used = np.unique(elements)
     size, farthest = float(np.ptp(points[used], axis=0).max()), float(np.abs(points[used]).max())
     if size < LEAST or farthest > LARGEST:
@@ -219,7 +222,7 @@ def node_numbers(path: Path, count: int) -> Ints:
 
 
 def node_blocks(path: Path) -> int:
-    """Number of headings *NODE of an Abaqus file."""
+    """Number of headings *NODE in an Abaqus file."""
     return sum(map(_heads_nodes, _lines(path)))
 
 

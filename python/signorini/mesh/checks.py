@@ -16,15 +16,15 @@ _GAUSS = np.array([[x, y] for x in (-_ROOT, 0.0, _ROOT) for y in (-_ROOT, 0.0, _
 _STATIONS = np.vstack([maps.CORNERS, _GAUSS])
 _TRIANGLE_STATIONS = np.vstack([maps.TRIANGLE_CORNERS, maps.folded(_GAUSS)])
 _DEGENERATE_STATIONS = np.vstack([maps.CORNERS[2:], [[-1.0, 0.0], [1.0, 0.0]], _GAUSS])
-"""Without points on the collapsed side, where det J = 0."""
+"""Stations of degenerate quadrilaterals: none on the collapsed side, where det J = 0."""
 _COINCIDENT = 1e-9
-"""Distance of a node on a side, relative to the mesh's size."""
+"""Largest distance of a node that counts as on a side, relative to the mesh's size."""
 _STRAIGHT = 1e-9
 """Largest rise over chord of a straight side."""
 _CHORDS = 32
-"""Chords in place of a curved side; their distance from it is a thousandth of its rise."""
+"""Number of chords that replace a curved side; their distance from the side is a thousandth of its rise."""
 _TOGETHER = 1 << 18
-"""Pairs of chords per block: the arrays stay in the cache."""
+"""Number of pairs of chords per block: the arrays stay in the cache."""
 
 
 def name_element(points: Floats, elements: Ints, index: int) -> str:
@@ -121,7 +121,7 @@ def check_sides(points: Floats, elements: Ints) -> None:
 
 
 def check_boundary_nodes(points: Floats, boundary: Ints) -> None:
-    """Check that no boundary node lies on a boundary side of other nodes, where elements would not be connected."""
+    """Check that no boundary node lies on a boundary side of other nodes: elements would not be connected there."""
     sides = points[boundary]
     tolerance = _COINCIDENT * float(np.ptp(points, axis=0).max())
     boxes = maps.side_boxes(sides) + tolerance * np.array([-1.0, -1.0, 1.0, 1.0])

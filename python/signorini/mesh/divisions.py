@@ -15,7 +15,7 @@ import numpy.typing as npt
 from signorini.shapes.arrays import Floats
 
 _SAME = 1e-9
-"""Relative tolerance for equal coordinates and sizes, relative to the interval or the larger size."""
+"""Tolerance for equal coordinates and sizes, relative to the interval or the larger size."""
 _MAX_RATIO = 3.0
 """Largest ratio of the sizes of neighbouring parts at a line that `subdivide` follows."""
 
@@ -50,7 +50,7 @@ def subdivide(
 
 
 def _followed(equal: Floats, wanted: list[float], kept: set[float], first: int) -> tuple[Floats, list[float]]:
-    """Joints at as many wanted lines as possible, including all kept ones, and these lines."""
+    """Joints (count + 1,) at as many wanted lines as possible, including all kept ones; and the list of these lines."""
     start, stop, count = float(equal[0]), float(equal[-1]), len(equal) - 1
     same = _SAME * (stop - start)
     while any(np.abs(equal[first:] - line).min() > same for line in wanted):
@@ -77,13 +77,16 @@ def _followed(equal: Floats, wanted: list[float], kept: set[float], first: int) 
 
 
 def _first_largest(values: Floats, same: float | None = None) -> int:
-    """Index of the first value that equals the largest up to rounding: independent of the unit."""
+    """Index of the first value that equals the largest within a tolerance: independent of the unit."""
     largest = values.max()
     return int(np.argmax(values >= largest - (_SAME * abs(largest) if same is None else same)))
 
 
 def _share(lengths: Floats, count: int, first: int) -> npt.NDArray[np.int64] | None:
-    """Distribute parts over pieces, each to the piece with the largest parts; None if there are too few."""
+    """Number of parts of each piece: each further part goes to the piece with the largest parts.
+
+    The first piece has at least ``first`` parts. None if ``count`` parts are too few.
+    """
     counts = np.ones(len(lengths), dtype=np.int64)
     counts[0] = first
     if counts.sum() > count:
@@ -112,7 +115,7 @@ STEEPEST = 1.3
 _SHORTEST = 0.5
 """Smallest distance between two lines, relative to the requested size; closer lines are skipped."""
 _SAMPLES = 4000
-"""Points of the numerical integral of 1/size between two lines."""
+"""Number of points of the numerical integral of 1/size between two lines."""
 _ROUNDS = 50
 """Largest number of passes that reduce the ratio of neighbouring sizes."""
 
@@ -125,11 +128,11 @@ def graded(
     lines: Sequence[float] = (),
     lesser: Sequence[float] = (),
 ) -> Floats:
-    """Divide an interval into elements of at most ``size``, or of the caps, with joints at lines.
+    """Divide an interval into elements of at most ``size``, within caps of at most their size, with joints at lines.
 
     Away from a cap the size grows by ln 1.3 times the distance, so that neighbours differ by 1.3 at most. Between lines
-    the joints divide ∫ dx/size equally; a piece with smaller elements is a cap for its neighbours. Lesser lines too
-    close to `lines` are skipped.
+    the joints divide ∫ dx/size equally. An interval between lines with smaller elements is a cap for its neighbours.
+    Lesser lines too close to `lines` are skipped.
     """
     wanted = list(caps)
     knots = _kept(start, stop, (lines, lesser), size, wanted)
@@ -149,7 +152,7 @@ def graded(
 def _kept(
     start: float, stop: float, groups: Iterable[Sequence[float]], size: float, caps: Sequence[Cap]
 ) -> list[float]:
-    """Lines that leave at least half an element to each other and to the ends; earlier groups first."""
+    """Ends of the interval and lines between, at least half an element apart; earlier groups come first."""
     knots = [start, stop]
     for line in (line for group in groups for line in sorted(group)):
         least = _SHORTEST * float(_size(np.array([line]), size, caps)[0])
@@ -185,12 +188,11 @@ _AXES: tuple[Axes, ...] = tuple(
     axes for u, v in product((1.0, -1.0), repeat=2) for axes in (((u, 0.0), (0.0, v)), ((0.0, u), (v, 0.0)))
 )
 _GRID = 2.0**-30
-"""Relative tolerance for equal coordinates, relative to the plate's extent: far above the rounding of numbers in any
-unit."""
+"""Tolerance for equal coordinates, relative to the plate's extent: far above the rounding of numbers in any unit."""
 
 
 def axes_of(places: Sequence[Floats]) -> Axes:
-    """Choose the axes with the lexicographically largest coordinates: second coordinates first.
+    """Choose the axes with the lexicographically largest coordinates of points, second coordinates first.
 
     ``places`` are the points (k, 2) of the outline and of each shape on the plate, in order; the order of points within
     a shape has no influence. Among equal axes, along which the plate looks the same, x and y come first.

@@ -23,9 +23,9 @@ CORNERS: Final = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 TRIANGLE_CORNERS: Final = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 CENTROID: Final = np.array([1.0, 1.0]) / 3.0
 _SINGULAR: Final = 1e-12
-"""Relative tolerance for a zero singular value of a Jacobian: one is zero at a collapsed side."""
+"""Relative tolerance for zero singular values of J; at a collapsed side one singular value is zero."""
 _AT_A_TIME = 1024
-"""Elements per block, so that their Jacobians stay in the cache."""
+"""Number of elements per block, so that their Jacobians stay in the cache."""
 _SAMPLES = np.stack(np.meshgrid(*2 * [np.linspace(-1.0, 1.0, 5)], indexing="ij"), axis=-1).reshape(-1, 2)
 
 
@@ -143,7 +143,7 @@ def _newton(nodes: Floats, target: Floats, start: Floats) -> tuple[Floats, Bools
         step = np.clip(step, -REACH, REACH)
         moved = np.clip(xi[active] + step, -REACH, REACH)
         done = (np.abs(step).max(axis=1) < 1e-13) & (np.abs(moved).max(axis=1) < REACH)
-        # Rounding may keep the steps above the tolerance in elements far from the origin; see below.
+        # In elements far from the origin rounding may keep the steps above the tolerance: the residual decides below.
         xi[active], converged[active] = moved, done
         active = active[~done]
     if len(active):

@@ -32,12 +32,12 @@ _GAUSS_WEIGHTS = np.outer([5.0, 8.0, 5.0], [5.0, 8.0, 5.0]).ravel() / 81.0
 _TRIANGLE = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
 """Quadrature points of the triangle, with equal weights; exact for quadratic functions such as its det J."""
 _ON_EDGE = 1e-9
-"""Distance from a side, in reference coordinates, of points on it."""
+"""Largest distance of a point that counts as on a side, in reference coordinates."""
 _RELATIVE_GAP = 0.1
-"""Bound of the distance between a circle and the parabola of a side, relative to the rise over the chord: twice the
-actual distance for elements of up to 90°."""
+"""Bound of the distance between a circle and the parabola of a side, relative to the parabola's rise over its chord:
+twice the actual distance for elements of up to 90°."""
 _PAST_CURVED_EDGE = 2e-2
-"""Smallest distance past a curved boundary side, in reference coordinates, at which a point counts as inside."""
+"""Smallest tolerance past a curved boundary side, in reference coordinates, of points that count as inside."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -205,7 +205,7 @@ class Mesh(Remade):
 
     @property
     def spanning(self) -> Bools:
-        """Mask (ne,) of the quadrilaterals with two opposite sides on the boundary: one element bends too little."""
+        """Mask (ne,) of quadrilaterals with two opposite sides on the boundary: alone across, they bend too little."""
         outer = self.on_boundary
         return ~self.triangles & ((outer[:, 0] & outer[:, 2]) | (outer[:, 1] & outer[:, 3]))
 
@@ -295,8 +295,8 @@ class Mesh(Remade):
         """Find the elements that contain points.
 
         A point on a side or node belongs to the first of the elements that share it. A point of a circle may lie past
-        the parabola of a convex boundary edge: up to 2e-2 in reference coordinates it counts as inside, and keeps its
-        reference coordinate beyond 1.
+        the parabola of a convex boundary edge. It counts as inside up to 2e-2 in reference coordinates, or up to a
+        tenth of the side's rise, and keeps its reference coordinate beyond 1.
         """
         points = np.asarray(points, dtype=np.float64)
         point, held = self.holding(points)
@@ -344,7 +344,7 @@ class Mesh(Remade):
     def onto_curved_sides(self, where: Location, reach: float) -> Floats:
         """Move points within ``reach`` of the circle of a curved side onto the side; return reference points (q, 2).
 
-        No point is moved by more than a tenth of the rise of its side.
+        No point is moved by more than a tenth of the side's rise over its chord.
         """
         element, xi = where.elements, where.xi.copy()
         triangles, past = self.triangles[element], self.past(element, xi)
@@ -414,7 +414,7 @@ class Mesh(Remade):
         return np.zeros((0, 3), np.int64) if on_ring is None else on_ring.triples
 
     def boundary_beside(self, ring: Ring) -> Ints:
-        """Find the boundary sides (k, 3) that approximate a circle, within the reach of points that count as inside."""
+        """Find the boundary sides (k, 3) that approximate a circle: all nodes are near enough to count as on it."""
         element, side = np.nonzero(self.on_boundary & self._curved & (self.sagitta > 0.0))
         triples = self.sides[element, side]
         beyond = ring.radius - np.hypot(*np.moveaxis(self.points[triples] - ring.center, 2, 0))
@@ -487,7 +487,7 @@ class Mesh(Remade):
 
     @cached_property
     def _depth(self) -> Floats:
-        """Depth (ne, 4) of the elements normal to each side."""
+        """Depth (ne, 4) of the elements normal to each side: area over length."""
         return np.asarray(self.element_area[:, None] / self._lengths)
 
     @cached_property

@@ -98,7 +98,7 @@ def annulus(
 ) -> Mesh:
     """Mesh an annulus, or a sector of ``sector`` degrees from the x axis.
 
-    ``divisions`` are the numbers of elements along a radius and along the circumference. Circles of the radii are
+    ``divisions`` are the numbers of elements along a radius and along the circumference. Circles of ``radii`` are
     followed as far as `subdivide` can. The edges are inner and outer; a sector also has start (at angle 0) and end.
     Nodes of circles are exactly on them.
     """
@@ -191,7 +191,10 @@ def _half_width() -> float:
 
 
 def _core(quarters: int, cells: int) -> tuple[Floats, Ints]:
-    """Nodes of the core with corners at distance 1: a blend of a square and a disc with straight element sides."""
+    """Nodes (b, a, 2) of the core, with corners at distance 1, and their numbers (b, a).
+
+    The core is a blend of a square and a disc with straight element sides.
+    """
     across = 2 * cells if quarters == 2 else cells
     u = np.linspace(0.0 if quarters == 1 else -1.0, 1.0, across + 1)
     v = np.linspace(-1.0 if quarters == 4 else 0.0, 1.0, cells + 1)
@@ -236,7 +239,7 @@ def _triples(line: Ints) -> Ints:
 
 
 def _mesh(points: Floats, elements: Ints, edges: Mapping[str, Ints]) -> Mesh:
-    """Make the mesh without the centers of the lattice cells, which 8-node elements do not use."""
+    """Make the mesh; the centers of the lattice cells are removed, which 8-node elements do not use."""
     used = np.zeros(len(points), dtype=bool)
     used[elements] = True
     number = np.cumsum(used) - 1
@@ -274,7 +277,7 @@ def outlined(
     ``refinements`` (r, 5) are segments, x, y to x, y, with the size there; away from them the size grows by a quarter
     of the distance. ``lines`` are groups of lines that element sides follow, in order of priority: segments (l, 4), or
     arcs (a, 6) from x, y through x, y to x, y. A line outside the plate, or closer to the outline or to earlier lines
-    than about half an element, is skipped; with the flag of its group, only these parts of it are. ``points`` (p, 2)
+    than about half an element, is skipped; if the flag of its group is True, only such parts are. ``points`` (p, 2)
     become nodes, unless they are too close to other nodes or lines.
     """
     none = np.nan, np.nan

@@ -23,12 +23,12 @@ from signorini.mesh.cells import node_blocks, node_numbers
 _T = TypeVar("_T")
 
 _LARGEST_FILE = 4_000_000_000
-"""Bytes; ten million elements as text take about three quarters of it."""
+"""Largest size of a mesh file in bytes; ten million elements as text take about three quarters of it."""
 _SECONDS, _SECONDS_PER_MB = 10.0, 10.0
-"""Seconds allowed for reading, and seconds per megabyte: a hundred times the usual time. Wrong counts in a damaged file
+"""Seconds allowed for reading a file, and per megabyte: a hundred times the usual time. Wrong counts in a damaged file
 can make a parser read forever."""
 _LONGEST_REASON = 200
-"""Characters of a parser's message that are shown."""
+"""Largest number of characters of a parser's message that are shown."""
 
 
 def read(path: str | Path) -> Mesh:

@@ -1,4 +1,4 @@
-"""Sides of elements: those along lines, circles and holes, and their points nearest to given points."""
+"""Sides of elements: find those along lines, circles and holes, and their points nearest to given points."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from signorini.shapes.boxes import BoxTree
 from signorini.shapes.outlines import Box, Side
 
 _STEPS = 8
-"""Gauss–Newton steps to the nearest point of a side; straight sides need one."""
+"""Number of Gauss–Newton steps to the nearest point of a side; straight sides need one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Sides (k, 3, 2) as corner, midside, corner, and the distance up to which points are searched."""
+    """Sides (k, 3, 2) as corner, midside, corner; `nearest` searches points up to the distance ``within``."""
 
     nodes: Floats
     within: float
@@ -34,7 +34,7 @@ class Sides:
 
     @property
     def off_arcs(self) -> float:
-        """Upper bound of the distance from the arcs that they approximate: a tenth of the largest rise over a chord."""
+        """Upper bound of the distance between sides and their exact arcs: a tenth of the largest rise over a chord."""
         rise = self.nodes[:, 1] - 0.5 * (self.nodes[:, 0] + self.nodes[:, 2])
         return 0.1 * float(np.hypot(*rise.T).max(initial=0.0))
 
@@ -114,7 +114,7 @@ def sides_mostly_on(points: Floats, triples: Ints, sides: Sequence[Side], tolera
 
 
 def _on_side(points: Floats, side: Side, tolerance: float) -> tuple[float, Floats, Bools]:
-    """Length of a side; coordinates of points along its line, and a mask of the points on the line."""
+    """Length of a side; coordinates (n,) of points along its line; and a mask (n,) of the points on the line."""
     a, _, b = side
     length = math.dist(a, b)
     along = np.subtract(b, a) / length

@@ -1,4 +1,4 @@
-"""The numbers of a model's results, from where its supports act."""
+"""The catalogue of the numbers of a model's results."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from signorini.results.support_points import SupportPoints
 
 @kept
 def catalogue_of(discretisation: Discretisation, fields: tuple[str, ...]) -> Catalogue:
-    """List the numbers of a model's results, found once."""
+    """List the numbers of a model's results; ``fields`` are those with extremes. Computed once."""
     points = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
     counts, opens = [len(of.positions) for of in points], [of.rows.size > 0 for of in points]
     corners = {index: len(line.corners) for index, line in lines_of(discretisation).items()}

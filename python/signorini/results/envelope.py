@@ -1,4 +1,4 @@
-"""The largest and the smallest of many results, and which of them they come from."""
+"""Envelopes: largest and smallest values over many results, and the results that they come from."""
 
 from __future__ import annotations
 
@@ -24,20 +24,21 @@ from signorini.results.rows import Block, Column, Layout
 from signorini.results.state import ResultState
 
 _SIGNS = (1.0, -1.0)
-"""By which values are multiplied so that the largest, and the smallest, are largest."""
+"""Factors of values, so that the largest and the smallest value both become the largest."""
 NONE = -1
-"""Number of no result."""
+"""Number that stands for "no result"."""
 _GOVERNING = 12
-"""Results at most that count as governing."""
+"""Largest number of results that count as governing."""
 _EQUAL = 1e-9
-"""Part of the largest of their kind within which numbers differ by rounding: they are as large."""
+"""Relative tolerance for equal numbers, relative to the largest of their kind."""
 
 
 @dataclass(frozen=True, eq=False)
 class Extremes:
-    """Largest and smallest values (n,) of the results met, with the numbers of the results; the first of equal ones.
+    """Largest and smallest values (n,) over results, and the numbers of these results; of equal values the first.
 
-    Values are equal within a billionth of the ``size`` (n,) of the largest of their kind; where that is 0, to the bit.
+    Values are equal within 10⁻⁹ ``size`` (n,), the size of the largest value of their kind. Where ``size`` is 0, only
+    identical values are equal.
     """
 
     largest: Floats
@@ -48,19 +49,19 @@ class Extremes:
 
     @classmethod
     def none(cls, size: int) -> Extremes:
-        """Nothing met yet."""
+        """Extremes over no result: −∞ and ∞."""
         who = np.full(size, NONE, dtype=np.int64)
         return cls(np.full(size, -np.inf), who, np.full(size, np.inf), who.copy(), np.zeros(size))
 
     @property
     def sides(self) -> tuple[tuple[Floats, Ints], tuple[Floats, Ints]]:
-        """The largest values and the results that they come from, and the smallest ones likewise."""
+        """The largest values with their results, then the smallest values with their results."""
         return (self.largest, self.largest_by), (self.smallest, self.smallest_by)
 
     def take(self, values: Floats, who: Ints, size: float | Floats = 0.0) -> list[Bools]:
-        """Meet values (k, n) of results (k,), in rising order, the largest of whose kind is of ``size``.
+        """Update with values (k, n) of results ``who`` (k,), in rising order; ``size`` is the largest of each kind.
 
-        Returns which of the largest and of the smallest (n,) are new.
+        Returns masks (n,) of the largest and of the smallest values that are new.
 
         Examples
         --------
@@ -83,7 +84,7 @@ class Extremes:
         return new
 
     def meet(self, other: Extremes) -> list[Bools]:
-        """Merge other extremes; return masks (n,) of the largest and smallest values that come from them."""
+        """Merge other extremes; return masks (n,) of the largest and of the smallest values taken from them."""
         result = []
         np.maximum(self.size, other.size, out=self.size)
         within = _EQUAL * self.size
@@ -96,17 +97,17 @@ class Extremes:
         return result
 
     def pick(self, which: Ints | slice) -> Extremes:
-        """Those of some of the numbers."""
+        """Extremes of some of the numbers."""
         return Extremes(*(getattr(self, one.name)[which] for one in fields(self)))
 
     def put(self, which: Ints | slice, some: Extremes) -> None:
-        """Replace some of the numbers."""
+        """Replace the extremes of some of the numbers by ``some``."""
         for one in fields(self):
             getattr(self, one.name)[which] = getattr(some, one.name)
 
     @property
     def ends(self) -> tuple[int, int]:
-        """Which of these numbers is the largest of all, and which the smallest; of equals that of the first result."""
+        """Indices of the largest and of the smallest of all n numbers; of equal ones that of the first result."""
         within = _EQUAL * self.size.max()
         high, low = (
             np.where(sign * of >= (sign * of).max() - within, by, np.iinfo(np.int64).max).argmin()
@@ -117,16 +118,16 @@ class Extremes:
     def take_sums(
         self, coefficients: Floats, vectors: Floats, who: Ints, classes: Ints, left_out: Bools
     ) -> tuple[Floats, Ints]:
-        """Update by sums of vectors (b, n) with coefficients (k, b); return each sum's extremes and places (k, 2).
+        """Update with sums of vectors (b, n) with coefficients (k, b); return extremes and their nodes (k, 2).
 
-        These extremes exclude nodes of classes (n,) by ``left_out`` (k, c).
+        The returned extremes exclude nodes of classes (n,) by ``left_out`` (k, c).
         """
         return _core.envelop(coefficients, vectors, who, *self.sides[0], *self.sides[1], classes, left_out)
 
 
 @dataclass(frozen=True)
 class Ends:
-    """Largest and smallest of a number over many results, and the numbers of the results that they come from."""
+    """Largest and smallest value of a number over many results, and the numbers of these results."""
 
     max: float
     max_by: int
@@ -136,29 +137,29 @@ class Ends:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Envelope:
-    """Extremes over all results with an equilibrium."""
+    """Extremes over all results with an equilibrium, and the results that they come from."""
 
     __repr__ = Brief.__repr__
 
     layout: Layout
-    values: Extremes  # of every number of the layout's catalogue (n,)
-    places: Floats  # (f, 4, 2): where the extremes of each field and of its means are, then of each plate's
+    values: Extremes  # extremes (n,) of every number of the layout's catalogue
+    places: Floats  # (f, 4, 2): positions of the extremes of each field and of its means, then of each plate's
     # (2, e, b): reactions of all bearings at the largest and smallest value of each governed number of the layout
     beside: Floats
-    fields: dict[str, Extremes]  # at every node of a field, by its name; "reaction" is that of supports on nodes
-    # "contact_pressure" at the nodes of elastic areas, "rigid_contact_pressure" on the elements of rigid ones: which
+    fields: dict[str, Extremes]  # at every node, by the field's name; "reaction" is the supports' force on nodes
+    # "contact_pressure" at nodes of elastic areas, "rigid_contact_pressure" on elements of rigid areas: numbers of the
     # nodes or elements (k,), and the extremes there
     pressures: dict[str, tuple[Ints, Extremes]]
-    # by place in the model, of areas the pressures at their points and, if elastic, nodes; of others along lines the
-    # reactions of their points
+    # By number of the support in the model: pressures of areas at `pressure_places`, or reactions of the points of
+    # other supports along lines.
     along: dict[int, Extremes]
-    on_lines: Extremes  # reactions per length and concentrated forces of all lines, as `Layout.on_lines` has them
-    open_in: tuple[Ints, ...]  # of every support in how many results each of its points is open
-    lifted_in: tuple[Ints, ...]  # in how many the plate has lifted off it
+    on_lines: Extremes  # reactions per length and concentrated forces of all lines, as in `Layout.on_lines`
+    open_in: tuple[Ints, ...]  # for every support, number of results in which each point is open
+    lifted_in: tuple[Ints, ...]  # for every support, number of results in which the plate has lifted off each point
 
     @classmethod
     def none(cls, layout: Layout, mesh: Mesh) -> Envelope:
-        """Nothing met yet."""
+        """Envelope over no result."""
         names = list(layout.fields)
         if names and any(support.on_nodes for support in layout.model.support):
             names.append("reaction")
@@ -185,40 +186,40 @@ class Envelope:
         )
 
     def __getitem__(self, column: str) -> Ends:
-        """Extremes of a number of the table, by its column."""
+        """Extremes of the number in a column of the table."""
         by_column = self.layout.catalogue.by_column
         at, of = by_column[key_of(column, by_column, "column", "This envelope")], self.values
         largest, smallest = float(of.largest[at]), float(of.smallest[at])
         return Ends(largest, int(of.largest_by[at]), smallest, int(of.smallest_by[at]))
 
     def field(self, name: str, mean: str = "") -> Ends:
-        """Extremes of a field over all results and nodes, outside places without a limit.
+        """Extremes of a field over all results and nodes, outside singular places.
 
-        With ``mean`` "_mean" they are those of the means at these places. With several plates "plate.field" is one
-        plate's.
+        With ``mean`` "_mean" they are those of the means at singular places. With several plates the name "plate.field"
+        is the field of one plate.
         """
         high, low = self[f"max{mean}:{name}"], self[f"min{mean}:{name}"]
         return Ends(high.max, high.max_by, low.min, low.min_by)
 
     def places_of(self, name: str) -> Floats:
-        """Where (2, 2) the largest and the smallest value of such a field are."""
+        """Positions (2, 2) of the largest and the smallest value of a field, named as in `field`."""
         catalogue = self.layout.catalogue
         places: Floats = self.places[catalogue.numbers[catalogue.by_column[f"max:{name}"]].owner]
         return places
 
     def on(self, plate: OfWhole) -> Envelope:
-        """Those at the nodes of one of several plates."""
+        """The envelope with fields at the nodes of one of several plates only."""
         nodes = np.arange(plate.nodes.start, plate.nodes.stop)
         at = {name: plate.stress_nodes if name in PEAKING else nodes for name in self.fields}
         return replace(self, fields={name: one.pick(at[name]) for name, one in self.fields.items()})
 
     def take_fields(self, result: ResultState, who: Ints) -> None:
-        """Meet the fields of one result (1,)."""
+        """Update with the fields of result number ``who`` (1,)."""
         for name, extremes in self.fields.items():
             extremes.take((result.nodal_reaction if name == "reaction" else result.fields[name])[None], who)
 
     def take(self, block: Block, rows: Ints) -> None:
-        """Meet rows (k,) of a block that were solved."""
+        """Update with the rows (k,) of a block whose results have an equilibrium."""
         if not len(rows):
             return
         layout, values, who = self.layout, block.values[rows], block.numbers[rows]
@@ -243,7 +244,7 @@ class Envelope:
             self._take_areas(block, rows)
 
     def _take_areas(self, block: Block, rows: Ints) -> None:
-        """Meet the pressures of areas."""
+        """Update with the pressures of areas in the rows (k,) of a block."""
         layout, who = self.layout, block.numbers[rows]
         forces = [block.reaction[rows, layout.slices[index]] for index in layout.at_rest]
         for (index, area), force in zip(layout.at_rest.items(), forces, strict=True):
@@ -258,7 +259,7 @@ class Envelope:
             extremes.take(pressure, who, _size(pressure))
 
     def meet(self, other: Envelope) -> None:
-        """Merge other envelopes."""
+        """Merge another envelope, over other results."""
         new = self.values.meet(other.values)
         for side, better in enumerate(new):
             at = better[self.layout.governed_places]
@@ -278,7 +279,7 @@ class Envelope:
 
     @property
     def rows(self) -> list[int]:
-        """Numbers of the results with an extreme of some field, reaction or section, in that order, some at most."""
+        """Numbers of results with an extreme of a field, reaction or section, in that order; at most `_GOVERNING`."""
         result = [self.field(name) for name in self.layout.fields]
         if "reaction" in self.fields:
             of = self.fields["reaction"]
@@ -294,7 +295,7 @@ class Envelope:
 
 
 def _ends(layout: Layout, side: int) -> Iterator[tuple[Ints, Ints, int]]:
-    """Yield the numbers (k,) that are largest, or smallest, of fields and of their means: whose, and which end."""
+    """Yield for fields, then means: places (k,) of maxima (side 0) or minima, owners (k,), index in `ENDS`."""
     homes: tuple[Home, Home] = ("field", "mean")
     for home, end in zip(homes, (side, side + len(SIDES)), strict=True):
         at = layout.catalogue.at(home, ENDS[end])
@@ -302,7 +303,7 @@ def _ends(layout: Layout, side: int) -> Iterator[tuple[Ints, Ints, int]]:
 
 
 def _sizes(values: Floats, kinds: list[tuple[str, str, int]]) -> Floats:
-    """Sizes (n,) of the largest of values (k, n) of each one's kind."""
+    """Largest magnitude (n,) in values (k, n) over all numbers of the same kind."""
     number_of = {kind: number for number, kind in enumerate(dict.fromkeys(kinds))}
     which = np.array([number_of[kind] for kind in kinds], np.int64)
     largest = np.zeros(len(number_of))
@@ -319,7 +320,7 @@ Key = TypeVar("Key", str, float)
 
 
 class States(Remade, Generic[Key]):
-    """Results of one problem under several loads: a table with a row each, an envelope, and which of them govern."""
+    """Results of one problem under several loads: table with a row for each load, envelope, and governing rows."""
 
     problem: ContactProblem
 
@@ -340,7 +341,7 @@ class States(Remade, Generic[Key]):
     @property
     @abstractmethod
     def table(self) -> Mapping[str, Column]:
-        """Every column by name, with a number or a text a row; docs/results.md describes them. NaN is absent."""
+        """Every column by name, with a number or a text for each row; docs/results.md describes them. NaN is absent."""
 
     @property
     @abstractmethod
@@ -349,5 +350,5 @@ class States(Remade, Generic[Key]):
 
     @property
     def governing(self) -> tuple[Key, ...]:
-        """Rows with an extreme of some field, reaction or section, in that order, some at most."""
+        """Keys of the rows with an extreme of a field, reaction or section, in that order; at most `_GOVERNING`."""
         return tuple(map(self.key, self.envelope.rows))

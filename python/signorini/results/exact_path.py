@@ -26,7 +26,7 @@ from signorini.results.result import Result
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Segment(Brief):
-    """A stretch of the path on which no point opens or closes, so that everything is linear in t."""
+    """Part of the path between two stops: no point opens or closes, so that the answer is linear in t."""
 
     begin: PathStop  # states at the two ends of the segment
     end: PathStop
@@ -34,7 +34,7 @@ class Segment(Brief):
 
     @property
     def jumps(self) -> bool:
-        """Whether all of it is at one t: the plate, having lost its hold, moves until other points hold it."""
+        """Whether begin and end have the same t: the plate is no longer held, and moves until other points hold it."""
         return self.begin.t == self.end.t
 
 
@@ -43,16 +43,16 @@ class Segment(Brief):
 class ExactPath(LoadPath):
     """A load path with a stop at every event of every contact point. Between two stops everything is linear in t.
 
-    It has stops too where supports begin to share a reaction otherwise.
+    There are also stops where supports begin to share a reaction in another ratio.
     """
 
     _first: Pieces | None = None
     _doubtful: tuple[int, ...] = ()
-    """Segments on which more answers than one may be right."""
+    """Numbers of the segments on which several answers may be right."""
 
     @cached_property
     def segments(self) -> tuple[Segment, ...]:
-        """Stretches between neighbouring stops."""
+        """Segments between neighbouring stops."""
         assert self._first is not None
         pieces, result = self._first, []
         for begin, end in zip(self.stops[:-1], self.stops[1:], strict=True):
@@ -86,7 +86,7 @@ class ExactPath(LoadPath):
         return "; ".join(part for part in (super().words(index), moves * jumps) if part)
 
     def _beside(self, t: float) -> Iterator[Floats]:
-        """Reactions (m,) amid the segments that end or begin at t, or are about it."""
+        """Yield reactions (m,) in the middle of each segment that contains t, ends included."""
         held = self.problem.discretisation.held.values
         for segment in self.segments:
             if segment.begin.t <= t <= segment.end.t and not segment.jumps:
@@ -107,7 +107,7 @@ class ExactPath(LoadPath):
             yield self._on(stop.t, row if after else max(row - 1, 0), leading=True)
 
     def _on(self, t: float, segment: int, leading: bool) -> Result:
-        """Every result at some t of a segment: of equal answers the least, or one that leads on."""
+        """Results at some t of a segment: of equally right answers the least, or one that continues the path."""
         load = self._loads[0] + t * self._loads[1]
         discretisation = self.problem.discretisation
         assert self._first is not None
@@ -131,7 +131,7 @@ class ExactPath(LoadPath):
 
 
 def ahead(problem: ContactProblem, loads: tuple[CaseLoad, CaseLoad], t: float, pieces: Pieces) -> Iterator[Floats]:
-    """Reactions (m,) on given pieces at a t well beyond this one, signs as they come; none where it does not hold."""
+    """Yield reactions (m,) on given pieces at a much larger t, whatever their signs; none if the pieces do not hold."""
     start, add = (np.abs(load.nodal).max() for load in loads)
     far = t + max(t, start / add if start else 1.0)
     held = problem.discretisation.held.values

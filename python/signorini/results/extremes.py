@@ -1,4 +1,4 @@
-"""Largest and smallest values of fields over the nodes, away from where they have no limit."""
+"""Largest and smallest values of fields over the nodes, outside singular places."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from signorini.singularities.beside import PEAKS, Beside, beside_of, means_of
 from signorini.singularities.singularity import Singularity, away_from
 
 _ALIKE = 1e-9
-"""Part of a field's size, and of the distance between places, within which numbers differ by rounding."""
+"""Relative tolerance for equal numbers: relative to a field's size, or to the distance between places."""
 
 
 def peak(values: Floats, places: Floats) -> int:
-    """Index of the largest of values (n,); among values equal to rounding that at the least x, then y.
+    """Index of the largest of values (n,); of values equal to rounding the one with the least x, then y.
 
     Places are (n, 2). Values of minus infinity do not count.
 
@@ -42,11 +42,11 @@ def peak(values: Floats, places: Floats) -> int:
 
 @dataclass(frozen=True)
 class FieldExtremes:
-    """Extremes of a field over the nodes; among places equal to rounding that of the least x, then y."""
+    """Extremes of a field over the nodes; of equal ones (to rounding) the one with the least x, then y."""
 
     max: float
     max_at: tuple[float, float]
-    # singularity with larger or smaller values of the field than the extreme; empty without one
+    # text for the singularity at which the field exceeds this extreme; else empty
     max_beside: str
     min: float
     min_at: tuple[float, float]
@@ -63,7 +63,7 @@ class FieldExtremes:
     def of(
         cls, values: Floats, nodes: StressNodes, away: Bools, singular: Sequence[Singularity] = (), number: str = ""
     ) -> FieldExtremes:
-        """Find the extremes of a field at nodes of the mesh (n,) that are ``away`` from singularities of its number."""
+        """Find the extremes of a field at nodes (n,) that are ``away`` from the singularities of ``number``."""
         places, counting = nodes.points[: len(values)], nodes.counting(len(values)) & ~np.isnan(values)
         if not counting.any():
             nowhere = (math.nan, (math.nan, math.nan), "")
@@ -99,14 +99,14 @@ def _keys(side: str) -> tuple[str, str, str]:
 
 
 _LINES = {"mx": [0], "sx": [0], "my": [1], "sy": [1], "qx": [0, 1], "txz": [0, 1], "qy": [2, 3], "tyz": [2, 3]}
-"""Lines of `Beside` that tell a field, by the first part of its name; of other moments both through the place."""
+"""Lines of `Beside` with the mean of a field, by the first part of its name; for other moments both lines."""
 
 
 def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools) -> tuple[Floats, Ints]:
     """Return the largest and smallest mean (..., 2) of a field, and the indices (..., 2) of their places.
 
-    ``means`` (..., k, 10) are those of `means_of`; ``acting`` (..., k) marks places without a limit. Derived fields are
-    computed from the means. NaN and index 0 without such a place.
+    ``means`` (..., k, 10) are those of `means_of`; ``acting`` (..., k) marks places that are singular. Derived fields
+    are computed from the means. NaN and index 0 without such a place.
     """
     peaks, lines = PEAKS.index(FIELDS[name].singular), _LINES.get(name.partition("_")[0], [0, 1])
     moment, shear = means[..., :6].reshape(*means.shape[:-1], 2, 3), means[..., 6:, None]
@@ -132,9 +132,9 @@ def mean_ends(name: str, means: Floats, beside: Beside, acting: Bools) -> tuple[
 def extremes(
     fields: Mapping[str, Floats], nodes: StressNodes, singular: Sequence[Singularity], means: Means | None
 ) -> dict[str, FieldExtremes]:
-    """Find the extremes of the deflection, and of fields of moments and shears outside places without a limit.
+    """Find the extremes of the deflection, and of fields of moments and shears outside singular places.
 
-    Extremes of means are at these places.
+    Extremes of means are over the singular places.
     """
     numbers = {name: one.singular if name in PEAKING else "" for name, one in FIELDS.items() if name in TOLD}
     away = {number: away_from(nodes.mesh, singular, number) for number in dict.fromkeys(numbers.values())}
@@ -147,7 +147,7 @@ def extremes(
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """Means (k, 10) of one result at the places of `Beside`, of which some (k,) have no limit in it."""
+    """Means (k, 10) of one result at the places of `Beside`; ``acting`` (k,): singular in this result."""
 
     beside: Beside
     values: Floats
@@ -155,12 +155,12 @@ class Means:
 
     @classmethod
     def of(cls, discretisation: Discretisation, moment: Floats, shear: Floats, cases: Collection[str]) -> Means:
-        """Read the means of one plate from moments (s, 3) and shears (s, 2) at the nodes of stresses."""
+        """Compute the means of one plate from moments (s, 3) and shears (s, 2) at the stress nodes."""
         beside = beside_of(discretisation)
         return cls(beside, means_of(discretisation, moment, shear), beside.under(cases))
 
     def ends(self, name: str) -> dict[str, Any]:
-        """Give the extremes of a field's means, their places and widths."""
+        """Extremes of a field's means with their places and widths, as arguments of `FieldExtremes`."""
         result = dict[str, Any]()
         values, places = mean_ends(name, self.values, self.beside, self.acting)
         for side, value, place in zip(MEAN_SIDES, values.tolist(), places.tolist(), strict=True):
@@ -172,7 +172,7 @@ class Means:
 
     @cached_property
     def by_place(self) -> Mapping[tuple[float, float], dict[str, float]]:
-        """Means of moments and shears by place; of two lines the mean that is larger in size."""
+        """Means of moments and shears by place; of the means along two lines the one larger in size."""
         result: dict[tuple[float, float], dict[str, float]] = {}
         for (x, y), within, mean in zip(self.beside.places.tolist(), self.beside.within, self.values, strict=True):
             pairs = {"mx": mean[:1], "my": mean[4:5], "mxy": mean[[2, 5]], "qx": mean[6:8], "qy": mean[8:]}
@@ -183,6 +183,6 @@ class Means:
 
 
 def _nearest(at: Floats, singular: Sequence[Singularity], number: str) -> str:
-    """Name of the nearest singularity of a number."""
+    """Text for the nearest singularity of a number, such as "moment"."""
     those = [one for one in singular if one.excludes(number) and one.where]
     return min(those, key=lambda one: min(math.dist(at, place) for place in one.where)).what

@@ -15,7 +15,7 @@ from signorini.results.support_result import SupportResult
 
 
 def figures(result: Result) -> dict[str, Any]:
-    """Give the keys of a combination that are numbers of the plate; docs/results.md describes them."""
+    """Return the keys of a combination in results.json that are its numbers; see docs/results.md."""
     solved = result.status == "solved"
     ends = {name: _places(name, of) for name, of in result.extremes.items()} if solved else {}
     deflection = ends.pop("deflection", None)
@@ -34,13 +34,13 @@ def figures(result: Result) -> dict[str, Any]:
 
 
 def _of_plate(result: Result) -> dict[str, Any]:
-    """The places of one plate's extremes."""
+    """Positions of the extremes of one plate."""
     ends = {name: _places(name, of) for name, of in result.extremes.items()}
     return {"deflection": ends.pop("deflection"), "fields": ends}
 
 
 def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str, Any]:
-    """Put numbers (n,) into a tree at their keys; NaN becomes None."""
+    """Write the numbers (n,) of a catalogue into a tree of dicts and lists at their paths; NaN becomes None."""
     for one, value in zip(catalogue, values.tolist(), strict=True):
         shown = None if np.isnan(value) else int(value) if one.quantity.kind == "count" else value
         at: Any = tree
@@ -54,7 +54,7 @@ def put(tree: dict[str, Any], catalogue: Catalogue, values: Floats) -> dict[str,
 
 
 def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ()) -> Any:
-    """Replace the numbers of a tree by half-widths: 0 for numbers of the input, None without one."""
+    """Replace the numbers of a tree by half-widths: 0 for numbers of the input, None if no half-width is known."""
     match tree:
         case dict():
             return {key: with_widths(value, widths, (*path, key)) for key, value in tree.items()}
@@ -68,7 +68,7 @@ def with_widths(tree: Any, widths: Mapping[Path, float | None], path: Path = ())
 
 
 _OF_THE_MESH = {"nodes", "line", "contact_boundary", "max_at", "min_at", "max_pressure_at"}
-"""Lists as long as the mesh is fine, and places, of which there may be others as good."""
+"""Keys without half-widths: lists whose length depends on the mesh, and positions, which are not unique."""
 _GIVEN = {"at", "length", "width", *(f"{side}_width" for side in MEAN_SIDES)}
 
 
@@ -111,9 +111,10 @@ def joints(result: Result) -> list[dict[str, Any]]:
 
 
 def _line(support: SupportResult) -> dict[str, Any]:
-    """Give stations along a line with the reaction per length; where an edge holds the slope, the couple from each on.
+    """JSON of a line: stations with the reaction per length, and with the couple of the side that begins there.
 
-    At the end of a run the side has no length, and the couple is that of the side before.
+    Couples are those of edges that hold the slope. At the end of a run no side begins, and the couple is that of the
+    side before.
     """
     edge, line = support.edge, support.line
     couples: dict[tuple[float, ...], dict[str, Any]] = {}
@@ -152,7 +153,7 @@ def total(support: SupportResult) -> dict[str, Any]:
 
 
 def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
-    """JSON of each point of a support; for a held edge the consistent nodal forces."""
+    """Yield the JSON of each point of a support; for a held edge the consistent nodal forces."""
     columns = (support.positions.tolist(), support.reactions.tolist(), support.gaps.tolist(), support.states)
     for at, reaction, gap, state in zip(*columns, strict=True):
         point = {"at": at, "reaction": reaction, "gap": gap, "state": state}
@@ -160,7 +161,7 @@ def point_figures(support: SupportResult) -> Iterator[dict[str, Any]]:
 
 
 def line_places(sections: Sequence[SectionResult], strips: Sequence[StripResult]) -> dict[str, Any]:
-    """Give the keys sections and strips without their numbers."""
+    """JSON of sections and strips without the numbers of their catalogue."""
     lines = [{"name": section.name, "length": section.length} for section in sections]
     return {"sections": lines, "strips": [_strip(strip) for strip in strips]}
 

@@ -14,7 +14,7 @@ from signorini.results.state import ResultState
 
 
 def numbers_frame(result: ResultState) -> Any:
-    """Give the numbers of a result as a `pandas.DataFrame`: value, unit and place by name."""
+    """Return the numbers of a result as a `pandas.DataFrame`: value, unit and position by name."""
     units, places = result.model.units, [_place(result, one) for one in result.catalogue]
     columns = {
         "value": result.numbers,
@@ -26,7 +26,7 @@ def numbers_frame(result: ResultState) -> Any:
 
 
 def _place(result: ResultState, one: Number) -> tuple[float, float]:
-    """Where a number of a result is; NaN where it has no place."""
+    """Position of a number of a result; NaN where it has none."""
     own = result.plates[str(one.path[1])] if one.path[0] == "plates" else result
     places: Mapping[str, Callable[[], tuple[float, float] | None]] = {
         "point": lambda: tuple(own.supports[one.owner].positions[one.part].tolist()),
@@ -41,15 +41,15 @@ def _place(result: ResultState, one: Number) -> tuple[float, float]:
 
 
 def dataframe(table: Mapping[str, Column], key: str) -> Any:
-    """Give a table as a `pandas.DataFrame`, its rows by one of its columns."""
+    """Convert a table to a `pandas.DataFrame` indexed by the column ``key``."""
     return package("pandas").DataFrame({name: np.asarray(values) for name, values in table.items()}).set_index(key)
 
 
 def dataset(results: Mapping[str, ResultState]) -> Any:
     """Return fields and reactions of results on one mesh as an `xarray.Dataset`.
 
-    Fields are by combination and stress node, with coordinates x and y; reactions by combination and support. Every
-    variable has its description (``long_name``) and unit (``units``).
+    Fields have the dimensions combination and stress node, with coordinates x and y; reactions have combination and
+    support. Every variable has its description (``long_name``) and unit (``units``).
     """
     first = next(iter(results.values()))
     units, nodes = first.model.units, first.stress_nodes

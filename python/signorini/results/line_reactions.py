@@ -1,8 +1,8 @@
 """Reactions per length along edges, lines and circles, with concentrated forces at their ends and corners.
 
-Every force fᵢ of a support, at a place t of the piece of the line that it is on, goes to the two ends of the piece by
-their linear functions, Fⱼ = Σᵢ φⱼ(tᵢ) fᵢ (docs/theory.md, section 5). Quadratic elements share a smooth reaction
-between corners and midsides as 1 : 4, thin ones as they like; the forces Fⱼ have neither trace.
+The line is divided into pieces with linear functions φⱼ of their ends j. Forces fᵢ of a support at coordinates tᵢ
+become Fⱼ = Σᵢ φⱼ(tᵢ) fᵢ (docs/theory.md, section 5). Quadratic elements share a smooth reaction between corners and
+midsides as 1 : 4, thin elements irregularly. The forces Fⱼ show neither.
 """
 
 from __future__ import annotations
@@ -33,27 +33,30 @@ from signorini.shapes.boxes import BoxTree
 CORNER = np.cos(np.radians(15.0))
 """Largest cosine of the turning angle at a corner of a line. Quadratic sides of a circle turn by less than 1°."""
 _APART = 2.0
-"""Distance of stations along a line that cuts elements, over the element size. The line holds the mean deflection of
-each element, and the forces of neighbouring elements alternate.
+"""Distance of stations along a line that cuts elements, relative to the element size. The line holds the mean
+deflection of each element, and the forces of neighbouring elements alternate.
 """
 _PARALLEL = 1e-9
-"""Relative tolerance for zero eigenvalues: points on a rigid zone are on a straight line."""
+"""Relative tolerance for zero eigenvalues, which occur if all points on a rigid zone are on a straight line."""
 _LAYER, _MOST_OF_RUN = 3.0, 0.25
-"""Length of a zone at the end of a line over the plate's thickness, and its upper bound over the line's length.
+"""Length of a zone at the end of a line, relative to the plate's thickness h, and its largest value, relative to the
+line's length.
 
-Mindlin's plate spreads the concentrated force there over a boundary layer of width δ = 0.32 h.
+Mindlin's plate spreads the concentrated force at the end over a boundary layer of width δ = 0.32 h.
 """
 _WIDTH, _SEEN = 10.0**-0.5, 2.65
-"""Width δ of that layer over the thickness, and the factor of the resolved part, as in ``accuracy/layers.py``."""
+"""Width δ of the boundary layer relative to the thickness, and the factor of the resolved part, as in
+``accuracy/layers.py``.
+"""
 _NEIGHBOURS = 3
 """Number of stations beyond the zone that determine the parabola of extrapolation."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Pieces of a line: ends (k, 2, 2), unit tangents there (k, 2, 2) and lengths (k,).
+    """Pieces of a line: end points (k, 2, 2), unit tangents there (k, 2, 2) and lengths (k,).
 
-    ``sides`` (k, 3) are the sides of elements that the pieces are; None where the line cuts elements.
+    ``sides`` (k, 3) are the element sides that form the pieces; None where the line cuts elements.
     """
 
     ends: Floats
@@ -63,7 +66,7 @@ class Pieces:
 
     @classmethod
     def of(cls, discretisation: Discretisation, index: int) -> Self:
-        """Divide the line of a support."""
+        """Divide the line of a support into pieces: element sides, or else parts of about two element sizes."""
         mesh, where = discretisation.mesh, discretisation.model.support[index].where
         sides = mesh_edges(mesh, discretisation.model.plate, where, ("support", index))
         if sides is not None:
@@ -75,7 +78,7 @@ class Pieces:
             size = _APART * np.sqrt(mesh.element_area[elements[elements >= 0]].mean())
             for on in _runs_of(elements >= 0):
                 own = stops[on[0] : on[-1] + 2]
-                # A piece of a circle turns by a third of it at most: its ends differ.
+                # A piece of a circle is at most a third of the circle, so that its ends differ.
                 turns = 3.0 * (own[-1] - own[0]) / (stops[-1] - stops[0]) if isinstance(where.curve, Ring) else 1.0
                 count = max(1, round(turns), int((own[-1] - own[0]) / size))
                 wanted = np.linspace(own[0], own[-1], count + 1)
@@ -86,10 +89,10 @@ class Pieces:
         return cls(ends, tangents, lengths, None)
 
     def in_runs(self, near: float) -> tuple[Self, Ints, Bools]:
-        """Order the pieces by smooth runs, in the direction of the first piece of each.
+        """Order the pieces in smooth runs, each in the direction of its first piece.
 
-        Returns with them the vertices (k, 2) at their ends, of which ends nearer than ``near`` are one, and which of
-        these (v,) are smooth.
+        Returns also the vertices (k, 2) at the ends of pieces, and a mask (v,) of smooth vertices. Ends nearer than
+        ``near`` are one vertex.
         """
         places = self.ends.reshape(-1, 2)
         pairs = BoxTree(np.hstack([places - near, places + near])).pairs(places)
@@ -122,7 +125,7 @@ class Pieces:
         return result, np.where(turn[:, None], vertices[:, ::-1], vertices), smooth
 
     def locate(self, points: Floats) -> tuple[Ints, Floats]:
-        """Find the piece (q,) nearest to each point (q, 2), and the part (q,) of the piece before it."""
+        """Find the piece (q,) nearest to each point (q, 2), and the point's coordinate (q,) from 0 to 1 along it."""
         begin, along = self.ends[:, 0], self.ends[:, 1] - self.ends[:, 0]
         reach = self.lengths.max()
         boxes = np.hstack([self.ends.min(axis=1) - reach, self.ends.max(axis=1) + reach])
@@ -137,10 +140,10 @@ class Pieces:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Line:
-    """Stations (k,) along the line of a support, and how its forces make reactions per length there.
+    """Stations (k,) along the line of a support, and matrices from its forces to reactions per length there.
 
-    ``vertex`` (k,) is the end of pieces, 0 ≤ vertex < v, that a station is at: where the line turns a corner there are
-    two. ``lengths`` (k,) are the parts of the line that stations stand for, ``normals`` (k, 2) point to the right.
+    ``vertex`` (k,) is the vertex 0 ≤ vertex < v of each station; where the line turns a corner, one vertex has two
+    stations. ``lengths`` (k,) are the parts of the line that stations represent, ``normals`` (k, 2) point to the right.
     ``pieces`` (k,) are those that begin at the stations, −1 at the end of a run.
     """
 
@@ -151,19 +154,19 @@ class Line:
     vertex: Ints
     pieces: Ints
     sides: Ints | None
-    forces: csr_array  # (v, p): from the forces of the support's points to those at vertices
-    couples: csr_array | None  # (v, 2n): from the couples on nodes' slopes θx, θy, where the twist is held
-    extrapolated: csr_array  # (k, k): interpolates reactions per length of smooth stations, and extrapolates to ends
-    beside: Ints  # (k,): of stations in a layer one beyond it, else they themselves
-    zones: csr_array  # (c, v): vertices in the layer at each corner
-    corners: Floats  # (c, 2): where these are
+    forces: csr_array  # (v, p): maps the forces of the support's points to forces at vertices
+    couples: csr_array | None  # (v, 2n): maps couples on θx, θy of nodes to forces at vertices, if the twist is held
+    extrapolated: csr_array  # (k, k): maps means at stations to reactions per length, by extrapolation at ends
+    beside: Ints  # (k,): for a station in a layer, a station beyond it; else the station itself
+    zones: csr_array  # (c, v): 1 at the vertices in the layer of each corner
+    corners: Floats  # (c, 2): positions of corners and ends with a concentrated force
     one_sided: bool
-    points_s: Floats  # (p,): length of the support up to each of its points
+    points_s: Floats  # (p,): length of the line up to each point of the support
 
     @staticmethod
     @kept
     def of(discretisation: Discretisation, index: int) -> Line:
-        """Stations of the support at that place in the model, found once."""
+        """Stations of the line of support number ``index``, computed once."""
         support, mesh = discretisation.model.support[index], discretisation.mesh
         pieces, vertices, smooth = Pieces.of(discretisation, index).in_runs(mesh.near.place)
         goes_on = (vertices[:-1, 1] == vertices[1:, 0]) & smooth[vertices[:-1, 1]]
@@ -180,7 +183,7 @@ class Line:
         on, t = pieces.locate(SupportPoints.of(discretisation, index).positions)
         layer = np.full(len(vertex), float(discretisation.thickness.at_points.mean()))
         if "twist" in support.fixed:
-            # No layer is where two edges that hold the twist meet.
+            # There is no boundary layer where two edges that hold the twist meet.
             held = sides_that_hold_turns(discretisation.model, mesh)[:, [0, 2]]
             meeting = np.append(np.bincount(held.ravel(), minlength=mesh.node_count), 0)
             layer[meeting[mesh.nodes_at(pieces.ends[piece, end])] > 1] = 0.0
@@ -223,7 +226,7 @@ class Line:
         next_to = mean[..., self.beside]
         per_length = np.clip(per_length, np.minimum(mean, next_to), np.maximum(mean, next_to))
         if self.one_sided:
-            # P and r have the sign of the reaction.
+            # Concentrated forces P and reactions per length r have the sign of the reaction.
             per_length = np.clip(per_length, np.minimum(mean, 0.0), np.maximum(mean, 0.0))
         spread = np.zeros(at_vertices.shape)
         np.add.at(spread.T, self.vertex, (per_length * self.lengths).T)
@@ -231,7 +234,7 @@ class Line:
 
 
 def lines_of(discretisation: Discretisation) -> dict[int, Line]:
-    """Lines of the supports by their place in the model; between two plates on the upper one."""
+    """Lines of supports by their number in the model; a line between two plates is on the upper one."""
     result = {}
     for plate in discretisation.members:
         for index, support in enumerate(plate.own.model.support):
@@ -245,26 +248,26 @@ class LineReactions(Remade):
     """Reactions per length of a support along edges, a line or a circle, positive where they push the plate up.
 
     Between stations of one run the reaction per length is linear, so that its integral is
-    Σ ``reactions`` × ``lengths``. That and the sum of ``corner_reactions`` are the support's total reaction.
+    Σ ``reactions`` × ``lengths``. The integral plus the sum of ``corner_reactions`` is the support's total reaction.
 
     Parameters
     ----------
     positions : (k, 2) array
-        Stations, in the order of the line; two where it turns a corner, and at both ends of a gap in it.
+        Stations, in the order of the line; two at a corner, and one at each end of a gap in the line.
     normals : (k, 2) array
-        Unit normals of the line, to its right; of edges outward.
+        Unit normals of the line, to its right; outward on edges.
     s : (k,) array
         Length of the support up to each station.
     lengths : (k,) array
-        Length that each station stands for.
+        Length of the line that each station represents.
     reactions : (k,) array
         Reaction per length.
     begins : (k,) bool array
-        Which stations begin a run: the line goes on smoothly to the station before the next of these.
+        Mask of the stations that begin a run, a smooth part of the line that ends before the next begin.
     corners : (c, 2) array
         Corners and ends of the line, at which a rigid support without limit has a concentrated force.
     corner_reactions : (c,) array
-        These forces.
+        Concentrated forces at ``corners``.
     points_s : (p,) array
         Length of the support up to each of its points.
 
@@ -295,7 +298,7 @@ class LineReactions(Remade):
 
     @classmethod
     def of(cls, line: Line, reactions: Floats, corner_reactions: Floats) -> Self:
-        """Join reactions with the stations of the line."""
+        """Combine the stations of a line with its reactions per length (k,) and concentrated forces (c,)."""
         begins = np.append(True, line.pieces[:-1] < 0)
         return cls(
             positions=line.positions,
@@ -321,22 +324,22 @@ class LineReactions(Remade):
 
     @property
     def max_per_length_at(self) -> tuple[float, float]:
-        """Index of the largest value; among places equal to 1e-9 that of the least x, then y."""
+        """Position (x, y) of the largest reaction per length; of equal ones (to 1e-9) the least x, then y."""
         x, y = self.positions[peak(self.reactions, self.positions)].tolist()
         return x, y
 
     @property
     def min_per_length_at(self) -> tuple[float, float]:
-        """Where it is smallest, likewise."""
+        """Position (x, y) of the smallest reaction per length, chosen in the same manner."""
         x, y = self.positions[peak(-self.reactions, self.positions)].tolist()
         return x, y
 
 
 def _at_vertices(discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int) -> csr_array:
-    """Take the forces (p,) of a support's points to those at vertices (v,), by linear functions along each piece.
+    """Matrix (v, p) from the forces of a support's points to forces at vertices, linear along each piece.
 
-    In a rigid zone only the resultant and the moments of the reactions are known. There the reaction per length is
-    linear. Points that can let go keep their forces.
+    In a rigid zone only the resultant and the moments of the reactions are known: there the reaction per length is
+    assumed linear. Forces of points that can let go are not changed.
     """
     points, bodies, mesh = SupportPoints.of(discretisation, index), discretisation.held.bodies, discretisation.mesh
     on, t = pieces.locate(points.positions)
@@ -374,21 +377,22 @@ def _body(bodies: Bodies, nodes: Ints) -> Ints:
 
 
 def _runs_of(which: Bools) -> list[Ints]:
-    """Runs of consecutive indices at which a mask is true."""
+    """Runs of consecutive indices at which a mask is True."""
     (numbers,) = np.nonzero(which)
     return np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(numbers) else []
 
 
 def _concentrates(support: Support) -> bool:
-    """Whether a support can carry a finite force at a place: a rigid one without limit."""
+    """Whether a support can carry a concentrated force: a rigid one without limit."""
     return not support.is_elastic and not support.has_pieces
 
 
 def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floats) -> tuple[csr_array, Ints, Ints]:
-    """Take means (k,) over stations to reactions per length, by `_at_end` at ends of runs that are not ``smooth``.
+    """Matrix (k, k) from means at stations to reactions per length, by `_at_end` at ends of runs not ``smooth`` (k,).
 
-    ``layer`` (k,) is the thickness that makes a layer there, 0 where none is. Returns too the station (k,) at which the
-    force of each is concentrated, −1 of those away from ends; and the one with which each is compared.
+    ``layer`` (k,) is the thickness that causes a boundary layer, 0 without one. The second array (k,) is the station at
+    which the force of each station is concentrated, −1 away from ends. The third (k,) is the station with which each is
+    compared.
     """
     count = sum(len(run) + 1 for run in runs)
     result, toward, beside = eye_array(count, format="lil"), np.where(smooth, -1, np.arange(count)), np.arange(count)
@@ -407,10 +411,11 @@ def _extrapolation(runs: list[Ints], lengths: Floats, smooth: Bools, layer: Floa
 
 
 def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
-    """Weights (z, m) of means at m stations by which they make reactions per length at the first z.
+    """Columns (m,) and weights (z, m): reactions per length at the first z stations from means at m stations.
 
-    In a layer longer than the first of pieces with these ``lengths`` the parabola through stations beyond it goes on.
-    In a shorter one the force Q has its middle at e = δ/h₀ of the first piece and adds eQ to the second station too.
+    The pieces have these ``lengths``. If the layer is longer than the first piece, the parabola through stations beyond
+    it is extrapolated. In a shorter layer the force Q has its centroid at e = δ/h₀ of the first piece, and adds eQ to
+    the second station too.
     """
     s = np.append(0.0, np.cumsum(lengths))
     reach = min(_LAYER * thickness, _MOST_OF_RUN * float(s[-1]))
@@ -432,7 +437,7 @@ def _at_end(lengths: Floats, thickness: float) -> tuple[Ints, Floats]:
 
 
 def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
-    """Weights (n,) of the means at stations ``near`` whose sum is the mean at ``station``, for polynomials."""
+    """Weights (n,) of the means at stations ``near`` that give the mean at ``station`` exactly for polynomials."""
     every = [station, *near]
     before, after = np.append(0.0, lengths)[every], np.append(lengths, 0.0)[every]
     s, size = np.append(0.0, np.cumsum(lengths))[every], lengths.sum()
@@ -446,7 +451,7 @@ def _weights(lengths: Floats, station: int, near: list[int]) -> list[float]:
 def _force_pairs(
     discretisation: Discretisation, index: int, pieces: Pieces, vertices: Ints, count: int
 ) -> csr_array | None:
-    """Pairs of forces ±C/h at the ends of each side for the couple C about the normal that holds its twist."""
+    """Matrix (v, 2n): forces ±C/h at the ends of each side, for the couple C about the normal that holds its twist."""
     if (sides := pieces.sides) is None:
         return None
     mesh, held = discretisation.mesh, discretisation.held.bodies.inside
@@ -459,9 +464,9 @@ def _force_pairs(
 
 
 def per_length_of_sides(mesh: Mesh, sides: Ints, directions: Floats, alone: Bools) -> csr_array:
-    """Take couples on nodes (2n,) to their means per length (k,) on sides (k, 3), along directions (k, 3, 2).
+    """Matrix (k, 2n) from couples on nodes to means per length on sides (k, 3), along directions (k, 3, 2).
 
-    Nodal couples are spread over the lengths that nodes stand for, on those nodes that are ``alone`` (k, 3).
+    A nodal couple is spread over the length that its node represents. Only nodes ``alone`` (k, 3) contribute.
     """
     length = side_lengths(mesh, sides)
     whole = np.bincount(sides.ravel(), length.ravel(), mesh.node_count)
@@ -476,7 +481,7 @@ def per_length_of_sides(mesh: Mesh, sides: Ints, directions: Floats, alone: Bool
 
 
 def of_the_line_alone(mesh: Mesh, sides: Ints, held: Ints, rigid: Bools) -> Bools:
-    """Mask of sides (k, 3) that no other held side meets at a node, except a straight continuation."""
+    """Mask (k, 3) of the nodes of sides at which no other held side meets, except a straight continuation."""
     tangents = quadratic_tangents(mesh, sides)
     _, once = np.unique(held[:, 1], return_index=True)
     meeting = np.bincount(held[once][:, [0, 2]].ravel(), minlength=len(rigid))

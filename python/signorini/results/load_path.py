@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from signorini.plot.curves import Figure
 
 AT_LIMIT = 1e-6
-"""Relative distance from the limit of equilibrium that counts as zero: the last contact sets hardly hold the plate."""
+"""Relative tolerance for t at the limit of equilibrium, where the last contact sets hardly hold the plate."""
 
 _DRAWN = 2.0
 """Largest ratio of deflection to thickness that is drawn: beyond it the theory does not hold."""
@@ -49,7 +49,7 @@ Ending = Literal["until", "no_more_events", "no_equilibrium", "stopped"]
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class LoadPath(States[float]):
-    """The answer of a plate to start + t add, for every t from 0 to where the path ends.
+    """The answer of a plate to the load start + t add, for every t from 0 to the end of the path.
 
     Parameters
     ----------
@@ -59,22 +59,22 @@ class LoadPath(States[float]):
         The load that grows. Both are names of cases or combinations.
     problem : ContactProblem
     stops : tuple of PathStop
-        At t = 0, at every sample, named event and threshold, and at the end.
+        Stops at t = 0, at every sample, named event and threshold, and at the end.
     ending : str
-        Why it ends: "until", the t asked for; "no_more_events", however large t; "no_equilibrium", from there on;
-        "stopped", where no answer is certified, at ``mesh_limit``, or where it was interrupted.
+        Why the path ends: "until": at the t asked for; "no_more_events": no event at any larger t; "no_equilibrium":
+        no reactions balance a larger load; "stopped": no certified answer, ``mesh_limit``, or interruption.
     limit : float
         The largest t for which reactions balance the load; infinite if there is none.
     mesh_limit : float
-        The same for reactions at the contact points of this mesh, which are within the supports' outlines.
+        As ``limit``, for reactions at the contact points of this mesh, which are within the supports' outlines.
     certificate : Certificate
-        The worst of every figure over all stops.
+        Largest value of each certificate error over all stops.
     support_events : tuple of PathEvent
-        What the supports do: points open or close, lines and areas begin to, have done so, or pass a quarter.
+        Events of the supports: points open or close; lines and areas begin to, have done so, or pass a quarter.
     thresholds : tuple of Threshold
-        What was asked for with ``when``, and where it is reached.
+        Thresholds asked for with ``when``, and the t at which they are reached.
     interrupted : bool
-        Whether it was cut short; what it has is certified.
+        Whether the path was cut short by the user; its stops are certified.
     options : mapping
         The arguments of `signorini.path`, by name.
     """
@@ -100,22 +100,22 @@ class LoadPath(States[float]):
 
     @property
     def method(self) -> Method:
-        """The method that was the first tried at every stop."""
+        """The method that is tried first at every stop."""
         return self.problem.method
 
     @property
     def name(self) -> str:
-        """Its load in words."""
+        """Text for the load."""
         return f"t {self.add}" if self.start is None else f"{self.start} + t {self.add}"
 
     @property
     def end(self) -> float:
-        """The t of the last stop; the last segment goes on for ever if there are no more events."""
+        """The t of the last stop; with ending "no_more_events" the last segment continues to any larger t."""
         return self.stops[-1].t
 
     @property
     def ends_with_the_mesh(self) -> bool:
-        """Whether it stops where the mesh's points, but not yet the supports' outlines, cease to balance the load."""
+        """Whether the path stops because contact points of the mesh, but not yet outlines, fail to balance the load."""
         return self.ending == "stopped" and self.end >= self.mesh_limit * (1 - AT_LIMIT)
 
     @cached_property
@@ -132,7 +132,7 @@ class LoadPath(States[float]):
 
     @cached_property
     def mechanism(self) -> str:
-        """How the plate moves where equilibrium ends, as "tips about the line x = 2"; empty where it does not end."""
+        """Text for the motion at the end of equilibrium, such as "tips about the line x = 2"; else empty."""
         if self.ending != "no_equilibrium":
             return ""
         discretisation, freedom = self.discretisation, self.problem.freedom
@@ -142,7 +142,7 @@ class LoadPath(States[float]):
 
     @property
     def events(self) -> tuple[PathStop, ...]:
-        """Stops at which contact points open or close, of a path that follows every one; else none."""
+        """Stops at which contact points open or close, if the path follows every contact point; else empty."""
         return tuple(stop for stop in self.stops if stop.switched)
 
     @property
@@ -185,7 +185,7 @@ class LoadPath(States[float]):
         return together([block.columns(layout, keys)]), envelope
 
     def _of_stops(self) -> Iterator[Result]:
-        """Every result at the stops, in their order."""
+        """Results at all stops, in their order."""
         return (self._result(stop.t) for stop in self.stops)
 
     def words(self, index: int) -> str:
@@ -289,7 +289,7 @@ class LoadPath(States[float]):
         return _AFTER * events[-1].t if events and self.ending == "no_more_events" else None
 
     def at(self, t: float) -> Result:
-        """Every result at some t, with its certificate: the answer that `solve` gives.
+        """Result at some t, with its certificate: the answer that `solve` gives.
 
         Raises
         ------
@@ -307,7 +307,7 @@ class LoadPath(States[float]):
         return self._result(t)
 
     def load_at(self, t: float) -> Combination:
-        """Its load at some t, by factors of the load cases."""
+        """Load at some t, as factors of the load cases."""
         factors = dict[str, float]()
         for name, times in ((self.start, 1.0), (self.add, t)):
             for case, factor in factors_named(self.discretisation, name).items():
@@ -327,7 +327,7 @@ def factors_named(discretisation: Discretisation, name: str | None) -> Mapping[s
 
 
 def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, CaseLoad], t: float) -> Result:
-    """Every result of a problem at some t, if the answer is certified."""
+    """Result of a problem at some t, if the answer is certified."""
     result, load = problem.discretisation, loads[0] + t * loads[1]
     tried = answered(problem, load, beside=beside(loads, t))
     if tried.certificate is None:
@@ -338,6 +338,6 @@ def result_at(problem: ContactProblem, of: Combination, loads: tuple[CaseLoad, C
 
 
 def beside(loads: tuple[CaseLoad, CaseLoad], t: float) -> tuple[CaseLoad, CaseLoad]:
-    """Load cases in the load at t, with their factors, at a t at which both parts count."""
+    """Both parts of the load at t, whose sum is certified (see `certify`), at a t at which both parts count."""
     start, add = (float(np.abs(load.nodal).max()) for load in loads)
     return loads[0], max(t, start / add if start and add else 1.0) * loads[1]

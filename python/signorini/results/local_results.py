@@ -20,7 +20,7 @@ from signorini.results.quantities import PRESSURE, design_moments, face_stresses
 
 @dataclass(frozen=True)
 class ProbeResult:
-    """Results at a point of the plate; where moments and shears jump, those of the side of larger size.
+    """Results at a point of the plate; where moments or shears jump, the values that are larger in size.
 
     Parameters
     ----------
@@ -30,9 +30,9 @@ class ProbeResult:
     moment : (mx, my, mxy)
     shear : (qx, qy)
     pressure : float or None
-        Contact pressure of the area supports there, positive up; None where there is none.
+        Contact pressure of area supports, positive up; None without an area support at the point.
     thickness : float
-        Of a solid plate, where it jumps that of the thinner side; NaN where a stiffness is given in its place.
+        Thickness of a solid plate, of the thinner side of a jump; NaN if a stiffness is given instead.
     """
 
     at: tuple[float, float]
@@ -58,7 +58,7 @@ class ProbeResult:
 
     @property
     def design_moment(self) -> dict[str, tuple[float, float]]:
-        """Moments along x and y for which reinforcement along them is designed: bottom ≥ 0, top ≤ 0.
+        """Moments for which reinforcement along x and y is designed: bottom ≥ 0, top ≤ 0.
 
         By `signorini.results.quantities.design_moments` (Wood 1968, Armer 1968).
         """
@@ -69,7 +69,7 @@ class ProbeResult:
     def stress(self) -> dict[str, tuple[float, ...]]:
         """Stresses of a solid plate, tension positive: σx, σy, τxy at "top" and "bottom", "von_mises" there, "shear".
 
-        Shear is τxz, τyz at mid-depth. All NaN where a stiffness is given in place of a solid section.
+        Shear is τxz, τyz at mid-depth. All are NaN where a stiffness is given instead of a solid section.
 
         Examples
         --------
@@ -88,7 +88,7 @@ class ProbeResult:
 
 
 def probe_results(positions: Floats, fields: Floats, pressures: Floats, thickness: Floats) -> tuple[ProbeResult, ...]:
-    """Results at positions (q, 2) from fields (q, 8), pressures (q,), NaN where no area is, and the thickness (q,)."""
+    """Results at positions (q, 2) from fields (q, 8), pressures (q,), NaN without an area, and thickness (q,)."""
     columns = positions.tolist(), fields.tolist(), pressures.tolist(), thickness.tolist()
     return tuple(
         ProbeResult((x, y), v[0], (v[1], v[2]), (v[3], v[4], v[5]), (v[6], v[7]), None if np.isnan(p) else p, h)
@@ -97,15 +97,15 @@ def probe_results(positions: Floats, fields: Floats, pressures: Floats, thicknes
 
 
 def fields_at(fields: Floats, nodes: StressNodes, where: Location, positions: Floats) -> Floats:
-    """Interpolate fields (s, f) to positions (q, 2): (q, f), of several sides the largest in size."""
+    """Interpolate fields (s, f) to positions (q, 2): values (q, f); where a field jumps, the value larger in size."""
     sides = nodes.sides(positions, where)
     return sides.larger(nodes.at(sides, fields))
 
 
 def total_pressure(areas: Sequence[AreaContact], positions: Floats) -> Floats:
-    """Sum (q,) of the pressures of areas at positions (q, 2) on the plate; NaN where none is.
+    """Sum (q,) of the pressures of areas at positions (q, 2) on the plate; NaN without an area.
 
-    Where areas only touch, it is the pressure of one.
+    On the common border of areas that only touch, it is the pressure of one of them.
     """
     if not areas:
         return np.full(len(positions), np.nan)
@@ -116,16 +116,16 @@ def total_pressure(areas: Sequence[AreaContact], positions: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class ProfileResult:
-    """Fields along a line, at its stations (k,); where moments and shears jump, of each the side where it is larger.
+    """Fields at the stations (k,) of a line; where a field jumps, the value larger in size.
 
     Parameters
     ----------
     name : str
     distance : (k,) array
-        From the beginning of the line.
+        Distance of each station from the beginning of the line.
     at : (k, 2) array
     values : dict of (k,) arrays
-        Every field by name, and the pressure of area supports, positive up; NaN off the plate, or where there is none.
+        Every field by name, and the pressure of area supports, positive up; NaN off the plate or the areas.
     """
 
     name: str
@@ -134,7 +134,7 @@ class ProfileResult:
     values: Mapping[str, Floats]
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Give a row a station, by column; None where there is no number."""
+        """Yield the row of each station, by column; None where a value is missing."""
         columns = {"distance": self.distance, "x": self.at[:, 0], "y": self.at[:, 1], **self.values}
         for row in zip(*(column.tolist() for column in columns.values()), strict=True):
             yield {name: None if np.isnan(value) else value for name, value in zip(columns, row, strict=True)}
@@ -162,7 +162,7 @@ def profile_results(
 
 
 def stations(mesh: Mesh, at: Floats) -> tuple[Location, Bools]:
-    """Find those of some points (k, 2) that are on the plate, and which these are."""
+    """Locate the points (k, 2) that are on the plate; also return their mask (k,)."""
     where = mesh.locate(at)
     return Location(where.elements[where.inside], where.xi[where.inside]), where.inside
 
@@ -175,14 +175,14 @@ class SectionResult:
     ----------
     name : str
     length : float
-        Of the line on the plate.
+        Length of the line on the plate.
     moment : float
         Integral of the moment that bends fibres across the line, mnn, positive when it sags.
     twist : float
         Integral of the twisting moment mns, n to the right of the line and s along it.
     shear : float
-        Integral of qn: the force on the left part, positive down, which is the reactions there less the loads. What
-        acts on the line itself counts half on either side.
+        Integral of qn: force on the left part, positive down, equal to the reactions minus the loads on this part.
+        Loads and reactions on the line itself count half on either side.
 
     Examples
     --------
@@ -213,11 +213,11 @@ class StationResult:
     Parameters
     ----------
     at : (x, y)
-        On the strip's line.
+        Position on the strip's line.
     width : float
-        Of the strip there, without holes.
+        Width of the strip at the station, without holes.
     moment, twist, shear : float
-        Per length: mnn, mns and qn, n along the strip and s to its left.
+        Means per length of mnn, mns and qn; n is along the strip, s to its left.
     """
 
     at: tuple[float, float]
@@ -261,7 +261,7 @@ class StripResult:
 
 
 class SectionsAndStrips(TypedDict):
-    """Results of sections and strips by the fields of a result."""
+    """Sections and strips as arguments of a result."""
 
     sections: Listed[SectionResult]
     strips: Listed[StripResult]

@@ -1,4 +1,4 @@
-"""A model and its results as pictures show them: supports, loads, zones and places as marks, fields as panels."""
+"""Marks and panels of pictures: supports, loads, zones and places of a model as marks, fields as panels."""
 
 from __future__ import annotations
 
@@ -46,15 +46,15 @@ from signorini.singularities.singularity import Singularity
 
 _AROUND = 180
 _MOST_EDGES = 40
-"""Edges that have their names drawn; outlines of chords have hundreds."""
+"""Largest number of edges whose names are drawn; outlines of chords have hundreds."""
 _MOST_NUMBERS = 100
-"""Points of supports that have their numbers drawn."""
+"""Largest number of points of supports whose numbers are drawn."""
 _SAME = 1e-9
-"""Part of the plate's size within which places are one above the other."""
+"""Relative tolerance for equal x of edges' places, relative to the plate's size."""
 _ALONG = 200
-"""Pieces of the longest part of a line, each as open or closed as the nearest contact point."""
+"""Number of pieces into which a line is divided; each is drawn as open or closed as the nearest contact point."""
 _SOIL = "BrBG_r"
-"""Colours of bedding."""
+"""Colour map for the stiffness of bedding."""
 _BREAK = np.full((1, 2), np.nan)
 _Style = Literal["points", "line", "area"]
 _STYLES: dict[str, _Style] = {"at": "points", "area": "area"}
@@ -69,9 +69,9 @@ def support_mark(
     numbers: Sequence[str] = (),
     words: str = "",
 ) -> SupportMark:
-    """Draw a support at positions (k, 2), some of them closed; None: not known yet.
+    """Mark of a support at positions (k, 2); ``closed`` (k,) is their state, None before the solution.
 
-    ``numbers`` stand beside its points, ``words`` behind its kind.
+    ``numbers`` are drawn beside its points, ``words`` behind its kind.
     """
     style = _STYLES.get(support.place, "line")
     if support.fixed:
@@ -104,9 +104,9 @@ def support_mark(
 
 
 def _numbers(supports: Sequence[Support], counts: Sequence[int]) -> list[list[str]]:
-    """Name the points of supports at points as in tables, from 1: by number alone if one support has points.
+    """Names of the points of supports at points, as in tables: the number from 1 if only one support has points.
 
-    A support with more than a hundred points has no names.
+    If there are more than a hundred points, they have no names.
     """
     pointed = [count if one.place == "at" else 0 for one, count in zip(supports, counts, strict=True)]
     alone = sum(count > 0 for count in pointed) == 1
@@ -118,7 +118,7 @@ def _numbers(supports: Sequence[Support], counts: Sequence[int]) -> list[list[st
 
 
 def _given(support: Support, positions: Floats, units: Units) -> tuple[str, list[str]]:
-    """Write gap, preload and order of a support's points: common values once, other values for each point."""
+    """Write gap, preload and order of a support's points: text common to all points, and the texts of each point."""
     same, each = "", [""] * len(positions)
     for key, kind, values in written_at(support, positions):
         unit = getattr(units, kind, "")
@@ -139,7 +139,7 @@ def _kind(support: Support) -> Literal["down", "up", "both", "clamped", "hinged"
 
 
 def pressure_layer(area: AreaContact, pressure: Floats | None = None) -> PressureLayer:
-    """Draw the pressure of an area support, or one that is given: (n,) at nodes, of a rigid area (ne,) on elements."""
+    """Pressure layer of an area support; ``pressure`` replaces its own: (n,) at nodes, (ne,) if rigid."""
     on = area.covered > 0
     cut = tessellate(area.mesh.elements[on])
     covered = area.support.where.region
@@ -152,7 +152,7 @@ def pressure_layer(area: AreaContact, pressure: Floats | None = None) -> Pressur
 
 
 def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
-    """Draw the supports of a model that is not solved, points with their gaps, preloads and orders."""
+    """Marks of the supports of a model that is not solved; points with their gaps, preloads and orders."""
     marks, model = [], discretisation.model
     places = [SupportPoints.of(discretisation, index).positions for index in range(len(model.support))]
     numbers = _numbers(model.support, [len(one) for one in places])
@@ -169,7 +169,7 @@ def unsolved_marks(discretisation: Discretisation) -> list[SupportMark]:
 
 
 def bedding_panel(discretisation: Discretisation) -> Panel | None:
-    """Draw the stiffness of areas that is not constant; None without such an area."""
+    """Panel of the stiffness of areas with a stiffness that varies; None without such an area."""
     mesh, model = discretisation.mesh, discretisation.model
     layers, known = [], []
     for support in model.support:
@@ -190,7 +190,7 @@ def bedding_panel(discretisation: Discretisation) -> Panel | None:
 
 
 def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
-    """Draw the zones of a model, with their changes in the legend."""
+    """Marks of the zones of a model, with their properties in the legend."""
     marks = []
     for zone in discretisation.model.zone:
         parts = ["rigid"] if zone.rigid else [] if zone.thickness is None else [f"thickness {zone.thickness.source}"]
@@ -205,7 +205,7 @@ def zone_marks(discretisation: Discretisation) -> list[ZoneMark]:
 
 
 def cut_marks(model: Model) -> list[CutMark]:
-    """Draw the sections and the strips of a model."""
+    """Marks of the sections and the strips of a model."""
     marks = [CutMark(section.name, np.array(section.line)) for section in model.section]
     for strip in model.strip:
         # Lines across a strip run from its right to its left.
@@ -215,7 +215,7 @@ def cut_marks(model: Model) -> list[CutMark]:
 
 
 def load_marks(discretisation: Discretisation) -> list[LoadMark]:
-    """Draw the loads of a model, the case's name and the kind in the legend."""
+    """Marks of the loads of a model, with the case's name and the kind in the legend."""
     marks = []
     for load in discretisation.model.load:
         value = next((given for given in (load.pressure, load.force, load.line_load) if given is not None), 0.0)
@@ -242,7 +242,7 @@ def load_marks(discretisation: Discretisation) -> list[LoadMark]:
 
 
 def _under(mesh: Mesh, load: Load) -> Floats:
-    """Places (k, 2) on the plate at which a load acts, its ends among them; of points those."""
+    """Places (k, 2) on the plate at which a load acts, for its range of values; the ends of lines are included."""
     if load.at is not None:
         return np.array(load.at)
     if load.place == "area" and load.where.region is None:
@@ -255,7 +255,7 @@ def _under(mesh: Mesh, load: Load) -> Floats:
 
 
 def _value(load: Load, sizes: Floats, units: Units) -> str:
-    """Write how much a load is, with its unit; without a sign, which its mark has."""
+    """Text for the size of a load with its unit, without a sign: the mark shows the direction."""
     unit = units.force_by_length({"pressure": -2, "line_load": -1, "force": 0}.get(load.kind, 1))
     if load.couple_about is not None:
         axes = ((axis, getattr(load.couple_about, axis)) for axis in ("x", "y"))
@@ -273,7 +273,7 @@ def _value(load: Load, sizes: Floats, units: Units) -> str:
 
 
 def case_totals(discretisation: Discretisation) -> dict[str, str]:
-    """Sums of the forces of load cases that stay where they are, or of their couples as moments if that is all."""
+    """Sums of the forces of each load case that does not move, or of its couples if it has no force, as texts."""
     units, sums = discretisation.model.units, {}
     motions = discretisation.rigid_motions
     for case in dict.fromkeys(load.case for load in discretisation.model.load):
@@ -290,7 +290,10 @@ def case_totals(discretisation: Discretisation) -> dict[str, str]:
 
 
 def edge_marks(mesh: Mesh) -> list[EdgeMark]:
-    """Name edges left of or before the middle, where values of loads stand, of holes their sides, if not too many."""
+    """Marks with the names of edges, before the middle of each edge, where no values of loads are drawn.
+
+    If there are too many names, those of the sides of holes are left out, or else all.
+    """
     wholes = {name.rpartition(" edge ")[0] or name.rpartition(" ")[0] for name in mesh.edges} & set(mesh.edges)
     names = [name for name in mesh.edges if name not in wholes]
     if len(names) > _MOST_EDGES:
@@ -305,7 +308,7 @@ def edge_marks(mesh: Mesh) -> list[EdgeMark]:
 
 
 def singular_marks(named: Sequence[Singularity]) -> list[SingularMark]:
-    """Mark the places of singularities."""
+    """Marks of the places of singularities."""
     return [SingularMark(one.what, np.array(one.where), one.line, one.limited) for one in named if one.where]
 
 
@@ -323,7 +326,7 @@ def _print(at: tuple[float, float], along: tuple[float, float], patch: tuple[flo
 
 
 def drawn(mesh: Mesh, where: Where) -> Floats:
-    """Points, or vertices (k, 2) of edges, of a line or circle, or of an area's outline; NaN between pieces."""
+    """Vertices (k, 2) of the points, edges, line, circle or area's outline of ``where``; NaN rows between pieces."""
     if where.points:
         return np.array(where.points)
     if where.edges:
@@ -339,7 +342,7 @@ def drawn(mesh: Mesh, where: Where) -> Floats:
 
 
 def _divided(line: Floats) -> Floats:
-    """Put vertices on a polyline (k, 2) until none of its pieces is long."""
+    """Insert vertices in a polyline (k, 2) so that it has about `_ALONG` equal pieces."""
     steps = np.hypot(*np.diff(line, axis=0).T)
     longest = float(np.nansum(steps)) / _ALONG
     if not longest > 0:
@@ -371,7 +374,7 @@ def _chained(mesh: Mesh, name: str) -> Floats:
 
 
 def _loops(shape: Region) -> Floats:
-    """Vertices (k, 2) of a region's outlines, the first one of each again at its end, and NaN between them."""
+    """Closed outlines (k, 2) of a region; the first point of each is repeated at its end, NaN rows between them."""
     first, *others = (np.concatenate([loop, loop[:1]]) for loop in shape.loops)
     return np.concatenate([first, *(part for loop in others for part in (_BREAK, loop))])
 
@@ -386,7 +389,7 @@ def support_marks(mesh: Mesh, asked: Sequence[Support], supports: Sequence[Suppo
 
 
 def view_of(picture: Picture, mesh: Mesh, deflection: Floats, factor: float) -> Picture:
-    """Take the picture of a deflection from the plan to the view: its marks and extremes are on the deflected plate."""
+    """Convert a picture of a deflection from plan to view: marks and extremes move onto the deflected plate."""
 
     def on(places: Floats) -> Floats:
         where = mesh.locate(np.nan_to_num(places, nan=np.inf))
@@ -407,7 +410,7 @@ def view_of(picture: Picture, mesh: Mesh, deflection: Floats, factor: float) -> 
 
 
 def field_range(field: str, result: ResultState) -> tuple[float, float]:
-    """Smallest and largest value of a field away from where it has no limit; of the pressure with 0."""
+    """Smallest and largest value of a field outside singular places; the range of pressures includes 0."""
     if field != PRESSURE.name:
         ends = _ends(field, result)
         return ends.min, ends.max
@@ -418,7 +421,7 @@ def field_range(field: str, result: ResultState) -> tuple[float, float]:
 def panel(
     field: str, result: ResultState, widths: Mapping[str, Any] | None = None, limits: tuple[float, float] | None = None
 ) -> Panel:
-    """Draw a field, or the pressure, in the colours of its quantity, with its extremes and, if known, half-widths."""
+    """Panel of a field, or of the pressure, with its extremes and, if known, their half-widths."""
     of = PICTURED[field]
     label, map_of = of.label(result.model.units), KINDS[of.kind].colours
     limits = limits or field_range(field, result)
@@ -455,7 +458,7 @@ _NONE = 1e-9
 def line_diagram(
     support: SupportResult, line: LineReactions, units: Units, widths: Mapping[str, Any] | None = None
 ) -> LineDiagram:
-    """Draw the reactions per length of a support: of each run the largest, with half-widths where they are known."""
+    """Diagram of a support's reactions per length; the largest of each run is labelled, with half-widths if known."""
     told, ends = widths is not None, dict[int, float | None]()
     for side, sign in (("max", 1.0), ("min", -1.0)):
         ends[peak(sign * line.reactions, line.positions)] = None if widths is None else widths[f"{side}_per_length"]
@@ -476,7 +479,7 @@ def line_diagram(
 
 
 def enveloped_diagram(line: Line, ends: Floats, units: Units) -> LineDiagram:
-    """Draw the largest and smallest (2, k + c) of the reactions per length and concentrated forces of a line."""
+    """Diagram of the largest and smallest (2, k + c) reactions per length and concentrated forces of a line."""
     per_length, corners = ends[:, : len(line.s)], ends[:, len(line.s) :]
     begins = np.append(True, line.pieces[:-1] < 0)
     words = []
@@ -493,7 +496,7 @@ def enveloped_diagram(line: Line, ends: Floats, units: Units) -> LineDiagram:
 
 
 def _written_at(values: Floats, begins: Bools, ends: Iterable[int]) -> list[int]:
-    """Stations with written values: the largest in size of each run, for ``ends`` of its sign or negative.
+    """Stations whose values are labelled: the largest in size of each run, and those of ``ends`` with negative values.
 
     A positive smallest value does not govern a design.
     """

@@ -17,9 +17,9 @@ from signorini.results.support_result import SupportResult, symbol
 _NUMBER = 'style="padding: 0 0.5em; text-align: right; white-space: nowrap"'
 _WORDS = 'style="padding: 0 0.5em; text-align: left"'
 _Row = tuple[Sequence[str], Sequence[str]]
-"""Words, and numbers behind them."""
+"""Cells of a row of a table: texts, then numbers."""
 _MOST_POINTS = 20
-"""Points of a support that are listed, as on the terminal."""
+"""Largest number of points of a support that are listed, as on the terminal."""
 
 
 def supports_table(
@@ -53,7 +53,7 @@ def supports_table(
 
 
 def _points(one: SupportResult, widths: Mapping[str, Any] | None, size: float) -> Iterator[_Row]:
-    """Rows of the points of a support, in their order; of many the largest reactions."""
+    """Yield rows of the points of a support in their order; of many points those with the largest reactions."""
     shown = np.sort(np.argsort(-np.abs(one.reactions), kind="stable")[:_MOST_POINTS]).tolist()
     for at in shown:
         width = None if widths is None else widths["points"][at]
@@ -66,7 +66,7 @@ def _points(one: SupportResult, widths: Mapping[str, Any] | None, size: float) -
 
 
 def _table(heads: Sequence[str], titles: Sequence[str], rows: Iterable[_Row]) -> str:
-    """Write words, and numbers at the right, under their titles."""
+    """Write a table in HTML: texts at the left, numbers at the right, under their titles."""
 
     def line(tag: str, words: Sequence[str], numbers: Sequence[str]) -> str:
         cells = [(_WORDS, text) for text in words] + [(_NUMBER, text) for text in numbers]

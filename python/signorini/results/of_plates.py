@@ -1,4 +1,4 @@
-"""Numbers of several plates: whose each one is, and where it stands among the numbers of that plate alone."""
+"""Numbers of several plates: the plate of each number, and its position in the catalogue of that plate."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from signorini.model import Model
 from signorini.results.quantities import Catalogue, Number
 
 Place = tuple[int, int]
-"""Number of a plate, and of a number in that plate's own catalogue."""
+"""Index of a plate, and index of a number in that plate's catalogue (or of an object in that plate's model)."""
 
 
 def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalogue]) -> tuple[tuple[Place, ...], ...]:
-    """Position of each number of several plates among those of one; extremes over all plates have one in each.
+    """Places of each number of several plates in the plates' catalogues; an extreme over all plates has one in each.
 
-    Numbers between two plates belong to the upper one.
+    Numbers of a support between two plates belong to the upper plate.
     """
     names, homes = list(model.plates), _homes(model)
     result: list[tuple[Place, ...]] = []
@@ -34,7 +34,7 @@ def places_in_plates(model: Model, whole: Sequence[Number], own: Sequence[Catalo
 
 
 def said_of(each: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
-    """Prefix sentences with the name of their plate; sentences about all plates have no prefix."""
+    """Prefix sentences with the names of their plates; sentences about all plates have no prefix."""
     plates: dict[str, list[str]] = {}
     for name, sentences in each.items():
         for sentence in dict.fromkeys(sentences):
@@ -44,7 +44,7 @@ def said_of(each: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
 
 
 def _homes(model: Model) -> Mapping[str, Mapping[int, Place]]:
-    """Plate of each support, probe, section and strip, and its number there; probes point by point."""
+    """Plate of each support, probe, section and strip, and its index there; probes are counted point by point."""
     result: dict[str, dict[int, Place]] = {"supports": {}, "probes": {}, "sections": {}, "strips": {}}
     first = [0]
     for probe in model.probe:

@@ -22,18 +22,18 @@ from signorini.results.quantities import SMOOTH
 from signorini.results.support_points import Scales, SupportPoints, closed_by_point, in_falling_order
 
 LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
-"""Parts of a line or area that are closed at its events: it begins to open, three quarters, all of it is open."""
+"""Closed parts of a line or area at its events: 1 where it begins to open, 0.75, 0.5, 0.25, and 0 where it is open."""
 WHOLE = 1e-12
-"""Relative tolerance for an empty part of a support."""
+"""Zero tolerance for a part of a support, relative to the whole support."""
 _TOUCHING = 1e-9
 """Relative tolerance for contact without overlap, relative to the largest overlap, as for contact areas."""
 
 
 def margins(discretisation: Discretisation, index: int, answer: Answer, scales: Scales, part: float) -> Floats:
-    """Margin of a support to each of its events: nonnegative while the support, or that part of it, is closed.
+    """Margins of a support to its events; a margin is ≥ 0 while the point, or that part of the support, is closed.
 
-    A support at points has (p,), one for each point, a line or area (5,), one for each level. A support with a limit
-    has further margins to the limit, of every point or of all. Margins are continuous in t.
+    A support at points has p margins, one for each point; a line or area has five, one for each level. A support with a
+    limit has further margins to the limit, of every point or of the support. Margins are continuous in t.
     """
     closing = _closing(discretisation, index, answer, scales, part)
     support = discretisation.model.support[index]
@@ -44,7 +44,7 @@ def margins(discretisation: Discretisation, index: int, answer: Answer, scales: 
 
 
 def _to_limit(discretisation: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
-    """How far points (p,) are from their limits, negative where they yield."""
+    """Margins (p,) of points to their limits, scaled; negative where a point yields."""
     contacts, (least, most) = discretisation.contacts, discretisation.contacts.limits
     force = np.minimum(most - answer.reaction, np.where(least < 0.0, answer.reaction - least, np.inf))
     soft = contacts.compliance > 0
@@ -74,7 +74,10 @@ def _closing(discretisation: Discretisation, index: int, answer: Answer, scales:
 
 
 def _of_parts(own: Floats, weights: Floats, between: bool) -> Floats:
-    """Margins (5,) at which a part of points (p,) is closed by weight; ``between`` them linear in it, as on a line."""
+    """Margins (5,) of a line or area to `LEVELS`, from margins of points (p,) with weights.
+
+    If ``between``, the margin is linear between points, as on a line.
+    """
     if not len(own):
         return np.ones(len(LEVELS))
     if between:
@@ -94,27 +97,27 @@ Change = Literal[
 "open", "begins to close", "closed"; with a limit: "yields" at the first point, "stops yielding"."""
 
 _MOST_POINTS = 3
-"""Points of one support named at a stop."""
+"""Largest number of points of one support that are named at a stop."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PathEvent:
-    """A point of a support opens, closes or yields; or a line or area begins to, has done so, or passes a quarter."""
+    """A point opens, closes or yields; or a line or area begins to open or close, has done so, or passes a quarter."""
 
     row: int  # number of the stop, from 0
     t: float
     support: str
-    at: tuple[float, float] | None  # the point; of a line or area that begins to open or close where it does so first
+    at: tuple[float, float] | None  # the point; for a line or area that begins to open or close, its first point
     change: Change
-    # part of the support that is closed there, by points, length or contact area; of "part closed" the quarter
+    # closed part of the support, by points, length or contact area; for "part closed" the quarter
     closed: float
-    opening: bool  # whether less is closed than before
-    # of its margins: which point of the support it is, or which of the levels 1, 0.75, 0.5, 0.25, 0 of a line or area
+    opening: bool  # whether the closed part decreases
+    # index of the margin: the point of the support, or the level in `LEVELS` of a line or area
     number: int = 0
 
 
 def closing_margins(support: Support, margins: int) -> int:
-    """How many of a support's margins are of its opening and closing; those behind are of its limit."""
+    """Number of a support's margins to opening and closing; the margins to its limit follow these."""
     if support.place != "at":
         return len(LEVELS)
     return margins if not support.can_yield else margins // 2
@@ -137,10 +140,7 @@ def event_of(support: Support, number: int, opening: bool, margins: int) -> tupl
 def first_place(
     discretisation: Discretisation, index: int, answer: Answer, change: Change
 ) -> tuple[float, float] | None:
-    """Where a line or area begins to open: its point that is closed least; or to close: the one that is least open.
-
-    Or where it is nearest to its limit.
-    """
+    """Position of the point at which a line or area begins to open (closed least), to close or to yield."""
     points, scales = SupportPoints.of(discretisation, index), Scales.of(answer)
     if "yield" in change:
         own = _to_limit(discretisation, points, answer, scales)
@@ -223,10 +223,10 @@ def in_words(events: Sequence[PathEvent], pulling: Collection[str] = ()) -> str:
 
 @dataclass(frozen=True)
 class Threshold:
-    """A result that is to be found at a value."""
+    """A value of a quantity, whose first t on the path is wanted."""
 
-    when: str  # as it was asked for: ``"bolts[1].reaction = -203e3"``
-    quantity: str  # its name
+    when: str  # text of the request: ``"bolts[1].reaction = -203e3"``
+    quantity: str  # name of the quantity
     value: float
     t: float | None = None  # t at which the quantity first reaches the value; None if it does not on the path
 

@@ -25,7 +25,7 @@ _MOST_POINTS = 100
 
 @dataclass(frozen=True)
 class Switch:
-    """A contact point that opens, closes, yields or stops to."""
+    """A contact point that opens, closes, yields or stops yielding."""
 
     support: str
     at: tuple[float, float]
@@ -33,39 +33,39 @@ class Switch:
 
     @property
     def closes(self) -> bool:
-        """Whether it begins to bear."""
+        """Whether the point begins to bear."""
         return self.change == "closes"
 
     @property
     def opens(self) -> bool:
-        """Whether it bears no more than before: it opens or yields."""
+        """Whether the point no longer adds stiffness: it opens or yields."""
         return self.change in ("opens", "yields")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class PathStop(Brief):
-    """The path at one t. Between two stops all numbers are linear in t, except extremes and work."""
+    """State of the path at one t. Between two stops all numbers are linear in t, except extremes and work."""
 
     t: float
     switched: tuple[Switch, ...]  # contact points that open or close here
-    points: Ints  # (k,): which contact points these are
-    pieces: Pieces  # (k,): pieces of their laws that they are on from here on
+    points: Ints  # (k,): numbers of the contact points that open or close
+    pieces: Pieces  # (k,): pieces of the laws of these points after the stop
     catalogue: Catalogue  # catalogue of ``values``
-    values: Floats  # (n,): points that are closed after the stop
-    largest_at: tuple[float, float]  # where the extremes of the deflection are
+    values: Floats  # (n,): numbers in the order of the catalogue
+    largest_at: tuple[float, float]  # positions of the largest and the smallest deflection
     smallest_at: tuple[float, float]
     work: float  # sum of nodal loads times displacements: the same for all solutions of one load
-    work_size: float  # sum of the magnitudes
+    work_size: float  # sum of the magnitudes of these products
     not_unique: tuple[NotUnique, ...] = ()  # freedoms of the answer among equally right ones
 
     @property
     def reactions(self) -> Floats:
-        """Total (s,) of every support, positive when it pushes the plate up."""
+        """Total reaction (s,) of every support, positive when it pushes the plate up."""
         return self._of("support", "reaction")
 
     @property
     def parts(self) -> Floats:
-        """The part (s,) of every support that is closed: of points as many, of lines by length, of areas by area."""
+        """Closed part (s,) of every support, 0 to 1: of points by number, of lines by length, of areas by area."""
         return self._of("support", "closed_part")
 
     @property
@@ -101,7 +101,7 @@ class PathStop(Brief):
         return float(self.values[self.catalogue.by_name[name]])
 
     def with_part(self, index: int, part: float, count: int) -> PathStop:
-        """The closed part of a support, and the number of its closed points."""
+        """Replace the closed part of support number ``index``, which has ``count`` points."""
         values, closed = self.values.copy(), round(part * count)
         values[self.catalogue.at("support", "closed_part", "closed", "open")[index]] = part, closed, count - closed
         return replace(self, values=values)
@@ -112,7 +112,7 @@ class PathStop(Brief):
 
 @dataclass(frozen=True, eq=False)
 class Switched:
-    """Contact points (k,) that come onto other pieces of their laws, and those that they come from."""
+    """Numbers (k,) of contact points that change the piece of their law, and the pieces (k,) before."""
 
     points: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     before: Pieces = field(default_factory=lambda: np.zeros(0, np.uint8))
@@ -131,7 +131,7 @@ class Switched:
 
 @kept
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
-    """The numbers of stops; points of supports at points only if they are few."""
+    """Catalogue of the numbers of stops; numbers of points are included only if there are few points."""
     whole = catalogue_of(discretisation, ("deflection",)).along_paths
     many = len(whole.at("point", "reaction")) > _MOST_POINTS
     told = tuple(one for one in whole if one.home != "point" or not many)
@@ -148,7 +148,7 @@ def path_stops(
     answers: Sequence[Answer],
     imbalance: Floats | None = None,
 ) -> list[PathStop]:
-    """Reduce answers (k,) to the numbers that a path keeps; ``switched`` are the points that open or close.
+    """Reduce answers (k,) to the numbers that a path keeps; ``switched`` are the points that change their piece.
 
     ``imbalance`` (k, 3n) are their residuals, of plate and springs alone, if known.
     """
@@ -185,7 +185,7 @@ def _numbers(
     answers: Sequence[Answer],
     imbalance: Floats | None,
 ) -> Floats:
-    """The numbers of the catalogue in every answer (k, n)."""
+    """Numbers (k, n) of the catalogue in k answers."""
     each = []
     for at, plate in enumerate(discretisation.members):
         own = plate.own

@@ -37,7 +37,7 @@ def design_moments(moment: Floats) -> Floats:
 
 
 def _sagging(mx: Floats, my: Floats, mxy: Floats) -> tuple[Floats, Floats]:
-    """Moments that bars at the bottom are designed for: with one bar at most where one moment alone needs none."""
+    """Design moments of bars at the bottom; one is 0 where bars in the other direction alone suffice."""
     x, y, twist = mx + np.abs(mxy), my + np.abs(mxy), mxy**2
     with np.errstate(divide="ignore", invalid="ignore"):
         alone_x, alone_y = mx + twist / np.abs(my), my + twist / np.abs(mx)
@@ -49,7 +49,7 @@ def _sagging(mx: Floats, my: Floats, mxy: Floats) -> tuple[Floats, Floats]:
 def face_stresses(moment: Floats, thickness: Floats) -> Floats:
     """Stresses (..., 8) at the faces of a solid plate, tension positive: ∓6 m/h² at the top and the bottom.
 
-    They are σx, σy and τxy at the top, these at the bottom, von Mises' stress at the top and at the bottom.
+    σx, σy and τxy at the top; σx, σy and τxy at the bottom; von Mises' stress at the top and at the bottom.
     """
     bottom = 6.0 * moment / (thickness**2)[..., None]
     x, y, xy = np.moveaxis(bottom, -1, 0)
@@ -70,7 +70,7 @@ Key = tuple[Home, int | str, str]
 
 @dataclass(frozen=True)
 class Kind:
-    """Kind of numbers that are compared with each other: of one unit and of similar size."""
+    """Kind of numbers that are compared with each other: same unit and similar size."""
 
     force: int = 0  # powers of force and length in its unit
     length: int = 0
@@ -78,7 +78,7 @@ class Kind:
     colours: str = "RdBu"  # a colour map whose middle is zero
 
     def unit(self, units: Units) -> str:
-        """Name its unit; empty where the model names none."""
+        """Unit of the kind in a model's units; empty if the model names none."""
         if self.force:
             return units.force_by_length(self.length)
         return f"{units.length}{'²' if self.length == 2 else ''}" if units.length and self.length else ""
@@ -108,17 +108,17 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Quantity:
-    """Owners of numbers."""
+    """One quantity, such as mx or a reaction: name, kind, key, and the files in which its numbers appear."""
 
     name: str  # in tables and thresholds
     kind: str  # one of `KINDS`
     words: str = ""  # description with the symbol
     key: Path = ()  # keys and indices below the owner in results.json; by default the name
-    vector: str = ""  # vector to which it belongs: numbers of one vector at one probe change together
+    vector: str = ""  # vector that it is a component of; numbers of one vector at one probe change together
     tabled: bool = True  # whether tables have it
     enveloped: bool = True  # whether extremes of it are sought
-    along_paths: bool = True  # whether load paths tell it at every stop
-    parents: tuple[str, ...] = ()  # fields that its formula is of
+    along_paths: bool = True  # whether load paths list it at every stop
+    parents: tuple[str, ...] = ()  # fields that its formula uses
 
     @property
     def path(self) -> Path:
@@ -127,18 +127,18 @@ class Quantity:
 
     @property
     def singular(self) -> str:
-        """Name of the quantity in singularities."""
+        """Name in `Singularity.numbers`; empty if the quantity is never singular."""
         return KINDS[self.kind].singular
 
     def unit(self, units: Units) -> str:
-        """Name its unit; empty where the model names none."""
+        """Unit of the quantity in a model's units; empty if the model names none."""
         if self.kind == "moment" and units.length and units.force:
-            # Per length of the section that it is in.
+            # Moments are per length of the section.
             return f"{units.force} {units.length}/{units.length}"
         return KINDS[self.kind].unit(units)
 
     def label(self, units: Units) -> str:
-        """Words and unit of the quantity.
+        """Description with the unit.
 
         Examples
         --------
@@ -166,12 +166,12 @@ LINEAR = _by_name(
         Quantity("qy", "shear", "shear qy", ("shear", 1), "shear"),
     ]
 )
-"""Fields that sum up as loads do, in the order of arrays (..., 8)."""
+"""Fields that are linear in the solution, in the order of arrays (..., 8)."""
 
 
 @dataclass(frozen=True)
 class Derived:
-    """Fields by a formula: from moments (..., 3), shears (..., 2) and the thickness (...) to values (..., c)."""
+    """Fields by a formula: from moments (..., 3), shears (..., 2) and thickness (...) to values (..., c)."""
 
     formula: Callable[[Floats, Floats, Floats], Floats]
     quantities: tuple[Quantity, ...]
@@ -236,22 +236,22 @@ DERIVED = (
         ),
     ),
 )
-"""Fields that follow from those."""
+"""Fields that are computed from moments, shears and the thickness."""
 
 DESIGN_MOMENTS: Mapping[str, float] = MappingProxyType(
     {f"m{axis}_{face}": sign for face, sign in (("bottom", 1.0), ("top", -1.0)) for axis in "xy"}
 )
-"""Signs of the moments that design moments resist."""
+"""Sign of the moments that each design moment resists."""
 FIELDS: Mapping[str, Quantity] = _by_name(
     [*LINEAR.values(), *(one for of in DERIVED for one in of.quantities if one.enveloped)]
 )
 """Every field at the nodes."""
 PEAKING: Mapping[str, Quantity] = _by_name([one for one in FIELDS.values() if one.singular in ("moment", "shear")])
-"""Fields with extremes outside places without a limit. Deflections grow too slowly to be excluded."""
+"""Fields whose extremes exclude singular places. Singular deflections grow too slowly to be excluded."""
 RESULTANTS = tuple(name for name in LINEAR if name in PEAKING)
-"""Moments and shears."""
+"""Names of moments and shears: mx, my, mxy, qx, qy."""
 TOLD = ("deflection", *PEAKING)
-"""Fields with extremes in every result."""
+"""Names of the fields whose extremes are in every result."""
 PRESSURE = Quantity("pressure", "pressure", "contact pressure, positive up", tabled=False, enveloped=False)
 PICTURED = {**FIELDS, PRESSURE.name: PRESSURE}
 """Quantities of pictures and profiles, by name."""
@@ -276,7 +276,7 @@ OF_LINES = tuple(
 )
 """Quantities of supports along edges, lines and circles."""
 AT_CORNERS = Quantity("reaction", "corner", "concentrated force", (), "", False, False, False)
-"""Concentrated forces at their corners and ends."""
+"""Concentrated forces at corners and ends of lines of supports."""
 OF_LIMITED_AREAS = (
     Quantity("yielded_area", "area", "yielded area, where the limit is reached", tabled=False, along_paths=False),
 )
@@ -293,13 +293,13 @@ OF_BOLTS = (
     Quantity("preload", "reaction", "preload, sum over the bolts", enveloped=False, along_paths=False),
     Quantity("prying", "part", "prying, −Σ reaction / upward load", tabled=False, along_paths=False),
 )
-"""Quantities of supports with tightened points."""
+"""Quantities of supports with bolts."""
 AT_BOLTS = (
     Quantity("tightened_to", "reaction", "tightened to, last tightening force", enveloped=False, along_paths=False),
     Quantity("preload", "reaction", "preload, force before other loads", enveloped=False, along_paths=False),
     Quantity("change", "reaction", "change, reaction − preload", enveloped=False, along_paths=False),
 )
-"""At their points."""
+"""Quantities of each bolt."""
 THROUGH = (
     Quantity("moment", "couple", "moment, ∫ mₙₙ ds"),
     Quantity("twist", "couple", "twist, ∫ mₙₛ ds"),
@@ -311,26 +311,26 @@ MEANS = (
     Quantity("twist", "moment", "twist, mean of mₙₛ"),
     Quantity("shear", "shear", "shear, mean of qₙ"),
 )
-"""Their means at the stations of a strip."""
+"""Means of the forces per length at the stations of a strip."""
 OF_STRIPS = tuple(
     Quantity(f"{side}_moment", "moment", f"{side} moment, over the stations", tabled=False) for side in ("max", "min")
 )
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
-"""Extremes of the means at places where a field has no limit."""
+"""Names of the extremes of means at singular places."""
 ENDS = (*SIDES, *MEAN_SIDES)
 EXTREMES: tuple[Home, ...] = ("field", "mean")
-"""Homes of extremes of fields."""
+"""Homes (owners) of extremes of fields and of their means."""
 _OF_ONE: tuple[Home, ...] = ("support", "point", "corner", "strip")
-"""Homes whose numbers are read owner by owner."""
+"""Homes (owners) whose numbers are read for each owner separately."""
 SMOOTH = frozenset(
     ("contact_area", "max_pressure", "closed_part", "max_moment", "min_moment", "max_per_length", "min_per_length")
 )
-"""Quantities that are not linear in the load on one contact state."""
+"""Quantities that are not linear in the load, even if the contact state is constant."""
 
 
 def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness: Floats) -> Floats:
-    """Values (..., f) of derived fields from moments (..., 3) and shears (..., 2) in a plate of a thickness (...)."""
+    """Values (..., f) of derived fields from moments (..., 3), shears (..., 2) and thickness (...)."""
     result = np.empty((*moment.shape[:-1], len(quantities)))
     for of in DERIVED:
         names = [one.name for one in of.quantities]
@@ -342,20 +342,20 @@ def derived(quantities: Sequence[str], moment: Floats, shear: Floats, thickness:
 
 @dataclass(frozen=True)
 class Number:
-    """One number of a result: quantity and owner, and with them its place in files."""
+    """One number of a result: its quantity and owner, and with these its path in files."""
 
     quantity: Quantity
-    home: Home  # owner
-    owner: int  # which of these, in the order of the model
+    home: Home  # kind of the owner
+    owner: int  # index of the owner in the model's table
     path: Path  # keys and indices in results.json
     subject: str  # name of the owner in columns and thresholds
-    part: int = 0  # which point of a support, or station of a strip, from 0
+    part: int = 0  # index of the point of a support, or of the station of a strip, from 0
     tabled: bool = True  # whether tables have it
     estimated: bool = True  # whether it has a half-width
 
     @property
     def column(self) -> str:
-        """Its column in tables."""
+        """Name of its column in tables."""
         what = self.what
         if self.home in ("support", *EXTREMES):
             return f"{what}:{self.subject}"
@@ -363,27 +363,27 @@ class Number:
 
     @property
     def name(self) -> str:
-        """Its name in thresholds."""
+        """Its name in thresholds, such as "bolts[1].reaction"."""
         return f"{self.subject}.{self.what}"
 
     @property
     def what(self) -> str:
-        """The quantity, of extremes of a field which of them."""
+        """Name of the quantity; for an extreme of a field the name of the extreme, such as "max"."""
         return str(self.path[-1]) if self.home in EXTREMES else self.quantity.name
 
     @property
     def key(self) -> Key:
-        """Home, place within it, and field, by which related numbers at one place or of one extreme are found."""
+        """Home, owner or extreme, and name: common key of related numbers at one place or of one extreme."""
         return self.home, self.what if self.home in EXTREMES else self.owner, self.quantity.name
 
     @property
     def over_plates(self) -> bool:
-        """Whether it is an extreme over all plates."""
+        """Whether the number is an extreme over all plates."""
         return self.home in EXTREMES and self.path[0] != "plates"
 
     @property
     def envelope_path(self) -> Path:
-        """Where its extremes stand in an envelope, of which results.json names the quantities of probes and points."""
+        """Path of its extremes in an envelope, where quantities of probes and points are keys."""
         if self.home in EXTREMES:
             plate = self.path[:2] if self.path[0] == "plates" else ()
             return (*plate, "fields", self.quantity.name)
@@ -392,18 +392,18 @@ class Number:
 
     @property
     def ties(self) -> tuple[str, str, int]:
-        """Group of numbers that are compared to rounding: those of one kind, pressures and areas of one support."""
+        """Group of numbers that are compared: those of one kind; pressures and areas of one support."""
         kind = self.quantity.kind
         return self.home, kind, self.owner if kind in ("pressure", "area", "per_length") else -1
 
 
 def on_plate(field: str, plate: str) -> str:
-    """Name a field in columns: of one of several plates with its name, of all or of the only one without."""
+    """Name of a field in columns: "plate.field" for one of several plates, else the field's name."""
     return f"{plate}.{field}" if plate else field
 
 
 def place_of(model: Model, index: int) -> Path:
-    """Where a support stands in results.json; contacts, the last ones, stand apart."""
+    """Path of a support in results.json; contacts between plates, the last supports, have a table of their own."""
     first = len(model.support) - len(model.contact)
     return ("supports", index) if index < first else ("contacts", index - first)
 
@@ -423,11 +423,11 @@ def of_points(support: Support) -> tuple[Quantity, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Catalogue:
-    """The numbers of a model's results that every mesh has, in their order."""
+    """The numbers of a model's results that do not depend on the mesh, in their order."""
 
     numbers: tuple[Number, ...]
     in_plates: tuple[tuple[tuple[int, int], ...], ...] = ()
-    """For several plates: pairs (plate, number of that plate's catalogue) behind each number."""
+    """For several plates, pairs (plate, index in that plate's catalogue) for each number."""
 
     @classmethod
     def of(
@@ -438,11 +438,15 @@ class Catalogue:
         corners: Mapping[int, int],
         fields: Sequence[str],
     ) -> Catalogue:
-        """List a model's numbers, given the counts of opening points and corners of each support, and fields."""
+        """List a model's numbers; ``fields`` are those with extremes.
+
+        For each support, ``points`` is the number of its points, ``gaps`` whether its points can open, and ``corners``,
+        by index, the number of its corners.
+        """
         result: list[Number] = []
         for index, (support, count, opens) in enumerate(zip(model.support, points, gaps, strict=True)):
             for one in of_support(support):
-                # How many nodes are closed is the mesh's.
+                # The number of closed nodes depends on the mesh.
                 told = one.kind != "count" or support.place == "at"
                 path: Path = (*place_of(model, index), *one.path)
                 result.append(Number(one, "support", index, path, support.name, 0, one.tabled, told))
@@ -460,7 +464,7 @@ class Catalogue:
         for index, plate in enumerate(probe.plate for probe in model.probe for _ in probe.at):
             for one in AT_PROBES:
                 if one.name != PRESSURE.name or plate in on_areas:
-                    # An angle turns as it likes where both principal moments are equal.
+                    # An angle is undefined where both principal moments are equal.
                     path, told = ("probes", index, *one.path), one.kind != "angle"
                     result.append(Number(one, "probe", index, path, f"probe[{index + 1}]", 0, one.tabled, told))
         for index, section in enumerate(model.section):
@@ -497,11 +501,11 @@ class Catalogue:
 
     @cached_property
     def in_tables(self) -> Catalogue:
-        """Those that tables have."""
+        """Catalogue of the numbers that tables have."""
         return Catalogue(tuple(one for one in self.numbers if one.tabled))
 
     def at(self, home: Home, *names: str) -> Ints:
-        """Which numbers are of a home and have these names: (q,) of one, else (q, k)."""
+        """Indices of the numbers of a home with given names: (q,) for one name, (q, k) for k names."""
         result = [self._places.get((home, name), np.zeros(0, np.int64)) for name in names]
         return result[0] if len(names) == 1 else np.stack(result, axis=-1)
 
@@ -514,22 +518,22 @@ class Catalogue:
 
     @cached_property
     def by_column(self) -> Mapping[str, int]:
-        """Place of every number that tables have, by its column."""
+        """Index of every number that tables have, by its column."""
         return {one.column: place for place, one in enumerate(self.numbers) if one.tabled}
 
     @cached_property
     def by_name(self) -> Mapping[str, int]:
-        """Place of every number by its name in thresholds."""
+        """Index of every number, by its name in thresholds."""
         return {one.name: place for place, one in enumerate(self.numbers)}
 
     @cached_property
     def by_path(self) -> Mapping[Path, int]:
-        """Place of every number by its keys in results.json."""
+        """Index of every number, by its path in results.json."""
         return {one.path: place for place, one in enumerate(self.numbers)}
 
     @cached_property
     def groups(self) -> Mapping[tuple[Home, int, str], Ints]:
-        """Places of numbers that are read together, by home, owner and name; probes and stations have one owner 0."""
+        """Indices of numbers that are read together, by home, owner and name; probes and stations have the owner 0."""
         groups: dict[tuple[Home, int, str], list[int]] = {}
         for place, one in enumerate(self.numbers):
             owner = one.owner if one.home in _OF_ONE else 0
@@ -537,7 +541,7 @@ class Catalogue:
         return {key: np.array(of, np.int64) for key, of in groups.items()}
 
     def of_members(self, each: Sequence[Floats]) -> Floats:
-        """Numbers (..., n) from those of every plate's own catalogue; extremes over all plates are of all."""
+        """Numbers (..., n) from the numbers of every plate's catalogue; extremes are taken over all plates."""
         if not self.in_plates:
             return each[0]
         result = np.empty((*each[0].shape[:-1], len(self)))
@@ -549,5 +553,5 @@ class Catalogue:
 
     @cached_property
     def along_paths(self) -> Catalogue:
-        """Those that load paths tell at every stop."""
+        """Catalogue of the numbers that load paths list at every stop."""
         return Catalogue(tuple(one for one in self.numbers if one.quantity.along_paths))

@@ -1,7 +1,7 @@
-"""Readings of solutions, and the numbers that follow from them.
+"""Readings of solutions, and the numbers computed from them.
 
-A reading is linear in the solution on one contact state. A result reads one answer and a load path several. A row of a
-table is a sum of the readings of load cases and contact points.
+A reading is a quantity that is linear in the solution on one contact state. A result reads one answer and a load path
+several. A row of a table is a sum of the readings of load cases and contact points.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from signorini.results.quantities import EXTREMES, LINEAR, Catalogue, Home, deri
 from signorini.results.support_points import SupportPoints, closed_part
 
 _TOGETHER = 500_000
-"""Deflections of all nodes, 4 MB of them, of the solutions whose contact areas are found together."""
+"""Largest number of nodal deflections for which contact areas are found together: 4 MB."""
 
 
 class SupportForces(NamedTuple):
@@ -51,7 +51,7 @@ class SupportForces(NamedTuple):
         springs: tuple[Ints, Floats, Ints, Floats, Floats] | None = None,
         imbalance: Floats | None = None,
     ) -> Self:
-        """Read u = hi + lo (3n,) under nodal loads (3n,) and reactions ``spread`` over the nodes (3n,).
+        """Compute the forces at u = hi + lo (3n,) under nodal loads (3n,) and reactions ``spread`` to nodes (3n,).
 
         ``springs`` replace those of the model. ``imbalance`` is the residual without reactions, if known.
         """
@@ -62,12 +62,12 @@ class SupportForces(NamedTuple):
         return cls(residual, held, discretisation.spring_forces(hi, lo, arrays[4]))
 
     def on(self, plate: OfWhole) -> SupportForces:
-        """Those on one of several plates."""
+        """Forces on one of several plates."""
         return SupportForces(self.imbalance[plate.dofs], self.held[plate.dofs], self.springs[plate.springs])
 
 
 class Linear(NamedTuple):
-    """Readings, each with an axis of k solutions in front."""
+    """Readings of k solutions; the first axis of each array is that of the solutions."""
 
     probes: Floats
     """(k, q', 8): fields on every side of every probe, as `LINEAR` orders them."""
@@ -76,17 +76,17 @@ class Linear(NamedTuple):
     forces: Floats
     """(k, h + s): upward forces of held nodes and springs, support by support."""
     couples: Floats
-    """(k, 2t): couples on θx and θy of points that turn, support by support."""
+    """(k, 2t): couples on θx and θy of points with a rotational stiffness, support by support."""
     on_lines: Floats
-    """(k, v): contribution of twisting couples of edges at the vertices of their lines, line by line."""
+    """(k, v): forces at the vertices of lines by the twisting couples of edges, line by line."""
     on_areas: Floats
     """(k, a): deflections of the nodes around elastic areas."""
     beneath: Floats
-    """(k, b, a): deflections there of b other plates, support by support."""
+    """(k, b, a): deflections of b other plates at these nodes, support by support."""
 
     @classmethod
     def stacked(cls, each: Iterable[Linear]) -> Linear:
-        """Put readings of single solutions together."""
+        """Stack readings of single solutions."""
         return cls(*map(np.array, zip(*each, strict=True)))
 
     def sums(self, coefficients: Floats) -> Linear:
@@ -101,7 +101,7 @@ class Linear(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Reader:
-    """Reads solutions of one plate."""
+    """Reads the solutions of one plate."""
 
     discretisation: Discretisation
     points: tuple[SupportPoints, ...]
@@ -111,7 +111,7 @@ class Reader:
     @staticmethod
     @kept
     def of(discretisation: Discretisation) -> Reader:
-        """The reader of a plate, made once."""
+        """The reader of a plate, built once."""
         supports = discretisation.model.support
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(supports)))
         areas = [area_at_rest(discretisation, index) for index, one in enumerate(supports) if one.area is not None]
@@ -119,17 +119,17 @@ class Reader:
 
     @cached_property
     def forces_of(self) -> list[slice]:
-        """Forces of held nodes and springs that belong to each support."""
+        """For each support, the slice of its held nodes and springs in `Linear.forces`."""
         return _slices(points.fixed for points in self.points)
 
     @cached_property
     def couples_of(self) -> list[slice]:
-        """Couples that belong to each support."""
+        """For each support, the slice of its couples in `Linear.couples`."""
         return _slices(points.turning.size for points in self.points)
 
     @cached_property
     def vertices_of(self) -> Mapping[int, slice]:
-        """Contributions of couples that belong to each line that holds the twist."""
+        """For each line that holds the twist, the slice of its vertices in `Linear.on_lines`."""
         lines = {index: line.couples for index, line in self.lines.items() if line.couples is not None}
         return dict(zip(lines, _slices(couples.shape[0] for couples in lines.values()), strict=True))
 
@@ -145,9 +145,9 @@ class Reader:
     ) -> Linear:
         """Read u = hi + lo (3n,) with reactions of contact points, forces of supports, and fields (s, 8).
 
-        ``beneath`` are deflections (n,) of other plates at the own nodes, by the own support between.
+        ``beneath`` are deflections (n,) of other plates at this plate's nodes, by the index of the support between.
 
-        Without fields the deflections are the only ones read at probes; the others are NaN.
+        Without fields only the deflections are read at probes; the other fields are NaN there.
         """
         found, sides = self.discretisation, self.discretisation.probe_sides
         deflection = (hi + lo)[::3]
@@ -176,7 +176,7 @@ class Reader:
 
 
 def nodes_around(areas: Iterable[AreaContact]) -> Ints:
-    """Nodes (a,) of the elements of elastic areas: their deflections give pressures and contact areas."""
+    """Nodes (a,) of the elements of elastic areas; their deflections determine pressures and contact areas."""
     nodes = [area.mesh.elements[area.covered > 0].ravel() for area in areas if area.support.is_elastic]
     return np.unique(np.concatenate([np.zeros(0, np.int64), *nodes]))
 
@@ -188,10 +188,10 @@ def _slices(counts: Iterable[int]) -> list[slice]:
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """k solutions of one plate as they are read, and the numbers of each.
+    """Readings of k solutions of one plate, and the numbers computed from them.
 
     ``shared`` (k, m + r) are reactions of all points, ``gap`` (k, m) and ``closed`` (k, m) the states of contact
-    points. Sums have no ``answers``, ``loads`` and deflections.
+    points. Sums of readings have no ``answers``, ``loads`` and deflections.
     """
 
     reader: Reader
@@ -202,9 +202,9 @@ class Readings:
     answers: Sequence[Answer] = ()
     loads: Sequence[CaseLoad] = ()
     between: Sequence[int] = ()
-    """Supports whose plates beneath are read."""
+    """Indices of the supports on other plates, whose deflections are read."""
     upon: Collection[int] = ()
-    """Supports by which another plate lies on this one."""
+    """Indices of the supports through which another plate rests on this one."""
 
     @classmethod
     def of(
@@ -227,7 +227,7 @@ class Readings:
         return cls(reader, linear, shared, gap, closed, answers, loads, tuple(beneath[0]), upon)
 
     def numbers(self, catalogue: Catalogue) -> Floats:
-        """Numbers (k, n) of a catalogue; NaN for extremes of fields, which are no readings."""
+        """Numbers (k, n) of a catalogue; NaN for extremes of fields, which are not computed from readings."""
         result = np.full((len(self.shared), len(catalogue)), np.nan)
         for (home, owner, what), places in catalogue.groups.items():
             if home not in EXTREMES:
@@ -235,7 +235,7 @@ class Readings:
         return result
 
     def read(self, home: Home, owner: int, what: str) -> Floats:
-        """Values (k, 1) of a quantity of a support or strip; or (k, ...) of all points of one, probes, or stations."""
+        """Values (k, 1) of a quantity of a support or strip, or (k, ...) at points of a support, probes or stations."""
         match home:
             case "probe":
                 return self._at_probes(what)
@@ -252,29 +252,29 @@ class Readings:
 
     @cached_property
     def supports(self) -> tuple[SupportReading, ...]:
-        """Every support."""
+        """The readings of every support."""
         return tuple(SupportReading(self, index) for index in range(len(self.reader.points)))
 
     @property
     def discretisation(self) -> Discretisation:
-        """The plate."""
+        """Mesh, supports and loads of the plate."""
         return self.reader.discretisation
 
     @cached_property
     def probes(self) -> Floats:
-        """Fields (k, q, 8) at probes; where they jump, those of the side of larger size."""
+        """Fields (k, q, 8) at probes; where a field jumps, the value larger in size."""
         return self.discretisation.probe_sides.larger(self.linear.probes)
 
     @cached_property
     def pressures(self) -> Floats:
-        """Pressures (k, q) at probes; NaN where no area is."""
+        """Pressures (k, q) at probes; NaN without an area."""
         found = self.discretisation
         areas = [one.areas for one in self.supports if one.support.area is not None and one.index not in self.upon]
         of_each = zip(*areas, strict=True) if areas else [()] * len(self.shared)
         return np.array([total_pressure(of_one, found.probe_positions) for of_one in of_each])
 
     def deflections(self, some: slice) -> Floats:
-        """Deflections (k', n) of some solutions; of sums those around areas, 0 elsewhere."""
+        """Deflections (k', n) of some solutions; for sums only around areas, 0 at other nodes."""
         if self.answers:
             return np.array([(answer.hi + answer.lo)[::3] for answer in self.answers[some]])
         around = self.linear.on_areas[some]
@@ -317,7 +317,7 @@ class SupportReading:
 
     @property
     def points(self) -> SupportPoints:
-        """Where it acts."""
+        """Points of the support."""
         return self.of.reader.points[self.index]
 
     @cached_property
@@ -337,7 +337,7 @@ class SupportReading:
 
     @cached_property
     def yielded(self) -> Bools:
-        """Whether points give all that they can (k, p)."""
+        """Whether the reactions of points (k, p) reach their limits."""
         return np.array([self.points.yielded(self.of.discretisation, one) for one in self.of.shared])
 
     @property
@@ -353,24 +353,24 @@ class SupportReading:
 
     @property
     def tightened_to(self) -> Floats:
-        """Forces (p,) to which bolts were last tightened."""
+        """Upward forces (p,) to which bolts were last tightened."""
         return self.points.tightened_to(self.of.discretisation)
 
     @property
     def preloads(self) -> Floats:
-        """Forces (p,) when all bolts are tightened, before other loads act."""
+        """Upward forces (p,) when all bolts are tightened, before other loads act."""
         return self.points.preloads(self.of.discretisation)
 
     @property
     def lift(self) -> Floats:
-        """Resultant (k,) with which the loads lift the plate; NaN where they do not."""
+        """Resultant (k,) of the loads where it points up, else NaN."""
         forces = np.array([load.weighing[::3] for load in self.of.loads])
         lift = -forces.sum(axis=1)
         return np.where(lift > NO_FORCE * np.abs(forces).sum(axis=1), lift, np.nan)
 
     @property
     def closed_part(self) -> Floats:
-        """Closed part (k,): of points as many, of lines by length, of areas by contact area."""
+        """Closed part (k,), 0 to 1: of points by number, of lines by length, of areas by contact area."""
         areas = self.contact_area if self.support.area is not None else np.full(len(self.of.answers), np.nan)
         pairs = zip(self.of.answers, areas.tolist(), strict=True)
         return np.array([closed_part(self.of.discretisation, self.index, answer, area) for answer, area in pairs])
@@ -381,7 +381,7 @@ class SupportReading:
         return area_at_rest(self.of.discretisation, self.index)
 
     def above(self, some: slice) -> Floats:
-        """Deflections (k', n) of the plate, around areas relative to the plate beneath, if any."""
+        """Deflections (k', n) of this plate, around areas relative to the other plate on which it rests, if any."""
         deflection = self.of.deflections(some)
         if (beneath := self.beneath) is not None:
             deflection[:, self.of.reader.around_areas] -= beneath[some]
@@ -389,7 +389,7 @@ class SupportReading:
 
     @property
     def beneath(self) -> Floats | None:
-        """Deflections (k, a) of the plate beneath, around areas."""
+        """Deflections (k, a), around areas, of the other plate on which this one rests; None without such a plate."""
         return self.of.linear.beneath[:, self.of.between.index(self.index)] if self.index in self.of.between else None
 
     @cached_property
@@ -406,7 +406,7 @@ class SupportReading:
 
     @cached_property
     def pressures(self) -> Floats:
-        """Pressures (k, q) where `AreaContact.pressure_places` are."""
+        """Pressures (k, q) at `AreaContact.pressure_places`."""
         if not self.support.is_elastic:
             return self.at_rest.measured(np.zeros((len(self.reactions), 0)), self.reactions)
         on = np.flatnonzero(self.at_rest.on_nodes)
@@ -425,7 +425,7 @@ class SupportReading:
 
     @property
     def yielded_area(self) -> Floats:
-        """Areas (k,) at the limit."""
+        """Areas (k,) in which the limit is reached."""
         return np.array([area.yielding(own) for area, own in zip(self.areas, self.yielded, strict=True)], np.float64)
 
     @cached_property
@@ -461,13 +461,13 @@ _OF_POINTS: Mapping[tuple[Home, str], Callable[[SupportReading], Floats]] = {
     ("point", "change"): lambda of: of.reactions - of.preloads,
     ("corner", "reaction"): lambda of: of.per_length[1],
 }
-"""Formulas (k, p) or (p,) of quantities of their points and corners."""
+"""Formulas (k, p) or (p,) of quantities of supports' points and corners."""
 _THROUGH: Mapping[str, Callable[[Floats], Floats]] = {
     "moment": lambda through: through[..., 0],
     "twist": lambda through: through[..., 1],
     "shear": lambda through: through[..., 2],
 }
-"""Formulas (k, c) of forces through sections and stations (k, c, 3)."""
+"""Formulas (k, c) of forces through sections and stations, from readings (k, c, 3)."""
 _OF_STRIPS: Mapping[str, Callable[[Floats], Floats]] = {
     "max_moment": lambda through: through[..., 0].max(axis=1),
     "min_moment": lambda through: through[..., 0].min(axis=1),

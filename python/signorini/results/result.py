@@ -34,7 +34,7 @@ Points: TypeAlias = Floats | Sequence[tuple[float, float]] | tuple[float, float]
 @checked
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Result(ResultState):
-    """One combination: `ResultState` has its fields and numbers, which are NaN where there is no equilibrium."""
+    """Results of one combination, with pictures and files; `ResultState` has the fields and numbers."""
 
     def probe(self, points: Points) -> list[ProbeResult]:
         """Results at points (q, 2) of the plate.
@@ -42,7 +42,7 @@ class Result(ResultState):
         Raises
         ------
         InputError
-            If a point is not on the plate, or none at all.
+            If a point is not on the plate, or the plate has no equilibrium.
         """
         positions, where = self._located(points)
         nodes = self.stress_nodes
@@ -55,8 +55,8 @@ class Result(ResultState):
     def pressure(self, points: Points) -> Floats:
         """Contact pressure (q,) of the area supports at points (q, 2) of the plate, positive where they push it up.
 
-        It is 0 at a gap, and NaN without area support. An elastic area has k ⟨w − settlement − gap⟩, a rigid one its
-        reaction over the area, element by element.
+        It is 0 at a gap, and NaN without area support. On an elastic area it is k ⟨w − settlement − gap⟩, on a rigid
+        one, in each element, reaction over area.
 
         Raises
         ------
@@ -93,23 +93,23 @@ class Result(ResultState):
         limits: tuple[float, float] | None = None,
         plus_minus: Mapping[str, Any] | None = None,
     ) -> Axes:
-        """Draw a field as contours with the supports, open or closed, as the pictures of the command show it.
+        """Draw a field as contours, with the supports as open or closed, like the pictures of the command.
 
         Parameters
         ----------
         field : str
             One of `fields`, or "pressure": the contact pressure of area supports.
         ax : Axes, optional
-            Of matplotlib; by default those of a new figure.
+            Axes of matplotlib; by default those of a new figure.
         limits : (low, high), optional
-            Range of the colours, of results that are to be compared; by default that of the field.
+            Range of the colours, for comparing results; by default the range of the field.
         plus_minus : mapping, optional
             Half-widths to name with the extremes: ``signorini.estimate(result).plus_minus``.
 
         Raises
         ------
         InputError
-            If there is no field of that name, no area whose pressure could be drawn, or no interval in the limits.
+            If no field has that name, no area support has a pressure, or the limits are not an interval.
         """
         return draw_field(self, field, ax, limits, plus_minus)
 
@@ -128,9 +128,9 @@ class Result(ResultState):
         write_vtu(path, mesh, self.model.provenance.metadata)
 
     def to_pyvista(self) -> Any:
-        """Give the plate with every field as a `pyvista.UnstructuredGrid`; PyVista must be installed.
+        """Convert the plate with every field to a `pyvista.UnstructuredGrid`; PyVista must be installed.
 
-        Several plates are a `pyvista.MultiBlock` by name.
+        Several plates become a `pyvista.MultiBlock` by name.
 
         Raises
         ------
@@ -146,9 +146,9 @@ class Result(ResultState):
         return package("pyvista").from_meshio(mesh)
 
     def to_dataframe(self) -> Any:
-        """Give the ``numbers`` as a `pandas.DataFrame`, a row a number: value, unit, place. It needs pandas.
+        """Convert the ``numbers`` to a `pandas.DataFrame`, a row for each: value, unit, position. It needs pandas.
 
-        Rows have the names of thresholds, such as "bolts[1].reaction". A place (x, y) is that of a point, a probe, a
+        Rows have the names of thresholds, such as "bolts[1].reaction". x and y are the position of a point, a probe, a
         station or an extreme, else NaN.
 
         Examples

@@ -1,4 +1,4 @@
-"""Results as rows of a table, also for pandas and xarray."""
+"""Results of many combinations as rows of a table, in blocks of consecutive rows."""
 
 from __future__ import annotations
 
@@ -39,37 +39,40 @@ NamedColumns = Iterable[tuple[str, Column]]
 
 @dataclass(frozen=True)
 class Bearing:
-    """Where a reaction acts: point ``point`` (from 1) of a support at points, or a support as a whole."""
+    """Owner of a reaction: point number ``point`` (from 1) of a support at points, or a whole support (None)."""
 
     support: int
     point: int | None
     at: tuple[float, float] | None
 
     def column(self, model: Model, what: str = "reaction") -> str:
-        """The table's column of its reaction, or of something else that it has."""
+        """Name of the column of one of its quantities, by default of the reaction."""
         name = model.support[self.support].name
         return f"{what}:{name}" if self.point is None else f"{what}_at:{name}[{self.point}]"
 
 
 @dataclass(frozen=True, eq=False)
 class Hidden:
-    """Nodes (n,) of a field that count in no extreme, by class: alike are those that the same load cases hide.
+    """Nodes (n,) of a field that are excluded from extremes, in classes of nodes excluded by the same load cases.
 
-    A field has no limit there, or they are left out whatever acts.
+    The field is singular there, or the nodes never count (`StressNodes.counting`).
     """
 
-    classes: Ints  # (n,): class of each node; class 0 is never hidden
-    always: Bools  # (c,): which classes are hidden whatever acts
-    by_case: Mapping[str, Bools]  # which classes a load case hides, if any
+    classes: Ints  # (n,): class of each node; class 0 is never excluded
+    always: Bools  # (c,): classes that are excluded under all loads
+    by_case: Mapping[str, Bools]  # for each load case, mask (c,) of the classes that it excludes
 
     @classmethod
     def nothing(cls, count: int) -> Hidden:
-        """Hide none of a number of nodes."""
+        """Exclude none of ``count`` nodes."""
         return cls(np.zeros(count, np.int64), np.zeros(1, np.bool_), {})
 
     @classmethod
     def of(cls, discretisation: Discretisation, number: str) -> Hidden:
-        """Look for the nodes of the fields that singularities call so; none if it is empty."""
+        """Find the nodes at which results called ``number`` in `Singularity.numbers` are singular.
+
+        If ``number`` is empty, only nodes that never count are excluded.
+        """
         places: dict[str | None, Ints] = {}
         for case in (None, *discretisation.cases) if number else ():
             at = np.flatnonzero(at_peaks(discretisation.mesh, singularities_of(discretisation, case), number))
@@ -90,7 +93,7 @@ class Hidden:
         return cls(np.where(left_out, len(always) - 1, classes[of_mesh]), always, by_case)
 
     def under(self, acting: Bools, cases: Sequence[str]) -> Bools:
-        """Which classes (k, c) are hidden where load cases act (k, a); where no node would be left, none."""
+        """Mask (k, c) of the classes excluded in k rows, given their load cases (k, a); none if all nodes would be."""
         result = np.tile(self.always, (len(acting), 1))
         for column, case in enumerate(cases):
             if case in self.by_case:
@@ -101,15 +104,15 @@ class Hidden:
 
 @dataclass(frozen=True, eq=False)
 class PlateLayout:
-    """Part of one plate in the rows."""
+    """Data of one plate for filling rows."""
 
     plate: OfWhole
-    catalogue: Catalogue  # its own numbers
-    hidden: Mapping[str, Hidden]  # of every field its nodes at which it has no limit
+    catalogue: Catalogue  # catalogue of the plate's numbers
+    hidden: Mapping[str, Hidden]  # for every field, the nodes excluded from its extremes
 
     @classmethod
     def of(cls, plate: OfWhole, fields: tuple[str, ...]) -> PlateLayout:
-        """Lay out a plate, with extremes of some fields."""
+        """Data of one plate; ``fields`` are those with extremes."""
         number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
         by_number = {number: Hidden.of(plate.own, number) for number in set(number_of.values())}
         hidden = {name: by_number[number] for name, number in number_of.items()}
@@ -117,7 +120,7 @@ class PlateLayout:
 
     @property
     def beside(self) -> Beside:
-        """Places at which moments or shears have no limit."""
+        """Points at which moments or shears of this plate are singular."""
         return beside_of(self.plate.own)
 
     def nodes_of(self, field: str) -> slice | Ints:
@@ -127,27 +130,27 @@ class PlateLayout:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Layout:
-    """Which numbers a model's rows have."""
+    """Columns of a model's rows, and the data for filling them."""
 
     model: Model
     catalogue: Catalogue  # the numbers of every row
     supports: tuple[SupportPoints, ...]
-    at_rest: Mapping[int, AreaContact]  # by the place of their support in the model
-    lines: Mapping[int, Line]  # likewise
-    fields: tuple[str, ...]  # those that envelopes are sought of
-    probes: Floats  # (q, 2)
-    nodes: Floats  # (s, 2): positions of the nodes of stresses; the first are those of the mesh
+    at_rest: Mapping[int, AreaContact]  # areas without load, by the index of their support in the model
+    lines: Mapping[int, Line]  # lines of supports, by the index of the support in the model
+    fields: tuple[str, ...]  # fields with envelopes
+    probes: Floats  # (q, 2): positions of probes
+    nodes: Floats  # (s, 2): positions of stress nodes; the nodes of the mesh come first
     members: tuple[PlateLayout, ...]
-    rest: Floats  # (p,): of every point of every support its travel in a plate at rest, infinite where it is apart
+    rest: Floats  # (p,): for every point of every support, its travel in a plate at rest; infinite if it is apart
 
     @classmethod
     def of(cls, discretisation: Discretisation) -> Layout:
-        """Lay out the rows of a model, with extremes of the fields that it asks for (``output.envelope``)."""
+        """Lay out the rows of a model; extremes are those of the fields in ``output.envelope``."""
         asked: Sequence[str] = discretisation.model.output.envelope
         fields = tuple(name for name in FIELDS if name in asked)
         points = tuple(SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support)))
         areas = [index for index, support in enumerate(discretisation.model.support) if support.area is not None]
-        # Areas of several plates are in the results of each plate.
+        # With several plates, areas are in the results of each plate.
         areas = [] if discretisation.plates else areas
         at_rest = {index: area_at_rest(discretisation, index) for index in areas}
         members = tuple(PlateLayout.of(plate, fields) for plate in discretisation.members)
@@ -173,7 +176,7 @@ class Layout:
 
     @cached_property
     def on_lines(self) -> Mapping[int, slice]:
-        """Which of all reactions per length, each line's concentrated forces behind them, are each line's."""
+        """For each line, the slice of its reactions per length and concentrated forces among those of all lines."""
         ends = np.cumsum([0, *(len(line.s) + len(line.corners) for line in self.lines.values())]).tolist()
         return {index: slice(a, b) for index, (a, b) in zip(self.lines, pairwise(ends), strict=True)}
 
@@ -189,12 +192,12 @@ class Layout:
 
     @cached_property
     def around_areas(self) -> Ints:
-        """Nodes (k,) of the elements of elastic areas, whose deflections give pressures and contact areas."""
+        """Nodes (k,) of the elements of elastic areas; their deflections determine pressures and contact areas."""
         return nodes_around(self.at_rest.values())
 
     @cached_property
     def bearings(self) -> tuple[Bearing, ...]:
-        """Points of supports at points, of which there are not too many, and all other supports."""
+        """Owners of reactions: points of supports at points, unless too many, and all other supports as a whole."""
         result = []
         for index, (support, points) in enumerate(zip(self.model.support, self.supports, strict=True)):
             if support.place == "at" and 0 < len(points.positions) <= _MOST_BEARINGS:
@@ -206,7 +209,7 @@ class Layout:
 
     @cached_property
     def governed(self) -> tuple[tuple[str, Bearing], ...]:
-        """Numbers whose extremes are listed with all reactions: reactions, gaps, pressures and areas."""
+        """Quantity and owner of numbers whose extremes are listed with all reactions: reactions, gaps, pressures."""
         result = [("reaction", bearing) for bearing in self.bearings]
         opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
         areas = [one for one in self.bearings if one.support in self.at_rest]
@@ -219,39 +222,39 @@ class Layout:
 
     @cached_property
     def governed_places(self) -> Ints:
-        """Which numbers of the catalogue these are (e,); the first are the bearings' reactions."""
+        """Indices (e,) of the governed numbers in the catalogue; the reactions of the bearings are first."""
         places = [self.catalogue.by_column[bearing.column(self.model, what)] for what, bearing in self.governed]
         return np.array(places, np.int64)
 
     @property
     def slices(self) -> list[slice]:
-        """Which of all supports' points are each support's."""
+        """For each support, the slice of its points among the points of all supports."""
         ends = np.cumsum([0, *(len(points.positions) for points in self.supports)]).tolist()
         return [slice(a, b) for a, b in pairwise(ends)]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Block:
-    """Consecutive results (k,); NaN and 0 where there is no equilibrium."""
+    """Consecutive results (k,), the rows of a table; NaN and 0 where there is no equilibrium."""
 
-    first: int  # number of the first of them
+    first: int  # number of the first result
     solved: Bools  # (k,)
     method: list[str]
     not_unique: list[str]
     iterations: Ints  # (k,)
-    certificate: Floats  # (k, 5): in the order of the certificate's figures
+    certificate: Floats  # (k, 5): errors in the order of `FIGURES`
     values: Floats  # (k, n): in the order of the layout's catalogue
-    reaction: Floats  # (k, p): of every point of every support
+    reaction: Floats  # (k, p): reactions of every point of every support
     closed: Bools  # (k, p)
-    lifted: Bools  # (k, p): open where the plate touches at rest, and has moved away
+    lifted: Bools  # (k, p): open, although the plate at rest touches the point, and moved away from it
     on_lines: Floats  # (k, l): reactions per length and concentrated forces of all lines
     on_areas: Floats  # (k, a): deflections of the nodes around elastic areas
-    # (k, f, 4, 2): where the extremes of each enveloped field and of its means are, behind them those of each plate
+    # (k, f, 4, 2): positions of the extremes of each field and of its means; behind them those of each plate
     places: Floats
 
     @classmethod
     def empty(cls, layout: Layout, first: int, count: int) -> Block:
-        """Make room for results that are still to come."""
+        """Block of ``count`` results that are not yet filled in."""
 
         def nan(*shape: int) -> Floats:
             return np.full((count, *shape), np.nan)
@@ -276,11 +279,11 @@ class Block:
 
     @property
     def numbers(self) -> Ints:
-        """Numbers (k,) of these among all."""
+        """Numbers (k,) of the block's results among all results."""
         return self.first + np.arange(len(self.solved))
 
     def put(self, row: int, layout: Layout, result: ResultState) -> None:
-        """Fill a row with a result that has every field."""
+        """Fill a row from a complete result."""
         self.solved[row] = result.status == "solved"
         self.method[row] = result.method
         self.iterations[row] = result.iterations
@@ -305,7 +308,7 @@ class Block:
             self.places[row, at] = [getattr(ends, f"{end}_at") for end in ENDS]
 
     def put_supports(self, rows: Ints, layout: Layout, member: PlateLayout, readings: Readings) -> None:
-        """Fill rows (r,) with the supports of one plate in sums."""
+        """Fill rows (r,) with the supports of one plate, from sums of readings."""
         if layout.at_rest:
             self.on_areas[rows] = readings.linear.on_areas
         for index, of in zip(member.plate.numbers["support"], readings.supports, strict=True):
@@ -318,7 +321,7 @@ class Block:
                 self.on_lines[rows, layout.on_lines[index]] = np.concatenate(of.per_length, axis=1)
 
     def put_numbers(self, rows: Ints, layout: Layout, each: Sequence[Floats], places: Sequence[Floats]) -> None:
-        """Fill rows (r,) with the numbers (r, n) of every plate and the places (r, f, 4, 2) of its extremes."""
+        """Fill rows (r,) with the numbers (r, n) of every plate and the positions (r, f, 4, 2) of its extremes."""
         self.values[rows] = layout.catalogue.of_members(each)
         count = len(layout.fields)
         if len(each) == 1:
@@ -339,7 +342,7 @@ class Block:
             self.places[rows[:, None], fields, end] = chosen
 
     def around(self, area: AreaContact, layout: Layout, rows: Ints) -> Floats:
-        """Deflections (r, k) of the nodes on an area, in some rows; none of a rigid one."""
+        """Deflections (r, k) of the nodes on an area in some rows; k = 0 for a rigid area."""
         if not area.support.is_elastic:
             return np.zeros((len(rows), 0))
         own = np.searchsorted(layout.around_areas, np.flatnonzero(area.on_nodes))
@@ -366,7 +369,7 @@ class Block:
 
 
 def together(blocks: Iterable[NamedColumns]) -> Mapping[str, Column]:
-    """Join the columns of consecutive blocks, texts as lists, numbers as arrays nobody writes into."""
+    """Join the columns of consecutive blocks: texts to tuples, numbers to read-only arrays."""
     result: dict[str, list[Column]] = {}
     for block in blocks:
         for name, values in block:

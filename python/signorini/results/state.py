@@ -27,51 +27,51 @@ Status = Literal["solved", "no_equilibrium"]
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class ResultState(Remade):
-    """One combination. Numbers are NaN where there is no equilibrium.
+    """Results of one combination; numbers are NaN if there is no equilibrium.
 
     Parameters
     ----------
     deflection : (n,) array
-        Positive down.
+        Deflection of the nodes, positive down.
     rotation : (n, 2) array
         Slopes θx, θy.
     stress_nodes : StressNodes
-        Nodes (s,) of moments and shears: the mesh's, and behind them, for those on a jump of what the plate is made
-        of, one for each further side; and the elements (ne, 8) by them.
+        Stress nodes (s,), at which moments and shears are given, and elements (ne, 8) in their numbers. First are the
+        mesh's nodes; then one more for each further side of a node on a jump of thickness or stiffness.
     moment : (s, 3) array
-        mx, my, mxy, positive when they sag; averaged at nodes from the superconvergent points, but across no jump.
+        mx, my, mxy, sagging positive: means at nodes from the superconvergent points, but not across jumps.
     shear : (s, 2) array
         qx, qy.
     nodal_reaction : (n,) array
-        Upward force of the supports at points, along lines and edges on every node that they act on. Areas have
-        pressures instead, and footprints spread their reactions.
+        Upward force on every node by supports at points, along lines and along edges. Areas have pressures instead;
+        footprints spread their reactions.
     supports, sections, strips : tuple of SupportResult, SectionResult, StripResult
-        What supports do, forces through sections, mean moments of strips: each by its number from 0 or by its name, as
-        ``supports["columns"]``.
+        Results of supports, forces through sections, mean moments of strips. Each is found by its number from 0 or
+        its name, as ``supports["columns"]``.
     method : str
         "lemke", "active_set" or "saddle"; "given" where `signorini.recover` was given the reactions.
     unsettled : tuple of str
-        Methods that were tried before and did not settle; almost always none.
+        Methods that were tried before and gave no certified answer; almost always empty.
     iterations : int
         Pivots of Lemke's algorithm, or Newton steps of the active set.
     not_unique : tuple of NotUnique
-        What else would be as right, where supports repeat each other or the plate may rest elsewhere: of all these the
-        least reactions, and then the least deflection, are given. Empty where this is the only answer.
+        Freedoms of the answer, if supports repeat each other or the plate may rest at other positions. Given are the
+        least reactions and then the least deflection. Empty if the answer is unique.
     warnings : tuple of str
-        What of the model and of this answer is seldom meant, in sentences.
+        Sentences on input or results that are probably not meant.
     singular : tuple of Singularity
-        Where numbers have no limit as the mesh is refined, and which.
+        Places at which results diverge as the mesh is refined, and the names of these results.
     thickness : (s,) array
-        At the nodes of stresses, NaN where a stiffness is given in place of a solid section.
+        Thickness at stress nodes; NaN where a stiffness is given instead of a solid section.
     catalogue : Catalogue
-        What ``numbers`` are.
+        Names, units and paths of ``numbers``.
     combination : Combination or None
-        The load, by factors of the model's cases; None where it is none of these.
+        The load as factors of the model's cases; None if it is another load.
     means : Means or None
-        Means of moments and shears at the places where these have no limit. None where there is no equilibrium.
+        Means of moments and shears at singular places. None if there is no equilibrium.
     plates : mapping of Result
-        Of several plates each by name, with what is between it and others among its supports. The fields of all are
-        behind one another in those of the whole.
+        Results of each of several plates by name; contacts with other plates are among its supports. The fields of the
+        whole are those of the plates, concatenated.
     """
 
     name: str
@@ -117,7 +117,7 @@ class ResultState(Remade):
 
     @property
     def heading(self) -> str:
-        """Title of its pictures: the model's, and the name."""
+        """Title of the result's pictures: the model's title, and the result's name."""
         return ", ".join(part for part in (self.model.title, self.name) if part)
 
     @property
@@ -129,9 +129,9 @@ class ResultState(Remade):
     def fields(self) -> Mapping[str, Floats]:
         """Every field by name, see `signorini.results.quantities.FIELDS`.
 
-        deflection, rotation_x and rotation_y are at the nodes of the mesh (n,), all others at those of stresses (s,):
-        mx, my, mxy, qx, qy; principal moments m1, m2; design moments such as mx_bottom; stresses such as sx_top,
-        von_mises and txz.
+        deflection, rotation_x and rotation_y are at the nodes of the mesh (n,), all others at stress nodes (s,): mx,
+        my, mxy, qx, qy; principal moments m1, m2; design moments such as mx_bottom; stresses such as sx_top, von_mises
+        and txz.
         """
         return OnDemand(FIELDS, self._field, None, "field", "This result")
 
@@ -172,9 +172,9 @@ class ResultState(Remade):
 
     @cached_property
     def extremes(self) -> Mapping[str, FieldExtremes]:
-        """Largest and smallest deflection, mx, my, mxy, qx and qy over the nodes.
+        """Largest and smallest deflection, moments and shears, and fields derived from these, over the nodes.
 
-        Those of moments and shears are away from where these have no limit.
+        Nodes near singular places are excluded, except for the deflection.
 
         Examples
         --------
@@ -196,7 +196,7 @@ class ResultState(Remade):
         return Named(found, "field", "This mapping of extremes")
 
     def excluding(self, number: str) -> list[Singularity]:
-        """The singularities around which extremes of "moment" or "shear" leave out nodes; none where all would be."""
+        """Singularities around which nodes are excluded from extremes of "moment" or "shear"; none if all would be."""
         result = []
         for name, of in self.members.items():
             those = [one for one in of.singular if one.excludes(number)]
@@ -205,7 +205,7 @@ class ResultState(Remade):
 
     @cached_property
     def numbers(self) -> Floats:
-        """Every number (k,) of its ``catalogue``; NaN if missing."""
+        """Every number (k,) of the ``catalogue``, in its order; NaN if missing."""
         if self.status != "solved":
             return self._read
         if self.plates:
@@ -218,7 +218,7 @@ class ResultState(Remade):
         return result
 
     def require_fields(self) -> None:
-        """Refuse several plates, and a result without equilibrium."""
+        """Raise `InputError` for several plates, and for a result without equilibrium."""
         if self.plates:
             names = ", ".join(f'plates["{name}"]' for name in self.plates)
             raise InputError(f"There are several plates. Take one of them: {names}.", place="plates")

@@ -1,4 +1,4 @@
-"""Where each support acts: held nodes, springs and contact points; and which part of it is closed."""
+"""Points of each support: held nodes, springs and contact points; and the closed part of the support."""
 
 from __future__ import annotations
 
@@ -18,34 +18,34 @@ from signorini.discretise.rows import Bools, Floats, Ints, Pieces
 
 @dataclass(frozen=True, eq=False)
 class SupportPoints:
-    """Points (p,) of one support; of an averaged area the elements, each with all that pushes in it."""
+    """Points (p,) of one support. On an area with element means, each point is an element with all forces in it."""
 
-    nodes: Ints  # (h,): nodes whose deflection it holds; they and springs are the fixed points, always closed
+    nodes: Ints  # (h,): nodes whose deflection it holds; held nodes and springs are "fixed" points, always closed
     springs: Ints  # (s,)
-    share: Floats  # (h,): its part of the reaction at each node, which supports there carry in equal parts
-    rows: Ints  # (r, c): contact points, with repeated ones; a point with travel in both directions has two rows
+    share: Floats  # (h,): its part of the reaction at each node, equal for all supports that hold the node
+    rows: Ints  # (r, c): contact points, repeated ones included; a point with travel in both directions has two rows
     direction: Floats  # (r, c): +1 where a row pushes the plate up, −1 where it holds it down
-    order: Ints  # (h + s + c,): from nodes, springs and contact points, one behind the other, to the order of the input
+    order: Ints  # (h + s + c,): permutation from nodes, springs, contact points to the order of the input
     positions: Floats  # (p, 2): in the order of the input
-    weights: Floats  # (p,): the length or area that a point stands for, 1 at a point
-    elements: Ints  # (p,): the element that a point is in; of held nodes −1
+    weights: Floats  # (p,): length or area that each point represents; 1 at a point
+    elements: Ints  # (p,): element that each point is in; −1 for held nodes
     shares: csr_array | None  # (c', c): for an area with element means, each element's shares of its contact points
-    turning: Ints  # (p, 2): of points, springs on their slopes θx and θy; none of others
+    turning: Ints  # (p, 2): springs of each point on θx and θy; empty without a rotational stiffness
 
     @staticmethod
     @kept
     def of(discretisation: Discretisation, index: int) -> SupportPoints:
-        """Points of the support at that place in the model, found once."""
+        """Points of support number ``index`` of the model, computed once."""
         contacts, parts = discretisation.points, discretisation.parts[index]
         nodes, springs, rows = parts.nodes, parts.springs, parts.rows
         share = 1.0 / np.bincount(discretisation.held.nodes, minlength=discretisation.mesh.node_count)[nodes]
-        # All there are need not be copied.
+        # A slice avoids a copy if the support has all contact points.
         first = slice(None) if len(rows[0]) == len(contacts) else rows[0]
         elements, places, weight = contacts.rows.elements[first], contacts.positions[first], contacts.weights[first]
         shared, shares = contacts.shared[first], None
         if (shared >= 0).any():
             elements, shares = _shares(shared, weight)
-            # An element is where its mean is, which comes before points that it shares.
+            # An element's position is that of its mean, which precedes points shared with other elements.
             places = places[shares.indices[shares.indptr[:-1]]]
             weight = shares @ weight
         positions = np.concatenate(
@@ -58,7 +58,7 @@ class SupportPoints:
         direction, weights = contacts.direction[rows], weights[order]
         located = positions[order], weights, elements[order]
         of_slopes = np.flatnonzero(discretisation.springs.slope & (discretisation.springs.support == index))
-        # About x, which the slope along y is, and about y.
+        # The springs on θy (about x) are stored before those on θx (about y): reversed here.
         at_points = discretisation.model.support[index].place == "at"
         turning = of_slopes.reshape(2, -1)[::-1].T if at_points else np.zeros((0, 2), np.int64)
         return SupportPoints(nodes, springs, share, rows, direction, order, *located, shares, turning)
@@ -71,7 +71,8 @@ class SupportPoints:
     def forces(self, fixed: Floats, reaction: Floats) -> Floats:
         """Upward force (..., p) of every point.
 
-        From those at its nodes and of its springs (..., h + s), and the reactions of all points (..., m + r).
+        ``fixed`` (..., h + s) are the forces of held nodes and springs, ``reaction`` (..., m + r) those of all contact
+        and repeated points.
         """
         acting = (self.direction * reaction[..., self.rows]).sum(axis=-2)
         fixed = fixed * np.concatenate([self.share, np.ones(len(self.springs))])
@@ -94,7 +95,7 @@ class SupportPoints:
         return np.asarray(-pull[..., self.turning])
 
     def centres(self, discretisation: Discretisation, reaction: Floats) -> Floats:
-        """Point of application (p, 2) of every point's force, given contact forces (m,): in an element the centroid."""
+        """Point of application (p, 2) of every point's force, given contact forces (m,); in elements the centroid."""
         if self.shares is None:
             return self.positions
         pushing = np.abs(reaction[self.rows]).sum(axis=0)
@@ -108,7 +109,7 @@ class SupportPoints:
         return np.asarray(np.concatenate([self.positions[np.argsort(self.order)][: self.fixed], acting])[self.order])
 
     def gaps(self, gap: Floats) -> Floats:
-        """Remaining free travel (..., p) of every point, given that of contacts (..., m); 0 for repeated ones."""
+        """Remaining free travel (..., p) of every point, given gaps of contact points (..., m); 0 for repeated ones."""
         gap = _with(np.maximum(gap, 0.0), self.rows, 0.0)
         travel = gap[..., self.rows].min(axis=-2)
         if self.shares is not None:
@@ -117,16 +118,16 @@ class SupportPoints:
         return np.asarray(np.concatenate([closed, travel], axis=-1)[..., self.order])
 
     def rest(self, discretisation: Discretisation) -> Floats:
-        """Travel (p,) of every point in a plate at rest, w = 0: infinite where it does not touch the unloaded plate.
+        """Travel (p,) of every point in a plate at rest, w = 0; infinite if it does not touch the unloaded plate.
 
-        Elsewhere it is the way that the support settles from the plate. A plate that opens further has lifted there.
+        Otherwise it is the settlement of the support away from the plate. A plate that opens further has lifted there.
         """
         contacts = discretisation.contacts
         apart = contacts.distance > contacts.settlement
         return self.gaps(np.where(apart, np.inf, contacts.settlement))
 
     def closed(self, closed: Bools) -> Bools:
-        """Whether every point is closed (..., p), from contacts (..., m); repeated ones are."""
+        """Whether every point (..., p) is closed, given contact points (..., m); repeated points are closed."""
         closed = _with(closed, self.rows, True)
         touching = np.asarray(closed[..., self.rows].any(axis=-2))
         if self.shares is not None:
@@ -135,7 +136,10 @@ class SupportPoints:
         return np.asarray(np.concatenate([always, touching], axis=-1)[..., self.order])
 
     def pieces(self, discretisation: Discretisation, pieces: Pieces) -> Ints:
-        """Pieces (p,) of the laws, given those of contacts (m,); supports in both directions count by travel down."""
+        """Pieces (p,) of the laws, given those of contact points (m,).
+
+        Pieces of a support with travel in both directions are numbered by travel down.
+        """
         contacts, own = discretisation.points, _with(pieces, self.rows, 0)[self.rows].astype(np.int64)
         if len(own) == 2:
             last = np.array([len(law.slopes) - 1 for law in contacts.laws])[contacts.law[self.rows[1]]]
@@ -143,7 +147,11 @@ class SupportPoints:
         return np.concatenate([np.zeros(self.fixed, np.int64), own[0]])[self.order]
 
     def yielded(self, discretisation: Discretisation, reaction: Floats) -> Bools:
-        """Whether every point (p,) gives all that it can, from the reactions of all points (m + r,)."""
+        """Whether the reaction of every point (p,) reaches its limit, from the reactions of all points (m + r,).
+
+        The force decides, not the piece as in `ContactPoints.yield_on`: repeated points have a share of the force, but
+        no piece.
+        """
         least, most = discretisation.points.limits
         at_end = ((least < 0.0) & (reaction <= least * _ALL)) | (reaction >= most * _ALL)
         which = np.asarray(at_end[self.rows].any(axis=0))
@@ -153,21 +161,21 @@ class SupportPoints:
 
 
 def _with(values: Floats | Bools | Pieces, rows: Ints, repeated: float) -> Any:
-    """Values (..., m) of contact points, and behind them one for those that repeat them, as far as ``rows`` go."""
+    """Append ``repeated`` to values (..., m) of contact points, for repeated points as far as ``rows`` need it."""
     more = max(0, int(rows.max(initial=-1)) + 1 - values.shape[-1])
     behind = np.full((*values.shape[:-1], more), repeated, values.dtype)
     return np.concatenate([values, behind], axis=-1) if more else values
 
 
 def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
-    """Elements (e,), and the share (e, c) of each in contact points that stand for parts of some (c, 4).
+    """Elements (e,), and their shares (e, c) in contact points that represent parts of elements (c, 4).
 
-    They share by area, so that a point on the outline presses as hard in a sliver as beside it.
+    Shares are by area, so that a point on the outline presses as much in a sliver as in the element beside it.
     """
     point, place = np.nonzero(shared >= 0)
     elements, element = np.unique(shared[point, place], return_inverse=True)
     several = np.bincount(element, minlength=len(elements)) - 1
-    # The mean of an element comes before the points on the outline, which have taken their parts of its area.
+    # An element's mean precedes the points on the outline, which have taken their parts of its area.
     mean = np.full(len(elements), len(shared))
     np.minimum.at(mean, element, point)
     area = weights[mean] / (1.0 - STRIP * several)
@@ -178,7 +186,7 @@ def _shares(shared: Ints, weights: Floats) -> tuple[Ints, csr_array]:
 
 
 _ALL = 1.0 - 1e-9
-"""Smallest share of a limit at which a point yields: the difference is rounding."""
+"""Smallest ratio of a force to its limit at which the force counts as at the limit: the difference is rounding."""
 _INWARD = 3e-10
 """Distance, relative to the plate's size, by which an element's point is kept inside: corners belong to several
 elements.
@@ -187,7 +195,7 @@ elements.
 
 @dataclass(frozen=True)
 class Scales:
-    """Divisors of reactions and lengths that make the margins of closed and open points comparable."""
+    """Divisors of reactions and lengths that make margins of closed and open points comparable."""
 
     force: float
     length: float
@@ -201,9 +209,9 @@ class Scales:
 
 
 def closed_part(discretisation: Discretisation, index: int, answer: Answer, area: float) -> float:
-    """The part of a support that is closed: of points as many, of lines by length, of areas by contact ``area``.
+    """Closed part of a support, 0 to 1: of points by number, of lines by length, of areas by contact ``area``.
 
-    The edge of contact on a line is between two of its points, where a straight line between them has it.
+    On a line the edge of contact is interpolated linearly between two points.
     """
     support, points = discretisation.model.support[index], SupportPoints.of(discretisation, index)
     whole = float(points.weights.sum())
@@ -224,7 +232,7 @@ def closed_part(discretisation: Discretisation, index: int, answer: Answer, area
 
 
 def closed_by_point(discretisation: Discretisation, points: SupportPoints, answer: Answer, scales: Scales) -> Floats:
-    """How far each point (p,) is closed: overlap where elastic, reaction where rigid; where negative the gap."""
+    """Margin (p,) of each point, scaled: overlap if elastic, or reaction if rigid; minus the gap if open."""
     contacts = discretisation.contacts
     soft = contacts.compliance > 0
     pressing = np.where(soft, contacts.compliance * answer.reaction / scales.length, answer.reaction / scales.force)
@@ -238,7 +246,7 @@ def closed_by_point(discretisation: Discretisation, points: SupportPoints, answe
 
 
 def in_falling_order(own: Floats, weights: Floats) -> tuple[Floats, Floats]:
-    """Values in falling order, and the middles of their weights, one behind the other, of the whole."""
+    """Sort values in falling order; return them, and the middles of their cumulative weights, relative to the total."""
     order = np.argsort(-own, kind="stable")
     sorted_weights = weights[order] / weights.sum()
     return own[order], np.cumsum(sorted_weights) - 0.5 * sorted_weights

@@ -22,10 +22,10 @@ from signorini.results.readings import Readings, SupportForces
 
 @dataclass(frozen=True, eq=False)
 class EdgeCouples:
-    """Mean couple per length (k,) with which a support holds sides of elements (k, 2, 2) along its edges.
+    """Mean couple per length (k,) with which a support holds element sides (k, 2, 2) along its edges.
 
-    Each side has the plate on its left. None is within a rigid zone or inside the plate. A couple acts across the edge,
-    positive where the plate sags.
+    Each side has the plate on its left. No side is within a rigid zone or inside the plate. A couple acts across the
+    edge, positive where the plate sags.
     """
 
     sides: Floats
@@ -33,7 +33,7 @@ class EdgeCouples:
 
     @classmethod
     def of_springs(cls, mesh: Mesh, edges: Sequence[str], positions: Floats, couples: Floats) -> Self:
-        """Sum the forces of springs (s,) at points (s, 2) of the edges on each side."""
+        """Sum the couples of springs (s,) at points (s, 2) over each side of the edges, and divide by its length."""
         sides = _sides(mesh, edges, np.zeros(mesh.node_count, np.bool_))
         begin, end = mesh.points[sides[:, 0]], mesh.points[sides[:, 2]]
         along = end - begin
@@ -45,10 +45,10 @@ class EdgeCouples:
 
     @classmethod
     def of(cls, mesh: Mesh, edges: Sequence[str], nodal: Floats, held: Ints, rigid: Bools) -> Self:
-        """Spread couples (n, 2) that hold nodes over the lengths of the nodes, as consistent nodal forces do.
+        """Spread couples (n, 2) of held nodes over the lengths that nodes represent, as consistent nodal forces.
 
-        A node at a corner of two ``held`` sides (h, 3), or in a rigid zone (n,), has couples of more than one side:
-        there the other nodes of the side give its mean.
+        A node where two ``held`` sides (h, 3) meet at a corner, or in a rigid zone (n,), has couples of several sides.
+        There the mean of the side is that of its other nodes.
 
         Examples
         --------
@@ -87,18 +87,18 @@ SYMBOLS = {"down": "▲", "up": "▼", "both": "◆", "fixed": "▬", "elastic":
 
 
 def kinds(support: Support) -> list[str]:
-    """Give the kinds of a support, keys of `MEANINGS` and `SYMBOLS`: how it acts, and whether it is elastic."""
+    """Kinds of a support, keys of `MEANINGS` and `SYMBOLS`: its direction, and whether it is elastic."""
     how = "fixed" if support.fixed else support.direction
     return [how, "elastic"] if support.is_compliant else [how]
 
 
 def symbol(support: Support) -> str:
-    """Give the symbol of a support."""
+    """Symbol of a support in tables."""
     return "".join(SYMBOLS[kind] for kind in kinds(support))
 
 
 def describe(support: Support) -> str:
-    """Say in words where a support is and which way it holds.
+    """Describe where a support is and in which direction it holds.
 
     Examples
     --------
@@ -126,35 +126,35 @@ class SupportResult(Remade):
     Parameters
     ----------
     name, kind : str
-        Its name, and in words where it is and which way it holds.
+        Name of the support; text on its place and the direction in which it holds.
     place : str
-        The key that says where it is.
+        Key of the support's place: "at", "edge", "line", "circle" or "area".
     numbers : mapping of float
-        Its quantities by their names in results.json: reaction, closed, contact_area and so on.
+        Quantities of the support by their names in results.json: reaction, closed, contact_area and so on.
     positions : (k, 2) array
-        Where it acts; reactions (k,), remaining gaps (k,) and states (k,) of these points follow. Springs and held
-        nodes are always closed. A point of a rigid area, or of one as good as that, is an element, and its position
-        the centre of what pushes there.
+        Points of the support; ``reactions``, remaining ``gaps`` and ``closed`` (k,) are theirs. Springs and held nodes
+        are always closed. A point of a rigid or practically rigid area is an element; its position is the centroid of
+        the forces in it.
     weights : (k,) array
-        Length or area that each point stands for; 1 at a point.
+        Length or area that each point represents; 1 at a point.
     area : AreaContact or None
-        Of an area, its contact as a field.
+        Contact of an area support as a field.
     edge : EdgeCouples or None
-        Of edges that hold the slope, their couples per length.
+        Couples per length of edges that hold the slope.
     line : LineReactions or None
-        Of edges, lines and circles that act on the deflection, their reactions per length.
+        Reactions per length of edges, lines and circles that act on the deflection.
     yielded : (k,) array
-        Whether it gives its limit there.
+        Mask of the points whose reaction reaches the limit.
     pieces : (k,) array or None
-        Of points with a law or a limit, the piece of it that each is on, from 0, in the order of travel.
+        Piece of the law of each point, from 0 in the order of travel, if the points have a law or a limit.
     moments : (k, 2) array or None
-        Of points with a rotational stiffness, the couples on θx and θy that they exert on the plate.
+        Couples on θx and θy that points with a rotational stiffness exert on the plate.
     tightened_to : (k,) array or None
-        Of bolts, the reactions to which they were last tightened, negative; 0 of a bolt that was not tightened.
+        Reactions to which bolts were last tightened, negative; 0 for a bolt that was not tightened.
     preloads : (k,) array or None
-        Of bolts, their reactions when all bolts are tightened and before other loads act.
+        Reactions of bolts when all bolts are tightened and before other loads act.
     upon : bool
-        Whether it is one by which another plate lies on this one.
+        Whether another plate rests on this one through the support.
     """
 
     name: str
@@ -194,7 +194,7 @@ class SupportResult(Remade):
 
     @property
     def closed_part(self) -> float:
-        """Closed part, 0 to 1: of points as many, of lines by length, of areas by contact area."""
+        """Closed part, 0 to 1: of points by number, of lines by length, of areas by contact area."""
         return self.numbers["closed_part"]
 
     @property
@@ -204,7 +204,7 @@ class SupportResult(Remade):
 
     @property
     def prying(self) -> float:
-        """Force of the bolts over the pull of the loads; NaN without either."""
+        """Force of the bolts divided by the upward load; NaN without bolts or upward load."""
         return self.numbers.get("prying", np.nan)
 
     @property
@@ -237,8 +237,8 @@ class SupportResult(Remade):
     def contact_boundary(self) -> tuple[Floats, ...]:
         """Edge of an area's contact: polylines (k, 2) with the contact on their left.
 
-        The last point of a closed one is its first; the others end at the border of the plate or the support. They
-        follow the deflection field of an elastic area, the sides of elements of a rigid one.
+        The last point of a closed polyline is its first; others end at the border of the plate or the support. They
+        follow the deflection field on an elastic area, element sides on a rigid one.
         """
         return () if self.area is None else self.area.contact_boundary
 
@@ -249,7 +249,7 @@ class SupportResult(Remade):
 
     @property
     def max_pressure_at(self) -> tuple[float, float] | None:
-        """Where that is; None if it is not an area."""
+        """Position (x, y) of `max_pressure`; None if the support is not an area."""
         if self.area is None:
             return None
         x, y = self.area.largest[1].tolist()
@@ -262,7 +262,7 @@ class SupportResult(Remade):
 
 
 def support_result(readings: Readings, index: int, forces: SupportForces) -> SupportResult:
-    """Result of a support in the only solution of some readings, with the forces of all supports."""
+    """Result of a support from readings of a single solution, and the nodal forces of all supports."""
     reading = readings.supports[index]
     discretisation, support, points = readings.discretisation, reading.support, reading.points
     (answer,), area = readings.answers, None
@@ -272,7 +272,7 @@ def support_result(readings: Readings, index: int, forces: SupportForces) -> Sup
         reading.reactions[0],
     )
     if support.area is not None:
-        # Its arrays are those of the area, so that a pickle has them once.
+        # The result uses the arrays of the area, so that a pickle contains them once.
         (area,) = reading.areas
         positions, closed, reactions = area.positions, area.closed, area.reactions
     edge, springs = None, discretisation.springs
@@ -312,10 +312,10 @@ def support_result(readings: Readings, index: int, forces: SupportForces) -> Sup
 
 
 def areas_below(supports: Sequence[SupportResult]) -> list[AreaContact]:
-    """Give the areas that a plate lies on, without those by which others lie on it."""
+    """Contact of areas that support this plate; areas through which another plate rests on it are left out."""
     return [one.area for one in supports if one.area is not None and not one.upon]
 
 
 def lines_below(supports: Sequence[SupportResult]) -> list[tuple[SupportResult, LineReactions]]:
-    """Give the supports of a plate along lines, without those by which others lie on it."""
+    """Supports along lines that support this plate; lines through which another plate rests on it are left out."""
     return [(one, one.line) for one in supports if one.line is not None and not one.upon]

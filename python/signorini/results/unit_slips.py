@@ -1,4 +1,4 @@
-"""Numbers of a model that look as if they were in another unit, in sentences."""
+"""Sentences on numbers of a model that seem to be in another unit."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ _THICKEST = 0.5
 """Largest ratio of thickness to the plate's smaller extent without a warning. EN 1992-1-1, 5.3.1, allows a fifth for
 slabs."""
 _SOFTEST, _STIFFEST = 1e8, 1e12
-"""Pascals between which Young's moduli of plates are: rubber is softer, and hardly anything stiffer than diamond."""
+"""Range of Young's moduli of plates in pascals: rubber is softer, and hardly any material is stiffer than diamond."""
 _LIGHTEST, _HEAVIEST = 100.0, 3e5
 """Range of unit weights, N/m³: from foam to osmium."""
 _RIGID, _NONE = 1e3, 1e-4
-"""Range of a support's stiffness, over D/h⁴ of a bed, D/h³ of a line, D/h² of a point: above the first it is
-practically rigid; below the second, over the same with the plate's size, it is practically zero. Concrete on soil has
-0.001 of the first and 100 of the second, a base plate on grout 1 of the first."""
+"""Limits of a support's stiffness k, in D/h⁴ for a bed, D/h³ for a line, D/h² for a point. Above the first limit the
+support is practically rigid. Below the second, with the plate's size in place of h, it is practically zero. Concrete on
+soil has 0.001 of the first and 100 of the second, a base plate on grout 1 of the first."""
 _POWERS = {"area": 4, "edge": 3, "line": 3, "circle": 3, "at": 2}
 
 
 def unit_slips(discretisation: Discretisation) -> Iterator[str]:
-    """Ask of lengths, Young's modulus, the weight and stiffnesses whether another unit was meant."""
+    """Yield sentences on lengths, Young's modulus, unit weight and stiffnesses that seem to be in another unit."""
     yield from _unknown("length", discretisation.model.units.length, METRES, _LENGTHS)
     yield from _unknown("force", discretisation.model.units.force, _NEWTONS, _FORCES)
     yield from _of_lengths(discretisation)
@@ -56,7 +56,7 @@ def _unknown(kind: str, given: str, known: Mapping[str, float], words: Mapping[s
 
 def _of_lengths(discretisation: Discretisation) -> Iterator[str]:
     model, thickness = discretisation.model, float(discretisation.thickness.nominal.max())
-    # A zone may be thick to be stiff.
+    # The thinnest part decides: a zone may be thick to be stiff.
     thinnest = float(discretisation.thickness.nominal.min())
     smaller, larger = np.sort(np.ptp(discretisation.mesh.points, axis=0)).tolist()
     if thinnest > _THICKEST * smaller:

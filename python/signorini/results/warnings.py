@@ -1,4 +1,4 @@
-"""Warnings of a model or an answer: input that is solved but probably not meant, in sentences."""
+"""Warnings of a model or an answer: sentences on input that can be solved but is probably not meant."""
 
 from __future__ import annotations
 
@@ -31,22 +31,22 @@ from signorini.singularities.named import singularities
 from signorini.singularities.singularity import at_peaks
 
 _FOLLOWED = 0.5
-"""Least share of a line along sides of elements if the mesh follows the line."""
+"""Smallest share of a line on element sides at which the mesh counts as following the line."""
 _SMALLER = 0.5
-"""Part of an element that a line cuts, of which a mesh may follow it."""
+"""Suggested element size, relative to the elements that a line cuts or that are one across a strip."""
 _STRIP = 4
-"""Least number of elements in a row that are a strip; fewer are a pad."""
+"""Smallest number of elements of a strip; fewer elements are a pad."""
 _INSIDE = 1e-6
-"""Least depth of a point of one area inside another, relative to the plate's size, of overlapping areas."""
+"""Smallest depth of a point of one area inside another, relative to the plate's size, at which areas overlap."""
 _TOUCH = 1e-6
-"""Part of the smaller region that two have in common where they touch."""
+"""Largest common area of two regions that only touch, relative to the smaller region."""
 _NOTHING = 1e-9
-"""Part of a couple that is rounding."""
+"""Zero tolerance for a component of a couple, relative to the couple."""
 _HARDLY = 1e-6
 """Zero tolerance of a tension, relative to the largest pressure."""
 _OUTWEIGHS = 1e3
-"""Reactions over forces that act, and couples over the thickness, that are seldom meant: a thin plate on supports that
-are a tenth of its thickness apart can have them."""
+"""Smallest ratio of reactions to acting forces that is reported; couples are divided by the thickness. A thin plate on
+supports that are a tenth of its thickness apart can have such a ratio."""
 _UNSAID = ', since resists is left out. Say resists = "down" if the plate can lift off it, "both" if it cannot.'
 _MOST = 0.75
 """Largest share of the plate that extremes of moments may exclude without a warning. Covers of flanges, thick and on
@@ -54,9 +54,9 @@ many bolts, have half."""
 
 
 def model_warnings(discretisation: Discretisation, acting: Collection[str] | None = None) -> tuple[str, ...]:
-    """Warnings of a model: E in another unit, one element, supports in each other's place.
+    """Warnings of a model: E in another unit, one element, two supports at one place.
 
-    Moving loads are judged at the positions that are ``acting``, by default at all.
+    Moving loads are judged at the positions that are ``acting`` (None: at all positions).
     """
     of_plates = {plate.name: plate.own for plate in discretisation.members}
     return said_of({name: (*_whatever_acts(own), *_wheels_off(own, acting)) for name, own in of_plates.items()})
@@ -89,12 +89,12 @@ def result_warnings(
 
 
 def sentences(not_unique: Sequence[NotUnique]) -> tuple[str, ...]:
-    """Describe the other equally right answers."""
+    """Sentences on freedoms of the answer: how it could differ and be as right."""
     return tuple(f"{str(one)[0].upper()}{str(one)[1:]}." for one in not_unique)
 
 
 def idle_cases(model: Model) -> Iterator[str]:
-    """Load cases and moving loads that act in no combination; a load path says itself which ones it takes."""
+    """Warn of load cases and moving loads that act in no combination. Not for load paths, which name their loads."""
     taken = model.effective_combinations.cases
     for case in model.cases:
         if case not in taken:
@@ -108,7 +108,7 @@ def idle_cases(model: Model) -> Iterator[str]:
 
 
 def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str]:
-    """Whether forces sum to zero or no force acts, and no support is moved."""
+    """Warn if forces sum to zero, or if no force acts and no support is moved."""
     if load.curvature.any() or any(support.between for support in discretisation.model.support):
         # Forces of another plate are not loads.
         return
@@ -122,7 +122,7 @@ def no_resultant(discretisation: Discretisation, load: CaseLoad) -> Iterator[str
 
 
 def too_far(discretisation: Discretisation, deflection: Floats) -> Iterator[str]:
-    """Whether some deflection (n,) is beyond the thickness, where the theory of small deflections ends."""
+    """Warn if a deflection (n,) exceeds the thickness, where the theory of small deflections ends."""
     elements, thickness = discretisation.mesh.elements, bending_thickness(discretisation)
     at = int((np.abs(deflection[elements]).max(axis=1) / thickness).argmax())
     node = elements[at, int(np.abs(deflection[elements[at]]).argmax())]
@@ -137,7 +137,7 @@ def too_far(discretisation: Discretisation, deflection: Floats) -> Iterator[str]
 
 
 def _left_out(discretisation: Discretisation) -> Iterator[str]:
-    """Whether most of the plate is so near to where moments or shears have no limit that extremes leave it out."""
+    """Warn if extremes exclude most of the plate, because it is near places where moments or shears are singular."""
     mesh, named = discretisation.mesh, singularities(discretisation)
     for number in ("moment", "shear"):
         peaks = at_peaks(mesh, named, number)
@@ -150,14 +150,14 @@ def _left_out(discretisation: Discretisation) -> Iterator[str]:
 
 
 def bending_thickness(discretisation: Discretisation) -> Floats:
-    """Thickness (ne,) that deflections are compared with: thick zones move with the plate around them, and have its."""
+    """Thickness (ne,) for comparison with deflections; zones at most that of the plate, with which they move."""
     nominal = np.broadcast_to(discretisation.thickness.nominal.min(axis=1), len(discretisation.mesh.elements))
     own = nominal[discretisation.zones.of_elements.thickness == 0]
     return np.minimum(nominal, own.max()) if len(own) else nominal
 
 
 def _zones(discretisation: Discretisation) -> Iterator[str]:
-    """Zones that say the same of one place; a later one within an earlier one is meant."""
+    """Warn of overlapping zones with the same key, unless the later one is within the earlier one, as meant."""
     for (one, earlier), (other, later) in combinations(enumerate(discretisation.model.zone, 1), 2):
         first, second = discretisation.zones.inside[[one - 1, other - 1]]
         both = first & second
@@ -175,7 +175,7 @@ def _zones(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _never_act(discretisation: Discretisation) -> Iterator[str]:
-    """Points of a support at points that others hold at every dof: they can neither press nor let go."""
+    """Warn of points at which other supports hold every dof: these points can neither press nor let go."""
     for index, support in enumerate(discretisation.model.support):
         count = len(support.where.points)
         listed = len(SupportPoints.of(discretisation, index).positions)
@@ -188,13 +188,13 @@ def _never_act(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _beds_both_ways(discretisation: Discretisation) -> Iterator[str]:
-    """Beds that hold the plate down too beside supports that say that they do not: soil and grout hardly do."""
+    """Warn of beds that also hold the plate down, if another support acts one way: soil and grout hardly pull."""
     if _some_one_way(discretisation.model):
         yield from (f"{name} holds the plate down too{_UNSAID}" for name in _beds_unsaid(discretisation.model))
 
 
 def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator[str]:
-    """Beds that pull where nobody has said that they can; said of the model already where others hold one way."""
+    """Warn of beds that pull in this result though ``resists`` is not given, unless the model's warnings say so."""
     if _some_one_way(model):
         return
     unsaid = set(_beds_unsaid(model))
@@ -204,7 +204,7 @@ def _beds_that_pull(model: Model, supports: Sequence[SupportResult]) -> Iterator
 
 
 def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Sequence[SupportResult]) -> Iterator[str]:
-    """Reactions much larger than the loads: rigid supports near each other pry a thin plate apart."""
+    """Warn of reactions much larger than the loads: rigid supports near each other pry a thin plate apart."""
     if load.curvature.any() or _some_base_moves(discretisation, load) or discretisation.points.distance.any():
         return
     forces, *couples = np.abs(load.nodal.reshape(-1, 3)).sum(axis=0).tolist()
@@ -220,14 +220,14 @@ def _outweighing(discretisation: Discretisation, load: CaseLoad, supports: Seque
 
 
 def _some_base_moves(discretisation: Discretisation, load: CaseLoad) -> bool:
-    """Whether supports move the plate beside a load: they settle, or bolts are tightened."""
+    """Whether supports move the plate in addition to a load: they settle, or bolts are tightened."""
     settles = discretisation.held.values, discretisation.springs.distance, discretisation.points.settlement
     tightened = (one.case in (None, *load.acting) for one in discretisation.model.rounds)
     return any(values.any() for values in settles) or any(tightened)
 
 
 def _with_unit(model: Model, value: float, power: int) -> str:
-    """A force times a power of a length."""
+    """Value with the unit force × length^power."""
     return f"{value:.4g} {model.units.force_by_length(power)}".rstrip()
 
 
@@ -242,7 +242,7 @@ def _beds_unsaid(model: Model) -> Iterator[str]:
 
 
 def _unrefined(discretisation: Discretisation) -> Iterator[str]:
-    """Places at which smaller elements are asked for, and there is no plate."""
+    """Warn of mesh refinements at places that are not on the plate."""
     mesh = discretisation.mesh
     for index, part in enumerate(discretisation.model.mesh.refine, 1):
         off = [f"point {point(at)}" for at in part.where.points if not mesh.locate(np.array([at])).inside.all()]
@@ -256,7 +256,7 @@ def _unrefined(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
-    """Lines and circles of supports and loads that go through elements."""
+    """Warn of lines and circles of supports and loads that cut elements."""
     model, mesh = discretisation.model, discretisation.mesh
     named: list[tuple[str, Acting]] = [(support.name, support) for support in model.support]
     named += [(_name(index, load), load) for index, load in enumerate(model.load) if load.line_load is not None]
@@ -280,12 +280,12 @@ def _unfollowed(discretisation: Discretisation) -> Iterator[str]:
 
 @kept
 def _off_plate(discretisation: Discretisation) -> list[tuple[str, str, int, float]]:
-    """Prints of wheels that are partly off the plate, as `partly_off`."""
+    """Footprints of wheels that are partly off the plate, as `partly_off` yields them; found once."""
     return list(discretisation.cases.partly_off())
 
 
 def _wheels_off(discretisation: Discretisation, acting: Collection[str] | None) -> Iterator[str]:
-    """Name moving loads of which a wheel's print is partly off the plate, where it loses most of its force."""
+    """Warn of moving loads with a wheel's footprint partly off the plate; name where it loses most of its force."""
     off = [one for one in _off_plate(discretisation) if acting is None or one[1] in acting]
     for case in dict.fromkeys(case for case, *_ in off):
         those = [(lost, at, axle) for one, at, axle, lost in off if one == case]
@@ -317,7 +317,7 @@ def _one_element(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _one_across(discretisation: Discretisation) -> Iterator[str]:
-    """Name elastic strips and rings that are one element wide, such as gaskets: every node of theirs is on the rim."""
+    """Warn of elastic strips and rings one element wide, such as gaskets: all their nodes are on the rim."""
     mesh = discretisation.mesh
     for index, support in enumerate(discretisation.model.support):
         if support.area is None or not support.is_elastic:
@@ -350,7 +350,7 @@ def _one_place(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _couples(discretisation: Discretisation) -> Iterator[str]:
-    """Couples that an edge of symmetry takes."""
+    """Warn of couples on an edge that holds the slope: the component across it loads the support only."""
     model, mesh = discretisation.model, discretisation.mesh
     for holding in model.support:
         for name in holding.where.edges:
@@ -381,7 +381,7 @@ def _overlaps(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _footprints(discretisation: Discretisation) -> Iterator[str]:
-    """Footprints of supports that overlap and act the same way."""
+    """Warn of footprints of supports that overlap and act the same way."""
     supports, mesh = discretisation.model.support, discretisation.mesh
     held = [(i, shape) for i, support in enumerate(supports) for shape in support.where.footprints]
     for one, other, at in _overlapping(held):
@@ -392,7 +392,7 @@ def _footprints(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _loads_overlap(discretisation: Discretisation) -> Iterator[str]:
-    """Areas and footprints of loads of one case and kind that overlap."""
+    """Warn of areas and footprints that overlap, of loads of one case and kind."""
     mesh, alike = discretisation.mesh, dict[tuple[str, str], list[tuple[int, Region]]]()
     for index, load in enumerate(discretisation.model.load):
         shapes = load.where.footprints if load.where.region is None else (load.where.region,)
@@ -405,7 +405,7 @@ def _loads_overlap(discretisation: Discretisation) -> Iterator[str]:
 
 
 def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, int, Floats]]:
-    """Numbers of the owners of regions that have an area in common, each pair once, and a place in both."""
+    """Yield the owners of two regions with a common area, each pair of owners once, and a point within both bounds."""
     told = set[tuple[int, int]]()
     shapes = sorted(shapes, key=lambda one: one[1].bounds[0])
     begin = [shape.bounds[0] for _, shape in shapes]
@@ -423,7 +423,7 @@ def _overlapping(shapes: Sequence[tuple[int, Region]]) -> Iterator[tuple[int, in
 
 
 def _alike(one: Support, other: Support) -> bool:
-    """Whether both may push, or pull, at once."""
+    """Whether two supports may push at once, or pull at once."""
     return {one.direction, other.direction} != {"down", "up"}
 
 

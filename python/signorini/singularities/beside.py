@@ -27,7 +27,7 @@ from signorini.singularities.named import singularities_of
 _LINES = np.array([[0, 0, 0, 1], [0, 0, 1, 0], [-1, 0, 0, 1], [1, 0, 0, 1], [0, -1, 1, 0], [0, 1, 1, 0]])
 """(Middle − p)/r and direction of each line: two lines through p, then the four sides of the square."""
 _PARTS = 12
-"""Number of parts of a line, with two Gauss points each; it is even, so that p, with a kink of moments, is between."""
+"""Number of parts of a line, with two Gauss points each; even, because moments have a kink at p, between two parts."""
 PEAKS = ("moment", "shear")
 """Results with means, in the order of the columns of ``Beside.numbers``."""
 
@@ -96,7 +96,7 @@ def _lines_of(discretisation: Discretisation) -> tuple[Beside, csr_array]:
 
 
 def _rows(nodes: StressNodes, places: Floats, within: Floats) -> csr_array:
-    """Rows (6k, s) of means along the lines; at a jump each side counts half."""
+    """Rows (6k, s) that map values at stress nodes to means along the lines; at a jump each side counts half."""
     gauss, _ = np.polynomial.legendre.leggauss(2)
     station = ((2.0 * np.arange(_PARTS) + 1.0)[:, None] / _PARTS - 1.0 + gauss / _PARTS).ravel()
     offset, along = _LINES[:, None, :2], _LINES[:, None, 2:] * station[:, None]

@@ -37,7 +37,9 @@ _STEPS = 400
 STRAIGHT = np.radians(1.0)
 """Largest angle in radians (1°) between two sides of a smooth edge."""
 _OF_ROUND = 0.2
-"""Largest angle between two sides of a smooth round edge, relative to the turning of either: parabolas are not arcs."""
+"""Largest angle between two sides of a smooth round edge, relative to the angle by which a side turns: sides are
+parabolas, not arcs.
+"""
 _OFF_ROUND = 0.1
 """Tolerance for a point on a curved side, relative to the side's rise: points of the exact circle are off it."""
 _NEAR, _NONE = 1e-4, 1e-6
@@ -56,9 +58,9 @@ def slopes_held(across: bool, along: bool) -> Slopes:
 def shears_grow(angle: float, held: bool, other_held: bool, along: bool) -> bool:
     """Whether shears are singular at a corner between edges that hold the deflection (``held``) or not.
 
-    At a right angle between an edge that does and one that does not, they grow as the logarithm of the distance: on the
-    first the shear strain ∂w/∂s − θs is −θs, on the second the normal shear strain is 0. This does not happen if the
-    first edge also holds the slope ``along`` itself at that of its deflection.
+    At a right angle between a held and a free edge, they grow as the logarithm of the distance: on the held edge the
+    shear strain ∂w/∂s − θs is −θs, on the free one the normal shear strain is 0. This does not happen if the held edge
+    also holds the slope ``along`` itself at that of its deflection.
     """
     if held == other_held:
         return bool(angle > np.pi + STRAIGHT)
@@ -88,7 +90,10 @@ def exponents_below_one(angle: float, first: Slopes, second: Slopes, poisson: fl
 
 
 def _conditions(exponent: Complexes, angle: float, slopes: Slopes, poisson: float) -> list[tuple[Complexes, ...]]:
-    """Two rows over Williams' four functions at an angle: held slopes and zero moments, without common factors."""
+    """Two boundary conditions at an angle: rows over Williams' four functions, without common factors.
+
+    A held slope is 0; where a slope is free, its moment is 0.
+    """
     more, less = exponent + 1, exponent - 1
     # Airy's stress function is r^(λ + 1) F; its last two functions contribute an additional term to both slopes.
     value = np.cos(more * angle), np.sin(more * angle), np.cos(less * angle), np.sin(less * angle)
@@ -114,9 +119,10 @@ class Boundary:
 
     ``sides`` (k, 3) are nodes: corner, midside, corner. ``following`` (k,) is the next side, ``angles`` (k,) the angle
     of the plate between both, π where the edge is smooth. ``rigid`` (k,) marks sides of rigid zones, ``held`` (k,)
-    sides whose deflection a rigid support holds or may hold, ``lets_go`` (k,) those where only supports that can let go
-    do. ``slope`` and ``twist`` (k,) mark held slopes across and along a side. ``sheared`` (k, 2) marks whether at its
-    begin and end the latter differs from that of the deflection. ``poisson`` (k,) is Poisson's ratio beside the side.
+    sides whose deflection a rigid support holds or may hold, ``lets_go`` (k,) held sides that only supports which can
+    let go hold. ``slope`` and ``twist`` (k,) mark held slopes across and along a side. ``sheared`` (k, 2) marks the
+    begin and the end of sides where the held slope along the side differs from the slope of the held deflection.
+    ``poisson`` (k,) is Poisson's ratio beside the side.
     """
 
     mesh: Mesh
@@ -183,7 +189,7 @@ class Boundary:
         return result
 
     def loops(self) -> Iterator[Floats]:
-        """Yield closed edges by their corners, and by the nodes of round parts: (m, 2), the first one repeated."""
+        """Yield a closed polygon (m, 2) for each edge loop: corners, nodes of round parts, the first point again."""
         begin, middle, end = (self.mesh.points[self.sides[:, i]] for i in range(3))
         straight = np.hypot(*(0.5 * (begin + end) - middle).T) <= self.mesh.near.written
         turns = (self.angles != np.pi) | ~straight | ~straight[self.following]
@@ -202,7 +208,7 @@ class Boundary:
         return shears_grow(angle, held, other_held, bool(self.twist[which] and not self.sheared[which, end]))
 
     def _states(self, side: int, other: int) -> set[tuple[bool, bool]]:
-        """Possible pairs of held deflections of two sides at their corner; supports that can let go do so at once."""
+        """Pairs of held deflections of two sides at their corner: all supports hold, or all that can let go do."""
         held, other_held = bool(self.held[side]), bool(self.held[other])
         lets_go, other_lets_go = bool(self.lets_go[side]), bool(self.lets_go[other])
         return {(held, other_held), (held and not lets_go, other_held and not other_lets_go)}
@@ -247,7 +253,7 @@ def boundary_of(discretisation: Discretisation) -> Boundary:
 
 
 def shears_along(support: Support, points: Floats, tangents: Floats, size: float) -> Bools:
-    """Whether prescribed slopes along tangents (k, 2) at points (k, 2) differ from those of the settlement."""
+    """Whether prescribed slopes along tangents (k, 2) at points (k, 2) differ from the slopes of the settlement."""
     if not support.prescribes_slopes or "twist" not in support.fixed or not support.holds_w or not len(points):
         return np.zeros(len(points), np.bool_)
     units = tangents / np.hypot(*tangents.T)[:, None]
@@ -261,5 +267,5 @@ def shears_along(support: Support, points: Floats, tangents: Floats, size: float
 
 
 def _turn(a: Floats, b: Floats) -> Floats:
-    """Counter-clockwise angles (k,) from directions (k, 2) to others."""
+    """Counter-clockwise angles (k,) from directions ``a`` (k, 2) to ``b`` (k, 2)."""
     return np.asarray(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)))

@@ -53,7 +53,7 @@ def _load_ends(edge: Boundary, point: Floats, into: Floats) -> bool:
     if len(along_line):
         beside = np.setdiff1d(sides, along_line)
         return _grows_on_edge(edge, int(along_line[0]), int(beside[0]) if len(beside) else int(along_line[0]))
-    # Mirrored at a free edge, a load normal to it continues straight; at a held edge its sign changes.
+    # Reflected at a free edge, a line load normal to the edge continues straight; at a held edge its sign changes.
     return bool(edge.held[sides].any() or (along > np.sin(STRAIGHT)).any())
 
 
@@ -102,8 +102,8 @@ def ends_of_line(
         else:
             held = np.array([edge.held[side] for side, _ in rays])
             askew = any(abs(angle - 0.5 * np.pi) > STRAIGHT for angle in within)
-            # At a right angle, slopes split into parts even and odd about the line. Where one slope is held, the other
-            # is 0 by symmetry, so that one of the parts is clamped.
+            # At a right angle, slopes split into parts even and odd about the line. In each part one slope is 0 on the
+            # line by symmetry. If the line holds the other slope, the part is clamped.
             bends = any(
                 moments_grow(angle, "clamped", edge.slopes(side), float(edge.poisson[side]))
                 for angle, (side, _) in zip(within, rays, strict=True)

@@ -49,7 +49,7 @@ def singularities(discretisation: Discretisation, cases: Collection[str] | None 
 def excluding(discretisation: Discretisation, number: str, cases: frozenset[str]) -> tuple[Singularity, ...]:
     """Singularities around which nodes are excluded from extremes of "moment" or "shear", under some load cases.
 
-    Empty on a plate all of whose nodes would be excluded: its extremes are over all nodes.
+    A plate all of whose nodes would be excluded has none: its extremes are over all nodes.
     """
     result: list[Singularity] = []
     for plate in discretisation.members:
@@ -222,7 +222,7 @@ def _of_outline(discretisation: Discretisation, support: Support) -> Iterator[Si
 
 
 def _of_edges_on(discretisation: Discretisation, support: Support, advice: str) -> Iterator[Singularity]:
-    """Yield edges and corners on which a bent plate on a rigid area rests; a plate under pressure only lies flat."""
+    """Yield edges and corners of a plate on a rigid area; none if it lies flat, under pressure only."""
     model, edge = discretisation.model, boundary_of(discretisation)
     flat = len(model.support) == 1 and has_constant_gap(support)
     if flat and all(load.kind in ("pressure", "self_weight") for load in model.load):

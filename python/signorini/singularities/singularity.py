@@ -22,7 +22,8 @@ class Singularity:
     ``numbers`` are the singular results: "deflection", "rotation", "moment", "shear", "pressure" (per area, or per
     length along a line) or "reaction" (of a support at points). ``source`` is the support's name, the load case, or
     "plate". ``limited`` results converge, but not on elements of this size: a footprint smaller than its element.
-    Nodes ``within`` a distance belong to the peak: the least thickness around the place; 0 for nodes of cut elements.
+    Nodes up to the distance ``within`` belong to the peak: the least thickness around the place, or 0 if ``where`` are
+    the nodes of cut elements.
     ``plate`` is the name of the plate if there are several.
     """
 
@@ -37,7 +38,7 @@ class Singularity:
     plate: str = ""
 
     def excludes(self, number: str) -> bool:
-        """Whether nodes around it are excluded from extremes of a result, such as "moment" or "shear"."""
+        """Whether nodes around this singularity are excluded from extremes of a result, such as "moment" or "shear"."""
         return number in self.numbers and not (self.line or self.limited)
 
     def __str__(self) -> str:
@@ -52,8 +53,8 @@ class Singularity:
 def away_from(mesh: Mesh, named: Iterable[Singularity], number: str) -> Bools:
     """Mask (n,) of nodes outside the peaks of a singular result, such as "moment" or "shear".
 
-    They are farther than ``within`` from the singular points, whatever the mesh. Other nodes of elements at the points
-    are kept: otherwise a coarser mesh would exclude more of the plate. If no node remained, all are kept.
+    These nodes are farther than ``within`` from the singular points, on every mesh. Other nodes of elements at the
+    points are kept: otherwise a coarser mesh would exclude more of the plate. If no node remained, all are kept.
     """
     away = ~at_peaks(mesh, named, number)
     return away if away.any() else np.ones_like(away)

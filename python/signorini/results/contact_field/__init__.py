@@ -1,1 +1,1 @@
-"""Contact of areas, from the deflection field rather than from quadrature points: pressure, extent, edge."""
+"""Contact of areas from the deflection field instead of quadrature points: pressure, contact area, edge of contact."""

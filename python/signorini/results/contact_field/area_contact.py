@@ -1,4 +1,4 @@
-"""Contact of areas, from the deflection field rather than from quadrature points: pressure, extent, edge."""
+"""Contact of areas from the deflection field instead of quadrature points: pressure, contact area, edge of contact."""
 
 from __future__ import annotations
 
@@ -23,20 +23,19 @@ from signorini.shapes.distances import depth
 from signorini.shapes.tessellation import Tessellation
 
 _WHOLE = 1.0 - 1e-9
-"""Least share of an element's area on the support that counts as the whole element."""
+"""Smallest share of an element's area on the support at which the whole element counts as on it."""
 _TOUCHING = 1e-9
-"""Relative zero tolerance of overlaps, over the largest overlap or gap at the nodes: smaller ones touch without
-pressure.
+"""Zero tolerance of overlaps, relative to the largest overlap or gap at the nodes: smaller overlaps have no pressure.
 """
 _ON_OUTLINE = 1e-9
-"""Part of the plate's size within which a point is on the support's outline."""
+"""Largest distance of a point that counts as on the support's outline, relative to the plate's size."""
 _STRAIGHT = 1e-3
 """Largest distance of a polyline from the edge of contact, relative to the element size."""
 _ALONG_SIDE = np.linspace(-1.0, 1.0, 9)
 
 
 def ground_of(mesh: Mesh, elements: Ints) -> Mesh:
-    """Mesh of some elements (q,) of a mesh, each once and in rising order."""
+    """Mesh of the elements (q,) of a mesh, each once, in rising order."""
     some = np.unique(elements)
     return mesh if len(some) == len(mesh.elements) else mesh.part(some)
 
@@ -48,22 +47,22 @@ class AreaContact(Remade):
     mesh: Mesh
     support: Support  # on an area
     deflection: Floats  # (n,)
-    positions: Floats  # (q, 2): of the points that the area acts at; on means there is one an element
+    positions: Floats  # (q, 2): points of the area; on element means there is one for each element
     elements: Ints  # (q,): the element of each point
-    weights: Floats  # (q,): the area that it stands for
+    weights: Floats  # (q,): area that each point represents
     closed: Bools  # (q,)
-    reactions: Floats  # (q,): the upward force there
-    on_means: bool  # whether it acts on the means of elements: it is rigid, or as good as that
-    # (ne,): elements in which the support is stiffer than the plate; pressures between points do not follow the
-    # deflection
+    reactions: Floats  # (q,): upward force of each point
+    on_means: bool  # whether it acts on mean deflections of elements: it is rigid, or practically rigid
+    # (ne,): elements in which the support is stiffer than the plate: there the pressure between points is not computed
+    # from the deflection
     stiff: Bools
-    ground: Mesh  # of the elements with a part of the support, see `ground_of`
+    ground: Mesh  # mesh of the elements that are partly on the support, see `ground_of`
 
     _made = MappingProxyType({"ground": lambda area: ground_of(area.mesh, area.elements)})
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Least and greatest pressure of the support without its limit."""
+        """Smallest and largest pressure that the support can exert, without its limit."""
         return self._law.bounds
 
     @property
@@ -87,7 +86,7 @@ class AreaContact(Remade):
 
     @cached_property
     def on_nodes(self) -> Bools:
-        """Whether nodes (n,) are on the area."""
+        """Mask (n,) of the nodes on the area."""
         on = np.zeros(self.mesh.node_count, np.bool_)
         on[self.mesh.elements[self._whole].ravel()] = True
         near = np.unique(self.mesh.elements[(self.covered > 0) & ~self._whole])
@@ -95,10 +94,10 @@ class AreaContact(Remade):
         return on
 
     def nodal(self, nodes: Ints, deflection: Floats, forces: Floats) -> Floats:
-        """Pressure (..., k) of an elastic area at nodes (k,), positive up; 0 at those out of it.
+        """Pressure (..., k) of an elastic area at nodes (k,), positive up; 0 at nodes outside the area.
 
-        From deflections (..., k) there, and forces (..., q) of the area's points: at nodes of stiff elements it is the
-        mean of the elements around.
+        ``deflection`` (..., k) is that of the nodes, ``forces`` (..., q) those of the area's points. At nodes of stiff
+        elements the pressure is the mean of the elements around.
         """
         result = np.zeros(deflection.shape)
         on = self.on_nodes[nodes]
@@ -117,7 +116,7 @@ class AreaContact(Remade):
 
     @cached_property
     def largest(self) -> tuple[float, Floats]:
-        """Largest pressure, at nodes and at points that the area acts at, and where; 0 if it only holds down."""
+        """Largest pressure over `pressure_places`, and its position (2,); 0 if the area only holds down."""
         known, places = np.nan_to_num(self._measured, nan=-np.inf), self.pressure_places
         return max(float(known.max()), 0.0), places[peak(known, places)]
 
@@ -132,22 +131,22 @@ class AreaContact(Remade):
 
     @cached_property
     def pressure_places(self) -> Floats:
-        """Where its pressure is looked at (p, 2): at the points that it acts at and, of an elastic area, its nodes."""
+        """Positions (p, 2) at which the pressure is computed: the area's points and, if it is elastic, its nodes."""
         if not self.support.is_elastic:
             return self.positions
         return np.concatenate([self.positions, self.mesh.points[self.on_nodes]])
 
     def measured(self, deflection: Floats, forces: Floats) -> Floats:
-        """Pressures (..., p) there, from deflections (..., k) of its nodes and forces (..., q) of its points."""
+        """Pressures (..., p) at `pressure_places`, from deflections (..., k) of nodes and forces (..., q) of points."""
         own = forces / self.weights
         if not self.support.is_elastic:
             return np.asarray(own)
         return np.concatenate([own, self.nodal(np.flatnonzero(self.on_nodes), deflection, forces)], axis=-1)
 
     def pressure(self, positions: Floats) -> Floats:
-        """Pressure (q,) at positions (q, 2) on the plate, positive up; NaN where the support is not.
+        """Pressure (q,) at positions (q, 2) on the plate, positive up; NaN outside the support.
 
-        A position on the support's outline is on the support, whichever element has it.
+        A position on the support's outline counts as on the support, whichever element contains it.
         """
         covered = np.unique(self.elements)
         where = self.ground.locate(positions)
@@ -176,15 +175,15 @@ class AreaContact(Remade):
         return float(self._areas(self.closed[None], *self._crossed_here[:3])[0])
 
     def contact_areas(self, deflection: Floats, closed: Bools) -> Floats:
-        """Areas in contact (k,), from deflections (k, n), and whether points are closed (k, q).
+        """Areas in contact (k,), from deflections (k, n) and the mask (k, q) of closed points.
 
-        Elements with every point closed count whole. In those that the edge of contact may cross it is measured on a
-        grid finer than the points; one that is all in contact has exactly the area that the support has in it.
+        Elements with every point closed count whole. In elements that the edge of contact may cross, the area is
+        measured on a grid finer than the points. An element wholly in contact has exactly the support's area in it.
         """
         return self._areas(closed, *self._crossed(deflection, closed, self._law)[:3])
 
     def yielding(self, yielded: Bools) -> float | None:
-        """Area that gives its limit, given the points (q,) that do; None without a limit."""
+        """Area in which the limit is reached, given the mask (q,) of points at the limit; None without a limit."""
         if not self.support.can_yield:
             return None
         law = SupportLaw(self.support, to_limit=True)
@@ -202,10 +201,10 @@ class AreaContact(Remade):
 
     @cached_property
     def contact_boundary(self) -> tuple[Floats, ...]:
-        """Polylines (k, 2) between contact, on their left, and gap; the last point of a closed one is its first.
+        """Edge of contact: polylines (k, 2) with the contact on their left; closed ones end with their first point.
 
-        Open ones end at the border of the support or the plate. An elastic area has them where the deflection field
-        closes the gap, a rigid one along sides between closed and open elements.
+        Open polylines end at the border of the support or the plate. On an elastic area they are where the deflection
+        field closes the gap, on a rigid area along sides between closed and open elements.
         """
         if self.on_means:
             segments, near = self._sides_between(), self.elements
@@ -219,7 +218,7 @@ class AreaContact(Remade):
         return tuple(thinned(line, tolerance) for line in chained(segments))
 
     def depth(self, positions: Floats) -> Floats:
-        """How deep positions (q, 2) are in the support; 0 or more on its outline too, negative where it has no soil."""
+        """Depth (q,) of positions (q, 2) inside the support: ≥ 0 inside and on the outline, negative without soil."""
         region, size = self.support.where.region, self.mesh.size
         deep = np.full(len(positions), size) if region is None else depth(region, positions) + _ON_OUTLINE * size
         return np.where(on_soil(self.support, positions), deep, -size)
@@ -230,7 +229,7 @@ class AreaContact(Remade):
 
     @cached_property
     def per_element(self) -> csr_array:
-        """Ones (ne, q) where an element has a point."""
+        """Matrix (ne, q) with ones where an element contains a point."""
         points = np.arange(len(self.elements))
         return csr_array((np.ones(len(points)), (self.elements, points)), shape=(len(self.covered), len(points)))
 
@@ -239,7 +238,7 @@ class AreaContact(Remade):
         return self._crossed(self.deflection[None], self.closed[None], self._law)
 
     def _crossed(self, deflection: Floats, closed: Bools, law: SupportLaw) -> tuple[Ints, Ints, Floats, Floats]:
-        """Solutions and elements (p,) that the edge of contact may cross, and their parts (p,) in contact.
+        """Solutions (p,) and elements (p,) that the edge of contact may cross, and the shares (p,) in contact.
 
         Also returns the zero tolerances (k,) of the overlap.
         """
@@ -259,7 +258,7 @@ class AreaContact(Remade):
         return *cells.parts(deflection, pressed & parted, rounding), rounding
 
     def _sides_between(self) -> Segments:
-        """Sides of elements between closed and open ones of a rigid area."""
+        """Sides between closed and open elements of a rigid area."""
         elements, sides = self.mesh.elements, self.mesh.sides
         closed, opened = np.unique(self.elements[self.closed]), np.unique(self.elements[~self.closed])
         triples = sides[closed][np.isin(sides[closed][..., 1], elements[opened, 4:]) & real_sides(elements[closed])]
@@ -274,16 +273,17 @@ class AreaContact(Remade):
 
 
 _STEP = 1e-6
-"""Step to a place beside a point, relative to the plate's size: more than the tolerance of outlines."""
+"""Length of the step to a position beside a point, relative to the plate's size: more than the tolerance of outlines.
+"""
 _WAYS = np.array([(np.cos(turn), np.sin(turn)) for turn in np.pi / 8 * (2 * np.arange(8) - 6.6)])
-"""Directions in which one looks, along no usual outline."""
+"""Unit vectors of the step directions; common outlines run along none of them."""
 
 
 def without_shared_borders(areas: Sequence[AreaContact], positions: Floats, on: Bools) -> Bools:
-    """Mask (a, q) of the areas that act at positions (q, 2), given the areas that contain them, border included.
+    """Mask (a, q) of the areas that act at positions (q, 2), given the mask ``on`` of areas that contain them.
 
-    At a common border, the areas act that lie on the first side, in a fixed order of directions, on which any lies. So
-    one area acts where two touch, and both where they overlap.
+    ``on`` includes borders. At a common border steps are taken in a fixed order of directions. The areas at the end of
+    the first step that ends in any area act. So one area acts where two touch, and both where they overlap.
     """
     several = np.flatnonzero(on.sum(axis=0) > 1)
     if not len(several):
@@ -304,14 +304,14 @@ def without_shared_borders(areas: Sequence[AreaContact], positions: Floats, on: 
 
 
 _ALONG = 24
-"""Places a side at which one looks how much of an element several rigid areas have together."""
+"""Number of stations along a side of an element, for its area on several overlapping rigid areas."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pressures:
-    """Pressures of areas, of any number of solutions (...,), from deflections and from the forces of their points.
+    """Pressures of several areas in any number of solutions (...,), from deflections and forces of their points.
 
-    Where areas overlap their pressures add; on a border where they only touch one counts.
+    Where areas overlap their pressures add; on a border where areas only touch, one area counts.
     """
 
     areas: Sequence[AreaContact]
@@ -327,7 +327,7 @@ class Pressures:
         return np.flatnonzero(np.any([area.covered > 0 for area in self._rigid], axis=0))
 
     def at_nodes(self, deflections: Sequence[Floats], forces: Sequence[Floats]) -> Floats:
-        """Pressure (..., k) at ``nodes``, from deflections (..., k) over every area and its forces (..., p)."""
+        """Pressure (..., k) at ``nodes``, from deflections (..., k) and forces (..., p) of every area."""
         total = np.zeros(deflections[0].shape)
         for area, on in zip(self._elastic, self._acting, strict=True):
             own = self.areas.index(area)
@@ -335,7 +335,7 @@ class Pressures:
         return total
 
     def on_elements(self, forces: Sequence[Floats]) -> Floats:
-        """Mean pressure (..., k) over the part of ``elements`` that is on rigid areas, from every area's forces."""
+        """Mean pressure (..., k) over the part of ``elements`` on rigid areas, from the forces of every area."""
         total = np.zeros((*forces[0].shape[:-1], len(self.elements)))
         for area in self._rigid:
             total += (area.per_element[self.elements] @ forces[self.areas.index(area)].T).T

@@ -17,7 +17,7 @@ from signorini.shapes.tessellation import grid_shapes, tessellate
 
 
 def positive_part(values: Floats) -> Floats:
-    """Part of a triangle where the linear function through its corner values (..., 3) is positive.
+    """Share of a triangle's area where the linear function with corner values (..., 3) is positive.
 
     Examples
     --------
@@ -33,9 +33,9 @@ def positive_part(values: Floats) -> Floats:
 
 
 def both_positive_part(first: Floats, second: Floats) -> Floats:
-    """Part of a triangle where two linear functions, given at its corners (t, 3), are positive.
+    """Share of a triangle's area where two linear functions with corner values (t, 3) are positive.
 
-    The triangle is cut in three where the first is zero; on each piece the second is linear still.
+    The triangle is cut into three where the first function is zero; the second is linear on each piece.
 
     Examples
     --------
@@ -65,40 +65,40 @@ _Values = TypeVar("_Values", Floats, Bools)
 _FINEST = 12
 _MOST_CELLS = 1_000_000
 _AT_ONCE = 100_000
-"""Vertices in one block: their numbers fit into the processor's cache."""
+"""Largest number of vertices in one block: their values fit into the processor's cache."""
 
 
 def divisions(count: int) -> int:
-    """Number of cells along a side, for a number of elements to cut."""
+    """Number d of cells along a side, given the number of elements that are cut into d × d cells."""
     return int(np.clip(2 * round(np.sqrt(_MOST_CELLS / max(count, 1)) / 2), 2, _FINEST))
 
 
 class _Grid(NamedTuple):
-    """Elements (e,), of triangles those that are marked, cut into d × d cells of two triangles."""
+    """Elements (e,) cut into d × d cells of two triangles; ``triangles`` (e,) marks triangular elements."""
 
     shapes: Floats
     triangles: Bools
     depth: Floats
-    """At vertices (e, d + 1, d + 1)."""
+    """Depth of vertices (e, d + 1, d + 1) inside the support."""
     travel: tuple[Floats, Floats]
-    """Settlement and gap there."""
+    """Settlement and gap at vertices."""
     areas: Floats
-    """Areas (e, d, d, 2) of triangles."""
+    """Areas (e, d, d, 2) of the triangles."""
     whole: Bools
-    """Cells (e, d, d) all within the support."""
+    """Mask (e, d, d) of the cells that are wholly within the support."""
     outside: Bools
     inside: Floats
-    """Area (e,) within the support."""
+    """Area (e,) of each element within the support."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Inputs of the search in elements of an elastic area."""
+    """Search for the parts of elements of an elastic area that are in contact."""
 
     mesh: Mesh
     law: SupportLaw
-    covered: Bools  # (ne,): whether the support has a part of an element
-    depth: Callable[[Floats], Floats]  # how deep positions (q, 2) are in the support
+    covered: Bools  # (ne,): elements of which a part is on the support
+    depth: Callable[[Floats], Floats]  # depth (q,) of positions (q, 2) inside the support
 
     def parts(self, deflection: Floats, crossed: Bools, touching: Floats) -> tuple[Ints, Ints, Floats]:
         """Solutions (p,), elements (p,), and shares (p,) in contact of the part of each element on the support.
@@ -134,7 +134,7 @@ class Cells:
             own, elements = np.nonzero(more)
 
     def _pressed(self, grid: _Grid, place: Ints, nodal: Floats, touching: Floats) -> tuple[Floats, Bools]:
-        """Parts (p,) in contact of elements at places in the grid, and whether an edge leaves by a side (p, 4)."""
+        """Share (p,) in contact of elements ``place`` (p,) of the grid; mask (p, 4) of sides the edge crosses."""
         values = nodal @ grid.shapes[0].T
         if grid.triangles.any():
             of_triangle = grid.triangles[place]
@@ -153,7 +153,7 @@ class Cells:
         over = _of_triangles([corner[at, i, j] for corner in corners])
         deep = _of_triangles([corner[which] for corner in _corners(grid.depth)])
         area = np.where(np.isnan(over).any(axis=-1), 0.0, grid.areas[which])
-        # A triangle that only touches everywhere is in contact if those beside it are.
+        # A triangle with zero overlap at all corners is in contact if a triangle beside it is.
         touches = (over == 0.0).all(axis=-1)
         if touches.any():
             cells = np.flatnonzero(touches.any(axis=1))
@@ -199,18 +199,18 @@ class Cells:
 
 
 def _corners(values: _Values) -> list[_Values]:
-    """Values (e, d, d) at the corners of cells, counter-clockwise, of those (e, d + 1, d + 1) at vertices."""
+    """Take values (e, d + 1, d + 1) at vertices to the four corners of cells (e, d, d), counter-clockwise."""
     return [values[:, :-1, :-1], values[:, :-1, 1:], values[:, 1:, 1:], values[:, 1:, :-1]]
 
 
 def _of_triangles(corners: list[_Values]) -> _Values:
-    """Values (..., 2, 3) at the corners of the two triangles of cells, of those (...) at theirs."""
+    """Take values (...) at the four corners of cells to the corners of their two triangles (..., 2, 3)."""
     a, b, c, d = corners
     return np.stack([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)], axis=-2)
 
 
 def _beside(pressed: Bools) -> Bools:
-    """Vertices (e, d + 1, d + 1) of triangles that have a vertex which is pressed."""
+    """Mask (e, d + 1, d + 1) of the vertices of all triangles with a pressed vertex."""
     beside = np.zeros_like(pressed)
     a, b, c, d = _corners(pressed)
     first, second = a | b | c, a | c | d
@@ -220,13 +220,13 @@ def _beside(pressed: Bools) -> Bools:
 
 
 def edge_of_contact(mesh: Mesh, law: SupportLaw, elements: Ints, deflection: Floats, touching: float) -> Segments:
-    """Mask of the gap between plate and elastic area in elements; overlaps of at most ``touching`` count as zero."""
+    """Find the edge of contact of an elastic area in elements; overlaps of at most ``touching`` count as zero."""
     cut = tessellate(mesh.elements[elements], divisions(len(elements)))
     positions = cut.interpolate(mesh.points)
     values = law.overlap(cut.interpolate(deflection), law.travel(positions))
     values[np.abs(values) <= touching] = 0.0
     pressed = values > 0
-    # Touching parts count as contact if they adjoin pressed ones.
+    # Parts with zero overlap count as contact if they adjoin parts with a positive overlap.
     beside = np.zeros_like(pressed)
     beside[cut.triangles[pressed[cut.triangles].any(axis=1)]] = True
     known = cut.triangles[~np.isnan(values[cut.triangles]).any(axis=1)]

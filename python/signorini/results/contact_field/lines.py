@@ -13,9 +13,9 @@ _PASSES = 4
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Segments from points to points: points (k, 2) and pairs of them (s, 2), each segment from the first of its pair.
+    """Directed segments: points (k, 2), and pairs (s, 2) of their numbers, begin and end.
 
-    Segments that follow one another share a point.
+    Consecutive segments share a point.
     """
 
     points: Floats
@@ -25,8 +25,8 @@ class Segments:
 def zero_line(points: Floats, triangles: Ints, values: Floats, inside: Bools) -> Segments:
     """Find where the linear functions on triangles are zero, with the inside on the left.
 
-    The values (v,) are positive inside, negative outside, or zero. Triangles (t, 3), counter-clockwise, where they are
-    nowhere negative have no line.
+    The values (v,) are positive inside, negative outside, or zero. Triangles (t, 3) are counter-clockwise. Triangles
+    without a negative value have no line.
     """
     sides = inside[triangles]
     crossed = sides.any(axis=1) & (values[triangles] < 0).any(axis=1)
@@ -81,7 +81,7 @@ def chained(segments: Segments) -> list[Floats]:
 
 
 def thinned(line: Floats, tolerance: float) -> Floats:
-    """Leave out points of a polyline (k, 2) that lie within a tolerance of the chord between their neighbours."""
+    """Remove points of a polyline (k, 2) that are within a tolerance of the chord between their neighbours."""
     for _ in range(_PASSES):
         before, point, after = line[:-2:2], line[1:-1:2], line[2::2]
         chord, offset = after - before, point - before
