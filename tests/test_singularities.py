@@ -423,8 +423,7 @@ def test_a_plate_that_lies_beside_places_without_a_limit_is_warned_of():
     heavy = {"at": [0.5, 0.5], "force": 1e3}
     model = rectangular(plate=pad, support=[feet], load=[heavy], mesh={"divisions": [4, 4], "error": False})
     (result,) = solve(model).values()
-    said = "All of the plate lies within its thickness of places where moments have no limit"
-    assert any(warning.startswith(said) for warning in result.warnings)
+    assert any("All of the plate" in warning and "moments have no limit" in warning for warning in result.warnings)
 
 
 WITHIN = [

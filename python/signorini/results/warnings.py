@@ -142,11 +142,11 @@ def _left_out(discretisation: Discretisation) -> Iterator[str]:
     for number in ("moment", "shear"):
         peaks = at_peaks(mesh, named, number)
         part = float(mesh.element_area[peaks[mesh.elements].all(axis=1)].sum() / mesh.element_area.sum())
-        where = f"lies within its thickness of places where {number}s have no limit"
+        where = f"is less than one thickness from places where {number}s have no limit"
         if peaks.all():
-            yield f"All of the plate {where}: the largest {number}s named are at such places, and grow with the mesh."
+            yield f"All of the plate {where}: the largest {number}s in results are at such places, and grow as the mesh is refined."
         elif part > _MOST:
-            yield f"{100 * part:.0f} % of the plate {where}, and is left out of the largest {number}s."
+            yield f"{100 * part:.0f} % of the plate {where}. Extremes of {number}s exclude this part."
 
 
 def bending_thickness(discretisation: Discretisation) -> Floats:
