@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import tomllib
 from pathlib import Path
 
@@ -91,6 +92,20 @@ def test_thresholds_are_found_where_a_solve_has_the_value(slab: Path) -> None:
     assert told[-1] == {"when": asked[3], "t": None, "plus_minus": None}
     assert {stop.t for stop in found.stops} >= {first.t, second.t, third.t}
     assert any("probe[2].deflection=2e-4" in words for words in found.table["event"])
+
+
+@pytest.mark.parametrize("events", ["named", "all"])
+def test_a_threshold_at_the_limit_of_a_support_is_reached_where_it_yields(events: str) -> None:
+    given = tomllib.loads(SLAB)
+    given["support"] = [{"name": "anchors", "at": [[0, 0], [4, 0], [4, 4], [0, 4]], "stiffness": 1e4, "limit": 50}]
+    given["support"].append({"name": "middle", "at": [2, 2], "stiffness": 1e3, "rotational_stiffness": 1e5})
+    for value in (50.0, -50.0):
+        given["combination"] = [{"name": "c", "factors": {"Q": math.copysign(1.0, value)}}]
+        found = signorini.path(
+            signorini.validate(given), None, "c", events=events, when=[f"anchors[1].reaction = {value}"], until=1e4
+        )
+        (yields,) = [one.t for one in found.support_events if one.change == "yields" and one.at == (0.0, 0.0)]
+        assert found.thresholds[0].t == pytest.approx(yields, rel=1e-6)
 
 
 def test_an_exact_path_has_thresholds_at_its_stops(slab: Path) -> None:

@@ -35,7 +35,7 @@ def sums(request):
     """A problem, its terms and their displacements, and the sums that solve its combinations."""
     problem = contact_problem(slab(gap=request.param))
     found = problem.discretisation
-    terms = terms_of(problem, tuple(found.cases), (), np.zeros(0, dtype=np.int64))
+    terms = terms_of(problem, tuple(found.cases), ())
     verdict, pushes, reaction, *_ = _core.combine(problem.core, terms.shared, FACTORS)
     assert not verdict.any()
     responses = [

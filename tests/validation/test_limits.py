@@ -469,6 +469,19 @@ def test_a_law_that_yields_one_way_alone_says_so():
         signorini.solve(model)
 
 
+def test_glue_with_a_limit_is_its_law_both_ways():
+    """Stiffness and limit draw the law [[0, 0], [limit/k, limit], [2 limit/k, limit]], in tension and pressure."""
+    limit, stiffness = 20e3, 5e6
+    law = [[0, 0], [limit / stiffness, limit], [2 * limit / stiffness, limit]]
+    for force in (-60e3, 60e3):
+        numbers = []
+        for own in ({"stiffness": stiffness, "limit": limit}, {"stiffness": None, "limit": None, "law": law}):
+            (soil,) = signorini.solve(block(8, force, 0.2, resists="both", **own))["all"].supports
+            numbers.append([soil.reaction, soil.max_pressure, soil.max_tension, soil.yielded_area])
+        assert numbers[0] == pytest.approx(numbers[1], rel=1e-6, abs=1e-6)
+        assert max(numbers[0][1:3]) <= limit * (1 + 1e-9)
+
+
 def over_a_stop(law):
     """A strip on a wall and a prop, loaded beyond the prop, over a stop that it meets once the prop gives way."""
     return Model(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import pickle
 from typing import Any
@@ -320,6 +321,9 @@ def test_envelopes_of_several_plates_are_those_of_each_over_its_combinations(tmp
     results = solve(Model(**mats() | {"mesh": {"error": False}}, combination=combinations, output={"fields": "all"}))
     write(results, tmp_path, pictures="none")
     envelope = json.loads((tmp_path / "results.json").read_text("utf-8"))["envelope"]
+    rows = csv.DictReader((tmp_path / "governing.csv").read_text("utf-8").splitlines())
+    governing = {(row["support"], row["what"]) for row in rows}
+    assert {("soil left", "max_pressure"), ("right", "contact_area")} <= governing
     for name in ("top", "left"):
         each = [result.plates[name] for result in results.values()]
         low, high = zip(*((one.extremes["mx"].min, one.extremes["mx"].max) for one in each), strict=True)

@@ -53,7 +53,7 @@ class SampledPath:
         self._keep(state := self.sampler.state(0.0))
         self._last = [state]
         for number, threshold in enumerate(self.sampler.asked):
-            if self.sampler.value(state, Watch(None, number)) == 0 and threshold.t is None:
+            if state.stop.number(threshold.quantity) == threshold.value:
                 self.reached[number] = 0.0
 
     def go_on(self, t: float, span: float, shown: bool) -> None:

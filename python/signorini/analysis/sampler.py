@@ -124,6 +124,8 @@ class Sampler:
     asked: tuple[Threshold, ...]
     watcher: Watcher
     scales: Scales | None = None
+    above: tuple[bool, ...] = ()
+    """Whether the quantity of each threshold starts above its value."""
     watched: tuple[bool, ...] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -148,6 +150,8 @@ class Sampler:
             # A start without load has no scales; they are taken from the first loaded state.
             self.scales = Scales.of(answer)
         (stop,) = path_stops(result, [t], [load], [np.zeros(0, np.int64)], [Switched()], [answer])
+        if not self.above:
+            self.above = tuple(stop.number(one.quantity) > one.value for one in self.asked)
         of_supports = [
             margins(result, index, answer, self.scales, float(stop.parts[index])) if watched else np.ones(0)
             for index, watched in enumerate(self.watched)
@@ -160,7 +164,7 @@ class Sampler:
         if watch.support is not None:
             return float(state.margins[watch.support][watch.number])
         threshold = self.asked[watch.number]
-        return state.stop.number(threshold.quantity) - threshold.value
+        return threshold.margin(state.stop.number(threshold.quantity), self.above[watch.number])
 
     def exact(self, watch: Watch) -> bool:
         """Whether the function is linear in t between the events of contact points."""

@@ -150,7 +150,7 @@ class Law:
         [-2.0, 1.0, 2.0]
         """
         travels, vertex_travels = np.asarray(travel, dtype=np.float64), [vertex[0] for vertex in self.vertices]
-        first = int(self.ends[0] == 0.0)
+        first = int(self.forces[0] == 0.0)
         piece = np.minimum(np.maximum(np.searchsorted(vertex_travels, travels, "right"), first), len(self.slopes) - 1)
         return np.asarray(self.anchors[piece, 1] + self.slopes[piece] * (travels - self.anchors[piece, 0]))
 

@@ -25,6 +25,8 @@ LEVELS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Closed parts of a line or area at its events: 1 where it begins to open, 0.75, 0.5, 0.25, and 0 where it is open."""
 WHOLE = 1e-12
 """Zero tolerance for a part of a support, relative to the whole support."""
+_EQUAL = 1e-10
+"""Rounding of a quantity, relative to the value of its threshold."""
 _TOUCHING = 1e-9
 """Relative tolerance for contact without overlap, relative to the largest overlap, as for contact areas."""
 
@@ -230,6 +232,13 @@ class Threshold:
     value: float
     t: float | None = None  # t at which the quantity first reaches the value; None if it does not on the path
 
+    def margin(self, number: float, above: bool) -> float:
+        """The quantity less the value, whose sign changes where it is reached from above or from below.
+
+        The value is moved by its rounding toward the start of the path: a yielding reaction only equals its limit.
+        """
+        return number - self.value - math.copysign(_EQUAL * abs(self.value), 1.0 if above else -1.0)
+
     @property
     def linear(self) -> bool:
         """Whether the quantity is linear in t while the contact state is constant."""
@@ -260,6 +269,7 @@ def thresholds(discretisation: Discretisation, when: Sequence[str]) -> tuple[Thr
 
 def first_reached(threshold: Threshold, stops: Sequence[PathStop]) -> Threshold:
     """Find the stop at which a quantity first reaches or passes the value of a threshold."""
-    beyond = [stop.number(threshold.quantity) >= threshold.value for stop in stops]
+    numbers = [stop.number(threshold.quantity) for stop in stops]
+    beyond = [threshold.margin(number, numbers[0] > threshold.value) >= 0.0 for number in numbers]
     row = next((row for row in range(1, len(stops)) if beyond[row] != beyond[0]), None)
     return threshold if row is None else replace(threshold, t=stops[row].t)

@@ -212,7 +212,7 @@ class Layout:
         """Quantity and owner of numbers whose extremes are listed with all reactions: reactions, gaps, pressures."""
         result = [("reaction", bearing) for bearing in self.bearings]
         opening = [one for one in self.bearings if one.point is not None and self.supports[one.support].rows.size]
-        areas = [one for one in self.bearings if one.support in self.at_rest]
+        areas = [one for one in self.bearings if self.model.support[one.support].area is not None]
         result += [
             (one.name, bearing) for bearing in self.bearings if bearing.support in self.lines for one in OF_LINES
         ]

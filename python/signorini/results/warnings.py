@@ -144,7 +144,7 @@ def _left_out(discretisation: Discretisation) -> Iterator[str]:
         part = float(mesh.element_area[peaks[mesh.elements].all(axis=1)].sum() / mesh.element_area.sum())
         where = f"is less than one thickness from places where {number}s have no limit"
         if peaks.all():
-            yield f"All of the plate {where}: the largest {number}s in results are at such places, and grow as the mesh is refined."
+            yield f"All of the plate {where}: the largest {number}s are there, and grow as the mesh is refined."
         elif part > _MOST:
             yield f"{100 * part:.0f} % of the plate {where}. Extremes of {number}s exclude this part."
 

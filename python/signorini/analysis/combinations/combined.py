@@ -231,8 +231,10 @@ class _Run:
         block.solved[here] = True
         block.certificate[here] = figures[certain]
         numbers, extremes_at = list[Floats](), list[Floats]()
-        for member, of in zip(self.layout.members, terms.plates, strict=True):
-            plate, points = member.plate, member.plate.points
+        # Bolts are tightened in the problem's plates, not in the layout's.
+        plates = self.problem.discretisation.members
+        for member, plate, of in zip(self.layout.members, plates, terms.plates, strict=True):
+            points = plate.points
             readings = Readings(
                 reader=Reader.of(plate.own),
                 linear=of.linear.sums(coefficients),
