@@ -28,6 +28,14 @@ def test_plates_that_rounding_made_hard_are_certified(path: Path) -> None:
     assert solved and all(result.certificate.passed for result in solved)
 
 
+def test_a_plate_without_load_stays_where_it_is() -> None:
+    """The solver leaves it 10⁶ m away. The least deflection was once given up for that, since it had lost its digits."""
+    tables = json.loads((Path(__file__).parent / "hard_plates" / "an_upper_plate_without_load.json").read_text())
+    (result,) = solve(validate(tables)).values()
+    loaded = np.abs(result.plates["up2"].deflection).max()
+    assert np.abs(result.plates["up1"].deflection).max() < 1e-9 * loaded
+
+
 def test_where_points_follow_from_several_equations_what_is_shared_by_the_sign_is_what_these_have() -> None:
     """The sum of reactions to a load without resultant was once wrong by 7 % of their size."""
     tables = json.loads((Path(__file__).parent / "hard_plates" / "floors_and_columns_between.json").read_text())

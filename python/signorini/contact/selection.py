@@ -306,28 +306,36 @@ def _with_least_deflection(
     # Reactions within rounding of zero are zero; those within rounding of a limit yield.
     flat = contacts.forces_on(contacts.pieces_at(answer.reaction, nothing))
     settled = np.where(idle, flat, answer.reaction)
-    travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, answer.hi, answer.lo)
-    length = np.maximum(float(np.abs(answer.hi[::3]).max()), np.abs(contacts.distance))
-    sides = np.concatenate([-freedom.moves[idle], freedom.moves[idle]]) @ free
-    room = np.concatenate([np.where(one > _NIL * length, one, 0.0)[idle] for one in contacts.room(travel, settled)])
-    sides, room = sides[np.isfinite(room)], room[np.isfinite(room)]
-    ways = free @ span_of_cone(sides[room == 0.0])
-    if not ways.shape[1]:
-        return answer
-    motions = freedom.motions @ free
     over = area_quadrature(discretisation.mesh)
     values = discretisation.mesh.shape_functions(over.elements, over.xi)
     root = np.sqrt(over.weights)
-    at = discretisation.in_motions(over.positions, over.elements)
-    deflection = (values * (answer.hi + answer.lo)[::3][discretisation.mesh.elements[over.elements]]).sum(axis=1)
-    unit = float(np.abs(deflection).max()) or 1.0
-    part = least(root[:, None] * (at @ motions), root * deflection / unit, sides, room / unit)
-    hi, lo = discretisation.moved(answer.hi, answer.lo, unit * (motions @ part) / discretisation.sizes)
+    motions = freedom.motions @ free
+    moves = root[:, None] * (discretisation.in_motions(over.positions, over.elements) @ motions)
+    hi, lo, ways = answer.hi, answer.lo, free[:, :0]
+    # The first motion has the rounding of the deflections before it, the second one that of the least deflections.
+    for motion in range(2):
+        travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
+        length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(contacts.distance))
+        sides = np.concatenate([-freedom.moves[idle], freedom.moves[idle]]) @ free
+        rooms = [np.where(np.abs(one) > _NIL * length, one, 0.0)[idle] for one in contacts.room(travel, settled)]
+        room = np.concatenate(rooms)
+        sides, room = sides[np.isfinite(room)], room[np.isfinite(room)]
+        if motion == 0:
+            ways = free @ span_of_cone(sides[room <= 0.0])
+            if not ways.shape[1]:
+                return answer
+        deflection = (values * (hi + lo)[::3][discretisation.mesh.elements[over.elements]]).sum(axis=1)
+        unit = float(np.abs(deflection).max()) or 1.0
+        part = least(moves, root * deflection / unit, sides, room / unit)
+        hi, lo = discretisation.moved(hi, lo, unit * (motions @ part) / discretisation.sizes)
+        # Where the solver left a free plate far off, the rounding of its motion moves pushing points too.
+        travel -= -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
+        back = freedom.motions @ np.linalg.lstsq(freedom.moves[pushing], travel[pushing])[0]
+        hi, lo = discretisation.moved(hi, lo, back / discretisation.sizes)
     travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
     back, on = contacts.room(travel, settled)
     length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(contacts.distance))
-    # The rounding of the motion is relative to the deflections before it.
-    nil = np.maximum(_NIL * length, _ROUNDING * float(np.abs(answer.hi[::3]).max()))
+    nil = _NIL * length
     touching = ~idle | (np.minimum(back, on) <= nil)
     closed = touching | (settled != 0.0)
     piece = np.where(touching, contacts.pieces_at(settled, 0.0, flat=False), contacts.pieces_at(settled, 0.0))
