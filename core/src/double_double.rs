@@ -45,8 +45,8 @@ impl DoubleDouble {
         *self = Self { hi: sum, lo: self.lo + (carried + error) };
     }
 
-    /// The bits of [`DoubleDouble::add_product`], by a fused multiply-add: faster if the code is compiled for machines
-    /// with this instruction, much slower if not.
+    /// Same as [`DoubleDouble::add_product`], bit for bit, by a fused multiply-add. It is faster if the code is compiled
+    /// for machines with this instruction, much slower if not.
     #[inline(always)]
     pub fn add_product_fused(&mut self, a: f64, b: f64) {
         let product = a * b;

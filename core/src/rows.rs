@@ -1,4 +1,4 @@
-//! Rows g of supports over the dofs of elements, and springs on them.
+//! Rows g of supports, with coefficients over the dofs of elements; springs that act along such rows.
 
 use crate::displacement::Displacement;
 use crate::double_double::DoubleDouble;

@@ -29,7 +29,7 @@ def test_plates_that_rounding_made_hard_are_certified(path: Path) -> None:
 
 
 def test_a_plate_without_load_stays_where_it_is() -> None:
-    """The solver leaves it 10⁶ m away. The least deflection was once given up for that, since it had lost its digits."""
+    """The solver leaves it 10⁶ m away; the least deflection once lost its digits on the way back."""
     tables = json.loads((Path(__file__).parent / "hard_plates" / "an_upper_plate_without_load.json").read_text())
     (result,) = solve(validate(tables)).values()
     loaded = np.abs(result.plates["up2"].deflection).max()

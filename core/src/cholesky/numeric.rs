@@ -143,7 +143,7 @@ pub(super) fn factorize(
     failed.map_or(Ok((all, weakest)), Err)
 }
 
-/// The more severe of two errors, or the smaller column. The result does not depend on which error occurred first.
+/// The more severe of two errors; of two columns that fail, the first. The result does not depend on which error occurred first.
 fn worse(one: Option<FactorError>, other: FactorError) -> FactorError {
     match (one, other) {
         (Some(FactorError::NotPositiveDefinite { column: a }), FactorError::NotPositiveDefinite { column: b }) => {

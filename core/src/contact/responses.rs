@@ -41,7 +41,7 @@ struct Draft<'a> {
     springs: &'a Springs,
     /// Stiffness (m,) at the points that the response includes.
     carried: &'a [f64],
-    /// The point whose x is 1; `None` in the response to a load.
+    /// The contact point i with x_i = 1, all other x being 0; `None` in the response to a load case.
     point: Option<usize>,
     response: Response,
     imbalance: Vec<f64>,

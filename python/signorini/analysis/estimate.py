@@ -284,7 +284,7 @@ def estimate(
 
 
 def estimates_of(results: Results, watcher: Watcher, table: str | os.PathLike[str] | None = None) -> Estimates:
-    """Estimate results; half-widths are added to the file ``table`` that `signorini.solve` has written."""
+    """Estimate the mesh errors of results; half-widths are also added to the file ``table`` of `signorini.solve`."""
     calls = 1 if results.model.tabulated else max(1, len(results.full))
     meshes = OtherMeshes(results.model, results.discretisation.mesh, watcher, results.seconds["total"], calls)
     full = estimated(results, meshes) if results.estimates is None else results.estimates

@@ -205,7 +205,7 @@ def path(
     steps: Annotated[
         int | None, typer.Option(metavar="N", help="Number of equally spaced t to solve. [default: 50]")
     ] = None,
-    at: Annotated[str | None, typer.Option(metavar="T,T", help="The t to solve instead: 0.5,1,1.5.")] = None,
+    at: Annotated[str | None, typer.Option(metavar="T,T", help="Values of t, in place of --steps: 0.5,1,1.5.")] = None,
     when: Annotated[
         list[str] | None,
         typer.Option(metavar="EQUATION", help='A threshold to find, such as "bolts[1].reaction = -203e3"; repeatable.'),

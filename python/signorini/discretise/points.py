@@ -206,7 +206,7 @@ class ContactPoints(Table, Brief):
 
     @property
     def averaged(self) -> Bools:
-        """Mask of points (m,) of areas that act on element means and at outline points."""
+        """Mask (m,) of contact points of areas that act on element means; their points on outlines are included."""
         return self.shared[:, 0] >= 0
 
 

@@ -325,7 +325,7 @@ class ZonesOfPlates(Zones):
 
     @property
     def of_elements(self) -> SectionIndex:
-        """Sections of all elements: section numbers are those of each plate, rigidities are numbered over all."""
+        """Sections of all elements: their numbers start anew in each plate, those of rigidities run through all."""
         first = np.cumsum([0, *(len(sections.rigidities) for sections in self.plates)])
         each = [sections.of_elements for sections in self.plates]
         each = [

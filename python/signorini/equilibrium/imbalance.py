@@ -210,7 +210,10 @@ def _tipping(discretisation: Discretisation, freedom: RigidFreedom, nodal: Float
 def _unresisted(
     discretisation: Discretisation, freedom: RigidFreedom, bearing: Bearing, nodal: Floats
 ) -> Floats | None:
-    """The motion (d,), |motion| ≤ 1 and allowed by a bearing, in which the load does most work; None without work."""
+    """The motion (d,) with |motion| ≤ 1 in which the load does most work, and that no one-sided point resists.
+
+    ``bearing`` are the positions of one-sided points. None if the load does no work in any such motion.
+    """
     total = load_size(discretisation, nodal)
     if not freedom.count or total == 0:
         return None

@@ -150,7 +150,7 @@ def _left_out(discretisation: Discretisation) -> Iterator[str]:
 
 
 def bending_thickness(discretisation: Discretisation) -> Floats:
-    """Thickness (ne,) for comparison with deflections; zones at most that of the plate, with which they move."""
+    """Thickness (ne,) to compare deflections with: in zones at most the largest one outside, as zones move with it."""
     nominal = np.broadcast_to(discretisation.thickness.nominal.min(axis=1), len(discretisation.mesh.elements))
     own = nominal[discretisation.zones.of_elements.thickness == 0]
     return np.minimum(nominal, own.max()) if len(own) else nominal

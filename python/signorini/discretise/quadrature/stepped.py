@@ -122,7 +122,7 @@ class Cut(NamedTuple):
 
 
 def sides_of(region: Part) -> list[Callable[[Floats], Floats]]:
-    """Levels whose zeros are the infinite lines and full circles of a region's outline."""
+    """Level-set functions, zero on the extended lines and full circles of a region's outline."""
     outline = region.outline
     return [
         *(partial(_across, side) for side in outline.segments),
