@@ -19,6 +19,8 @@ NO_FORCE = 1e-6
 _HELD = 1e-4
 """Smallest stiffness of supports against rigid motions, relative to the required one: four of sixteen digits are lost.
 """
+_PLANE = np.array([1.0, 1.0j])
+"""Takes a position (x, y) to x + iy, by which positions are compared."""
 _MANY = 100
 """Largest number of points that are all kept; of more, only the corners of the convex hull are."""
 
@@ -141,8 +143,8 @@ def _bearing(
     for group, direction in itertools.product(np.unique(groups), (1.0, -1.0)):
         members = np.flatnonzero((groups == group) & (directions == direction))
         if len(members) > _MANY:
-            of_members = positions[members]
-            members = members[(of_members[:, None] == hull(of_members)).all(axis=2).any(axis=1)]
+            corners = hull(positions[members]) @ _PLANE
+            members = members[np.isin(positions[members] @ _PLANE, corners)]
         deciding.append(members)
     which = np.concatenate(deciding)
     arms = _arms(discretisation, positions[which], supports[which])
