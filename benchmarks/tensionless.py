@@ -139,7 +139,7 @@ def strip() -> Case:
 
 
 def disc(radius: float, contact: float, centre: float, rim: float) -> Case:
-    """Free thin disc under a central force of 1, D = k = 1."""
+    """Free thin disc on a one-sided bed under a central force 1; bending stiffness D = 1, bed stiffness k = 1."""
 
     def model(n: int) -> Model:
         return Model(

@@ -26,9 +26,7 @@ from signorini.discretise.rows import Bools, Floats, Ints
 from signorini.errors import SignoriniError
 from signorini.mesh import Mesh
 from signorini.model import Combination, Model
-from signorini.results.catalogue import catalogue_of
 from signorini.results.envelope import NONE
-from signorini.results.of_plates import places_in_plates
 from signorini.results.quantities import Number
 from signorini.results.rows import Column, Layout
 from signorini.singularities.named import singularities_of
@@ -241,13 +239,13 @@ class _Rows:
         """Return indices (k,) in ``numbers`` of one plate's numbers, and these numbers by the plate's own names."""
         if not self.discretisation.plates:
             return np.arange(len(numbers)), list(numbers)
-        own = [catalogue_of(one, self.layout.fields).in_tables for one in self.discretisation.each]
-        places = places_in_plates(self.layout.model, numbers, own)
+        catalogue, own = self.layout.catalogue, self.layout.members[plate].catalogue
+        places = dict(zip(catalogue.numbers, catalogue.in_plates, strict=True))
         pairs = [
-            (row, own[plate].numbers[at])
-            for row, of in enumerate(places)
-            for which, at in of
-            if which == plate and not numbers[row].over_plates
+            (row, own.numbers[at])
+            for row, one in enumerate(numbers)
+            for which, at in places[one]
+            if which == plate and not one.over_plates
         ]
         return np.array([row for row, _ in pairs], np.int64), [one for _, one in pairs]
 

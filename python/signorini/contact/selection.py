@@ -40,8 +40,6 @@ _STILL = 1e-12
 """Rank tolerance for displacements of pushing points in rigid motions: points on a line leave the rotation about it."""
 _MOVED = 1e-9
 """Smallest component of a unit vector that counts as nonzero."""
-_ROUNDING = 16 * float(np.finfo(float).eps)
-"""Rounding of a sum of a few products, relative to its terms."""
 _DOUBTFUL = 1e-9
 """Zero tolerance of `doubtful`, wider than `_NIL`: a wrong "doubtful" only means that a combination is solved
 separately.
@@ -311,19 +309,23 @@ def _with_least_deflection(
     root = np.sqrt(over.weights)
     motions = freedom.motions @ free
     moves = root[:, None] * (discretisation.in_motions(over.positions, over.elements) @ motions)
-    hi, lo, ways = answer.hi, answer.lo, free[:, :0]
-    # The first motion has the rounding of the deflections before it, the second one that of the least deflections.
-    for motion in range(2):
+    both_ways = np.concatenate([-freedom.moves[idle], freedom.moves[idle]]) @ free
+
+    def bounds(hi: Floats, lo: Floats) -> tuple[Floats, Floats, Floats]:
+        """Travels (m,) of points; sides C and room r of the motions y that idle points allow, C y ≤ r."""
         travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
         length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(contacts.distance))
-        sides = np.concatenate([-freedom.moves[idle], freedom.moves[idle]]) @ free
         rooms = [np.where(np.abs(one) > _NIL * length, one, 0.0)[idle] for one in contacts.room(travel, settled)]
         room = np.concatenate(rooms)
-        sides, room = sides[np.isfinite(room)], room[np.isfinite(room)]
-        if motion == 0:
-            ways = free @ span_of_cone(sides[room <= 0.0])
-            if not ways.shape[1]:
-                return answer
+        return travel, both_ways[np.isfinite(room)], room[np.isfinite(room)]
+
+    hi, lo = answer.hi, answer.lo
+    travel, sides, room = bounds(hi, lo)
+    ways = free @ span_of_cone(sides[room <= 0.0])
+    if not ways.shape[1]:
+        return answer
+    # The first motion has the rounding of the deflections before it, the second one that of the least deflections.
+    for _ in range(2):
         deflection = (values * (hi + lo)[::3][discretisation.mesh.elements[over.elements]]).sum(axis=1)
         unit = float(np.abs(deflection).max()) or 1.0
         part = least(moves, root * deflection / unit, sides, room / unit)
@@ -332,7 +334,7 @@ def _with_least_deflection(
         travel -= -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
         back = freedom.motions @ np.linalg.lstsq(freedom.moves[pushing], travel[pushing])[0]
         hi, lo = discretisation.moved(hi, lo, back / discretisation.sizes)
-    travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
+        travel, sides, room = bounds(hi, lo)
     back, on = contacts.room(travel, settled)
     length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(contacts.distance))
     nil = _NIL * length

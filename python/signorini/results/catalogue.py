@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 from signorini.base.on_demand import kept
 from signorini.discretise import Discretisation
@@ -13,11 +14,14 @@ from signorini.results.support_points import SupportPoints
 
 
 @kept
-def catalogue_of(discretisation: Discretisation, fields: tuple[str, ...]) -> Catalogue:
+def catalogue_of(
+    discretisation: Discretisation, fields: tuple[str, ...], part: Literal["all", "tables", "paths"] = "all"
+) -> Catalogue:
     """List the numbers of a model's results; ``fields`` are those with extremes. Computed once."""
     points = [SupportPoints.of(discretisation, index) for index in range(len(discretisation.model.support))]
     counts, opens = [len(of.positions) for of in points], [of.rows.size > 0 for of in points]
     corners = {index: len(line.corners) for index, line in lines_of(discretisation).items()}
     result = Catalogue.of(discretisation.model, counts, opens, corners, fields)
-    own = [catalogue_of(plate.own, fields) for plate in discretisation.plates]
+    result = {"all": result, "tables": result.in_tables, "paths": result.along_paths}[part]
+    own = [catalogue_of(plate.own, fields, part) for plate in discretisation.plates]
     return replace(result, in_plates=places_in_plates(discretisation.model, result.numbers, own)) if own else result

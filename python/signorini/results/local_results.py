@@ -107,7 +107,7 @@ def total_pressure(areas: Sequence[AreaContact], positions: Floats) -> Floats:
 
     On the common border of areas that only touch, it is the pressure of one of them.
     """
-    if not areas:
+    if not areas or not len(positions):
         return np.full(len(positions), np.nan)
     result = np.array([area.pressure(positions) for area in areas])
     on = without_shared_borders(areas, positions, ~np.isnan(result))

@@ -15,7 +15,6 @@ from signorini.discretise import CaseLoad, Discretisation
 from signorini.discretise.rows import Floats, Ints, Pieces
 from signorini.results.catalogue import catalogue_of
 from signorini.results.extremes import peak
-from signorini.results.of_plates import places_in_plates
 from signorini.results.quantities import SIDES, Catalogue, Home
 from signorini.results.readings import Readings, SupportForces
 
@@ -132,11 +131,9 @@ class Switched:
 @kept
 def numbers_at_stops(discretisation: Discretisation) -> Catalogue:
     """Catalogue of the numbers of stops; numbers of points are included only if there are few points."""
-    whole = catalogue_of(discretisation, ("deflection",)).along_paths
+    whole = catalogue_of(discretisation, ("deflection",), "paths")
     many = len(whole.at("point", "reaction")) > _MOST_POINTS
-    told = tuple(one for one in whole if one.home != "point" or not many)
-    own = [catalogue_of(plate.own, ("deflection",)).along_paths for plate in discretisation.plates]
-    return Catalogue(told, places_in_plates(discretisation.model, told, own) if own else ())
+    return whole.only(lambda one: one.home != "point" or not many)
 
 
 def path_stops(
@@ -200,7 +197,7 @@ def _numbers(
         beneath = [plate.deflections_beneath((answer.hi + answer.lo)[::3]) for answer in answers]
         nothing = [None] * len(answers)
         readings = Readings.of(own, own_loads, own_answers, forces, nothing, beneath)
-        told = catalogue_of(own, ("deflection",)).along_paths if discretisation.plates else catalogue
+        told = catalogue_of(own, ("deflection",), "paths") if discretisation.plates else catalogue
         numbers, deflection = readings.numbers(told), readings.deflections(slice(None))
         ends = np.stack([deflection.max(axis=1), deflection.min(axis=1)], axis=1)
         numbers[:, told.at("field", *SIDES)] = ends[:, None]

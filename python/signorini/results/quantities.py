@@ -499,10 +499,16 @@ class Catalogue:
         """Iterate over the numbers."""
         return iter(self.numbers)
 
+    def only(self, wanted: Callable[[Number], bool]) -> Catalogue:
+        """Catalogue of some of the numbers, with those of the plates behind them."""
+        kept = [place for place, one in enumerate(self.numbers) if wanted(one)]
+        in_plates = tuple(self.in_plates[place] for place in kept) if self.in_plates else ()
+        return Catalogue(tuple(self.numbers[place] for place in kept), in_plates)
+
     @cached_property
     def in_tables(self) -> Catalogue:
-        """Catalogue of the numbers that tables have."""
-        return Catalogue(tuple(one for one in self.numbers if one.tabled))
+        """The numbers that are columns of tables."""
+        return self.only(lambda one: one.tabled)
 
     def at(self, home: Home, *names: str) -> Ints:
         """Indices of the numbers of a home with given names: (q,) for one name, (q, k) for k names."""
@@ -554,4 +560,4 @@ class Catalogue:
     @cached_property
     def along_paths(self) -> Catalogue:
         """Catalogue of the numbers that load paths list at every stop."""
-        return Catalogue(tuple(one for one in self.numbers if one.quantity.along_paths))
+        return self.only(lambda one: one.quantity.along_paths)

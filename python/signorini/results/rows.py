@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -19,7 +19,6 @@ from signorini.results.catalogue import catalogue_of
 from signorini.results.contact_field.area_contact import AreaContact, Pressures
 from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.line_reactions import Line, lines_of
-from signorini.results.of_plates import places_in_plates
 from signorini.results.quantities import ENDS, FIELDS, OF_AREAS, OF_LINES, PEAKING, SIDES, Catalogue, Home
 from signorini.results.readings import Readings, nodes_around
 from signorini.results.state import ResultState
@@ -116,7 +115,7 @@ class PlateLayout:
         number_of = {name: FIELDS[name].singular if name in PEAKING else "" for name in fields}
         by_number = {number: Hidden.of(plate.own, number) for number in set(number_of.values())}
         hidden = {name: by_number[number] for name, number in number_of.items()}
-        return cls(plate, catalogue_of(plate.own, fields).in_tables, hidden)
+        return cls(plate, catalogue_of(plate.own, fields, "tables"), hidden)
 
     @property
     def beside(self) -> Beside:
@@ -154,11 +153,7 @@ class Layout:
         areas = [] if discretisation.plates else areas
         at_rest = {index: area_at_rest(discretisation, index) for index in areas}
         members = tuple(PlateLayout.of(plate, fields) for plate in discretisation.members)
-        catalogue, nodes = catalogue_of(discretisation, fields).in_tables, discretisation.stress_nodes.points
-        if discretisation.plates:
-            own = [one.catalogue for one in members]
-            in_plates = places_in_plates(discretisation.model, catalogue.numbers, own)
-            catalogue = replace(catalogue, in_plates=in_plates)
+        catalogue, nodes = catalogue_of(discretisation, fields, "tables"), discretisation.stress_nodes.points
         probes = np.array([at for probe in discretisation.model.probe for at in probe.at]).reshape(-1, 2)
         rest_of_all = np.concatenate([np.zeros(0), *(one.rest(discretisation) for one in points)])
         return cls(
