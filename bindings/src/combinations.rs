@@ -174,23 +174,6 @@ pub fn combine<'py>(
     ))
 }
 
-/// [mx, my, mxy, qx, qy] at nodes (b, n, 5), or at the nodes of the plate's `stress_elements`, for b responses with
-/// curvatures (b, 3) and couples (b, 2e).
-#[pyfunction]
-pub fn response_stresses<'py>(
-    py: Python<'py>,
-    plate: &Plate,
-    responses: Vec<PyRef<'_, Response>>,
-    curvatures: PyReadonlyArray2<'_, f64>,
-    couples: PyReadonlyArray2<'_, f64>,
-) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    if responses.iter().any(|response| response.inner.displacement.hi.is_empty()) {
-        return Err(invalid("a response at points has no displacements"));
-    }
-    let result = responses.iter().map(|r| (&*r.of.plate, &r.inner.displacement)).collect();
-    stresses(py, plate, result, &curvatures, &couples)
-}
-
 /// [mx, my, mxy, qx, qy] at nodes (b, n, 5) for b displacements, each with the plate that it belongs to.
 pub fn stresses<'py>(
     py: Python<'py>,

@@ -37,7 +37,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(combinations::point_responses, module)?)?;
     module.add_function(wrap_pyfunction!(combinations::combined_cases, module)?)?;
     module.add_function(wrap_pyfunction!(combinations::combine, module)?)?;
-    module.add_function(wrap_pyfunction!(combinations::response_stresses, module)?)?;
     module.add_function(wrap_pyfunction!(together::solve_together, module)?)?;
     module.add_function(wrap_pyfunction!(together::solution_stresses, module)?)?;
     module.add_function(wrap_pyfunction!(combinations::superpose, module)?)?;

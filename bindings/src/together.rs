@@ -32,7 +32,7 @@ pub fn solve_together(
     solved.map_err(failed)?.into_iter().map(|solved| problem.solution(solved)).collect()
 }
 
-/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several solutions, as `response_stresses` for responses.
+/// [mx, my, mxy, qx, qy] at nodes (b, n, 5) of several solutions, or at the nodes of the plate's `stress_elements`.
 #[pyfunction]
 pub fn solution_stresses<'py>(
     py: Python<'py>,

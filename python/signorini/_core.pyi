@@ -39,7 +39,6 @@ __all__ = [
     "mesh_outline",
     "nodal_forces",
     "point_responses",
-    "response_stresses",
     "rest_response",
     "section_points",
     "serendipity",
@@ -83,7 +82,6 @@ def combined_cases(
 def combine(
     problem: ContactProblem, cases: CombinedCases, factors: _Floats
 ) -> tuple[_Ints, _Floats, _Floats, _Floats, _Bools, _Ints]: ...
-def response_stresses(plate: Plate, responses: list[Response], curvatures: _Floats, couples: _Floats) -> _Floats: ...
 def solve_together(
     problem: ContactProblem,
     start: ContactSolution | None,

@@ -129,12 +129,10 @@ def calls(problem: ContactProblem, found: Discretisation) -> list[tuple[Callable
     core, _, rest, cases, points, shared, reference, solved = made(problem, found)
     active = problem.by("active_set").core
     one, count = np.ones((1, 1)), len(rows)
-    stressed = [found.plate, cases, np.zeros((1, 3)), centre[None]]
     return [
         (_core.combined_cases, [core, rest, cases, points]),
         (_core.combine, [core, shared, one]),
-        (_core.response_stresses, stressed),
-        (_core.solution_stresses, [found.plate, solved, *stressed[2:]]),
+        (_core.solution_stresses, [found.plate, solved, np.zeros((1, 3)), centre[None]]),
         (active.solve, [load, held.values, None, reference]),
         (_core.solve_together, [active, reference, load[None], held.values]),
         (_core.rest_response, [core, held.values]),
