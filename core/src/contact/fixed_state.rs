@@ -15,7 +15,7 @@ pub(super) fn kkt(problem: &ContactProblem) -> Box<dyn Kkt + '_> {
     match &problem.backend {
         Backend::Condensed { interface, .. } => Box::new(Condensed::new(problem, interface)),
         Backend::Penalised(augmentation) | Backend::SaddlePoint(augmentation) => {
-            Box::new(Factored::new(problem, augmentation, None, tolerances::newton::STIFFEST, false))
+            Box::new(Factored::new(problem, augmentation, None, tolerances::newton::STIFFEST, None))
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The backend for many points: a factor of K with the springs of one contact state preconditions the equations of
 //! others.
 
+use super::batched_factor::SharedFactor;
 use super::coarse::CoarseSolver;
 use crate::cholesky::FactorError;
 use crate::contact::backend::Augmentation;
@@ -43,8 +44,8 @@ pub(in crate::contact) struct Factored<'a> {
     given: Option<&'a Arc<System>>,
     /// A factor made later, for another contact state.
     own: Option<Arc<System>>,
-    /// Whether several loads share the given factor.
-    shares: bool,
+    /// The given factor, if several loads share it.
+    shared: Option<SharedFactor>,
     /// Last direction with the present factor, unless the factor is shared.
     pub(super) last: Option<Direction>,
     /// The prepared contact state.
@@ -61,7 +62,7 @@ impl<'a> Factored<'a> {
         augmentation: &'a Augmentation,
         given: Option<&'a Arc<System>>,
         limit: f64,
-        shares: bool,
+        shared: Option<SharedFactor>,
     ) -> Self {
         let mut new = Self {
             problem,
@@ -70,7 +71,7 @@ impl<'a> Factored<'a> {
             series: Vec::new(),
             given,
             own: None,
-            shares,
+            shared,
             last: None,
             pieces: Vec::new(),
             coarse: None,
@@ -103,7 +104,7 @@ impl<'a> Factored<'a> {
 
     /// Whether the next solve uses a shared factor.
     pub(super) fn shares(&self) -> bool {
-        self.shares && self.own.is_none()
+        self.shared.is_some() && self.own.is_none()
     }
 
     /// Stiffness of a point on a piece of its law, in series with the point's penalty σ.
@@ -166,9 +167,12 @@ impl<'a> Factored<'a> {
         out
     }
 
-    /// Solves with the factor.
-    pub(super) fn response(&self, imbalance: &[f64]) -> Result<Direction, FactorError> {
-        let nodal = self.system().solve(imbalance)?;
+    /// Solves with the present factor.
+    pub(super) async fn response(&self, imbalance: &[f64]) -> Result<Direction, FactorError> {
+        let nodal = match &self.shared {
+            Some(factor) if self.shares() => factor.solve(imbalance).await,
+            _ => self.system().solve(imbalance)?,
+        };
         Ok(Direction { nodal, force: imbalance.to_vec(), is_free: false })
     }
 }

@@ -1,42 +1,14 @@
-//! Preconditioned conjugate gradients for the equations of a contact state; the preconditioner is a factor with the
-//! springs of another state.
+//! Preconditioned conjugate gradients for the equations of a contact state. The preconditioner is a factor with the
+//! springs of another contact state.
 //!
-//! Few points change their piece from one Newton step to the next, so that the last direction is deflated (Saad, Yeung,
-//! Erhel & Guyomarc'h 2000) and the method continues from state to state.
+//! Few points change their piece from one Newton step to the next. Therefore the last direction is deflated (Saad,
+//! Yeung, Erhel & Guyomarc'h 2000), and the iteration continues from state to state.
 
 use super::factored::{Direction, Factored};
 use crate::cholesky::FactorError;
 use crate::contact::backend::Backend;
 use crate::contact::scale::dot;
 use crate::contact::tolerances;
-
-/// State of the conjugate gradient iteration.
-pub(in crate::contact) struct Gradients {
-    pieces: Vec<u8>,
-    /// Points whose factored spring differs from that of the contact state, and the difference.
-    differing: Vec<(usize, f64)>,
-    /// Norm of the residual at which the iteration ends.
-    enough: f64,
-    /// Whether the contact state is factored, and the iteration restarted, after `most` steps; otherwise the direction
-    /// is returned as it is.
-    may_refactor: bool,
-    most: usize,
-    steps: usize,
-    /// The residual (3n,), to which the factor is applied next.
-    pub(in crate::contact) residual: Vec<f64>,
-    total: Direction,
-    ahead: Direction,
-    deflated: Option<Deflated>,
-    /// Dot product of the last residual and its preconditioned residual.
-    product: f64,
-}
-
-/// The deflated direction, the product of the present matrix with it, and its curvature.
-struct Deflated {
-    direction: Direction,
-    force: Vec<f64>,
-    curvature: f64,
-}
 
 /// Number of conjugate gradient steps before a new factorization, which costs about as much. With a shared factor a
 /// step is cheaper, and the number is `SHARED` times as large. The saddle-point method uses no conjugate gradients
@@ -46,130 +18,118 @@ const SHARED: usize = 3;
 /// Largest number of steps if the contact state cannot be factored.
 const MOST: usize = 500;
 
-impl Gradients {
-    /// Starts the iteration for an imbalance; it ends at the relative `tolerance` or at `rounding`.
-    pub(in crate::contact) fn begin(
-        kkt: &Factored,
-        pieces: &[u8],
-        imbalance: Vec<f64>,
-        tolerance: f64,
-        rounding: f64,
-    ) -> Self {
-        let size = imbalance.len();
-        Self {
-            pieces: pieces.to_vec(),
-            differing: kkt.differing(pieces),
-            enough: f64::max(tolerance * kkt.problem.scale.length(&imbalance), rounding),
-            may_refactor: true,
-            most: match kkt.problem.backend {
-                Backend::SaddlePoint(_) => 0,
-                _ if kkt.shares() => SHARED * BEFORE_A_FACTOR,
-                _ => BEFORE_A_FACTOR,
-            },
-            steps: 0,
-            residual: imbalance,
-            total: Direction::zeros(size),
-            ahead: Direction::zeros(size),
-            deflated: None,
-            product: f64::INFINITY,
-        }
-    }
+/// The equations of one contact state.
+pub(in crate::contact) struct Equations<'e> {
+    pub(in crate::contact) pieces: &'e [u8],
+    /// Right side (3n,).
+    pub(in crate::contact) imbalance: &'e [f64],
+    /// Norm of the residual at which the iteration ends.
+    pub(in crate::contact) enough: f64,
+    /// Whether the last direction with the same factor is deflated.
+    pub(in crate::contact) deflates: bool,
+}
 
-    /// Minimises along the last direction, then uses only directions conjugate to it.
-    pub(in crate::contact) fn deflate(&mut self, kkt: &mut Factored) {
-        let Some(direction) = kkt.last.take().filter(|_| !self.differing.is_empty()) else { return };
-        let mut force = kkt.difference(&self.differing, &direction.nodal);
+/// A deflated direction v, the product `force` = Av with the matrix A of the contact state, and vᵀAv.
+struct Deflated {
+    direction: Direction,
+    force: Vec<f64>,
+    curvature: f64,
+}
+
+impl Deflated {
+    /// The last direction of `kkt`, unless it has little curvature on the contact state.
+    fn last(kkt: &mut Factored<'_>, differing: &[(usize, f64)]) -> Option<Self> {
+        let direction = kkt.last.take().filter(|_| !differing.is_empty())?;
+        let mut force = kkt.difference(differing, &direction.nodal);
         force.iter_mut().zip(&direction.force).for_each(|(total, force)| *total += force);
         let curvature = dot(&direction.nodal, &force);
-        if !(curvature > tolerances::newton::PLAIN * dot(&direction.nodal, &direction.force)) {
-            return;
-        }
-        let alpha = dot(&self.residual, &direction.nodal) / curvature;
-        self.total.combine(1.0, alpha, &direction);
-        self.residual.iter_mut().zip(&force).for_each(|(residual, force)| *residual -= alpha * force);
-        self.deflated = Some(Deflated { direction, force, curvature });
+        let is_stiff = curvature > tolerances::newton::PLAIN * dot(&direction.nodal, &direction.force);
+        is_stiff.then_some(Self { direction, force, curvature })
     }
+}
 
-    /// Iterates to the direction for an imbalance. With a shared factor, `answer` is the product of its inverse with
-    /// `residual`; `None` asks for the next answer. The contact state is factored if the iteration is slow.
-    pub(in crate::contact) fn go_on(
-        &mut self,
-        kkt: &mut Factored,
-        imbalance: &[f64],
-        mut answer: Option<Vec<f64>>,
-    ) -> Result<Option<Direction>, FactorError> {
-        loop {
-            if self.steps == self.most && !self.differing.is_empty() || self.may_refactor && self.is_far(kkt) {
-                if !self.may_refactor {
-                    return Ok(Some(std::mem::take(&mut self.total)));
-                }
-                self.refactor(kkt, imbalance)?;
-            }
-            let along = match answer.take() {
-                Some(nodal) => Direction { nodal, force: self.residual.clone(), is_free: false },
-                None if kkt.shares() => return Ok(None),
-                None => kkt.response(&self.residual)?,
-            };
-            if let Some(direction) = self.follow(kkt, along) {
-                return Ok(Some(direction));
-            }
+/// Solves the equations of a contact state. Factors the state if many stiff points differ from the factor, or if the
+/// iteration is slow.
+pub(in crate::contact) async fn direction(
+    kkt: &mut Factored<'_>,
+    equations: &Equations<'_>,
+) -> Result<Direction, FactorError> {
+    let most = match kkt.problem.backend {
+        Backend::SaddlePoint(_) => 0,
+        _ if kkt.shares() => SHARED * BEFORE_A_FACTOR,
+        _ => BEFORE_A_FACTOR,
+    };
+    let differing = kkt.differing(equations.pieces);
+    let deflated = if equations.deflates { Deflated::last(kkt, &differing) } else { None };
+    // Each differing stiff point takes about one step. With the first penalty the springs of these points are soft
+    // relative to the plate and take fewer.
+    let stiff = differing.iter().filter(|(i, _)| kkt.series[*i] > 0.0).count();
+    if stiff <= most || kkt.limit <= kkt.augmentation.first_penalty {
+        if let (direction, true) = iterate(kkt, equations, &differing, deflated, most).await? {
+            return Ok(direction);
         }
     }
+    kkt.refactor(equations.pieces)?;
+    let differing = kkt.differing(equations.pieces);
+    Ok(iterate(kkt, equations, &differing, None, MOST).await?.0)
+}
 
-    /// Whether more stiff points differ than there are steps; each takes about one step. With the first penalty their
-    /// springs are soft relative to the plate and take fewer.
-    fn is_far(&self, kkt: &Factored) -> bool {
-        let augmented = self.differing.iter().filter(|(i, _)| kkt.series[*i] > 0.0).count();
-        augmented > self.most && kkt.limit > kkt.augmentation.first_penalty
-    }
-
-    /// Factors the contact state and restarts.
-    fn refactor(&mut self, kkt: &mut Factored, imbalance: &[f64]) -> Result<(), FactorError> {
-        kkt.refactor(&self.pieces)?;
-        let anew = Self::begin(kkt, &self.pieces, imbalance.to_vec(), 0.0, self.enough);
-        *self = Self { may_refactor: false, most: MOST, ..anew };
-        Ok(())
-    }
-
-    /// Makes one step with the preconditioned residual `along`; returns the direction after the last step.
-    fn follow(&mut self, kkt: &mut Factored, mut along: Direction) -> Option<Direction> {
-        self.steps += 1;
+/// Iterates from zero. Returns the direction, and false if it has not converged after `most` steps. `differing` are the
+/// points whose springs differ from the factored springs, with the differences.
+async fn iterate(
+    kkt: &mut Factored<'_>,
+    equations: &Equations<'_>,
+    differing: &[(usize, f64)],
+    deflated: Option<Deflated>,
+    most: usize,
+) -> Result<(Direction, bool), FactorError> {
+    let mut residual = equations.imbalance.to_vec();
+    if differing.is_empty() {
+        let direction = kkt.response(&residual).await?;
         kkt.gradients += 1;
-        if self.differing.is_empty() {
-            kkt.last = (!kkt.shares()).then(|| along.clone());
-            return Some(along);
-        }
-        let next = dot(&self.residual, &along.nodal);
+        kkt.last = (!kkt.shares()).then(|| direction.clone());
+        return Ok((direction, true));
+    }
+    let mut total = Direction::zeros(residual.len());
+    if let Some(Deflated { direction, force, curvature }) = &deflated {
+        // Minimise along the deflated direction; all later directions are conjugate to it.
+        let alpha = dot(&residual, &direction.nodal) / curvature;
+        total.combine(1.0, alpha, direction);
+        residual.iter_mut().zip(force).for_each(|(residual, force)| *residual -= alpha * force);
+    }
+    let mut ahead = Direction::zeros(residual.len());
+    let mut product = f64::INFINITY;
+    for _ in 0..most {
+        let mut along = kkt.response(&residual).await?;
+        kkt.gradients += 1;
+        let next = dot(&residual, &along.nodal);
         if !(next > 0.0) {
-            return Some(std::mem::take(&mut self.total));
+            return Ok((total, true));
         }
-        if let Some(Deflated { direction, force, curvature }) = &self.deflated {
+        if let Some(Deflated { direction, force, curvature }) = &deflated {
             along.combine(1.0, -dot(&along.nodal, force) / curvature, direction);
         }
-        let ahead = &mut self.ahead;
-        ahead.combine(next / self.product, 1.0, &along);
-        self.product = next;
-        let difference = kkt.difference(&self.differing, &ahead.nodal);
+        ahead.combine(next / product, 1.0, &along);
+        product = next;
+        let difference = kkt.difference(differing, &ahead.nodal);
         let stiff = dot(&ahead.nodal, &ahead.force);
         let mut curvature = stiff + dot(&ahead.nodal, &difference);
         if !(curvature > tolerances::newton::PLAIN * stiff) {
-            curvature = kkt.curvature(&self.pieces, &ahead.nodal);
+            curvature = kkt.curvature(equations.pieces, &ahead.nodal);
         }
         if !(curvature > tolerances::newton::FREE * stiff) {
             // No direction balances the load until the next points come into contact. The line search ends there.
-            let mut free = std::mem::take(ahead);
-            free.is_free = true;
-            return Some(free);
+            return Ok((Direction { is_free: true, ..ahead }, true));
         }
         let alpha = next / curvature;
-        self.total.combine(1.0, alpha, ahead);
-        for (residual, (force, difference)) in self.residual.iter_mut().zip(ahead.force.iter().zip(&difference)) {
+        total.combine(1.0, alpha, &ahead);
+        for (residual, (force, difference)) in residual.iter_mut().zip(ahead.force.iter().zip(&difference)) {
             *residual -= alpha * (force + difference);
         }
-        if kkt.problem.scale.length(&self.residual) <= self.enough {
-            kkt.last = (!kkt.shares()).then(|| std::mem::take(&mut self.ahead));
-            return Some(std::mem::take(&mut self.total));
+        if kkt.problem.scale.length(&residual) <= equations.enough {
+            kkt.last = (!kkt.shares()).then_some(ahead);
+            return Ok((total, true));
         }
-        None
     }
+    Ok((total, false))
 }

@@ -10,6 +10,7 @@
 //! that they eliminate. [`Condensed`] eliminates all unknowns except those of the points. [`Factored`] eliminates the
 //! forces of points, or no unknown if these forces are multiplier rows of its matrix.
 
+mod batched_factor;
 mod coarse;
 mod condensed;
 mod factored;
@@ -17,8 +18,9 @@ mod gradients;
 mod penalized;
 mod solver;
 
+pub(super) use batched_factor::{Batched, SharedFactor, advance, alone};
 pub(super) use coarse::CoarseLoad;
 pub(super) use condensed::Condensed;
 pub(super) use factored::{Direction, Factored};
-pub(super) use gradients::{BEFORE_A_FACTOR, Gradients};
+pub(super) use gradients::{BEFORE_A_FACTOR, Equations, direction};
 pub(super) use solver::{Correction, Kkt};

@@ -2,21 +2,14 @@
 //! with the forces of points eliminated, and the saddle-point method, with these forces as unknowns. The method of
 //! multipliers removes the effect of σ on rigid points (Rockafellar 1976).
 
+use super::batched_factor::alone;
 use super::coarse::CoarseSolver;
-use super::factored::{Direction, Factored};
-use super::gradients::Gradients;
+use super::factored::Factored;
+use super::gradients::{Equations, direction};
 use super::solver::{Correction, Kkt};
 use crate::cholesky::FactorError;
 use crate::contact::residual::Residual;
 use crate::contact::tolerances;
-
-impl Factored<'_> {
-    /// The direction for an imbalance on a contact state, to a relative tolerance.
-    fn direction(&mut self, pieces: &[u8], imbalance: &[f64], tolerance: f64) -> Result<Direction, FactorError> {
-        let mut gradients = Gradients::begin(self, pieces, imbalance.to_vec(), tolerance, 0.0);
-        Ok(gradients.go_on(self, imbalance, None)?.expect("no one else asks the factor"))
-    }
-}
 
 impl Kkt for Factored<'_> {
     fn prepare(&mut self, pieces: &[u8]) -> Result<bool, FactorError> {
@@ -39,7 +32,9 @@ impl Kkt for Factored<'_> {
             points.scatter(i, slope * right.violation[i], &mut imbalance);
         }
         self.problem.release_held(&mut imbalance);
-        let direction = self.direction(&pieces, &imbalance, tolerances::newton::TIGHT)?;
+        let enough = tolerances::newton::TIGHT * self.problem.scale.length(&imbalance);
+        let equations = Equations { pieces: &pieces, imbalance: &imbalance, enough, deflates: false };
+        let direction = alone(direction(self, &equations))?;
         self.pieces = pieces;
         if direction.is_free {
             return Ok(None);

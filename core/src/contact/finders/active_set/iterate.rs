@@ -116,6 +116,21 @@ impl NewtonIterate<'_> {
         self.solution = solution;
     }
 
+    /// The present displacements and reactions, with the points on given pieces (m,).
+    pub(super) fn on_pieces(&self, piece: Vec<u8>) -> ContactSolution {
+        let reaction = (0..piece.len()).map(|i| self.force(i)).collect();
+        ContactSolution { piece, reaction, ..self.solution.clone() }
+    }
+
+    /// Continues from an exact solution, with its reactions as multipliers.
+    pub(super) fn continue_from(&mut self, exact: ContactSolution) {
+        self.solution.displacement = exact.displacement;
+        self.solution.corrections += exact.corrections;
+        self.multiplier = exact.reaction;
+        self.rounding = None;
+        self.balance();
+    }
+
     /// The solution with reactions, pieces and gaps of the points.
     pub(super) fn ended(self) -> ContactSolution {
         let pieces = self.pieces();

@@ -12,7 +12,6 @@ mod exact_sets;
 mod iterate;
 mod line_search;
 mod newton;
-mod start;
 
 pub(in crate::contact) use batch::solve_together;
 
@@ -21,13 +20,12 @@ use crate::cholesky::FactorError;
 use crate::contact::backend::Augmentation;
 use crate::contact::error::SolveError;
 use crate::contact::fixed_state::{kkt, solve_on};
+use crate::contact::kkt::alone;
 use crate::contact::load::Load;
 use crate::contact::problem::ContactProblem;
 use crate::contact::solution::{ContactSolution, Watch};
 use crate::contact::tolerances;
-use exact_sets::exact_sets;
-use newton::Next;
-use start::new_newton;
+use newton::{Start, newton};
 use std::sync::Arc;
 
 /// Solves one load by the Newton method, from rest or from the solution of another load.
@@ -38,21 +36,8 @@ pub(in crate::contact) fn by_active_set(
     start: Option<&ContactSolution>,
     watch: &mut Watch<'_>,
 ) -> Result<ContactSolution, SolveError> {
-    let mut newton = new_newton(problem, augmentation, load, start, false)?;
-    let end = loop {
-        match newton.go_on(None, watch)? {
-            Next::Solve(_) => unreachable!("the factor is not shared"),
-            Next::Settled => {
-                let start = newton.offer();
-                if let Some(exact) = exact_sets(problem, &mut newton.iterate.kkt, load, &start, watch)? {
-                    newton.resume(exact);
-                }
-            }
-            Next::End(end) => break end,
-        }
-    };
-    let fell_short = newton.fell_short;
-    let solution = newton.ended(end)?;
+    let start = Start { problem, augmentation, load: *load, solution: start, shared: None };
+    let (solution, fell_short) = alone(newton(start, watch))?;
     if !fell_short {
         return Ok(solution);
     }
