@@ -34,7 +34,7 @@ ON_RAFTS = {
     "v_rd_c": "EN 1992-1-1, 6.4.4(2), Eq. (6.50)",
 }
 """Clauses of columns on foundations, in place of those in `CLAUSES`."""
-_DISTANCES = np.arange(1, 17) / 8.0
+_DISTANCES = np.arange(4, 17) / 8.0
 """Distances of perimeters around a column on a foundation, relative to d: 6.4.2(2) and 6.4.4(2), a ≤ 2d."""
 _RATIOS, _PARTS = (0.5, 1.0, 2.0, 3.0), (0.45, 0.60, 0.70, 0.80)
 
@@ -121,7 +121,8 @@ class Punching:
     @cached_property
     def face_length(self) -> float:
         """u0 by 6.4.5(3): the column's outline, at an edge at most c2 + 3d, at a corner at most 3d."""
-        normals, column, length = self.basic.normals, self.plan.column, self.plan.face(self.basic.normals).length
+        normals, column = self._edges(self.basic), self.plan.column
+        length = self.plan.face(normals).length
         if len(normals) == 1:
             return min(length, column.size(1j * normals[0]) + 3.0 * self.depth)
         return min(length, 3.0 * self.depth) if len(normals) == 2 else length
@@ -139,39 +140,38 @@ class Punching:
     def beta(self, perimeter: Perimeter, force: Floats, moment: Positions) -> Floats:
         """β (k,) by 6.4.3(3)-(5) for the net force (k,) and the moment (k,): force times eccentricity of the column.
 
-        The contributions of both axes are added; those of a circular column, as vectors. With the column at a free edge
-        and an eccentricity inward, u1* is used, Eq. (6.44) and (6.46). Otherwise moments are about the centroid of the
-        perimeter, Eq. (6.39).
+        Contributions of both axes are added; those of a circular column, as vectors. At a free edge, Eq. (6.44) and
+        (6.46) with u1* hold for an eccentricity inward; outward, the larger one of these and of Eq. (6.39) is taken.
         """
         if self.given is not None:
             return np.full(len(force), self.given)
-        pieces, normals, column = perimeter.pieces, perimeter.normals, self.plan.column
-        axis = normals[0] if normals else column.axis
-        centroid, size = pieces.centroid, np.where(np.abs(force) > 0.0, np.abs(force), np.inf)
-        about = moment * np.sign(force) - np.abs(force) * (centroid - column.centre)
-        parts = []
-        for normal in (axis, 1j * axis):
-            modulus = pieces.modulus(normal, (centroid * np.conj(normal)).real)
-            k = moment_part(column.size(normal) / column.size(1j * normal))
-            parts.append(k * np.abs((about * np.conj(normal)).real) * pieces.length / (size * modulus))
-        both = np.hypot(*parts) if len(column.corners) == 1 and not normals else parts[0] + parts[1]
-        result = 1.0 + both
-        if (
-            normals
-            and len(normals) < 3
-            and not (len(normals) == 2 and abs(np.angle(normals[0] / normals[1])) > 0.75 * np.pi)
-        ):
-            reduced = self._reduced(pieces, normals)
-            eccentric = moment * np.sign(force)
-            inward = np.all([(eccentric * np.conj(normal)).real <= 0.0 for normal in normals], axis=0)
-            uniform = np.full(len(force), pieces.length / reduced.length)
+        pieces, normals, column = perimeter.pieces, self._edges(perimeter), self.plan.column
+        axis = perimeter.normals[0] if perimeter.normals else column.axis
+        along, size = 1j * axis, np.where(np.abs(force) > 0.0, np.abs(force), np.inf)
+        ratio = column.size(axis) / column.size(along)
+        across, beside = (self._part(pieces, *part, size, moment) for part in ((axis, ratio), (along, 1.0 / ratio)))
+        round_column = len(column.corners) == 1 and not perimeter.normals
+        result = 1.0 + (np.hypot(across, beside) if round_column else across + beside)
+        if normals:
+            inward = np.all([(moment * np.sign(force) * np.conj(way)).real <= 0.0 for way in normals], axis=0)
+            uniform = np.full(len(force), pieces.length / self._reduced(pieces, normals).length)
             if len(normals) == 1:
-                along = 1j * axis
-                k = moment_part(column.size(axis) / (2.0 * column.size(along)))
-                modulus = pieces.modulus(along, (centroid * np.conj(along)).real)
-                uniform = uniform + k * np.abs((about * np.conj(along)).real) * pieces.length / (size * modulus)
-            result = np.where(inward, uniform, result)
+                uniform += self._part(pieces, along, 0.5 * ratio, size, moment)
+            result = np.where(inward, uniform, np.maximum(uniform, result))
         return np.asarray(result)
+
+    def _part(self, pieces: Pieces, axis: complex, ratio: float, force: Floats, moment: Positions) -> Floats:
+        """Contribution k M u1/(V W1) of the eccentricity along an axis, Eq. (6.39), with k for a ratio c1/c2."""
+        modulus = pieces.modulus(axis, (pieces.centroid * np.conj(axis)).real)
+        return np.asarray(
+            moment_part(ratio) * np.abs((moment * np.conj(axis)).real) * pieces.length / (force * modulus)
+        )
+
+    def _edges(self, perimeter: Perimeter) -> tuple[complex, ...]:
+        """Normals of the free edge or corner that the column stands at: at most d away, 6.4.2(5)."""
+        near = tuple(normal for normal in perimeter.normals if self.plan.gap(normal) <= self.depth)
+        opposite = len(near) == 2 and abs(np.angle(near[0] / near[1])) > 0.75 * np.pi
+        return () if opposite or len(near) > 2 else near
 
     def _reduced(self, pieces: Pieces, normals: Sequence[complex]) -> Pieces:
         """u1* of Figure 6.20: at most 1.5 d and half of the column's side are left beside its inner face."""

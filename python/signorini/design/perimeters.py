@@ -26,6 +26,8 @@ _ALIKE = 0.5
 """Smallest angle in radians between the directions to two free edges; sides of a curved edge differ by less."""
 _MOST_EDGES = 3
 """Largest number of free edges that a perimeter ends at."""
+_BISECTIONS = 20
+"""Number of bisections for the distance of a perimeter with a given length."""
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -270,15 +272,18 @@ class Plan:
     widened: bool = False
 
     @classmethod
-    def of(cls, column: Column, slab: shapely.Polygon, within: float, widened: bool = False) -> Self:
-        """Find the openings at most ``within`` from the column; ``widened`` as in Figure 6.14 of EN 1992-1-1."""
-        slab = shapely.orient_polygons(slab)
+    def of(cls, column: Column, rings: Sequence[Floats], within: float, widened: bool = False) -> Self:
+        """Find the openings at most ``within`` from the column; ``widened`` as in Figure 6.14 of EN 1992-1-1.
+
+        ``rings`` (k, 2) are the outlines of the slab and of its openings.
+        """
+        outer, *inner = sorted(map(shapely.Polygon, rings), key=lambda ring: -ring.area)
+        slab = shapely.orient_polygons(shapely.Polygon(outer.exterior, [ring.exterior for ring in inner]))
         if not shapely.intersects_xy(slab, column.centre.real, column.centre.imag):
             at = f"({column.centre.real:g}, {column.centre.imag:g})"
             raise InputError(f"The column's centre {at} is not on the plate. Move the column onto the plate.")
         corners = shapely.MultiPoint([(p.real, p.imag) for p in column.corners]).convex_hull
-        holes = [shapely.Polygon(ring) for ring in slab.interiors]
-        near = tuple(hole for hole in holes if shapely.distance(hole, corners) - column.radius <= within)
+        near = tuple(hole for hole in inner if shapely.distance(hole, corners) - column.radius <= within)
         return cls(column, slab, near, widened)
 
     def perimeter(self, distance: float, square: bool = False, to_edges: bool = True) -> Perimeter:
@@ -297,6 +302,14 @@ class Plan:
                 if 0.0 < pieces.length <= (1.0 + _SAME) * shortest:
                     best, shortest = Perimeter(distance, pieces, whole, some), pieces.length
         return best._replace(pieces=self.unshaded(best.pieces))
+
+    def of_length(self, length: float) -> Pieces:
+        """The perimeter of a given length, by bisection of its distance."""
+        near, far = 0.0, length
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (near + far)
+            near, far = (near, middle) if self.perimeter(middle).pieces.length >= length else (middle, far)
+        return self.perimeter(far).pieces
 
     def face(self, normals: Sequence[complex]) -> Pieces:
         """The column's outline; towards free edges it is straight, and ends at the column's outermost point."""
@@ -333,24 +346,30 @@ class Plan:
             )
         return axis * np.exp(1j * low), axis * np.exp(1j * high)
 
-    def _edge_normals(self, within: float) -> list[complex]:
-        """Outward directions to the free edges that face the column, the nearest first."""
+    def gap(self, normal: complex) -> float:
+        """Distance of the column from the nearest free edge that has an outward normal; infinite without an edge."""
+        gaps = [gap for gap, edge in self._edges if abs(np.angle(edge / normal)) < _SAME]
+        return min(gaps, default=np.inf)
+
+    @cached_property
+    def _edges(self) -> list[tuple[float, complex]]:
+        """Distances of the column from sides of the slab that face its centre, with the sides' outward normals."""
         found = []
         for begin, end in _sides(self.slab):
             length = abs(end - begin)
-            ahead = (end - begin) / length
-            foot = (self.column.centre - begin) * np.conj(ahead)
-            normal = complex(-1j * ahead)
-            gap = foot.imag - (self.column.extent(normal)[1] - (self.column.centre * np.conj(normal)).real)
-            if (
-                -_SAME * length <= foot.real <= length * (1.0 + _SAME)
-                and foot.imag >= -_SAME * length
-                and gap <= within
-            ):
-                found.append((gap, normal))
+            foot = (self.column.centre - begin) * np.conj(end - begin) / length
+            normal = complex(-1j * (end - begin) / length)
+            if -_SAME * length <= foot.real <= length * (1.0 + _SAME) and foot.imag >= -_SAME * length:
+                own = self.column.extent(normal)[1] - (self.column.centre * np.conj(normal)).real
+                found.append((float(foot.imag - own), normal))
+        return sorted(found, key=lambda edge: edge[0])
+
+    def _edge_normals(self, within: float) -> list[complex]:
+        """Outward normals of the free edges at most ``within`` away, the nearest first."""
         result: list[complex] = []
-        for _, normal in sorted(found, key=lambda edge: edge[0]):
-            if len(result) < _MOST_EDGES and all(abs(np.angle(normal / other)) > _ALIKE for other in result):
+        for gap, normal in self._edges:
+            apart = all(abs(np.angle(normal / other)) > _ALIKE for other in result)
+            if gap <= within and len(result) < _MOST_EDGES and apart:
                 result.append(normal)
         return result
 
