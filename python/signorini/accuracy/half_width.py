@@ -303,7 +303,7 @@ def named(numbers: Sequence[Number], model: Model, probes: Floats) -> str:
                 strip = model.strip[one.owner]
                 whose = f"strip {strip.name} at {point(strip.places[0][one.part])}"
             case "punching":
-                whose = model.columns[one.owner].subject(model)
+                whose = model.columns[one.owner].subject
             case "support":
                 whose = model.support[one.owner].name
             case "corner":

@@ -21,11 +21,11 @@ from signorini.shapes.arrays import Bools, Floats, Ints
 Positions: TypeAlias = npt.NDArray[np.complex128]
 
 _SAME = 1e-9
-"""Relative tolerance for equal lengths and for points on an edge."""
+"""Relative tolerance for equal lengths, and for points on an edge."""
 _ALIKE = 0.5
-"""Smallest angle in radians between the directions to two free edges; sides of a curved edge differ by less."""
+"""Smallest angle in radians between the normals of two free edges; those of a curved edge differ by less."""
 _MOST_EDGES = 3
-"""Largest number of free edges that a perimeter ends at."""
+"""Largest number of free edges at which a perimeter ends."""
 _BISECTIONS = 20
 """Number of bisections for the distance of a perimeter with a given length."""
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -42,22 +42,18 @@ class Pieces:
     turn: Floats
 
     @classmethod
-    def joined(cls, pieces: Sequence[tuple[complex, complex, float, float, float]]) -> Self:
-        """Make pieces from the five numbers of each; pieces without length are left out."""
-        centre, along, radius, begin, turn = np.array(pieces, np.complex128).reshape(-1, 5).T
-        every = cls(centre, along, radius.real, begin.real, turn.real)
+    def of(cls, pieces: Sequence[tuple[complex, ...]]) -> Self:
+        """Make pieces from c, v, r, φ and θ of each; pieces without length are left out."""
+        centre, along, *arcs = np.array(pieces, np.complex128).T
+        every = cls(centre, along, *(values.real for values in arcs))
         return every.pick(np.flatnonzero(every.lengths > 0.0))
 
-    def __len__(self) -> int:
-        """Count the pieces."""
-        return len(self.centre)
-
-    def pick(self, which: Ints) -> Self:
-        """Pieces with given indices."""
-        return type(self)(*(getattr(self, key)[which] for key in ("centre", "along", "radius", "begin", "turn")))
+    def pick(self, which: Ints | Bools) -> Self:
+        """Pieces by their indices, or by a mask (m,)."""
+        return type(self)(*(values[which] for values in vars(self).values()))
 
     def at(self, t: Floats) -> Positions:
-        """Positions (m, k) at parameters (k,) or (m, k)."""
+        """Positions (m, k) at parameters (k,)."""
         angle = self.begin[:, None] + self.turn[:, None] * t
         arc = self.radius[:, None] * np.exp(1j * angle)
         return np.asarray(self.centre[:, None] + self.along[:, None] * t + arc)
@@ -73,9 +69,9 @@ class Pieces:
         return float(self.lengths.sum())
 
     @property
-    def centroid(self) -> complex:
-        """Centroid of the pieces."""
-        return complex((self.weights * self.nodes).sum() / self.length)
+    def middles(self) -> Positions:
+        """Middle (m,) of each piece."""
+        return self.at(np.array([0.5]))[:, 0]
 
     @property
     def nodes(self) -> Positions:
@@ -84,134 +80,107 @@ class Pieces:
 
     @property
     def weights(self) -> Floats:
-        """Weights (m, 12) of the Gauss points; their sum is the length."""
+        """Weights (m, 12) of the Gauss points, whose sum is the length."""
         return np.asarray(0.5 * self.lengths[:, None] * _WEIGHTS)
+
+    @property
+    def centroid(self) -> complex:
+        """Centroid of the pieces."""
+        return complex((self.weights * self.nodes).sum() / self.length)
 
     def cut(self, direction: complex, level: float) -> Self:
         """Divide the pieces where the coordinate along ``direction`` equals ``level``."""
-        start = (self.centre * np.conj(direction)).real - level
-        slope = (self.along * np.conj(direction)).real
-        turn = np.where(self.turn == 0.0, np.nan, self.turn)
+        start, slope = _along(self.centre, direction) - level, _along(self.along, direction)
         with np.errstate(divide="ignore", invalid="ignore"):
             line = np.where(self.radius > 0.0, np.nan, -start / slope)
             half = np.arccos(-start / np.where(self.radius > 0.0, self.radius, np.nan))
-        angles = np.angle(direction) - self.begin + np.stack([half, -half])
-        arcs = angles % (2.0 * np.pi) / turn
-        t = np.stack([line, *arcs, np.zeros(len(self)), np.ones(len(self))], axis=1)
-        t = np.sort(np.where((t > 0.0) & (t < 1.0), t, np.where(t == 0.0, 0.0, 1.0)), axis=1)
-        which, place = np.nonzero(np.diff(t, axis=1) > _SAME * 1e-3)
-        first, width = t[which, place], t[which, place + 1] - t[which, place]
-        own = self.pick(which)
-        begin, centre = own.begin + own.turn * first, own.centre + own.along * first
+            angles = np.angle(direction) - self.begin + np.stack([half, -half])
+            t = np.stack([line, *(angles % (2.0 * np.pi) / self.turn)], axis=1)
+        t = np.where((t > 0.0) & (t < 1.0), t, 1.0)
+        t = np.sort(np.pad(t, ((0, 0), (1, 1)), constant_values=(0.0, 1.0)), axis=1)
+        which, place = np.nonzero(np.diff(t, axis=1) > 1e-3 * _SAME)
+        first, width, own = t[which, place], np.diff(t, axis=1)[which, place], self.pick(which)
+        centre, begin = own.centre + own.along * first, own.begin + own.turn * first
         return type(self)(centre, own.along * width, own.radius, begin, own.turn * width)
-
-    def where(self, kept: Bools) -> Self:
-        """Pieces of a mask (m,)."""
-        return self.pick(np.flatnonzero(kept))
 
     def beyond(self, direction: complex, level: float) -> Self:
         """Parts whose coordinate along ``direction`` is at least ``level``."""
         parts = self.cut(direction, level)
-        return parts.where((parts._middles * np.conj(direction)).real >= level)
+        return parts.pick(_along(parts.middles, direction) >= level)
 
     def within(self, polygon: shapely.Polygon) -> Self:
         """Parts in a polygon."""
-        parts, reach = self, np.abs(self.at(np.linspace(0.0, 1.0, 5)) - self.centroid).max() + self.lengths.max()
-        middle = shapely.Point(self.centroid.real, self.centroid.imag)
+        parts, middle = self, self.centroid
+        reach = np.abs(self.at(np.linspace(0.0, 1.0, 5)) - middle).max() + self.lengths.max()
         for begin, end in _sides(polygon):
-            if shapely.distance(shapely.LineString([(p.real, p.imag) for p in (begin, end)]), middle) <= reach:
+            side = shapely.LineString([(begin.real, begin.imag), (end.real, end.imag)])
+            if shapely.distance(side, shapely.Point(middle.real, middle.imag)) <= reach:
                 normal = -1j * (end - begin) / abs(end - begin)
-                parts = parts.cut(normal, (begin * np.conj(normal)).real)
-        middles = parts._middles
-        return parts.where(shapely.contains_xy(polygon, middles.real, middles.imag))
+                parts = parts.cut(normal, float(_along(begin, normal)))
+        return parts.pick(shapely.contains_xy(polygon, parts.middles.real, parts.middles.imag))
 
     def outside(self, centre: complex, first: complex, last: complex) -> Self:
         """Parts outside the sector from direction ``first`` to ``last``, less than half a turn, around a centre."""
         parts = self
-        for ray in (first, last):
-            parts = parts.cut(1j * ray, (centre * np.conj(1j * ray)).real)
-        offset = parts._middles - centre
-        inside = ((offset * np.conj(first)).imag > 0.0) & ((offset * np.conj(last)).imag < 0.0)
-        return parts.where(~inside)
+        for ray in (1j * first, 1j * last):
+            parts = parts.cut(ray, float(_along(centre, ray)))
+        offset = parts.middles - centre
+        return parts.pick((_along(offset, 1j * first) <= 0.0) | (_along(offset, 1j * last) >= 0.0))
 
-    def modulus(self, direction: complex, level: float) -> float:
-        """W = ∫ |e| dl with the distance e along ``direction`` from the axis at ``level``."""
+    def modulus(self, direction: complex) -> float:
+        """W = ∫ |e| dl with the distance e along ``direction`` from the axis through the centroid."""
+        level = float(_along(self.centroid, direction))
         parts = self.cut(direction, level)
-        return float((parts.weights * np.abs((parts.nodes * np.conj(direction)).real - level)).sum())
+        return float((parts.weights * np.abs(_along(parts.nodes, direction) - level)).sum())
 
-    def inertia(self, direction: complex, level: float, depth: float) -> float:
-        """J = ∫ (d e² + d³ (t·n)²/12) dl of vertical faces of depth d, with tangent t and ``direction`` n."""
-        arms = (self.nodes * np.conj(direction)).real - level
+    def inertia(self, direction: complex, depth: float) -> float:
+        """J = ∫ (d e² + d³ (t·n)²/12) dl of vertical faces of depth d, with e as in W, tangent t, ``direction`` n."""
         angle = self.begin[:, None] + self.turn[:, None] * (0.5 + 0.5 * _POINTS)
         lines = self.along / np.where(self.along == 0.0, 1.0, np.abs(self.along))
         tangent = np.where(self.radius[:, None] > 0.0, 1j * np.exp(1j * angle), lines[:, None])
-        own = depth**3 / 12.0 * (tangent * np.conj(direction)).real ** 2
-        return float((self.weights * (depth * arms**2 + own)).sum())
-
-    def extent(self, direction: complex) -> tuple[float, float]:
-        """Smallest and largest coordinate along a direction."""
-        most = self.highest(np.array([direction, -direction]))
-        return -float(most[1]), float(most[0])
+        own = depth**3 / 12.0 * _along(tangent, direction) ** 2
+        return float((self.weights * (depth * _along(self.nodes - self.centroid, direction) ** 2 + own)).sum())
 
     def highest(self, gradients: Positions) -> Floats:
         """Largest values (k,) of the linear functions Re(conj(g) z) on the pieces."""
-        ends = self.at(np.array([0.0, 1.0])).ravel()
-        result = (np.conj(gradients)[:, None] * ends).real.max(axis=1)
-        arcs = self.where(self.radius > 0.0)
+        ends, arcs = self.at(np.array([0.0, 1.0])).ravel(), self.pick(self.radius > 0.0)
         met = (np.angle(gradients)[:, None] - arcs.begin) % (2.0 * np.pi) <= arcs.turn
-        top = (np.conj(gradients)[:, None] * arcs.centre).real + arcs.radius * np.abs(gradients)[:, None]
-        top = np.where(met, top, -np.inf)
-        return np.asarray(np.maximum(result, top.max(axis=1, initial=-np.inf)))
-
-    @property
-    def _middles(self) -> Positions:
-        return self.at(np.array([0.5]))[:, 0]
+        top = _along(arcs.centre, gradients[:, None]) + arcs.radius * np.abs(gradients)[:, None]
+        values = np.concatenate([_along(ends, gradients[:, None]), np.where(met, top, -np.inf)], axis=1)
+        return np.asarray(values.max(axis=1))
 
 
 @dataclass(frozen=True)
 class Column:
-    """A loaded area: a convex polygon, counter-clockwise, all within ``radius``; a circle has one corner."""
+    """A loaded area: a convex polygon, counter-clockwise, and all points within ``radius``; a circle has one corner."""
 
     corners: tuple[complex, ...]
     radius: float = 0.0
 
     @classmethod
-    def rectangle(cls, centre: complex, sides: tuple[float, float], angle: float = 0.0) -> Self:
-        """A rectangle with its first side at an angle in degrees from x towards y."""
-        b, h = sides
-        turned = np.exp(1j * np.radians(angle)) if angle else 1.0
-        return cls(tuple(complex(centre + turned * 0.5 * (u * b + 1j * v * h)) for u, v in _SQUARE))
-
-    @classmethod
     def hull(cls, corners: Sequence[complex], radius: float = 0.0) -> Self:
         """The convex hull of points."""
         hull = shapely.MultiPoint([(p.real, p.imag) for p in corners]).convex_hull
-        points = hull.exterior.coords[:-1] if isinstance(hull, shapely.Polygon) else hull.coords
-        ordered = [complex(x, y) for x, y in points]
-        area = sum((p.conjugate() * q).imag for p, q in zip(ordered, ordered[1:] + ordered[:1], strict=True))
-        return cls(tuple(ordered[::-1] if area < 0.0 else ordered), radius)
+        if isinstance(hull, shapely.Polygon):
+            hull = shapely.LineString(shapely.orient_polygons(hull).exterior.coords[:-1])
+        return cls(tuple(complex(x, y) for x, y in hull.coords), radius)
 
     @cached_property
     def centre(self) -> complex:
         """Centroid of the area."""
-        if len(self.corners) < 3:
-            return complex(np.mean(self.corners))
-        middle = shapely.Polygon([(p.real, p.imag) for p in self.corners]).centroid
+        middle = shapely.MultiPoint([(p.real, p.imag) for p in self.corners]).convex_hull.centroid
         return complex(middle.x, middle.y)
 
     @property
     def axis(self) -> complex:
         """Direction of the longest side; 1 for a circle."""
-        ahead = np.diff(np.append(self.corners, self.corners[0]))
-        lengths = np.abs(ahead)
-        if not lengths.max() > 0.0:
-            return 1.0 + 0.0j
-        longest = int(np.flatnonzero(lengths >= (1.0 - _SAME) * lengths.max())[0])
-        return complex(ahead[longest] / lengths[longest])
+        ahead = np.roll(self.corners, -1) - self.corners
+        longest = ahead[np.argmax(np.abs(ahead) >= (1.0 - _SAME) * np.abs(ahead).max())]
+        return complex(longest / abs(longest)) if abs(longest) > 0.0 else 1.0 + 0.0j
 
     def extent(self, direction: complex) -> tuple[float, float]:
         """Smallest and largest coordinate along a direction."""
-        along = (np.array(self.corners) * np.conj(direction)).real
+        along = _along(np.array(self.corners), direction)
         return float(along.min()) - self.radius, float(along.max()) + self.radius
 
     def size(self, direction: complex) -> float:
@@ -221,40 +190,32 @@ class Column:
 
     def extended(self, normals: Sequence[complex], by: float) -> Column:
         """The hull of the area and of its copies moved along some directions."""
-        if not normals:
-            return self
-        return Column.hull([corner + by * normal for normal in (0.0, *normals) for corner in self.corners], self.radius)
+        moved = [corner + by * normal for normal in (0.0, *normals) for corner in self.corners]
+        return Column.hull(moved, self.radius) if normals else self
 
     def offset(self, by: float, square: bool = False) -> Pieces:
         """The outline at a distance; at corners arcs or, with ``square``, corners of a polygon without radius."""
         corners, radius = np.array(self.corners), self.radius + by
         if len(corners) == 1:
-            return Pieces.joined(
-                [(corners[0], 0.0, radius, 0.5 * np.pi * quarter, 0.5 * np.pi) for quarter in range(4)]
-            )
+            return Pieces.of([(corners[0], 0.0, radius, 0.5 * np.pi * k, 0.5 * np.pi) for k in range(4)])
         ahead = np.roll(corners, -1) - corners
         normal = -1j * ahead / np.abs(ahead)
-        before = np.roll(normal, 1)
+        before, pieces = np.roll(normal, 1), list[tuple[complex, ...]]()
         if square and not self.radius:
-            moved = corners + by * (before + normal) / (1.0 + (before * np.conj(normal)).real)
-            return Column(tuple(moved.tolist())).offset(0.0)
-        pieces: list[tuple[complex, complex, float, float, float]] = []
+            return Column(tuple(corners + by * (before + normal) / (1.0 + _along(before, normal)))).offset(0.0)
         for corner, last, side, along in zip(corners, before, normal, ahead, strict=True):
             # Corners of a hull on one line turn by ± rounding, the ends of a line between two corners by ± π.
             turn = float(np.angle(side / last))
             turn = abs(turn) if abs(turn) > 3.0 else max(turn, 0.0)
             count = max(1, int(np.ceil(turn / (0.5 * np.pi) - _SAME)))
-            begins = float(np.angle(last)) + turn / count * np.arange(count)
+            begins = np.angle(last) + turn / count * np.arange(count)
             pieces += [(corner, 0.0, radius, begin, turn / count) for begin in begins]
             pieces.append((corner + radius * side, along, 0.0, 0.0, 0.0))
-        return Pieces.joined(pieces)
-
-
-_SQUARE = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        return Pieces.of(pieces)
 
 
 class Perimeter(NamedTuple):
-    """A control perimeter at a distance, the closed line that it is part of, and outward directions to free edges."""
+    """A control perimeter at a distance, the closed line that it is part of, and outward normals of its free edges."""
 
     distance: float
     pieces: Pieces
@@ -280,8 +241,7 @@ class Plan:
         outer, *inner = sorted(map(shapely.Polygon, rings), key=lambda ring: -ring.area)
         slab = shapely.orient_polygons(shapely.Polygon(outer.exterior, [ring.exterior for ring in inner]))
         if not shapely.intersects_xy(slab, column.centre.real, column.centre.imag):
-            at = f"({column.centre.real:g}, {column.centre.imag:g})"
-            raise InputError(f"The column's centre {at} is not on the plate. Move the column onto the plate.")
+            raise InputError(f"The column's centre {column.centre:g} is not on the plate. Move the column.")
         corners = shapely.MultiPoint([(p.real, p.imag) for p in column.corners]).convex_hull
         near = tuple(hole for hole in inner if shapely.distance(hole, corners) - column.radius <= within)
         return cls(column, slab, near, widened)
@@ -292,16 +252,18 @@ class Plan:
         With ``to_edges`` it may run straight to free edges.
         """
         basic = self.column.offset(distance, square)
-        normals, far = self._edge_normals(0.5 * basic.length) if to_edges else [], basic.length
-        best, shortest = Perimeter(distance, basic, basic, ()), np.inf
-        for count in range(len(normals) + 1):
-            for some in combinations(normals, count):
-                whole = self.column.extended(some, far).offset(distance, square)
-                pieces = whole.within(self.slab)
-                # A column flush with an edge has equal perimeters with and without the edge.
-                if 0.0 < pieces.length <= (1.0 + _SAME) * shortest:
-                    best, shortest = Perimeter(distance, pieces, whole, some), pieces.length
-        return best._replace(pieces=self.unshaded(best.pieces))
+        normals, best, shortest = list[complex](), Perimeter(distance, basic, basic, ()), np.inf
+        for gap, normal in self._edges if to_edges else ():
+            apart = all(abs(np.angle(normal / other)) > _ALIKE for other in normals)
+            if gap <= 0.5 * basic.length and len(normals) < _MOST_EDGES and apart:
+                normals.append(normal)
+        for some in (some for count in range(len(normals) + 1) for some in combinations(normals, count)):
+            whole = self.column.extended(some, basic.length).offset(distance, square)
+            pieces = whole.within(self.slab)
+            # A column flush with an edge has equal perimeters with and without the edge.
+            if 0.0 < pieces.length <= (1.0 + _SAME) * shortest:
+                best, shortest = Perimeter(distance, pieces, whole, some), pieces.length
+        return best._replace(pieces=self._unshaded(best.pieces))
 
     def of_length(self, length: float) -> Pieces:
         """The perimeter of a given length, by bisection of its distance."""
@@ -311,15 +273,19 @@ class Plan:
             near, far = (near, middle) if self.perimeter(middle).pieces.length >= length else (middle, far)
         return self.perimeter(far).pieces
 
-    def face(self, normals: Sequence[complex]) -> Pieces:
-        """The column's outline; towards free edges it is straight, and ends at the column's outermost point."""
+    def face(self, normals: Sequence[complex] = ()) -> float:
+        """Length of the column's outline; towards free edges it is straight, up to the column's outermost point."""
         pieces = self.column.extended(normals, 4.0 * self.column.offset(0.0).length).offset(0.0)
         for normal in normals:
             pieces = pieces.beyond(-normal, self.column.extent(-normal)[0])
-        return self.unshaded(pieces)
+        return self._unshaded(pieces).length
 
-    def unshaded(self, pieces: Pieces) -> Pieces:
-        """Parts of a perimeter outside the sectors between tangents from the column's centre to openings."""
+    def gap(self, normal: complex) -> float:
+        """Distance of the column from the free edge with an outward normal."""
+        return min(gap for gap, edge in self._edges if abs(np.angle(edge / normal)) < _SAME)
+
+    def _unshaded(self, pieces: Pieces) -> Pieces:
+        """Parts outside the sectors between tangents from the column's centre to openings."""
         for opening in self.openings:
             pieces = pieces.outside(self.column.centre, *self._sector(opening))
         if not pieces.length > 0.0:
@@ -328,28 +294,18 @@ class Plan:
 
     def _sector(self, opening: shapely.Polygon) -> tuple[complex, complex]:
         """Directions of the two tangents to an opening."""
-        centre = self.column.centre
-        corners = shapely.get_coordinates(opening.convex_hull)[:-1] @ [1.0, 1j] - centre
-        middle = complex(opening.centroid.x, opening.centroid.y) - centre
-        axis = middle / abs(middle)
-        seen = corners * np.conj(axis)
+        corners = shapely.get_coordinates(opening.convex_hull)[:-1] @ [1.0, 1j] - self.column.centre
+        middle = complex(opening.centroid.x, opening.centroid.y) - self.column.centre
+        seen = corners * np.conj(middle) / abs(middle)
         angles = np.angle(seen)
-        if angles.max() - angles.min() >= np.pi * (1.0 - _SAME):
+        if np.ptp(angles) >= np.pi * (1.0 - _SAME):
             raise InputError("An opening surrounds the column's centre. Move the column or the opening.")
-        low, high = float(angles.min()), float(angles.max())
-        radial, across = float(np.ptp(seen.real)), float(np.ptp(seen.imag))
-        if self.widened and radial > across:
-            # The width l2 counts as √(l1 l2) where the opening's length l1 is larger.
-            wider = np.sqrt(radial / across)
-            low, high = (
-                float(np.arctan(wider * np.tan(angle))) if abs(angle) < 0.5 * np.pi else angle for angle in (low, high)
-            )
-        return axis * np.exp(1j * low), axis * np.exp(1j * high)
-
-    def gap(self, normal: complex) -> float:
-        """Distance of the column from the nearest free edge that has an outward normal; infinite without an edge."""
-        gaps = [gap for gap, edge in self._edges if abs(np.angle(edge / normal)) < _SAME]
-        return min(gaps, default=np.inf)
+        # The width l2 counts as √(l1 l2) where the opening's length l1 is larger.
+        wider = np.sqrt(max(np.ptp(seen.real) / np.ptp(seen.imag), 1.0)) if self.widened else 1.0
+        ends = np.array([angles.min(), angles.max()])
+        ends = np.where(np.abs(ends) < 0.5 * np.pi, np.arctan(wider * np.tan(ends)), ends)
+        first, last = middle / abs(middle) * np.exp(1j * ends)
+        return complex(first), complex(last)
 
     @cached_property
     def _edges(self) -> list[tuple[float, complex]]:
@@ -360,18 +316,14 @@ class Plan:
             foot = (self.column.centre - begin) * np.conj(end - begin) / length
             normal = complex(-1j * (end - begin) / length)
             if -_SAME * length <= foot.real <= length * (1.0 + _SAME) and foot.imag >= -_SAME * length:
-                own = self.column.extent(normal)[1] - (self.column.centre * np.conj(normal)).real
-                found.append((float(foot.imag - own), normal))
+                own = self.column.extent(normal)[1] - float(_along(self.column.centre, normal))
+                found.append((float(foot.imag) - own, normal))
         return sorted(found, key=lambda edge: edge[0])
 
-    def _edge_normals(self, within: float) -> list[complex]:
-        """Outward normals of the free edges at most ``within`` away, the nearest first."""
-        result: list[complex] = []
-        for gap, normal in self._edges:
-            apart = all(abs(np.angle(normal / other)) > _ALIKE for other in result)
-            if gap <= within and len(result) < _MOST_EDGES and apart:
-                result.append(normal)
-        return result
+
+def _along(z: Positions | complex, direction: Positions | complex) -> Floats:
+    """Coordinates of positions along directions."""
+    return np.asarray((z * np.conj(direction)).real)
 
 
 def _sides(polygon: shapely.Polygon) -> list[tuple[complex, complex]]:

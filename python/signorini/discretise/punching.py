@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from signorini.base.on_demand import kept
 from signorini.base.units import METRES, NEWTONS
 from signorini.design import aci318, en1992_punching
-from signorini.design.perimeters import Column, Pieces, Plan, Positions
+from signorini.design.perimeters import Column, Pieces, Plan
 from signorini.discretise.quadrature import Quadrature, area_quadrature
 from signorini.discretise.quadrature.stepped import Levels, sides_of
 from signorini.discretise.rows import Floats
@@ -21,20 +21,13 @@ from signorini.discretise.sections.sections import Spread
 from signorini.errors import InputError, Problems
 from signorini.mesh import Mesh
 from signorini.model import MeshPlate, Model
-from signorini.model.punching import ACI_318, ColumnAt, columns_of
-from signorini.shapes import Circle, Rounded, Whole
-from signorini.shapes.cuts import Common
+from signorini.model.punching import ACI_318, ColumnAt
+from signorini.shapes import Circle, Rounded
+from signorini.shapes.cuts import Common, Part
 from signorini.shapes.distances import depth
 from signorini.shapes.outlines import Contour
 
 Check: TypeAlias = en1992_punching.Punching | aci318.Punching
-KINDS = {
-    **dict.fromkeys(("u0", "u1", "uout", "asw"), "length"),
-    **dict.fromkeys(("force", "inside"), "force"),
-    **dict.fromkeys(("v_ed", "v_ed_face", "v_rd_c", "v_rd_max"), "stress"),
-    **dict.fromkeys(("beta", "utilisation"), "part"),
-}
-"""Kind of unit of each number of a check."""
 _ON_EDGE = 1e-9
 """Tolerance for points of loads within a column, relative to its size."""
 
@@ -54,22 +47,6 @@ class PunchedColumn:
         """Areas (p,) inside the control perimeters."""
         return tuple(_region(perimeter.whole, self.length) for perimeter in self.check.perimeters)
 
-    def numbers(self, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
-        """Numbers (k,) by name for forces (k,), moments (k,), and forces inside the regions (k, p), all in model units.
-
-        A moment x + iy is the force times its distances along x and y.
-        """
-        in_newtons = self.force * force, self.force * self.length * moment, self.force * inside
-        found = self.check.numbers(*in_newtons)
-        units = {"length": self.length, "force": self.force, "stress": self.force / self.length**2, "part": 1.0}
-        own = {name: found[name] / units[kind] for name, kind in KINDS.items()}
-        return own | {"moment_x": moment.real, "moment_y": moment.imag}
-
-    def drawn(self, pieces: Pieces) -> list[Floats]:
-        """Points (k, 2) along each of the pieces, in units of the model."""
-        points = pieces.at(np.linspace(0.0, 1.0, 17)) / self.length
-        return [np.column_stack([z.real, z.imag]) for z in points]
-
 
 @dataclass(frozen=True, eq=False)
 class Columns:
@@ -86,7 +63,7 @@ class Columns:
     def of(cls, model: Model, mesh: Mesh, problems: Problems) -> Columns:
         """Make the columns of a model; errors are collected in ``problems``."""
         result = []
-        for column in columns_of(model):
+        for column in model.columns:
             with problems.collected():
                 try:
                     result.append(_punched(model, mesh, column))
@@ -99,6 +76,11 @@ class Columns:
     def regions(self) -> tuple[Rounded, ...]:
         """Regions (r,) of all columns."""
         return tuple(region for column in self.columns for region in column.regions)
+
+    @property
+    def count(self) -> int:
+        """Number r + 3c of numbers."""
+        return len(self.regions) + 3 * len(self.columns)
 
     @cached_property
     def slices(self) -> tuple[slice, ...]:
@@ -128,81 +110,63 @@ class Columns:
             # Regions of columns are convex.
             if len(around) and region.contains(around).all():
                 return forces.total
-            part = region if shape is None else Common(region, shape)
-            x0, y0, x1, y1 = part.bounds
-            if x0 >= x1 or y0 >= y1:
-                return 0.0
-            if shape is None and not spread.levels:
-                points = over(region, self.mesh, spread.order)
-            else:
-                points = area_quadrature(self.mesh, part, spread.order, levels=spread.levels)
+            points = over(region, self.mesh, shape, spread.order, tuple(spread.levels))
             return float(points.weights @ spread.pressure(points.elements, points.positions))
 
         return self._numbers((lambda region: 0.0) if spread.field else inside)
 
     def of_case(self, model: Model, case: str) -> Floats:
         """Numbers (r + 3c,) of the forces and couples of a load case that act on the columns."""
-        result = np.zeros(self.count)
-        for index, column in enumerate(self.columns):
-            outline, at = column.column.outline, np.array(column.column.at)
-            for load in model.load if column.column.support is None else ():
-                points = np.array(load.at or ()).reshape(-1, 2)
-                if load.case != case or not len(points):
-                    continue
-                inside = points[depth(outline, points) >= -_ON_EDGE * self.mesh.size] - at
-                force, couple = load.force or 0.0, load.couple or (0.0, 0.0)
-                turning = force * inside.sum(axis=0) + len(inside) * np.array(couple)
-                result[len(self.regions) + 3 * index :][:3] += [force * len(inside), *turning]
+        result, first = np.zeros(self.count), len(self.regions)
+        loads = [load for load in model.load if load.case == case and load.at is not None]
+        for own, column in zip(result[first:].reshape(-1, 3), (one.column for one in self.columns), strict=True):
+            for load in loads if column.support is None else ():
+                points = np.array(load.at)
+                arms = points[depth(column.outline, points) >= -_ON_EDGE * self.mesh.size] - column.at
+                force, couple = load.force or 0.0, np.array(load.couple or (0.0, 0.0))
+                own += [force * len(arms), *(force * arms.sum(axis=0) + couple * len(arms))]
         return result
-
-    @property
-    def count(self) -> int:
-        """Number r + 3c of numbers."""
-        return len(self.regions) + 3 * len(self.columns)
 
     def _numbers(self, inside: Callable[[Rounded], float]) -> Floats:
         return np.array([*map(inside, self.regions), *np.zeros(3 * len(self.columns))])
 
 
 @kept
-def over(region: Rounded, mesh: Mesh, order: int) -> Quadrature:
-    """Quadrature over a region, computed once."""
-    return area_quadrature(mesh, region, order)
+def over(region: Rounded, mesh: Mesh, shape: Part | None, order: int, levels: tuple[Any, ...]) -> Quadrature:
+    """Quadrature over the part of ``shape`` in a region, computed once; arguments are as in `area_quadrature`."""
+    part = region if shape is None else Common(region, shape)
+    x0, y0, x1, y1 = part.bounds
+    if x0 < x1 and y0 < y1:
+        return area_quadrature(mesh, part, order, levels=levels)
+    return Quadrature(np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)))
 
 
 def _punched(model: Model, mesh: Mesh, column: ColumnAt) -> PunchedColumn:
     table, units = model.punching[column.table], model.units
     length, force = 1e3 * METRES[units.length], NEWTONS[units.force]
-    stress, d = force / length**2, (table.d[0] * length, table.d[1] * length)
-    rings = [length * ring for ring in _rings(model, mesh)]
+    d, stress = (table.d[0] * length, table.d[1] * length), force / length**2
     given = None if table.beta == "computed" else table.beta
-    strengths = table.fck * stress, table.fyk * stress
-    outline = _column(column.outline, length)
-    check: Check
+    strengths, rings = (table.fck * stress, table.fyk * stress), [length * ring for ring in _rings(model, mesh)]
+    outline = Column.hull([length * complex(x, y) for x, y in np.concatenate(column.outline.loops)])
+    if isinstance(column.outline, Circle):
+        outline = Column((length * complex(*column.outline.center),), length * column.outline.radius)
     if table.code == ACI_318:
         thickness = length * float(model.plate.thickness(*np.array([column.at]).T)[0])
-        check = aci318.Punching(Plan.of(outline, rings, aci318.WITHIN * thickness), d, *strengths, given)
+        plan = Plan.of(outline, rings, aci318.WITHIN * thickness)
+        check: Check = aci318.Punching(plan, d, *strengths, given)
     else:
-        assert table.rho is not None
         plan = Plan.of(outline, rings, 0.5 * en1992_punching.WITHIN * sum(d), widened=True)
-        check = en1992_punching.Punching(plan, d, table.rho, *strengths, given, column.support is None)
+        on_raft = column.support is None
+        check = en1992_punching.Punching(plan, d, table.rho or (0.0, 0.0), *strengths, given, on_raft)
     return PunchedColumn(column, check, table.code, length, force)
-
-
-def _column(outline: Whole, length: float) -> Column:
-    if isinstance(outline, Circle):
-        return Column((length * complex(*outline.center),), length * outline.radius)
-    (loop,) = outline.loops
-    return Column.hull((length * (loop @ [1.0, 1j])).tolist())
 
 
 def _rings(model: Model, mesh: Mesh) -> Sequence[Floats]:
     """Points along the outline and the holes of the plate."""
     if not isinstance(model.plate, MeshPlate):
         return [contour.points() for contour in model.plate.contours]
-    ends = np.flatnonzero(mesh.boundary[:, 2] != np.roll(mesh.boundary[:, 0], -1)) + 1
-    loops = [loop for loop in np.split(mesh.boundary, ends) if len(loop)]
-    return [mesh.points[loop[:, :2].ravel()] for loop in loops]
+    ends = np.flatnonzero(mesh.boundary[:-1, 2] != mesh.boundary[1:, 0]) + 1
+    return [mesh.points[loop[:, :2].ravel()] for loop in np.split(mesh.boundary, ends)]
 
 
 def _region(whole: Pieces, length: float) -> Rounded:

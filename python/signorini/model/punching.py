@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, Literal, NamedTuple, Protocol
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
@@ -13,9 +13,8 @@ from signorini.model import base
 from signorini.model.load import Load
 from signorini.model.problems import as_list
 from signorini.model.support import Support
-from signorini.model.where import Acting, Located
-from signorini.shapes import Hollow
-from signorini.shapes import Whole as Region
+from signorini.model.where import Acting
+from signorini.shapes import Hollow, Whole
 
 EN_1992, ACI_318 = "EN 1992-1-1:2004", "ACI 318-19"
 _STRENGTHS = (5.0, 120.0)
@@ -35,51 +34,15 @@ Pair = Annotated[
 ]
 
 
-class Labels(Protocol):
-    """Labels of the units of a model."""
-
-    @property
-    def length(self) -> str:
-        """Unit of length."""
-
-    @property
-    def force(self) -> str:
-        """Unit of force."""
-
-
-class Whole(Protocol):
-    """The members of `Model` that this module uses."""
-
-    @property
-    def units(self) -> Labels:
-        """Units."""
-
-    @property
-    def support(self) -> tuple[Support, ...]:
-        """Supports, followed by contacts."""
-
-    @property
-    def load(self) -> tuple[Load, ...]:
-        """Loads."""
-
-    @property
-    def punching(self) -> tuple[Punching, ...]:
-        """Tables of columns."""
-
-
 class ColumnAt(NamedTuple):
-    """A column of a model: index of its table, number of its point from 1, place, outline, index of its support."""
+    """A column of a model: name such as "punching:columns[3]", indices of its table, point and support, and place."""
 
+    subject: str
     table: int
-    number: int
+    point: int
+    support: int | None  # None for a column on the plate
     at: tuple[float, float]
-    outline: Region
-    support: int | None
-
-    def subject(self, model: Whole) -> str:
-        """Name of the column, such as "punching:columns[3]"."""
-        table = model.punching[self.table]
-        return f"punching:{table.support or table.load}[{self.number}]"
+    outline: Whole
 
 
 class Punching(base.OnPlate):
@@ -118,61 +81,58 @@ class Punching(base.OnPlate):
         if self.code == EN_1992 and self.rho is None:
             yield ("rho",), f"'rho' is missing; {EN_1992} needs the ratios of reinforcement [ρx, ρy]."
 
-    def places(self, model: Whole) -> list[tuple[Located, tuple[float, float], int | None]]:
-        """Tables and points (p,) that columns may stand at, and the index of the support."""
-        if self.load is not None:
-            own = (load for load in model.load if load.case == self.load and load.plate == self.plate)
-            points = {point: load for load in own if load.force is not None for point in load.at or ()}
-            return [(load, point, None) for point, load in points.items()]
-        index = next(index for index, support in enumerate(model.support) if support.name == self.support)
-        support = model.support[index]
-        if (region := support.where.region) is not None:
-            x0, y0, x1, y1 = region.bounds
-            return [(support, (0.5 * (x0 + x1), 0.5 * (y0 + y1)), index)]
-        return [(support, point, index) for point in support.at or ()]
+    def columns(self, supports: Sequence[Support], loads: Sequence[Load], table: int = 0) -> Iterator[ColumnAt | None]:
+        """Yield the columns at all points, as those of table number ``table``; None for one without an outline."""
+        places: list[tuple[Acting, tuple[float, float], int | None]] = []
+        for load in loads:
+            if load.case == self.load and load.plate == self.plate and load.force is not None:
+                known = [at for _, at, _ in places]
+                places += [(load, at, None) for at in load.at or () if at not in known]
+        for index, support in enumerate(supports):
+            if support.name == self.support and (region := support.where.region) is not None:
+                x0, y0, x1, y1 = region.bounds
+                places.append((support, (0.5 * (x0 + x1), 0.5 * (y0 + y1)), index))
+            elif support.name == self.support:
+                places += [(support, at, index) for at in support.at or ()]
+        for point, (acting, at, support_index) in enumerate(places):
+            outline, subject = self._outline(acting, at), f"punching:{self.support or self.load}[{point + 1}]"
+            yield None if outline is None else ColumnAt(subject, table, point, support_index, at, outline)
 
-    def columns(self, model: Whole, table: int) -> Iterator[ColumnAt]:
-        """Yield the columns."""
-        for number, (located, at, support) in enumerate(self.places(model), start=1):
-            outline = self._outline(located, at, number)
-            if outline is not None and (self.number is None or number in self.number):
-                yield ColumnAt(table, number, at, outline, support)
-
-    def _outline(self, located: Located, at: tuple[float, float], number: int) -> Region | None:
+    def _outline(self, acting: Acting, at: tuple[float, float]) -> Whole | None:
         if self.column is not None or self.diameter is not None:
             radius = None if self.diameter is None else 0.5 * self.diameter
-            located = Acting.model_construct(at=(at,), patch=self.column, radius=radius, angle=self.angle)
-            return located.where.footprints[0]
-        where = located.where
+            acting = Acting.model_construct(at=(at,), patch=self.column, radius=radius, angle=self.angle)
+        where = acting.where
         region = where.footprints[where.points.index(at)] if where.footprints else where.region
         return region.around if isinstance(region, Hollow) else region
 
-    def complaints_of(self, model: Whole) -> Iterator[base.Complaint]:
-        """Yield the problems of the table with the rest of the model; places are relative to this table."""
-        names = [support.name for support in model.support]
+    def complaints_of(self, supports: Sequence[Support], loads: Sequence[Load], units: Any) -> Iterator[base.Complaint]:
+        """Yield the problems with other tables of the model; places are relative to this table."""
+        names, columns = [support.name for support in supports], list(self.columns(supports, loads))
         if self.support is not None and self.support not in names:
             yield ("support",), unknown("support", self.support, names)
-            return
-        places = self.places(model)
-        if not places:
+        elif not columns:
             key, what = ("support", "no points") if self.load is None else ("load", "no force at points")
             yield (key,), f"found {what}; columns are points of at, or one area with a rectangle, circle or polygon."
-        for number in self.number or ():
-            if number > len(places):
-                yield ("number",), f"found column {number}; there are the columns 1 to {len(places)}."
-        if any(self._outline(*place[:2], 1) is None for place in places):
+        elif None in columns:
             yield ("column",), "the outline of the columns is missing. Give column = [b, h] or diameter."
-        units = model.units
+        for number in self.number or ():
+            if number > len(columns):
+                yield ("number",), f"found column {number}; there are the columns 1 to {len(columns)}."
         for key, unit, known in (("length", units.length, METRES), ("force", units.force, NEWTONS)):
             if unit not in known:
                 yield (), f"{self.code} needs a known unit of {key} in units; found {unit!r} of {', '.join(known)}."
                 return
-        strength = self.fck * NEWTONS[units.force] / (1e3 * METRES[units.length]) ** 2
+        unit, strength = (
+            f"{units.force}/{units.length}²",
+            self.fck * NEWTONS[units.force] * 1e-6 / METRES[units.length] ** 2,
+        )
         if not _STRENGTHS[0] <= strength <= _STRENGTHS[1]:
-            unit = f"{units.force}/{units.length}²"
             yield ("fck",), f"found {self.fck:g} {unit}, which is {strength:.3g} MPa; give 5 to 120 MPa in {unit}."
 
 
-def columns_of(model: Whole) -> tuple[ColumnAt, ...]:
-    """The columns of all tables, in their order."""
-    return tuple(column for table, punching in enumerate(model.punching) for column in punching.columns(model, table))
+def columns_of(tables: Sequence[Punching], supports: Sequence[Support], loads: Sequence[Load]) -> tuple[ColumnAt, ...]:
+    """The checked columns of all tables, in their order."""
+    every = ((own, table) for index, table in enumerate(tables) for own in table.columns(supports, loads, index))
+    chosen = ((column, table.number) for column, table in every if column is not None)
+    return tuple(column for column, numbers in chosen if numbers is None or column.point + 1 in numbers)

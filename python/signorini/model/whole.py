@@ -332,7 +332,7 @@ class Model(Table):
     @property
     def columns(self) -> tuple[ColumnAt, ...]:
         """The columns of [[punching]]."""
-        return columns_of(self)
+        return columns_of(self.punching, self.support, self.load)
 
     @cached_property
     def effective_combinations(self) -> Combinations:
@@ -369,7 +369,8 @@ class Model(Table):
         yield from self._combination_complaints()
         yield from self._preload_complaints()
         for index, punching in enumerate(self.punching):
-            yield from ((("punching", index, *path), message) for path, message in punching.complaints_of(self))
+            complaints = punching.complaints_of(self.support, self.load, self.units)
+            yield from ((("punching", index, *path), message) for path, message in complaints)
 
     def complaints_of_plate(self) -> Iterator[Complaint]:
         """Yield the problems of a plate and of its tables."""

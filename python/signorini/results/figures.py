@@ -97,9 +97,7 @@ def _support(support: SupportResult) -> dict[str, Any]:
 
 def columns_named(model: Model) -> list[dict[str, Any]]:
     """JSON of the columns of [[punching]] without their numbers."""
-    return [
-        {"name": column.subject(model).removeprefix("punching:"), "at": list(column.at)} for column in model.columns
-    ]
+    return [{"name": column.subject.removeprefix("punching:"), "at": list(column.at)} for column in model.columns]
 
 
 def joints(result: Result) -> list[dict[str, Any]]:

@@ -504,7 +504,7 @@ class Catalogue:
         for index, column in enumerate(model.columns):
             for one in OF_COLUMNS:
                 path = ("punching", index, *one.path)
-                result.append(Number(one, "punching", index, path, column.subject(model), 0, one.tabled))
+                result.append(Number(one, "punching", index, path, column.subject, 0, one.tabled))
         enveloped = [(plate, name) for plate in ("", *model.plates) for name in fields]
         for index, (plate, name) in enumerate(enveloped):
             on, of = ("plates", plate) if plate else (), (name,) if name == "deflection" else ("fields", name)

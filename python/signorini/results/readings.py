@@ -28,7 +28,7 @@ from signorini.results.contact_field.area_contact import AreaContact
 from signorini.results.contact_field.areas import area_at_rest, area_contact
 from signorini.results.line_reactions import Line, lines_of
 from signorini.results.local_results import total_pressure
-from signorini.results.punching import points_inside
+from signorini.results.punching import in_units, points_inside
 from signorini.results.quantities import EXTREMES, LINEAR, OF_COLUMNS, Catalogue, Home, derived
 from signorini.results.support_points import SupportPoints, closed_part
 
@@ -309,7 +309,7 @@ class Readings:
                 within = [region.contains(state.points.positions) & ~mine for region in column.regions]
                 pushing += state.reactions @ np.array(within, np.float64).T
         inside = pushing - load + force[:, None] if own.support is None else load - pushing
-        return column.numbers(force, moment, inside)
+        return in_units(column, force, moment, inside)
 
     @cached_property
     def probes(self) -> Floats:

@@ -94,7 +94,7 @@ def recovered(
         _read=readings.numbers(catalogue)[0],
         combination=None if isinstance(load_of, str) else load_of,
         means=Means.of(discretisation, stress[:, :3], stress[:, 3:], load.acting),
-        punching=Listed(column_results(discretisation, {n: of[0] for n, of in readings.punching.items()}), "punching"),
+        punching=Listed(column_results(discretisation, readings.punching), "punching"),
     )
 
 

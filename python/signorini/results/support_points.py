@@ -89,7 +89,7 @@ class SupportPoints:
         if index != column.support:
             return np.zeros(len(self.positions), np.bool_)
         every = support.area is not None
-        return np.asarray(every | (np.arange(len(self.positions)) == column.number - 1))
+        return np.asarray(every | (np.arange(len(self.positions)) == column.point))
 
     def preloads(self, discretisation: Discretisation) -> Floats:
         """Upward force (p,) of every point when all bolts are tightened and before other loads act."""
