@@ -152,9 +152,7 @@ class Punching:
 
     def _edges(self, perimeter: Perimeter) -> tuple[complex, ...]:
         """Normals of the free edge or corner that the column stands at: at most d away, 6.4.2(5)."""
-        near = tuple(normal for normal in perimeter.normals if self.plan.gap(normal) <= self.depth)
-        opposite = len(near) == 2 and abs(np.angle(near[0] / near[1])) > 0.75 * np.pi
-        return () if opposite or len(near) > 2 else near
+        return tuple(normal for normal in perimeter.normals if self.plan.gap(normal) <= self.depth)
 
     def _reduced(self, pieces: Pieces, normals: Sequence[complex]) -> Pieces:
         """u1* of Figure 6.20: at most 1.5 d and half of the column's side are left beside its inner face."""

@@ -23,9 +23,9 @@ Positions: TypeAlias = npt.NDArray[np.complex128]
 _SAME = 1e-9
 """Relative tolerance for equal lengths, and for points on an edge."""
 _ALIKE = 0.5
-"""Smallest angle in radians between the normals of two free edges; those of a curved edge differ by less."""
-_MOST_EDGES = 3
-"""Largest number of free edges at which a perimeter ends."""
+"""Smallest angle in radians between normals of two edges at a corner, or between one and the opposite of the other."""
+_CORNER = 2
+"""Number of free edges at a corner, the largest number at which a perimeter ends."""
 _BISECTIONS = 20
 """Number of bisections for the distance of a perimeter with a given length."""
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -128,10 +128,11 @@ class Pieces:
         return parts.pick((_along(offset, 1j * first) <= 0.0) | (_along(offset, 1j * last) >= 0.0))
 
     def modulus(self, direction: complex) -> float:
-        """W = ∫ |e| dl with the distance e along ``direction`` from the axis through the centroid."""
+        """W = ∫ |e| dl with the distance e along ``direction`` from the axis through the centroid; ≈ 0 on a line."""
         level = float(_along(self.centroid, direction))
         parts = self.cut(direction, level)
-        return float((parts.weights * np.abs(_along(parts.nodes, direction) - level)).sum())
+        size = (parts.weights * np.abs(_along(parts.nodes, direction) - level)).sum()
+        return max(float(size), _SAME * self.length**2)
 
     def inertia(self, direction: complex, depth: float) -> float:
         """J = ∫ (d e² + d³ (t·n)²/12) dl of vertical faces of depth d, with e as in W, tangent t, ``direction`` n."""
@@ -139,7 +140,8 @@ class Pieces:
         lines = self.along / np.where(self.along == 0.0, 1.0, np.abs(self.along))
         tangent = np.where(self.radius[:, None] > 0.0, 1j * np.exp(1j * angle), lines[:, None])
         own = depth**3 / 12.0 * _along(tangent, direction) ** 2
-        return float((self.weights * (depth * _along(self.nodes - self.centroid, direction) ** 2 + own)).sum())
+        size = (self.weights * (depth * _along(self.nodes - self.centroid, direction) ** 2 + own)).sum()
+        return max(float(size), _SAME * depth * self.length**3)
 
     def highest(self, gradients: Positions) -> Floats:
         """Largest values (k,) of the linear functions Re(conj(g) z) on the pieces."""
@@ -254,8 +256,8 @@ class Plan:
         basic = self.column.offset(distance, square)
         normals, best, shortest = list[complex](), Perimeter(distance, basic, basic, ()), np.inf
         for gap, normal in self._edges if to_edges else ():
-            apart = all(abs(np.angle(normal / other)) > _ALIKE for other in normals)
-            if gap <= 0.5 * basic.length and len(normals) < _MOST_EDGES and apart:
+            apart = all(_ALIKE < abs(np.angle(normal / other)) < np.pi - _ALIKE for other in normals)
+            if gap <= 0.5 * basic.length and len(normals) < _CORNER and apart:
                 normals.append(normal)
         for some in (some for count in range(len(normals) + 1) for some in combinations(normals, count)):
             whole = self.column.extended(some, basic.length).offset(distance, square)

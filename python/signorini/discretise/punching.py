@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -110,7 +110,7 @@ class Columns:
             # Regions of columns are convex.
             if len(around) and region.contains(around).all():
                 return forces.total
-            points = over(region, self.mesh, shape, spread.order, tuple(spread.levels))
+            points = over(region, self.mesh, shape, spread.order, spread.levels)
             return float(points.weights @ spread.pressure(points.elements, points.positions))
 
         return self._numbers((lambda region: 0.0) if spread.field else inside)
@@ -131,14 +131,20 @@ class Columns:
         return np.array([*map(inside, self.regions), *np.zeros(3 * len(self.columns))])
 
 
-@kept
-def over(region: Rounded, mesh: Mesh, shape: Part | None, order: int, levels: tuple[Any, ...]) -> Quadrature:
-    """Quadrature over the part of ``shape`` in a region, computed once; arguments are as in `area_quadrature`."""
+def over(region: Rounded, mesh: Mesh, shape: Part | None, order: int, levels: Levels) -> Quadrature:
+    """Quadrature over the part of ``shape`` in a region; arguments are as in `area_quadrature`."""
+    if shape is None and not levels:
+        return _over(region, mesh, order)
     part = region if shape is None else Common(region, shape)
     x0, y0, x1, y1 = part.bounds
     if x0 < x1 and y0 < y1:
         return area_quadrature(mesh, part, order, levels=levels)
     return Quadrature(np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros(0), np.zeros((0, 2)))
+
+
+@kept
+def _over(region: Rounded, mesh: Mesh, order: int) -> Quadrature:
+    return area_quadrature(mesh, region, order)
 
 
 def _punched(model: Model, mesh: Mesh, column: ColumnAt) -> PunchedColumn:

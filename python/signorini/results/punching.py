@@ -37,7 +37,7 @@ class Inside(NamedTuple):
 def points_inside(discretisation: Discretisation, column: int, support: int) -> Inside:
     """Quadrature over the part of area support number ``support`` inside the perimeters of a column."""
     mesh, area = discretisation.mesh, area_at_rest(discretisation, support)
-    where, levels = area.support.where.region, tuple(steps_of(area.support))
+    where, levels = area.support.where.region, steps_of(area.support)
     parts = [over(region, mesh, where, GAUSS, levels) for region in discretisation.columns.columns[column].regions]
     points = Quadrature.join(parts)
     at, shape = np.arange(len(points)), mesh.shape_functions(points.elements, points.xi)

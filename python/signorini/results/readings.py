@@ -7,7 +7,7 @@ several. A row of a table is a sum of the readings of load cases and contact poi
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple, Self
@@ -178,19 +178,24 @@ class Reader:
             np.array([other[self.around_areas] for other in beneath.values()]).reshape(
                 len(beneath), len(self.around_areas)
             ),
-            self._on_columns(load, turned),
+            self._on_columns(load, reaction, turned),
         )
 
-    def _on_columns(self, load: CaseLoad, turned: Floats) -> Floats:
-        """Numbers (r + 3c,) of `Linear.on_columns` from a load and the couples (n, 2) of held slopes, with sign −."""
+    def _on_columns(self, load: CaseLoad, reaction: Floats, turned: Floats) -> Floats:
+        """Numbers (r + 3c,) of `Linear.on_columns` from a load, reactions, and couples (n, 2) of held nodes."""
         found = self.discretisation
-        result = load.on_columns + np.zeros(found.columns.count)
-        for index, column in enumerate(found.columns.columns):
+        result, first, points = (
+            load.on_columns + np.zeros(found.columns.count),
+            len(found.columns.regions),
+            found.points,
+        )
+        for own, column in zip(result[first:].reshape(-1, 3), found.columns.columns, strict=True):
             if (support := column.column.support) is not None and found.model.support[support].holds_rotation:
-                points = self.points[support]
-                near = np.abs(found.mesh.points[points.nodes] - column.column.at).max(axis=1) <= found.mesh.near.place
-                couples = (points.share[near, None] * turned[points.nodes[near]]).sum(axis=0)
-                result[len(found.columns.regions) + 3 * index :][1:3] -= couples
+                held = found.held.points
+                of_nodes = (held.support == support) & (held.numbers == column.column.point)
+                of_rows = (points.support == support) & (points.numbers == column.column.point) & points.slope
+                own[1:] -= turned[found.held.nodes[of_nodes]].sum(axis=0)
+                own[1:] -= reaction[np.flatnonzero(of_rows)].reshape(-1, 2).sum(axis=0)
         return result
 
 
@@ -297,17 +302,21 @@ class Readings:
         force, x, y = self.linear.on_columns[:, first + 3 * index :][:, :3].T
         moment, pushing = x + 1j * y, np.zeros_like(load)
         for state in self.supports:
-            is_area, mine = state.support.area is not None, state.points.on_column(own, state.index, state.support)
-            if mine.any():
-                force = state.reactions[:, mine].sum(axis=1)
-                arms = (state.points.positions[mine] - own.at) @ [1.0, 1j]
-                couples = state.couples[:, mine[: state.couples.shape[1]]].sum(axis=1) @ [1.0, 1j]
-                moment = state.reactions[:, mine] @ arms - couples - moment
-            if is_area and not mine.any():
+            forces, places = (
+                state.applied if state.support.area is not None else (state.reactions, state.points.positions)
+            )
+            mine = np.full(len(places), state.index == own.support)
+            if state.support.area is None:
+                mine &= np.arange(len(places)) == own.point
+                within = [region.contains(places) & ~mine for region in column.regions]
+                pushing += forces @ np.array(within, np.float64).T
+            elif state.index != own.support:
                 pushing += state.pressing(index)
-            elif not is_area:
-                within = [region.contains(state.points.positions) & ~mine for region in column.regions]
-                pushing += state.reactions @ np.array(within, np.float64).T
+            if mine.any():
+                force, couples = forces[:, mine].sum(axis=1), state.couples[:, mine[: state.points.turning.shape[0]]]
+                moment = (
+                    forces[:, mine] @ (places[mine] - own.at) @ [1.0, 1j] - couples.sum(axis=1) @ [1.0, 1j] - moment
+                )
         inside = pushing - load + force[:, None] if own.support is None else load - pushing
         return in_units(column, force, moment, inside)
 
@@ -454,6 +463,15 @@ class SupportReading:
             )
             for above, answer, closed, reactions in columns
         )
+
+    @property
+    def applied(self) -> tuple[Floats, Floats]:
+        """Upward forces (k, q) of held nodes, springs and contact points, and their positions (q, 2)."""
+        points, found = self.points, self.of.discretisation
+        places = [found.mesh.points[points.nodes], found.springs.positions[points.springs]]
+        positions = np.concatenate([*places, found.points.positions[points.rows[0]]])
+        each = replace(points, shares=None, order=np.arange(len(positions)))
+        return each.forces(self.of.linear.forces[:, self.of.reader.forces_of[self.index]], self.of.shared), positions
 
     def pressing(self, column: int) -> Floats:
         """Upward forces (k, r) of the area inside the control perimeters of a column."""

@@ -14,8 +14,6 @@ from signorini.contact.selection import Answer
 from signorini.discretise import Discretisation
 from signorini.discretise.places import STRIP
 from signorini.discretise.rows import Bools, Floats, Ints, Pieces
-from signorini.model import Support
-from signorini.model.punching import ColumnAt
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,13 +81,6 @@ class SupportPoints:
             together = acting.reshape(math.prod(leading), acting.shape[-1])
             acting = (self.shares @ together.T).T.reshape(*leading, self.shares.shape[0])
         return np.asarray(np.concatenate([fixed, acting], axis=-1)[..., self.order])
-
-    def on_column(self, column: ColumnAt, index: int, support: Support) -> Bools:
-        """Mask (p,) of the points of support number ``index`` that are a column."""
-        if index != column.support:
-            return np.zeros(len(self.positions), np.bool_)
-        every = support.area is not None
-        return np.asarray(every | (np.arange(len(self.positions)) == column.point))
 
     def preloads(self, discretisation: Discretisation) -> Floats:
         """Upward force (p,) of every point when all bolts are tightened and before other loads act."""
