@@ -47,6 +47,11 @@ class PunchedColumn:
         """Areas (p,) inside the control perimeters."""
         return tuple(_region(perimeter.whole, self.length) for perimeter in self.check.perimeters)
 
+    def drawn(self, pieces: Pieces) -> list[Floats]:
+        """Points (k, 2) along each of the pieces, in units of the model."""
+        points = pieces.at(np.linspace(0.0, 1.0, 17)) / self.length
+        return [np.column_stack([z.real, z.imag]) for z in points]
+
 
 @dataclass(frozen=True, eq=False)
 class Columns:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from signorini.base.on_demand import kept
-from signorini.design.perimeters import Pieces, Positions
+from signorini.design.perimeters import Positions
 from signorini.discretise import Discretisation
 from signorini.discretise.laws import steps_of
 from signorini.discretise.punching import PunchedColumn, over
@@ -72,17 +72,15 @@ class ColumnResult:
     def perimeter(self) -> list[Floats]:
         """Points (k, 2) along the parts of the control perimeter u1."""
         u1, perimeters = self.numbers["u1"] * self.column.length, self.column.check.perimeters
-        return self._drawn(min((found.pieces for found in perimeters), key=lambda pieces: abs(pieces.length - u1)))
+        return self.column.drawn(
+            min((found.pieces for found in perimeters), key=lambda pieces: abs(pieces.length - u1))
+        )
 
     @property
     def outer(self) -> list[Floats]:
         """Points (k, 2) along the parts of the perimeter uout; empty if no shear reinforcement is needed."""
         uout, plan = self.numbers["uout"] * self.column.length, self.column.check.plan
-        return self._drawn(plan.of_length(uout)) if self.numbers["asw"] > 0.0 else []
-
-    def _drawn(self, pieces: Pieces) -> list[Floats]:
-        points = pieces.at(np.linspace(0.0, 1.0, 17)) / self.column.length
-        return [np.column_stack([z.real, z.imag]) for z in points]
+        return self.column.drawn(plan.of_length(uout)) if self.numbers["asw"] > 0.0 else []
 
     def figures(self) -> dict[str, Any]:
         """Keys of results.json that are not numbers of the catalogue."""
