@@ -335,6 +335,8 @@ OF_COLUMNS = (
     Quantity("uout", "length", "uout, length of the outer perimeter", along_paths=False),
 )
 """Quantities of punched columns."""
+OF_SHEAR = tuple(one for one in OF_COLUMNS if one.name in ("force", "inside", "beta", "v_ed", "v_rd_c", "utilisation"))
+"""Quantities of punched columns in the terminal."""
 SIDES = ("max", "min")
 MEAN_SIDES = ("max_mean", "min_mean")
 """Names of the extremes of means at singular places."""
