@@ -346,7 +346,7 @@ def _print_enveloped(console: Console, results: Results, envelope: Mapping[str, 
         for index, column in enumerate(punched):
             shown_ends: list[Any] = []
             for key in ("utilisation", "force"):
-                value, end = column[key]["max"], ("punching", index, key, "max")
-                shown_ends += [cell(value, widths, end, value), labels.cell(column[key]["max_by"])]
+                value, where_in = column[key]["max"], ("punching", index, key, "max")
+                shown_ends += [cell(value, widths, where_in, value), labels.cell(column[key]["max_by"])]
             shown.add(column["name"], *shown_ends)
         shown.show(console, apart=True)
