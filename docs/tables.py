@@ -46,7 +46,7 @@ material = { E = 3e7, nu = 0.2 }
 plate = { shape = "rectangle", size = [4, 4], thickness = 0.2 }
 load = [{ pressure = 2 }]
 support = [{ name = "COLUMNS", at = [[1, 1], [3, 1], [2, 3]], radius = 0.2 }]
-punching = [{ support = "COLUMNS", code = "ACI 318-19", d = 0.15, fck = 3e4, fyk = 4e5 }]
+punching = [{ support = "COLUMNS", code = "ACI 318-19", d = [0.15, 0.15], fck = 3e4, fyk = 4e5 }]
 """
 
 

@@ -12,8 +12,8 @@ from signorini.errors import InputError
 from signorini.output.envelope_json import envelope_json
 from signorini.results.figures import figures
 
-EN = {"code": "EN 1992-1-1:2004", "d": 0.25, "rho": 0.005, "fck": 30e3, "fyk": 500e3}
-ACI = {"code": "ACI 318-19", "d": 0.25, "fck": 30e3, "fyk": 420e3}
+EN = {"code": "EN 1992-1-1:2004", "d": [0.25, 0.25], "rho": [0.005, 0.005], "fck": 30e3, "fyk": 500e3}
+ACI = {"code": "ACI 318-19", "d": [0.25, 0.25], "fck": 30e3, "fyk": 420e3}
 SLAB = {
     "units": {"length": "m", "force": "kN"},
     "material": {"E": 30e6, "nu": 0.2},
@@ -107,7 +107,7 @@ def test_raft_with_true_soil_pressure():
             {"case": "W", "moment": [90, -40], "at": list(at)},
         ],
         combination=[{"name": "U", "factors": {"G": 1.35, "W": 1.5}}, {"name": "P", "factors": {"G": 1.0}}],
-        punching=[{"load": "G", **EN, "d": 0.4}],
+        punching=[{"load": "G", **EN, "d": [0.4, 0.4]}],
     )
     for name, g, w in (("U", 1.35, 1.5), ("P", 1.0, 0.0)):
         found = column(signorini.solve(model)[name], "G[1]")
@@ -118,6 +118,38 @@ def test_raft_with_true_soil_pressure():
         assert found["inside"] == pytest.approx(pressure * (0.12 + 1.4 * a + np.pi * a**2), rel=1e-8)
         assert found["force"] == pytest.approx(g * force)
         assert (found["moment_x"], found["moment_y"]) == pytest.approx((90 * w, -40 * w))
+
+
+def test_reactions_of_other_supports_inside_the_perimeter():
+    """A patch of soil and a pile beside the column carry what is missing in the perimeter."""
+    others = [
+        {"name": "soil", "area": {"rectangle": [6.3, 5.9, 6.5, 6.2]}, "resists": "down", "stiffness": 2e4},
+        {"name": "pad", "area": {"rectangle": [5.5, 5.9, 5.7, 6.2]}, "resists": "both"},
+        {"name": "pile", "at": [[6, 6.6], [3, 3]], "resists": "down", "stiffness": 1e4},
+    ]
+    result = solved(support=[*SLAB["support"], *others])
+    pile = result.supports["pile"].reactions[0]
+    pushing = result.reactions["soil"] + result.reactions["pad"] + pile
+    assert column(result)["inside"] == pytest.approx(10 * INSIDE - pushing, rel=1e-9)
+
+
+def test_column_on_an_edge_of_symmetry_is_half_of_a_column():
+    whole = column(solved())
+    plate, edge = {"shape": "rectangle", "size": [6, 12], "thickness": 0.3}, {"edge": "right", "fix": "symmetry"}
+    support = [{"name": "columns", "at": [[2, 2], [2, 10], [6, 6]], "resists": "both"}, edge]
+    half = column(solved(plate=plate, support=support), "columns[3]")
+    for name in ("u0", "u1", "inside"):
+        assert half[name] == pytest.approx(whole[name] / 2, rel=1e-9)
+    assert half["utilisation"] == pytest.approx(whole["utilisation"], rel=0.01)
+
+
+def test_pictures_show_perimeters():
+    result = solved()
+    axes = result.plot()
+    assert any("control perimeters" in text.get_text() for text in axes.get_legend().get_texts())
+    line = next(line for line in axes.lines if line.get_linestyle() == "--").get_xydata()
+    length = np.nansum(np.hypot(*np.diff(line, axis=0).T))
+    assert length == pytest.approx(5 * U1, rel=1e-3)
 
 
 def test_rows_of_tables_envelopes_and_half_widths():

@@ -44,6 +44,13 @@ def test_flat_slab_of_the_concrete_centre() -> None:
     assert found["v_ed_face"] == pytest.approx(3.33, abs=0.005)
 
 
+def test_c30_with_d_of_345_mm() -> None:
+    """C30, d 0.35 and 0.34 m, 7.54 cm²/m both ways."""
+    rho = np.sqrt(754 / 350e3 * 754 / 340e3)
+    assert en1992_punching.concrete_resistance(30.0, 345.0, rho) == pytest.approx(0.44814, abs=5e-6)
+    assert en1992_punching.largest_resistance(30.0) == pytest.approx(4.224, rel=1e-12)
+
+
 def test_resistance_agrees_with_structuralcodes() -> None:
     """6.2.2(1) has the resistance of 6.4.4(1): k, ρl, CRd,c and vmin."""
     draw = np.random.default_rng(1)

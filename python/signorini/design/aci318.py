@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from signorini.design.perimeters import Perimeter, Plan, Positions
+from signorini.design.perimeters import Perimeter, Plan, Positions, numbered
 from signorini.shapes.arrays import Floats
 
 PHI = 0.75
@@ -40,13 +40,7 @@ def size_factor(d: float) -> float:
 
 
 def concrete_resistance(fc: float, d: float, bo: float, ratio: float, alpha_s: float) -> float:
-    """Stress vc of normalweight concrete, the least of Table 22.6.5.2 (a), (b), (c); ``ratio`` is long over short side.
-
-    Examples
-    --------
-    >>> round(concrete_resistance(25.0, 200.0, 2400.0, 1.0, 40.0), 3)
-    1.65
-    """
+    """Stress vc of normalweight concrete, the least of Table 22.6.5.2; ``ratio`` is long over short side."""
     parts = 0.33, 0.17 * (1.0 + 2.0 / ratio), 0.083 * (2.0 + alpha_s * d / bo)
     return min(parts) * size_factor(d) * root_of(fc)
 
@@ -107,21 +101,11 @@ class Punching:
         column, depth, (bo, normals) = self.plan.column, self.depth, (self.basic.pieces.length, self.basic.normals)
         sides, net = sorted(column.size(axis) for axis in (column.axis, 1j * column.axis)), force - inside[:, 0]
         alpha_s = {0: 40.0, 1: 30.0}.get(len(normals), 20.0)
-        v_u, mean, every = self.stress(net, moment), np.abs(net) / (bo * depth), np.ones(len(force))
+        v_u, mean = self.stress(net, moment), np.abs(net) / (bo * depth)
         v_c = PHI * concrete_resistance(self.fck, depth, bo, sides[1] / sides[0], alpha_s)
         reduced, face = PHI * 0.17 * size_factor(depth) * root_of(self.fck), self.plan.face(normals)
-        links = (v_u - reduced) * bo / (PHI * min(self.fyk, _LARGEST_FYT))
-        return {
-            "u0": every * face,
-            "u1": every * bo,
-            "force": force,
-            "inside": inside[:, 0],
-            "beta": np.divide(v_u, mean, out=np.ones(len(force)), where=mean > 0.0),
-            "v_ed": v_u,
-            "v_ed_face": np.abs(force) / (face * depth),
-            "v_rd_c": every * v_c,
-            "v_rd_max": every * PHI * 0.5 * root_of(self.fck),
-            "utilisation": v_u / v_c,
-            "asw": np.where(v_u > v_c, links, 0.0),
-            "uout": v_u * bo / reduced,
-        }
+        links = np.where(v_u > v_c, (v_u - reduced) * bo / (PHI * min(self.fyk, _LARGEST_FYT)), 0.0)
+        beta = np.divide(v_u, mean, out=np.ones(len(force)), where=mean > 0.0)
+        at_face, most = np.abs(force) / (face * depth), PHI * 0.5 * root_of(self.fck)
+        lengths, forces = (face, bo, v_u * bo / reduced), (force, inside[:, 0])
+        return numbered(*lengths, *forces, beta, v_u, at_face, v_c, most, v_u / v_c, links)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from signorini.design.perimeters import Perimeter, Pieces, Plan, Positions
+from signorini.design.perimeters import Perimeter, Pieces, Plan, Positions, numbered
 from signorini.shapes.arrays import Bools, Floats
 
 GAMMA_C, GAMMA_S = 1.5, 1.15
@@ -45,26 +45,14 @@ def moment_part(ratio: float) -> float:
 
 
 def concrete_resistance(fck: float, d: float, rho: float, gamma_c: float = GAMMA_C) -> float:
-    """vRd,c by 6.4.4(1), Eq. (6.47), with vmin by Eq. (6.3N).
-
-    Examples
-    --------
-    >>> round(concrete_resistance(30.0, 345.0, np.sqrt(754 / 350e3 * 754 / 340e3)), 5)
-    0.44814
-    """
+    """vRd,c by 6.4.4(1), Eq. (6.47), with vmin by Eq. (6.3N)."""
     k = min(1.0 + np.sqrt(200.0 / d), 2.0)
     own = 0.18 / gamma_c * k * np.cbrt(100.0 * min(rho, 0.02) * fck)
     return float(max(own, 0.035 * k**1.5 * np.sqrt(fck)))
 
 
 def largest_resistance(fck: float, gamma_c: float = GAMMA_C) -> float:
-    """vRd,max = 0.4 ν fcd at the column's face, 6.4.5(3) as amended by A1:2014, ν = 0.6 (1 − fck/250), Eq. (6.6N).
-
-    Examples
-    --------
-    >>> round(largest_resistance(30.0), 3)
-    4.224
-    """
+    """vRd,max = 0.4 ν fcd at the column's face, 6.4.5(3) as amended by A1:2014, ν = 0.6 (1 − fck/250), Eq. (6.6N)."""
     return 0.4 * 0.6 * (1.0 - fck / 250.0) * fck / gamma_c
 
 
@@ -197,17 +185,6 @@ class Punching:
         rows, worst = np.arange(len(force)), np.argmax(stress / resistance, axis=1)
         v_ed, v_rd_c, beta, u1 = stress[rows, worst], resistance[worst], beta[rows, worst], of.length[worst]
         at_face = beta * np.abs(force) / (self.face_length * self.depth)
-        return {
-            "u0": np.full(len(force), self.face_length),
-            "u1": u1,
-            "force": force,
-            "inside": inside[rows, worst],
-            "beta": beta,
-            "v_ed": v_ed,
-            "v_ed_face": at_face,
-            "v_rd_c": v_rd_c,
-            "v_rd_max": np.full(len(force), most),
-            "utilisation": np.maximum(v_ed / v_rd_c, at_face / most),
-            "asw": reinforcement(v_ed, v_rd_c, u1, self.depth, self.fyk),
-            "uout": v_ed * u1 / v_rd_c,
-        }
+        ratio, links = np.maximum(v_ed / v_rd_c, at_face / most), reinforcement(v_ed, v_rd_c, u1, self.depth, self.fyk)
+        lengths, forces = (self.face_length, u1, v_ed * u1 / v_rd_c), (force, inside[rows, worst])
+        return numbered(*lengths, *forces, beta, v_ed, at_face, v_rd_c, most, ratio, links)

@@ -5,7 +5,7 @@ Positions are complex numbers x + iy in any unit of length. A direction is a com
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import combinations
@@ -21,14 +21,17 @@ from signorini.shapes.arrays import Bools, Floats, Ints
 
 Positions: TypeAlias = npt.NDArray[np.complex128]
 
+NUMBERS = (
+    *("u0", "u1", "uout", "force", "inside", "beta", "v_ed", "v_ed_face"),
+    *("v_rd_c", "v_rd_max", "utilisation", "asw"),
+)
+"""Names of the numbers of a check."""
 _SAME = 1e-9
 """Relative tolerance for equal lengths, and for points on an edge."""
 _ALIKE = 0.5
 """Smallest angle in radians between normals of two edges at a corner, or between one and the opposite of the other."""
 _CORNER = 2
 """Number of free edges at a corner, the largest number at which a perimeter ends."""
-_BISECTIONS = 20
-"""Number of bisections for the distance of a perimeter with a given length."""
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -75,19 +78,15 @@ class Pieces:
         return self.at(np.array([0.5]))[:, 0]
 
     @property
-    def nodes(self) -> Positions:
-        """Gauss points (m, 12)."""
-        return self.at(0.5 + 0.5 * _POINTS)
-
-    @property
-    def weights(self) -> Floats:
-        """Weights (m, 12) of the Gauss points, whose sum is the length."""
-        return np.asarray(0.5 * self.lengths[:, None] * _WEIGHTS)
+    def gauss(self) -> tuple[Positions, Floats]:
+        """Gauss points (m, 12), and their weights, whose sum is the length."""
+        return self.at(0.5 + 0.5 * _POINTS), 0.5 * self.lengths[:, None] * _WEIGHTS
 
     @cached_property
     def centroid(self) -> complex:
         """Centroid of the pieces."""
-        return complex((self.weights * self.nodes).sum() / self.length)
+        nodes, weights = self.gauss
+        return complex((weights * nodes).sum() / self.length)
 
     def cut(self, direction: complex, level: float) -> Self:
         """Divide the pieces where the coordinate along ``direction`` equals ``level``."""
@@ -131,8 +130,8 @@ class Pieces:
     def modulus(self, direction: complex) -> float:
         """W = ∫ |e| dl with the distance e along ``direction`` from the axis through the centroid; ≈ 0 on a line."""
         level = float(_along(self.centroid, direction))
-        parts = self.cut(direction, level)
-        size = (parts.weights * np.abs(_along(parts.nodes, direction) - level)).sum()
+        nodes, weights = self.cut(direction, level).gauss
+        size = (weights * np.abs(_along(nodes, direction) - level)).sum()
         return max(float(size), _SAME * self.length**2)
 
     @kept
@@ -142,7 +141,8 @@ class Pieces:
         lines = self.along / np.where(self.along == 0.0, 1.0, np.abs(self.along))
         tangent = np.where(self.radius[:, None] > 0.0, 1j * np.exp(1j * angle), lines[:, None])
         own = depth**3 / 12.0 * _along(tangent, direction) ** 2
-        size = (self.weights * (depth * _along(self.nodes - self.centroid, direction) ** 2 + own)).sum()
+        nodes, weights = self.gauss
+        size = (weights * (depth * _along(nodes - self.centroid, direction) ** 2 + own)).sum()
         return max(float(size), _SAME * depth * self.length**3)
 
     def highest(self, gradients: Positions) -> Floats:
@@ -269,18 +269,10 @@ class Plan:
                 best, shortest = Perimeter(distance, pieces, whole, some), pieces.length
         return best._replace(pieces=self._unshaded(best.pieces))
 
-    def of_length(self, length: float) -> Pieces:
-        """The perimeter of a given length, by bisection of its distance."""
-        near, far = 0.0, length
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (near + far)
-            near, far = (near, middle) if self.perimeter(middle).pieces.length >= length else (middle, far)
-        return self.perimeter(far).pieces
-
     @kept
     def face(self, normals: tuple[complex, ...]) -> float:
         """Length of the column's outline; towards free edges it is straight, up to the column's outermost point."""
-        pieces = self.column.extended(normals, 4.0 * self.column.offset(0.0).length).offset(0.0)
+        pieces = self.column.extended(normals, 4.0 * self.column.offset(0.0).length).offset(0.0).within(self.slab)
         for normal in normals:
             pieces = pieces.beyond(-normal, self.column.extent(-normal)[0])
         return self._unshaded(pieces).length
@@ -324,6 +316,11 @@ class Plan:
                 own = self.column.extent(normal)[1] - float(_along(self.column.centre, normal))
                 found.append((float(foot.imag) - own, normal))
         return sorted(found, key=lambda edge: edge[0])
+
+
+def numbered(*values: Floats | float) -> Mapping[str, Floats]:
+    """Numbers (k,) of a check by name, from values in the order of `NUMBERS`."""
+    return dict(zip(NUMBERS, map(np.asarray, np.broadcast_arrays(*values)), strict=True))
 
 
 def _along(z: Positions | complex, direction: Positions | complex) -> Floats:

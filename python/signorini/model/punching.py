@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import Field
 
 from signorini.base.units import METRES, NEWTONS
 from signorini.errors import unknown
 from signorini.model import base
 from signorini.model.load import Load
-from signorini.model.problems import as_list
 from signorini.model.support import Support
 from signorini.model.where import Acting
 from signorini.shapes import Hollow, Whole
@@ -21,17 +20,7 @@ _STRENGTHS = (5.0, 120.0)
 """Smallest and largest fck in MPa; another one is in the wrong unit."""
 
 
-def _twice(value: object) -> object:
-    value = as_list(value)
-    return value if isinstance(value, list | tuple) else [value, value]
-
-
-Pair = Annotated[
-    tuple[base.Positive, base.Positive],
-    BeforeValidator(base.listed(2, "one number, or two for x and y")),
-    BeforeValidator(_twice),
-    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}, "minItems": 2}]}),
-]
+Pair = Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "two numbers, along x and along y")]
 
 
 class ColumnAt(NamedTuple):
@@ -59,15 +48,13 @@ class Punching(base.OnPlate):
         default=None, description="Numbers of the points that are checked, from 1, in the order of at; default all."
     )
     code: Literal["EN 1992-1-1:2004", "ACI 318-19"] = Field(description="Design code.")
-    column: Annotated[tuple[base.Positive, base.Positive], *base.vector(2, "two sides [b, h]")] | None = Field(
+    column: Pair | None = Field(
         default=None, description="Sides [b, h] of rectangular columns; default the footprint of the support or load."
     )
     diameter: base.Positive | None = Field(default=None, description="Diameter of circular columns.")
     angle: base.Number = Field(default=0.0, description="Rotation of column: degrees from x to its first side.")
-    d: Pair = Field(description="Effective depths [dx, dy] of the reinforcement, or one for both.")
-    rho: Pair | None = Field(
-        default=None, description="Ratios [ρx, ρy] of the tension reinforcement, or one for both; required by EN 1992."
-    )
+    d: Pair = Field(description="Effective depths [dx, dy] of the reinforcement.")
+    rho: Pair | None = Field(default=None, description="Ratios [ρx, ρy] of the reinforcement; required by EN 1992.")
     fck: base.Positive = Field(description="Strength of the concrete, fck or f'c, as force per area.")
     fyk: base.Positive = Field(description="Strength of the shear reinforcement, fyk or fyt, as force per area.")
     beta: Literal["computed"] | base.Positive = Field(

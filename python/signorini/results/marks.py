@@ -388,7 +388,7 @@ def support_marks(result: ResultState) -> list[SupportMark]:
         support_mark(result.mesh, one, of_support.positions, of_support.closed, of_support.contact_boundary, own)
         for one, of_support, own in zip(asked, supports, numbers, strict=True)
     ]
-    lines = [line for column in result.punching for line in (*column.perimeter, *column.outer)]
+    lines = [line for column in result.punching for line in column.perimeter]
     return marks + perimeter_marks(lines)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -20,23 +20,15 @@ from signorini.results.contact_field.areas import area_at_rest
 from signorini.results.quantities import KINDS, OF_COLUMNS
 
 
-class Inside(NamedTuple):
-    """Points (q,) of an area support inside r regions.
-
-    ``rows`` (q, n) interpolate deflections, ``sums`` (r, q) have the weights. ``means`` (q, p) give the mean pressure
-    over the element from the forces of the area's points (p,); it is taken at ``stiff`` points (q,).
-    """
-
-    points: Quadrature
-    rows: csr_array
-    sums: csr_array
-    means: csr_array
-    stiff: Bools
-
-
 @kept
-def points_inside(discretisation: Discretisation, column: int, support: int) -> Inside:
-    """Quadrature over the part of area support number ``support`` inside the perimeters of a column."""
+def points_inside(
+    discretisation: Discretisation, column: int, support: int
+) -> tuple[Quadrature, csr_array, csr_array, csr_array, Bools]:
+    """Quadrature (q,) over the part of area support number ``support`` inside the r perimeters of a column.
+
+    Also returned are rows (q, n) that interpolate deflections; weights (r, q); rows (q, p) that give the mean pressure
+    over an element from the forces of the area's points; and a mask (q,) of points at which that mean is taken.
+    """
     mesh, area = discretisation.mesh, area_at_rest(discretisation, support)
     where, levels = area.support.where.region, steps_of(area.support)
     parts = [over(region, mesh, where, GAUSS, levels) for region in discretisation.columns.columns[column].regions]
@@ -48,7 +40,7 @@ def points_inside(discretisation: Discretisation, column: int, support: int) -> 
     sums = csr_array((points.weights, (region, at)), shape=(len(parts), len(points)))
     per_area = 1.0 / np.where(area.covered > 0.0, area.covered, 1.0)[points.elements]
     means = csr_array(area.per_element[points.elements].multiply(per_area[:, None]))
-    return Inside(points, rows, sums, means, area.stiff[points.elements] | area.on_means)
+    return points, rows, sums, means, area.stiff[points.elements] | area.on_means
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,17 +53,6 @@ class ColumnResult:
     column: PunchedColumn
 
     @property
-    def clauses(self) -> Mapping[str, str]:
-        """Clause of each number."""
-        return self.column.check.clauses
-
-    @property
-    def openings(self) -> list[tuple[float, float]]:
-        """Middles of the openings that reduce the perimeter."""
-        middles = [opening.centroid for opening in self.column.check.plan.openings]
-        return [(middle.x / self.column.length, middle.y / self.column.length) for middle in middles]
-
-    @property
     def perimeter(self) -> list[Floats]:
         """Points (k, 2) along the parts of the control perimeter u1."""
         u1, perimeters = self.numbers["u1"] * self.column.length, self.column.check.perimeters
@@ -79,16 +60,13 @@ class ColumnResult:
             min((found.pieces for found in perimeters), key=lambda pieces: abs(pieces.length - u1))
         )
 
-    @property
-    def outer(self) -> list[Floats]:
-        """Points (k, 2) along the parts of the perimeter uout; empty if no shear reinforcement is needed."""
-        uout, plan = self.numbers["uout"] * self.column.length, self.column.check.plan
-        return self.column.drawn(plan.of_length(uout)) if self.numbers["asw"] > 0.0 else []
-
     def figures(self) -> dict[str, Any]:
-        """Keys of results.json that are not numbers of the catalogue."""
+        """Name, place, code, middles of openings, and clause of each number."""
+        check, length = self.column.check, self.column.length
+        middles = [opening.centroid for opening in check.plan.openings]
+        openings = [[middle.x / length, middle.y / length] for middle in middles]
         place = {"name": self.name, "at": list(self.at), "code": self.column.code}
-        return place | {"openings": [list(at) for at in self.openings], "clauses": dict(self.clauses)}
+        return place | {"openings": openings, "clauses": dict(check.clauses)}
 
 
 def in_units(column: PunchedColumn, force: Floats, moment: Positions, inside: Floats) -> Mapping[str, Floats]:
