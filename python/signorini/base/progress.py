@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 _MINUTES, _HOURS = 120.0, 7200.0
-"""Smallest durations [s] written in minutes, in hours."""
+"""Durations from 120 s on are written in minutes, from 7200 s on in hours."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def _left(seconds: float) -> str:
 
 
 Watcher: TypeAlias = Callable[[Progress], object]
-"""Called at every step; an exception in it ends the solve."""
+"""Function that is called with the state at every step; an exception in this function ends the solve."""
 
 
 def steps_of(combination: str, watcher: Watcher) -> Callable[[str, int, int, float], None]:
