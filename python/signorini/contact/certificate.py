@@ -107,7 +107,7 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """Whether each error is within the tolerance or its limit, and ``rounding`` and ``lost`` within `CERTIFIABLE`."""
+        """Whether each error is within the tolerance or its limit; ``rounding`` and ``lost`` within `CERTIFIABLE`."""
         within = (getattr(self, name) <= max(TOLERANCE, getattr(self, f"{name}_limit", 0.0)) for name in FIGURES)
         return all(within) and self.rounding <= CERTIFIABLE and self.lost <= CERTIFIABLE
 
