@@ -86,7 +86,7 @@ def interval(value: object, place: str) -> tuple[float, float]:
 
 
 def path(value: object, what: str, place: str) -> str:
-    """Validate the path of a file; ``what`` describes this file in the message, such as "a file"."""
+    """Validate the path of a file; the message describes the file by ``what``, such as "a file"."""
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"found {reprlib.repr(value)}; it must be the path of {what}.", place=place)
     return os.fspath(value)
@@ -127,7 +127,7 @@ def array(value: object, place: str, dimensions: int) -> NDArray[np.float64]:
 
 
 def name(value: object, kind: str, place: str) -> str:
-    """Validate that a name is text; ``kind`` says in the message what is named."""
+    """Validate that a name is text; the message names the ``kind`` of the named object."""
     if not isinstance(value, str):
         raise InputError(f"found {reprlib.repr(value)}; it must be the name of a {kind}.", place=place)
     return value
@@ -158,7 +158,7 @@ def index(value: object, count: int, kind: str, place: str) -> int:
 
 
 def watching(value: Callable[[_T], object] | None, place: str) -> Callable[[_T], object]:
-    """Validate a progress callback; None becomes a callback that does nothing."""
+    """Validate a progress callback; None becomes a callback without effect."""
     if value is None:
         return lambda now: None
     if not callable(value):

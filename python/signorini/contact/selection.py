@@ -168,7 +168,7 @@ def chosen(
     answer: Answer,
     elsewhere: Elsewhere | None = None,
 ) -> Answer:
-    """Return the least-norm answer to a nodal load (3n,) among all solutions, and record what is not unique.
+    """Return the least-norm answer to a nodal load (3n,) among all solutions, and record the freedom as `NotUnique`.
 
     ``elsewhere`` is called if the plate can move. On a load path it returns the reactions (m,) just before and just
     after this load: points with such reactions hold the plate under this load too, so that the path has no jump.
@@ -320,7 +320,7 @@ def _with_least_deflection(
     both_ways = np.concatenate([-freedom.moves[idle], freedom.moves[idle]]) @ free
 
     def bounds(hi: Floats, lo: Floats) -> tuple[Floats, Floats, Floats]:
-        """Travels (m,) of all points; C and r of the constraints C y ≤ r of idle points on rigid motions y."""
+        """Travels (m,) of all points; C and r of the constraints C y ≤ r of points without force on rigid motions y."""
         travel = -discretisation.plate.openings(*contacts.rows.arrays, contacts.distance, hi, lo)
         length = np.maximum(float(np.abs(hi[::3]).max()), np.abs(contacts.distance))
         rooms = [np.where(np.abs(one) > _NIL * length, one, 0.0)[idle] for one in contacts.room(travel, settled)]
@@ -433,7 +433,7 @@ def least(matrix: Floats, offset: Floats, sides: Floats, room: Floats) -> Floats
     for _ in kept:
         rests = kept[on]
         y = free - np.linalg.solve(r, np.linalg.pinv(rows[rests]) @ (sides[rests] @ free - room[rests]))
-        # y has the rounding of the unconstrained minimum, from which it is computed.
+        # y is computed from the unconstrained minimum, and has its rounding.
         rounding = _ACTIVE * (np.abs(sides) @ np.abs(y) + np.abs(room)) + _OF_SUMS * (np.abs(sides) @ np.abs(free))
         over = (sides @ y - room - rounding)[kept]
         if not (over > 0.0).any():

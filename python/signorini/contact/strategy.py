@@ -230,7 +230,7 @@ def _of_element(discretisation: Discretisation) -> str:
 
 
 def _of_supports(discretisation: Discretisation, load: CaseLoad, answer: Answer) -> str:
-    """Sentence on supports that push against each other with forces far above the loads; "" if there are none."""
+    """Sentence on supports that push against each other with forces far above the loads; "" without such supports."""
     internal, pushes = forces_at_nodes(discretisation, answer.hi, answer.lo, answer.reaction)
     pressed = np.abs(answer.reaction).sum()
     if not (pushes > internal or pressed > _PUSHING * np.abs(load.nodal[::3]).sum() > 0.0):

@@ -349,10 +349,7 @@ def modulus_at(support: Support, positions: Floats, place: Place) -> Floats | No
 
 
 def levels_of(support: Support, positions: Floats, place: Place) -> tuple[Floats, Floats]:
-    """Deflections (q,) above which a support pushes the plate up, and below which it holds the plate down.
-
-    They belong to positions (q, 2).
-    """
+    """Deflections (q,) at which a support begins to push the plate up, and to hold it down, at positions (q, 2)."""
     gap = support.gap(*positions.T, at_least=0.0, place=(*place, "gap"))
     settlement = settlement_at(support, positions, place)
     return settlement + gap, settlement - gap

@@ -103,7 +103,7 @@ Box = Annotated[tuple[base.Number, base.Number, base.Number, base.Number], *base
 
 
 def _build_errors(key: str, build: Callable[[], Region]) -> Iterator[base.Complaint]:
-    """Yield the error that ``build`` raises, with the key from which the region is built."""
+    """Yield the error that ``build`` raises, with the key that describes the region."""
     try:
         build()
     except InputError as error:

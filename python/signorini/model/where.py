@@ -93,7 +93,7 @@ class Located(base.Table):
 
     @property
     def place(self) -> PlaceKey:
-        """The key that gives the place; "area" if there is none, as the table then acts on the whole plate."""
+        """The key that gives the place; "area" for a table without a place, which acts on the whole plate."""
         keys: tuple[PlaceKey, ...] = ("at", "edge", "line", "circle")
         return next((key for key in keys if getattr(self, key) is not None), "area")
 

@@ -51,7 +51,7 @@ _HasName = TypeVar("_HasName", bound=Named)
 
 
 class Units(Table):
-    """Labels of the units of the input, which must be consistent; the output shows the labels, nothing is converted."""
+    """Labels of the units of the input, which must be consistent; the output shows the labels, values are unchanged."""
 
     length: Text = Field(default="", description='Label of the unit of length, such as "m".')
     force: Text = Field(default="", description='Label of the unit of force, such as "N".')
@@ -252,7 +252,7 @@ class Model(Table):
         return {key: value for key, value in self.__dict__.items() if key not in type(self).model_fields}
 
     def read_from(self, file: str, sha256: str) -> Self:
-        """Copy the model, with the name and the SHA-256 of the file from which it was read."""
+        """Copy the model, with the name and the SHA-256 of its input file."""
         copy = self.model_copy()
         copy.__dict__["_file"] = (file, sha256)
         return copy

@@ -43,7 +43,7 @@ def _value(coefficients: Floats, t: Floats) -> Floats:
 
 
 def _bisect(coefficients: Floats, lower: Floats, upper: Floats) -> Floats:
-    """Bisect each interval to a change of sign; if there is none, return the end at which the magnitude is smaller."""
+    """Bisect each interval to a change of sign; without a change, return the end where the magnitude is smaller."""
     start, stop = _value(coefficients, lower), _value(coefficients, upper)
     result = np.where(np.abs(stop) > np.abs(start), lower, upper)
     which, interval = np.nonzero((start < 0.0) != (stop < 0.0))

@@ -118,7 +118,7 @@ class Pieces(Table):
     def _on_quadratic(self, index: Ints, x: Floats) -> Floats:
         (x0, x1, x2), (y0, y1, y2) = self.quadratic[index].transpose(1, 2, 0)
         sign = self.sign[index]
-        # The root is dx/dt. Of two formulas for t, the one without cancellation is taken.
+        # The root is dx/dt. Take the formula for t without cancellation.
         root = sign * np.sqrt(np.maximum(x1 * x1 + 4.0 * x2 * (x - x0), 0.0))
         with np.errstate(divide="ignore", invalid="ignore"):
             t = np.where(x1 * sign > 0.0, 2.0 * (x - x0) / (x1 + root), (root - x1) / (2.0 * x2))

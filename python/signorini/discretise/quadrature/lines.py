@@ -102,7 +102,7 @@ class PartOfCircle:
         return self.nearest(points)
 
     def nearest(self, points: Floats) -> Floats:
-        """Arc lengths (q,) of the points nearest to ``points`` (q, 2) on the full circle, even beyond the arc's ends."""
+        """Arc lengths (q,) of the points nearest to ``points`` (q, 2) on the full circle, perhaps beyond the arc."""
         angle = np.arctan2(points[:, 1] - self.center[1], points[:, 0] - self.center[0])
         # Angles are taken within half a turn of the arc's middle.
         turned = np.copysign(1.0, self.sweep) * (angle - self.start) - 0.5 * abs(self.sweep) + np.pi
