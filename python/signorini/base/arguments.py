@@ -1,4 +1,4 @@
-"""Check arguments of Python functions with messages like those for an input file."""
+"""Check arguments of Python functions; the messages are like those for an input file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _C = TypeVar("_C", bound=Callable[..., Any])
 
 
 def checked(function: _C) -> _C:
-    """Decorate a function or class: missing and unknown arguments raise an InputError with the signature.
+    """Decorate a function or class: if arguments are missing or unknown, an InputError shows the signature.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def checked(function: _C) -> _C:
 
 
 def _require_signature(function: Callable[..., Any], args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> None:
-    """Raise an InputError with the signature if the arguments do not match it."""
+    """Raise an InputError with the signature of ``function`` if the arguments do not match it."""
     signature = inspect.signature(function)
     try:
         signature.bind(*args, **kwargs)

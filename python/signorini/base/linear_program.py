@@ -66,7 +66,7 @@ def minimise_with_prices(
     start, index, value = _by_rows(rows)
     program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
     program.a_matrix_.start_, program.a_matrix_.index_, program.a_matrix_.value_ = start, index, value
-    solver: Any = Quiet()  # type: ignore[no-untyped-call]  # incomplete type stubs
+    solver: Any = Quiet()  # The type stubs of highspy are incomplete.
     solver.setOptionValue("output_flag", False)
     solver.setOptionValue("primal_feasibility_tolerance", tolerance)
     solver.setOptionValue("dual_feasibility_tolerance", tolerance)
@@ -78,7 +78,7 @@ def minimise_with_prices(
         solver.setOptionValue("presolve", "off")
     solver.passModel(program)
     if solver.run() == highspy.HighsStatus.kError:
-        # HiGHS has one thread pool per process: another user of it may have started more threads.
+        # HiGHS has one thread pool per process; other code in this process may have started more threads.
         solver.setOptionValue("threads", 0)
         solver.run()
     ends = highspy.HighsModelStatus

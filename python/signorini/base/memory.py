@@ -15,7 +15,10 @@ _PER_DOF = 1800.0
 230 thousand dofs and 1000 on 3.7 million with congruent elements; without congruent elements they take 300 more."""
 
 _PER_PAIR = 200.0
-"""Bytes of condensed matrices and of Lemke's tableau for a pair of contact points, measured on 1600 and 3025 points."""
+"""Bytes of condensed matrices and of Lemke's tableau per pair of contact points.
+
+Measured on 1600 and 3025 points.
+"""
 
 _PER_FOOTPRINT = 300.0
 """Bytes of the factor's rows per footprint and √dofs.

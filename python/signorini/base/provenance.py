@@ -1,4 +1,4 @@
-"""Provenance of results: the program, its version and commit, and the input with its SHA-256."""
+"""Provenance of results: the program with version and commit, and the input with its SHA-256."""
 
 from __future__ import annotations
 

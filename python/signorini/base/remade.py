@@ -48,7 +48,7 @@ class Brief:
 
 
 def short(value: Any) -> str:
-    """Show a value briefly: the shape of an array, the first names of a mapping."""
+    """Text that shows a value briefly, such as the shape of an array or the first names of a mapping."""
     match value:
         case np.ndarray():
             return f"array{value.shape}" if value.size > FEW else f"array({value.tolist()})"
@@ -65,7 +65,7 @@ def short(value: Any) -> str:
         case tuple() | list():
             return f"{len(value)} {type(value[0]).__name__}" if value else "()"
         case Sized() if hasattr(value, "shape"):
-            # Sparse arrays have no length.
+            # Sparse arrays have no len().
             return f"{type(value).__name__}{value.shape}"
         case Sized() if not hasattr(value, "__dataclass_fields__"):
             return f"{type(value).__name__} of {len(value)}"

@@ -1,7 +1,7 @@
 """The certificate: errors of an answer, computed from the statement of the problem alone.
 
-From displacements u and reactions λ it recomputes gaps Gu − Cλ − g, nodal forces F − Ku − Gᵀλ and the global balance.
-It uses no factor, no condensed matrix and no status of a solver.
+From displacements u and reactions λ, gaps Gu − Cλ − g, nodal forces F − Ku − Gᵀλ and the global balance are recomputed,
+without any factor, condensed matrix or status of a solver.
 """
 
 from __future__ import annotations
@@ -31,12 +31,15 @@ _ROUNDINGS = 4.0
 """Largest imbalance at a node that counts as rounding, in machine epsilons times the internal and contact forces there.
 """
 _RANK = 1e-12
-"""Rank tolerance of supports' rows over rigid motions, relative to the largest singular value."""
+"""Rank tolerance for products of supports' rows with rigid motions, relative to the largest singular value."""
 _NIL = 1e-6
 """Largest deflection, relative to F a²/D, that may be rounding of the elimination; F is the load, a the plate's size.
 """
 _UNSEEN = _ROUNDINGS * float(np.finfo(float).eps) / TOLERANCE
-"""Factor 4ε/`TOLERANCE` = 9e-8: an error of `TOLERANCE`, relative to this factor times a size, is 4ε times the size."""
+"""Factor 4ε/`TOLERANCE` = 9e-8 in reference sizes.
+
+An error of `TOLERANCE`, relative to this factor times a size, is 4ε times the size.
+"""
 _CANCELLED = CANCELLED / TOLERANCE
 """Factor `CANCELLED`/`TOLERANCE` = 4e-7 for loads that cancel, whose rounding is `CANCELLED` times their size."""
 FIGURES = ("penetration", "tension", "complementarity", "equilibrium", "balance")
@@ -151,7 +154,7 @@ def certify_each(
 ) -> list[Certificate]:
     """Certify k answers to k loads; all arrays have an additional first dimension k, see `certify`.
 
-    ``imbalance`` (k, 3n) is F − Ku of plate and springs, if known.
+    ``imbalance`` (k, 3n), the residual F − Ku of plate and springs, is computed if it is None.
     """
     imbalance = imbalances(discretisation, loads, hi, lo) if imbalance is None else imbalance
     answers = _Answers(discretisation, loads, hi, lo, reaction, pieces, beside or [()] * len(loads), imbalance)
@@ -251,7 +254,8 @@ class _Answers:
         random_walk = np.sqrt(discretisation.dof_count)
         at_nodes = epsilon * sum(forces_at_nodes(*answer, ~held))
         of_resultant = random_walk * (epsilon * sum(forces_at_nodes(*answer, np.ones_like(held))))
-        # Under settlements the load may be zero: forces that bend the plate, and forces of supports, count as well.
+        # With settlements, loads may be zero: forces that bend the plate, and support forces, count as acting forces
+        # too.
         deflection = float(np.abs(bending_part(discretisation, self.hi[row][None, ::3])).max())
         bending = rigidity(discretisation, discretisation.thickness.min()) * deflection / discretisation.mesh.size**4
         bending = max(force, bending * float(discretisation.mesh.element_area.sum()))
@@ -536,13 +540,13 @@ def reaching(discretisation: Discretisation, nodal: Floats) -> Floats:
 
 
 def bending_part(discretisation: Discretisation, deflection: Floats) -> Floats:
-    """Deflections (k, n) minus the rigid motion that fits them best in least squares."""
+    """Deflections (k, n) minus their rigid part, the rigid motion nearest in least squares."""
     motions = discretisation.rigid_motions[::3]
     return np.asarray(deflection - (motions @ np.linalg.lstsq(motions, deflection.T)[0]).T)
 
 
 def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
-    """Deflection scale F a²/D (...,) of loads (..., 3n) with sums of magnitudes F on a plate of size a."""
+    """Reference deflection F a²/D (...,) of loads (..., 3n): F the sum of their magnitudes, a the plate's size."""
     forces, *couples = np.moveaxis(np.abs(nodal.reshape(*nodal.shape[:-1], -1, 3)).sum(axis=-2), -1, 0)
     size = discretisation.mesh.size
     loads = (forces + sum(couples) / size) * size**2
@@ -550,7 +554,7 @@ def loaded_deflection(discretisation: Discretisation, nodal: Floats) -> Floats:
 
 
 def rigidity(discretisation: Discretisation, thickness: float) -> float:
-    """Bending stiffness E h³/12 of a thickness h, without the factor 1/(1 − ν²)."""
+    """Bending stiffness E h³/12 of a plate of thickness h, without the factor 1/(1 − ν²)."""
     return discretisation.model.young * float(thickness) ** 3 / 12
 
 

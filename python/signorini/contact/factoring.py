@@ -71,7 +71,7 @@ def can_be_factored(discretisation: Discretisation, method: Method) -> bool:
 
 
 def factored(discretisation: Discretisation, freedom: RigidFreedom, method: Method) -> _core.ContactProblem:
-    """Order and factor a problem for a method; for Lemke's algorithm, also condense it."""
+    """Order and factor a problem for a method; for Lemke's algorithm, condense the plate as well."""
     if method == "lemke":
         points, advice = len(discretisation.contacts), "Take a coarser mesh, or give long lines and areas a stiffness."
         if discretisation.model.solver.method == "lemke":

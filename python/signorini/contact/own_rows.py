@@ -1,4 +1,4 @@
-"""A contact problem with additional rows: linear bounds on displacements, in addition to the model's supports."""
+"""A contact problem with additional rows of G: linear bounds on displacements that are no supports of the model."""
 
 from __future__ import annotations
 

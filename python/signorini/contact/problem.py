@@ -31,8 +31,9 @@ _NO_PART = 1e-14
 """Zero tolerance for coefficients of a row whose sum is 1: a location in an element is rounded by about this much."""
 Form = Literal["auto", "dual", "stiffness"]
 Steps: TypeAlias = Callable[[int, int, float], object]
-"""Called with the number of a step, the number of contact points that it changed, and the relative residual. An
-exception in it ends the solution.
+"""Function called with the number of a step, the number of points that changed in it, and the relative residual.
+
+An exception in this function ends the solution.
 """
 _FORMS: tuple[Form, ...] = ("auto", "stiffness", "dual")
 _METHODS: tuple[Method, ...] = ("lemke", "active_set", "saddle")
@@ -292,7 +293,7 @@ class ContactProblem(Statement, Remade):
 
     @cached_property
     def better_form(self) -> Literal["dual", "stiffness"]:
-        """The better conditioned form of the LCP: "stiffness" where every contact point is at a node of its own."""
+        """The better conditioned form of the LCP: "stiffness" if each contact point is at its own node, else "dual"."""
         rows = self.G
         free = ~self.discretisation.held.dofs[rows.indices] & (rows.data != 0.0)
         if np.count_nonzero(free) != len(self.gaps):
@@ -305,11 +306,11 @@ class ContactProblem(Statement, Remade):
         """P (m, m) and s (m,) of the paper's (26) and (27), over every row of ``G``: gap = P·reaction − s.
 
         P = G K⁻¹ Gᵀ + C and s = G K⁻¹ f − g, with K of the plate, held dofs and springs, without contact points; C is
-        `compliance` on the diagonal. Where held dofs have values, K⁻¹ f is the displacement under the load with these
-        values. Two-sided points are among the rows: their gap is 0 and their reaction has either sign. P and −s are
-        therefore an LCP only without two-sided points; `lcp` eliminates them. P and s contain only the compliance C of
-        a law. A point at its `limits` has a gap below 0, minus its yield travel, and the solution of ``lemke(P, -s)``
-        may exceed the limit. `lcp` has a row for each vertex of such a law.
+        `compliance` on the diagonal. Where held dofs have prescribed values, K⁻¹ f is the displacement under the load
+        with these values. Two-sided points are among the rows: their gap is 0 and their reaction has either sign. P and
+        −s are therefore an LCP only without two-sided points; `lcp` eliminates them. P and s contain only the
+        compliance C of a law. A point at its `limits` has a gap below 0, minus its yield travel, and the solution of
+        ``lemke(P, -s)`` may exceed the limit. `lcp` has a row for each vertex of such a law.
 
         Raises
         ------

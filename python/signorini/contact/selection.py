@@ -49,8 +49,9 @@ Points on one line leave the rotation about this line free.
 _MOVED = 1e-9
 """Smallest magnitude at which a component of a unit vector counts as nonzero."""
 _DOUBTFUL = 1e-9
-"""Zero tolerance of `doubtful`, wider than `_NIL`: a wrong "doubtful" only means that a combination is solved
-separately.
+"""Zero tolerance of `doubtful`, wider than `_NIL`.
+
+A combination that is wrongly marked as doubtful is only solved separately.
 """
 Elsewhere: TypeAlias = Callable[[], Iterable[Floats]]
 
@@ -182,12 +183,12 @@ def chosen(
 
 
 def doubtful(discretisation: Discretisation, freedom: RigidFreedom, reaction: Floats, gap: Floats) -> Bools:
-    """Mask (k,) of the combinations that may have several answers, given their reactions and gaps (k, m)."""
+    """Mask (k,) of the combinations that may have several solutions; reactions and gaps are (k, m)."""
     if len(discretisation.repeated):
         return np.ones(len(reaction), np.bool_)
     several = np.zeros(len(reaction), np.bool_)
     if discretisation.shared:
-        # If every point is closed, gaps are rounding relative to the bending by the reactions.
+        # If every point is closed, gaps are rounding; the reference is the bending by the reactions.
         travel = np.abs(gap).max(axis=1, initial=0.0) + np.abs(discretisation.contacts.distance).max()
         touching = np.abs(gap) <= _DOUBTFUL * (travel + _bending(discretisation, reaction))[:, None]
         several |= np.any([touching[:, one.points].sum(axis=1) > 1 for one in discretisation.shared], axis=0)

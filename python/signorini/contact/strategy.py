@@ -196,7 +196,7 @@ def answered(
 
 
 def refusal(name: str, discretisation: Discretisation, load: CaseLoad, answer: Answer, certificate: Certificate) -> str:
-    """Message why the answer to the load ``name`` is refused, with the remedy."""
+    """Message on the reason why the answer to the load ``name`` is refused, with the remedy."""
     vain = ""
     why = [_of_supports(discretisation, load, answer)]
     if certificate.rounding > CERTIFIABLE:

@@ -88,7 +88,7 @@ class Discretisation(Remade):
 
     @property
     def each(self) -> tuple[Discretisation, ...]:
-        """Discretisation of each plate; for a model of one plate, this discretisation."""
+        """Discretisations of the plates; for a model of one plate, this discretisation alone."""
         return tuple(plate.own for plate in self.members)
 
     @property
@@ -175,7 +175,7 @@ class Discretisation(Remade):
 
     @cached_property
     def contact_rows(self) -> csr_array:
-        """Rows G (m, 3n) of the contact points."""
+        """Rows G (m, 3n) of the m contact points."""
         return self.over_dofs(self.contacts.rows)
 
     @cached_property
@@ -452,7 +452,7 @@ class OfWhole(Remade):
 
     @classmethod
     def alone(cls, plate: Discretisation) -> OfWhole:
-        """The only member of a model of one plate."""
+        """Make the only member of `Discretisation.members` of a model of one plate."""
         model = plate.model
         return cls(
             "",
@@ -479,5 +479,5 @@ class OfWhole(Remade):
 
     @property
     def dofs(self) -> slice:
-        """Indices of this plate's dofs in the joined arrays."""
+        """Indices of this plate's dofs among the dofs of all plates."""
         return slice(3 * self.nodes.start, 3 * self.nodes.stop)

@@ -53,10 +53,10 @@ RIGID = 1e12
 _ROUNDING = 1e-9
 """Relative tolerance of all limits of the domain, since coordinates and formulas are rounded."""
 _ALONG = 0.02
-"""Largest rate (about 1°) at which the distance between two parallel lines may change along them.
+"""Largest slope (about 1°) at which the distance between two parallel lines may change along the lines.
 
-Lines that meet or cross at a larger angle share a point. Their reactions are no larger than those of parallel lines at
-the least distance.
+Lines that meet or cross at a larger angle share a point. Reactions at such lines are no larger than at parallel lines
+with the least distance.
 """
 _AROUND = 64
 """Number of directions around a point in which is tested whether there is plate."""
@@ -66,8 +66,7 @@ _HALF_AT_POINT, _HALF_ON_LINE = 0.375, 0.625
 With less plate the point is at a corner of the plate (less than 0.375, 135°), or on its edge (less than 0.625).
 """
 _OF_SIDE, _OF_CIRCLE, _MOST = 8, 64, 1000
-"""Least number of pieces into which a side is divided, the same for a circle, and about the largest number of either.
-"""
+"""Least numbers of pieces of a side and of a circle, and about the largest number of pieces of either."""
 
 
 class _Hold(NamedTuple):

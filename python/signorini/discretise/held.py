@@ -29,7 +29,7 @@ PARALLEL = np.sin(np.radians(10.0))
 The sides of a curved edge are parabolas, whose tangents are not exactly normal to the radius.
 """
 CONSISTENT = 1e-9
-"""Relative tolerance for equal settlements, gaps or rotations at one point: formulas are rounded."""
+"""Relative tolerance for equal settlements, gaps or rotations at one point, since formulas are rounded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +156,10 @@ def _settle(mesh: Mesh, bodies: Bodies, deflections: Sequence[Floats], slopes: _
 
 
 def rounding_of(largest: float, points: Floats) -> float:
-    """Tolerance for equal deflections up to ``largest``: formulas in the coordinates of points (n, 2) are rounded."""
+    """Tolerance for equal deflections of at most ``largest``.
+
+    The deflections follow from formulas in the coordinates of points (n, 2), which are rounded.
+    """
     size = float(np.ptp(points, axis=0).max())
     return max(CONSISTENT * min(largest, size), float(np.finfo(float).eps * np.abs(points).max()))
 
@@ -176,7 +179,7 @@ def _cross(a: Floats, b: Floats) -> float:
 
 
 def _rotation_of(basis: list[_Slope]) -> Floats:
-    """The rotation (2,) with the prescribed slopes along two directions."""
+    """The rotation (2,) that has the prescribed slopes along the two directions of ``basis``."""
     directions = np.array([slope.direction for slope in basis])
     slopes = np.array([slope.direction @ slope.rotation for slope in basis])
     return np.asarray(np.linalg.solve(directions, slopes)) if slopes.any() else np.zeros(2)

@@ -125,7 +125,7 @@ class Law:
 
     @property
     def pushing(self) -> Law:
-        """The law λ = k max(s, 0) with the largest slope k of this law."""
+        """The law λ = k max(s, 0), s the travel, where k is the largest slope of this law."""
         return Law(ends=(0.0, float(self.slopes.max())))
 
     @cached_property
@@ -197,8 +197,8 @@ class Law:
         result = []
         sides: tuple[tuple[Literal["left", "right"], float], ...] = (("left", -np.inf), ("right", np.inf))
         for side, endless in sides:
-            # The index of the piece is the number of vertices below the force; for the largest travel, of those not
-            # above it.
+            # For the least travel, the index of the piece is the number of vertices with smaller forces. For the
+            # largest travel, vertices with equal forces count too.
             piece = np.minimum(np.searchsorted(forces, at_force, side), len(self.slopes) - 1)
             slope, flat = self.slopes[piece], self.slopes[piece] == 0.0
             along = (at_force - self.anchors[piece, 1]) / np.where(flat, 1.0, slope)
@@ -455,7 +455,7 @@ class SupportLaw:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Least and largest pressure that the support's direction allows, without regard to its limit."""
+        """Least and largest pressure that the direction of the support allows, regardless of the limit."""
         return {"down": (0.0, np.inf), "up": (-np.inf, 0.0), "both": (-np.inf, np.inf)}[self.support.direction]
 
     @property
@@ -477,7 +477,8 @@ class SupportLaw:
     def pressure(self, deflection: Floats, positions: Floats) -> Floats:
         """Pressure (..., q) of an elastic area for deflections (..., q) at positions (q, 2), within its limit.
 
-        It continues beyond ``bounds``, as if the area acted both ways; the edge of contact is where it is 0.
+        The pressure continues beyond ``bounds``, as if the area acted in both directions. It is 0 at the edge of
+        contact.
 
         Examples
         --------

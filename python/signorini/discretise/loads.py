@@ -28,7 +28,10 @@ _GAUSS_VARYING = 5
 
 Three points integrate cos 3φ around a circle with an error of 2 %."""
 CANCELLED = 16 * float(np.finfo(float).eps)
-"""Relative tolerance for a zero sum of two loads: a plate that floats must not drift on rounding."""
+"""Relative tolerance for a zero sum of two loads.
+
+A floating plate must not drift under the rounding of the sum.
+"""
 _BALANCED = 1e-12
 """Largest resultant of a self-equilibrated load, relative to the sum of magnitudes of its forces."""
 _NOTHING = 1e-9
@@ -207,7 +210,7 @@ def _load(
 
 
 class Onto:
-    """Sums the nodal forces of loads on a mesh and their direct contributions to sections."""
+    """Sums nodal forces of loads on a mesh, and contributions of these loads to the forces through sections."""
 
     def __init__(self, mesh: Mesh, sections: Sections) -> None:
         self.mesh, self._sections = mesh, sections

@@ -54,7 +54,7 @@ _LEAST_BESIDE_LINES = 0.25
 Smaller elements would be too many.
 """
 _FOLLOWED = 0.55 * _LEAST_BESIDE_LINES
-"""Least distance of a line from other geometry, relative to the element size, at which the mesh can follow it."""
+"""Least distance from other geometry at which the mesh can follow a line, relative to the element size."""
 _SHARP = 0.42
 """Smallest angle in radians (24°) between two lines that the mesher can follow."""
 _EVERY = 5
@@ -120,7 +120,7 @@ def to_follow(model: Model, where: str = "there", size: float | None = None) -> 
 
 
 def sharp_corner(region: Region) -> Floats | None:
-    """The sharpest corner (2,) of a region's outline if its angle is too small for the mesher, else None."""
+    """Position (2,) of the sharpest corner of a region if its angle is too small for the mesher, else None."""
     least, result = _SHARP, None
     for loop in region.loops:
         back, onward = np.roll(loop, 1, axis=0) - loop, np.roll(loop, -1, axis=0) - loop
@@ -331,7 +331,7 @@ def _refined(plate: OutlinedPlate, part: Refinement, number: int) -> Iterator[Fl
         if inside.area > MOST * part.size**2:
             message = f"found {part.size:g}; there would be more than {MOST:g} elements in this area. Take larger ones."
             raise InputError(message, place=("mesh", "refine", number, "size"))
-        # Between points two sizes apart, element sizes grow by at most a third.
+        # Points are two element sizes apart: between them, element sizes grow by at most a third.
         x, y = (_spread(low, high, 2.0 * part.size) for low, high in ((x0, x1), (y0, y1)))
         grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         held = grid[inside.contains(grid)]
@@ -453,7 +453,7 @@ def _chords(a: Point, through: Point | None, b: Point) -> Floats:
 
 
 def _clipped(chords: Floats, low: Floats, high: Floats) -> Floats:
-    """Parts of chords (k, 2, 2) inside a box (Liang & Barsky 1984): circles may be far larger than the plate."""
+    """Parts of chords (k, 2, 2) inside a box (Liang & Barsky 1984), since circles may be far larger than the plate."""
     begin, along = chords[:, 0], chords[:, 1] - chords[:, 0]
     still = along == 0.0
     beside = (still & ((begin < low) | (begin > high))).any(axis=1)
@@ -478,5 +478,5 @@ def _divided(side: Floats, longest: float) -> Floats:
 
 
 def _distance(points: Floats, chords: Floats) -> Floats:
-    """Distance (q,) of points from the nearest chord (k, 2, 2)."""
+    """Distance (q,) of each point from the nearest of the chords (k, 2, 2)."""
     return np.asarray(distances(points, chords[:, 0], chords[:, 1]).min(axis=1))

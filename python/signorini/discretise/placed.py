@@ -25,7 +25,7 @@ _LEAST = 1e-9
 """Least size of a footprint relative to the plate's size; smaller footprints are lost in the rounding of coordinates.
 """
 _HOLE_SLACK = 1e-3
-"""Relative tolerance for the area of a hole in the mesh."""
+"""Relative tolerance for the area of a hole, whose curved edges the mesh approximates."""
 _OFF_MIDDLE = 0.01
 """Largest distance of a footprint's middle from its point, relative to the square root of the footprint's area."""
 _PARALLEL = 1e-9
@@ -72,7 +72,7 @@ class Footprints:
     def _require_on_plate(
         self, centre: tuple[float, float], shape: Whole, quadrature: Quadrature, place: Place
     ) -> None:
-        """Refuse a footprint beyond the plate; it may cover the hole around its point, and holes inside itself."""
+        """Refuse a footprint beyond the plate; only holes inside it, and the hole around its point, may be covered."""
         mesh, subject = self._mesh, f"The footprint of the point {point(centre, self._mesh.size)}"
         if quadrature.total == 0.0:
             raise InputError(f"{subject} lies in a hole. Make it larger than the hole, or move the point.", place=place)

@@ -56,7 +56,7 @@ _FOUR = 4
 Four points resist both slopes equally, on a circle and on a rectangle.
 """
 _NUDGE = 1e-4
-"""Distance, relative to the element's size, at which elements around a point are searched."""
+"""Distance from a point at which the elements around it are searched, relative to the element's size."""
 _WITH_FOOTPRINTS = ("support", "load", "contact")
 """Keys of the tables whose points may have footprints."""
 _ROUND = np.radians(22.5 + 45.0 * np.arange(8))
@@ -190,9 +190,9 @@ def in_area(
 def _require_on_plate(
     mesh: Mesh, plate: Plate, shape: Region | Curve, points: Quadrature, subject: str, place: Place
 ) -> None:
-    """Refuse geometry that leaves the plate; areas may cover holes, the inside of an annulus included.
+    """Refuse geometry that leaves the plate; areas may cover holes, including the inside of an annulus.
 
-    A sector represents the whole plate, so circles about its center may leave it.
+    A sector represents the whole plate, so circles about the sector's center may leave it.
     """
     if points.total == 0:
         apart = length(_apart(mesh, shape), mesh.size)

@@ -1,4 +1,4 @@
-"""Several plates: each is discretised, then all are joined in one table of nodes and elements with their contacts."""
+"""Several plates: each plate is discretised, then all plates and their contacts are joined in one discretisation."""
 
 from __future__ import annotations
 

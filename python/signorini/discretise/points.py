@@ -50,7 +50,7 @@ class ContactPoints(Table, Brief):
 
     @classmethod
     def none(cls) -> Self:
-        """The empty table."""
+        """The table without points."""
         zeros, ids = np.zeros(0), np.zeros(0, np.int64)
         flags, place = np.zeros(0, np.bool_), np.zeros((0, 2))
         shared = np.zeros((0, 4), np.int64)
@@ -84,13 +84,13 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def compliance(self) -> Floats:
-        """C (m,), the least compliance of each law, travel over force; 0 where it is rigid."""
+        """Compliance C (m,), travel over force, on the stiffest piece of each point's law; 0 if this piece is rigid."""
         slope: Floats = np.array([law.slopes.max() for law in self.laws])[self.law]
         return np.asarray(self.unit / (self.scale * slope))
 
     @cached_property
     def stiffness(self) -> Floats:
-        """1/C (m,), the largest slope of each law, force over travel; infinite where it is rigid."""
+        """Stiffness 1/C (m,), force over travel, on the stiffest piece of each point's law; infinite if it is rigid."""
         slope: Floats = np.array([law.slopes.max() for law in self.laws])[self.law]
         return np.asarray(self.scale * slope / self.unit)
 
@@ -140,7 +140,7 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def _pieces(self) -> tuple[Floats, Floats, Bools, Floats]:
-        """Slope, force at the corner, and whether first or last, of pieces (laws, p); ranges of force (laws, p, 2)."""
+        """Pieces (laws, p) of all laws: slope, force at the corner, first or last; ranges of force (laws, p, 2)."""
         shape = len(self.laws), max(len(law.slopes) for law in self.laws)
         slopes, forces, ends = np.full(shape, np.nan), np.zeros(shape), np.zeros(shape, np.bool_)
         ranges = np.zeros((*shape, 2))
@@ -182,12 +182,15 @@ class ContactPoints(Table, Brief):
 
     @cached_property
     def two_sided(self) -> Bools:
-        """Whether points (m,) have a straight law, Gu − Cλ = g: they neither let go nor yield."""
+        """Whether each point (m,) has a straight law, Gu − Cλ = g, and so neither lets go nor yields."""
         return np.array([law.straight for law in self.laws], np.bool_)[self.law]
 
     @cached_property
     def equations(self) -> Bools:
-        """Whether points (m,) are constraints Gu = g: a straight law with C = 0. They may be linearly dependent."""
+        """Whether each point (m,) is a constraint Gu = g: a straight law with C = 0.
+
+        The rows of these points may be linearly dependent.
+        """
         return np.asarray(self.two_sided & (self.compliance == 0.0))
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Redundant contact points: their rows are linear combinations of other rows."""
+"""Redundant contact points, whose rows are linear combinations of other contact points' rows."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SAME = 1e-12
 Entries have rounding errors of 1e-15; rows of two points 1e-9 of an element apart differ by 1e-9.
 """
 _CLEAR = 1e-10
-"""Least pivot of G Gᵀ that shows rows G of unit length to be independent beyond rounding."""
+"""Least pivot in the elimination of G Gᵀ, with rows G of unit length, at which the rows count as independent."""
 _MOST = 10_000
 """Largest number of rigid two-sided points between nodes; dependent rows are found with a dense matrix."""
 
@@ -51,7 +51,7 @@ def within(rows: csr_array, dofs: Bools) -> csr_array:
 
 
 def lengths(rows: csr_array) -> Floats:
-    """Euclidean norms (m,) of rows."""
+    """Euclidean norm (m,) of each row."""
     return np.asarray(np.sqrt(rows.multiply(rows).sum(axis=1)))
 
 
@@ -119,7 +119,10 @@ def followers(rows: csr_array) -> Followers:
 
 
 def _entangled(rows: csr_array) -> Ints:
-    """Indices of the rows that remain after repeated removal of rows with a dof that no other row has."""
+    """Indices of the rows that may be dependent.
+
+    Rows with a dof that no other row has are removed, repeatedly.
+    """
     pattern = csr_array((np.ones(rows.nnz), rows.indices, rows.indptr), shape=rows.shape)
     some = np.arange(rows.shape[0])
     while len(some):
@@ -229,7 +232,7 @@ def shared_by(model: Model, mesh: Mesh, held: Held, points: ContactPoints) -> li
     at_points = np.array([support.at is not None for support in model.support], np.bool_)[points.support[rigid]]
     result = []
     for mine in np.split(order, np.flatnonzero(np.diff(label[order])) + 1):
-        # Results do not show how reactions are shared within one line or area.
+        # Within one line or area, results do not show the reactions of single points.
         if len(mine) < 2 or not (at_points[mine].any() or np.ptp(points.support[rigid[mine]])):
             continue
         groups, own = np.unique(group[mine], return_inverse=True)

@@ -84,13 +84,13 @@ class Rows:
     def summed(cls, owners: Ints, elements: Ints, values: Floats, nodes: Ints) -> Rows:
         """Sum terms with coefficients ``values`` (k, 24) over elements (k,) into rows ``owners`` (k,).
 
-        Every row has at least one term. ``nodes`` (ne, 8) are those of the mesh's elements.
+        Every row has at least one term. ``nodes`` (ne, 8) are the nodes of the mesh's elements.
         """
         pairs, which = np.unique(np.column_stack([owners, elements]), axis=0, return_inverse=True)
         owner, element = pairs.T
         sums = np.zeros((len(pairs), 24))
         np.add.at(sums, which.ravel(), values)
-        # The terms of a node in several elements are summed in the first one, so that each dof occurs once.
+        # If a node occurs in several elements, its terms are summed in the first of them, so that each dof occurs once.
         rows_and_nodes = np.column_stack([np.repeat(owner, 8), nodes[element].ravel()])
         _, first, node = np.unique(rows_and_nodes, axis=0, return_index=True, return_inverse=True)
         gathered, parts = np.zeros((8 * len(pairs), 3)), sums.reshape(-1, 3)
@@ -120,7 +120,7 @@ class Rows:
 
     @property
     def arrays(self) -> tuple[Ints, Floats, Ints]:
-        """Elements (m + q,), coefficients (m + q, 24), row indices (q,) of the last q terms, as `_core` takes them."""
+        """Elements (m + q,), coefficients (m + q, 24), and rows (q,) of the last q terms, as `_core` takes them."""
         further = self.further
         if not len(further.owners):
             return self.elements, self.coefficients, further.owners

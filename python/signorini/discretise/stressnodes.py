@@ -125,7 +125,7 @@ class StressNodes(Remade):
         return self.mesh.node_count + len(self.further)
 
     def spread(self, values: Floats) -> Floats:
-        """Values (s, ...) at stress nodes from values at mesh nodes (n, ...) or at stress nodes (s, ...)."""
+        """Values (s, ...) at stress nodes; the given values are at mesh nodes (n, ...) or at stress nodes (s, ...)."""
         return values if len(values) == self.count else np.asarray(values[self.nodes])
 
     def at(self, sides: Sides, values: Floats) -> Floats:
@@ -168,7 +168,7 @@ def stress_nodes_of(
 
 
 def solid_thickness(nodes: StressNodes, zones: Zones) -> Floats:
-    """Thickness (s,) at stress nodes; NaN where a section is given by its stiffness and has no stresses."""
+    """Thickness (s,) at stress nodes; NaN where a section is given by its stiffness, so that it has no stresses."""
     mesh = nodes.mesh
     if not zones.model.zone and zones.formulas[0].is_constant:
         solid = zones.model.plate.stiffness is None

@@ -100,7 +100,7 @@ class PlateStiffness:
 
 
 def thickness_of(mesh: Mesh, zones: Zones) -> Thickness:
-    """Evaluate the thickness; refuse values outside the domain of validity."""
+    """Evaluate the thickness at all section points; refuse values outside the domain of validity."""
     formulas, kind = zones.formulas, zones.model.plate.element
     cut_by_zones = zones.parted.any(axis=0)
     if not cut_by_zones.any() and all(formula.is_constant for formula in formulas):

@@ -1,4 +1,4 @@
-"""Section (thickness and stiffness) at each position on the plate, as the plate or its zones prescribe it."""
+"""Section (thickness and stiffness) at each position, as the plate or one of its zones prescribes it."""
 
 from __future__ import annotations
 
@@ -202,7 +202,7 @@ class Zones:
 
     @property
     def unit_weights(self) -> Floats:
-        """Weight per volume of the materials of plate and zones; NaN for materials without a unit weight."""
+        """Unit weight of the material of the plate and of each zone; NaN for materials without unit weight."""
         materials = [self.model.material, *(zone.material or self.model.material for zone in self.model.zone)]
         return np.array([np.nan if material.unit_weight is None else material.unit_weight for material in materials])
 
@@ -220,7 +220,7 @@ class Zones:
 
     @property
     def of_elements(self) -> SectionIndex:
-        """Section of each element (ne,), at its middle."""
+        """Section at the middle of each element (ne,)."""
         return self._made(self.inside)
 
     def at(self, elements: Ints, points: Floats) -> SectionIndex:
@@ -252,7 +252,7 @@ class Zones:
         return np.where(np.isnan(equivalent), nominal, equivalent)
 
     def nominal(self, formula_of: Ints, points: Floats) -> Floats:
-        """Evaluate the thickness (q,) of the input at points (q, 2) by the formulas with indices (q,)."""
+        """Thickness (q,) of the input at points (q, 2); ``formula_of`` (q,) is the index of each point's formula."""
         result = np.empty(len(points))
         for number in np.unique(formula_of):
             with_formula = formula_of == number

@@ -58,7 +58,7 @@ class Table(BaseModel):
         __init__.__pydantic_base_init__ = True
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Refuse to assign a key."""
+        """Refuse to assign a value to a key."""
         if name in type(self).model_fields:
             kind = type(self).__name__
             raise AttributeError(f"{kind} is immutable; make a new {kind} with another {name}.", name=name, obj=self)
@@ -217,7 +217,7 @@ def _polyline(points: Any) -> object:
 
 
 def first_duplicate(values: Sequence[object]) -> object | None:
-    """The first value that occurs twice in a list; None without duplicates."""
+    """Return the first value that occurs twice in a list; None if there are no duplicates."""
     return next((value for index, value in enumerate(values) if value in values[:index]), None)
 
 

@@ -86,7 +86,7 @@ class Material(Table):
 
     @property
     def young(self) -> float:
-        """Young's modulus E; for an orthotropic material max(Ex, Ey)."""
+        """Young's modulus E of the material; for an orthotropic material max(Ex, Ey)."""
         return self.E if self.E is not None else max(self.axes.Ex, self.axes.Ey)
 
     @property
@@ -101,7 +101,7 @@ class Material(Table):
         return Axes(Ex, Ey, nu_xy, Gxy, self.Gxz or Gxy, self.Gyz or Gxy, self.angle or 0.0)
 
     def missing(self) -> Iterator[Complaint]:
-        """Yield the moduli that are missing from an isotropic material."""
+        """Yield a problem for each modulus that is missing from an isotropic material."""
         for key in _ISOTROPIC:
             if getattr(self, key) is None:
                 yield (key,), f"'{key}' is missing. {type(self).model_fields[key].description}"
@@ -152,7 +152,7 @@ class Stiffness(Table):
 
     @property
     def poisson(self) -> float:
-        """Poisson's ratio D1/√(Dx Dy), the geometric mean of those of both axes."""
+        """Poisson's ratio D1/√(Dx Dy), the geometric mean of the ratios of both axes."""
         return self.D1 / math.sqrt(self.Dx * self.Dy)
 
     @property

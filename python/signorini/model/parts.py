@@ -59,7 +59,7 @@ class Whole(Protocol):
 
     @property
     def effective_combinations(self) -> object:
-        """All combinations."""
+        """All combinations of the model."""
 
     def varied(self, **tables: object) -> Self:
         """Return a copy in which ``tables`` replace tables of the same key."""
@@ -84,7 +84,7 @@ class Part(Generic[M]):
 
     @cached_property
     def model(self) -> M:
-        """The model of this plate alone."""
+        """The plate as a model of one plate."""
         whole, plate = self.whole, self.whole.plates[self.name]
         tables: dict[str, object] = {
             key: tuple(getattr(whole, key)[i] for i in numbers) for key, numbers in self.numbers.items()
@@ -129,7 +129,7 @@ def _plates_of(table: OnPlate) -> tuple[str, ...]:
 
 
 def _on_plate(model: Whole, support: Support, name: str) -> Support:
-    """The support as it acts on plate ``name``; for the lower of two plates its direction is reversed."""
+    """The support as it acts on plate ``name``; for the lower of two plates the direction is reversed."""
     if support.between is None:
         return support
     upper, lower = support.between

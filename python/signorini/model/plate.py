@@ -131,11 +131,11 @@ class OutlinedPlate(_Plate):
     @property
     @abstractmethod
     def outline(self) -> Contour:
-        """The outer boundary."""
+        """The outer boundary of the plate."""
 
     @property
     def hole_contours(self) -> tuple[Contour, ...]:
-        """The boundaries of the holes."""
+        """The boundaries of the plate's holes."""
         return tuple(hole.contour(f"hole {number}") for number, hole in enumerate(self.holes, 1))
 
     @property
@@ -145,7 +145,7 @@ class OutlinedPlate(_Plate):
 
     @property
     def edge_names(self) -> tuple[str, ...]:
-        """Names of the outer edges, followed by those of the holes' edges."""
+        """Names of the outer edges, followed by the names of the holes' edges."""
         return tuple(dict.fromkeys(name for contour in self.contours for name in contour.edges))
 
     def element_size(self, mesh: MeshOptions) -> float:

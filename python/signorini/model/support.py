@@ -316,7 +316,7 @@ class Support(Acting, base.Named):
 
     @property
     def is_rigid(self) -> bool:
-        """Whether the support holds the deflection w without an elastic travel; it may have a limit."""
+        """Whether the support holds the deflection w without elastic travel; the support may have a limit."""
         return self.holds_w and not self.is_elastic
 
     @property

@@ -99,7 +99,7 @@ class Located(base.Table):
 
     @property
     def where(self) -> Where:
-        """The place as a `Where`."""
+        """The place that the keys of the table give."""
         region = self.area.region if isinstance(self.area, Area) else None
         return Where(
             self.place, self.at or (), self.edge or (), curve_of(self.line, self.circle), region, self._footprints()

@@ -20,7 +20,7 @@ from signorini.shapes.cuts import Part
 _ON_PLATE = 1e-9
 """Largest area or length off the plate, relative to the whole, that counts as rounding."""
 _RADON = 3
-"""Largest order of Gauss's rule for which Radon's seven points are as accurate on a triangle."""
+"""Largest number of Gauss points per direction at which Radon's seven points on a triangle are as accurate."""
 _LINES_FROM = {1: (2,), 2: (0,), 4: (1,), 3: (2, 0), 6: (0, 1), 5: (1, 2), 7: (0, 1, 2)}
 """Corners of a triangle at which the lines of a collapsed rule meet, for each set of sides on the outline.
 
@@ -114,7 +114,7 @@ def _whole(mesh: Mesh, elements: Ints, order: int, outer: Bools) -> list[Quadrat
 
 
 def _by_rule(mesh: Mesh, elements: Ints, station: Floats, weight: Floats, triangles: bool = False) -> Quadrature:
-    """Quadrature by one rule over whole elements, either all triangles or all quadrilaterals."""
+    """Quadrature by one rule over whole elements, which are all triangles or all quadrilaterals."""
     nodes = mesh.nodes[elements]
     weights = determinants(nodes, station, triangles) * weight
     positions = ((triangular if triangles else serendipity)(station)[0] @ nodes).reshape(-1, 2)

@@ -29,7 +29,7 @@ from signorini.shapes.cuts import Part
 _STRAIGHT = 1e-14
 """Largest bend of a side that counts as straight, relative to its coordinates."""
 _THIN = 1e-13
-"""Least width of a strip, area of a cell, and weight of a point, relative to those of the element or the cell."""
+"""Least width of a strip and area of a cell, relative to the element's, and least weight, relative to the cell's."""
 _ROUNDED = 8.0 * np.finfo(float).eps
 """Least width of a strip, relative to the coordinates of the element: common ends of sides are rounded."""
 _SLIVER = 1e-12

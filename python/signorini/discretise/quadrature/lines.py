@@ -20,7 +20,7 @@ from signorini.shapes import Curve, Ring
 from signorini.shapes.outlines import Outline, Side, arc_through
 
 _SAME = 1e-13
-"""Relative rounding of coordinates and of thirds of a circle."""
+"""Relative rounding errors of coordinates, and of the angles of thirds of a circle."""
 _TOUCHED = 1e-6
 """Least length of a piece relative to its arc: tangent points are computed to half of the digits."""
 _STRAIGHT = 1e-9
@@ -53,7 +53,7 @@ class Segment:
         return self.begin + s[:, None] * along, np.tile(along, (len(s), 1))
 
     def crossings(self, sides: Floats) -> Floats:
-        """Arc lengths (r,) at which sides (k, 3, 2) meet the segment, unordered, possibly repeated."""
+        """Arc lengths (r,) at which sides (k, 3, 2) meet the segment, in any order; values may occur twice."""
         segment = np.stack([self.begin, self.end])[None]
         near, _, _, _ = touched(side_boxes(sides), Outline(segments=segment), _margin(sides))
         sides = sides[near]
@@ -95,7 +95,7 @@ class PartOfCircle:
         return self.center + self.radius * outward, sign * np.column_stack([-outward[:, 1], outward[:, 0]])
 
     def crossings(self, sides: Floats) -> Floats:
-        """Arc lengths (r,) at which sides (k, 3, 2) meet the full circle, unordered, possibly repeated."""
+        """Arc lengths (r,) at which sides (k, 3, 2) meet the full circle, in any order; values may occur twice."""
         circle = np.array([[*self.center, self.radius]])
         _, _, near, _ = touched(side_boxes(sides), Outline(circles=circle), _margin(sides))
         _, points = with_circles(quadratics(sides[near]), np.repeat(circle, len(near), axis=0))
@@ -156,7 +156,7 @@ def arcs_of(outline: Outline) -> list[Arc]:
 
 
 def arc_of(side: Side) -> Arc:
-    """Convert a side, straight or an arc, to a piece parametrised by arc length."""
+    """Convert a straight or circular side of an outline to a piece parametrised by arc length."""
     begin, through, end = side
     result = None if through is None else arc_through(begin, through, end)
     return Segment(np.array(begin), np.array(end)) if result is None else PartOfCircle(*result)

@@ -1,4 +1,4 @@
-"""Quadrature rules on −1 ≤ t ≤ 1 (Gauss; Lobatto, with points at both ends) and on triangles; points on a mesh."""
+"""Quadrature rules on −1 ≤ t ≤ 1 (Gauss, Lobatto) and on triangles; tables of quadrature points on a mesh."""
 
 from __future__ import annotations
 

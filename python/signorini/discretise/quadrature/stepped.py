@@ -26,11 +26,12 @@ _EMPTY = 1e-14
 
 
 Levels = Sequence[Callable[[Floats], Floats]]
-"""Functions of positions (q, 2), each of which changes sign at a step. NaN counts as negative."""
+"""Level functions of positions (q, 2): each function changes sign at a step of the integrand. NaN counts as negative.
+"""
 OFF = 1e-4
 """Largest deviation of a cut from a curved step, relative to the side of the element."""
 _DEEPEST = 7
-"""Largest number of subdivisions of an element."""
+"""Largest number of times that an element is subdivided."""
 INSIDE = 1.0 - 1e-6
 """Distance of the outermost sample points from the middle, relative to that of the side: they are not on the side."""
 _PARTED = 0.4863
@@ -41,7 +42,7 @@ It is not the middle, since jumps often run along the middle.
 _SEEN = 9
 """Number of sample points of an element in each direction; features smaller than an eighth of it may be missed."""
 _CHUNK = 200_000
-"""Largest number of sample points in memory at once."""
+"""Largest number of sample points that are evaluated at once, to limit memory."""
 _HYPOTENUSE = np.array([1.0, -1.0, -1.0])
 """Coefficients of the plane 1 − ξ − η, positive inside the reference triangle."""
 

@@ -172,7 +172,7 @@ class Cut:
 
 
 def cut(mesh: Mesh, plate: _core.Plate, kind: str, held: Held, points: Sequence[Point]) -> Cut:
-    """Cut a plate along a line through points; ``kind`` is the name of its finite element."""
+    """Cut a plate along a line through points; ``kind`` is the name of the plate's finite element."""
     line = _Followed(mesh, points)
     met, divided, pieces = _met(mesh, line)
     length = _length(line.line, pieces)
@@ -374,7 +374,7 @@ def _rest(
     rows = np.stack([plate.interpolation_rows(element, xi, field)[0] for field in range(3)], axis=1)
     w, x, y = np.moveaxis(missing - np.einsum("qcd,qfd->qcf", v[place], rows), -1, 0)
     nx, ny = (part[:, None] for part in normal.T)
-    # The traction from the right: Q·n on w, −Mn on the slopes.
+    # The traction from the right side acts as Q·n on w, and as −Mn on the slopes.
     work = weights[:, None, None] * np.stack([-nx * x, -ny * y, -nx * y - ny * x, nx * w, ny * w], axis=1)
     stress = np.zeros((len(elements), _POINTS[kind], 5, 3))
     np.add.at(stress, place, _between(mesh, kind, element, xi)[:, :, None, None] * work[:, None])

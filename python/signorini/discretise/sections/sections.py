@@ -51,7 +51,7 @@ class Spread:
 
     @classmethod
     def even(cls, shape: Part, pressure: float, field: int = 0) -> Spread:
-        """A constant pressure over a footprint."""
+        """Make a constant pressure over a footprint."""
         return cls(shape, GAUSS, (), lambda _, positions: np.full(len(positions), pressure), field)
 
 
